@@ -65,16 +65,16 @@ impl BaseJointOptions {
 
     /// Base bounds along an axis.
     fn along(&self, axis: usize) -> Limits {
-        let rooms = self.base_bounds.iter().filter(|room| room.axis == axis);
+        let ranges = self.base_bounds.iter().filter(|range| range.axis == axis);
         let whole = Limits::UNBOUNDED;
-        rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
+        ranges.fold(whole, |limits, range| limits.intersection(&range.limits))
     }
 
     /// Root joint of a skeleton; its bounds are relative to the rest pose.
     pub(crate) fn root(&self) -> Outcome<SkeletonRoot> {
-        let room = [0, 1, 2].map(|axis| self.along(axis));
+        let bounds = [0, 1, 2].map(|axis| self.along(axis));
         match self.base_joint {
-            Some(BaseKind::Free) => Ok(SkeletonRoot::Free { room }),
+            Some(BaseKind::Free) => Ok(SkeletonRoot::Free { bounds }),
             None | Some(BaseKind::Fixed) if self.base_bounds.is_empty() => Ok(SkeletonRoot::Fixed),
             None | Some(BaseKind::Fixed) => Err(usage!("--base-bounds: the root is fixed")),
             Some(_) => Err(usage!(

@@ -79,7 +79,7 @@ def test_solutions_stay_within_cones_of_file_or_dict(wave: Path, tmp_path: Path)
 
 def test_skeleton_is_pickled_and_copied(wave: Path) -> None:
     cones = {"Arm": {"swing": (0.5, 0.25), "about": [0, 1, 0], "axis": [1, 0, 0], "twist": (-0.1, 0.2)}}
-    figure = kinopt.BallSkeleton.read(wave, cones=cones, root="free", room={"y": (-1.0, 1.0)})
+    figure = kinopt.BallSkeleton.read(wave, cones=cones, root="free", bounds={"y": (-1.0, 1.0)})
     q = figure.model.random_configuration(3)
     for again in (pickle.loads(pickle.dumps(figure)), copy.deepcopy(figure)):
         assert repr(again) == repr(figure)
@@ -120,8 +120,8 @@ def test_total_angle_is_equal_in_file_and_dict(wave: Path, tmp_path: Path) -> No
         ({"cones": 3}, kinopt.InvalidValueError, "cones"),
         ({"cones": "no such file.json"}, kinopt.FileError, "no such file"),
         ({"root": "planar"}, kinopt.UnknownNameError, "free"),
-        ({"room": {"x": (0.0, 1.0)}}, kinopt.UnknownNameError, "x"),
-        ({"root": "free", "room": {"x": 1.0}}, kinopt.InvalidValueError, "room"),
+        ({"bounds": {"x": (0.0, 1.0)}}, kinopt.UnknownNameError, "x"),
+        ({"root": "free", "bounds": {"x": 1.0}}, kinopt.InvalidValueError, "bounds"),
     ],
 )
 def test_invalid_arguments_raise(wave: Path, arguments: dict, error: type, words: str) -> None:

@@ -1,21 +1,21 @@
 //! AABB tree over points, triangles or obstacles.
 
 use super::bounding_box::BoundingBox;
-use super::wide_aabb_tree::{Met, Small, WideNodes};
+use super::wide_aabb_tree::{LeafContent, Predicate, WideNodes};
 use crate::spatial::Vector3;
 
 /// Largest number of items in a leaf.
-const LEAF: usize = 4;
+const MAX_LEAF_ITEMS: usize = 4;
 /// Stack size; exceeds the depth of a tree of 2³¹ items, since each node is split in halves.
-const DEEP: usize = 40;
+const STACK_SIZE: usize = 40;
 
 /// Binary AABB tree over items that are identified by index.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct BoxTree {
+pub(crate) struct AabbTree {
     nodes: Vec<Node>,
     /// Item indices, ordered so that the items of each leaf are contiguous.
     items: Vec<u32>,
-    wide: WideNodes,
+    wide_nodes: WideNodes,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -35,53 +35,53 @@ pub(crate) enum Contents<'a> {
     Nodes([u32; 2]),
 }
 
-impl BoxTree {
+impl AabbTree {
     /// Builds a tree over `count` items, at most 2³¹, from their boxes.
     pub(crate) fn new(count: usize, bounds: impl Fn(usize) -> BoundingBox) -> Self {
-        Self::of(count, Small::Boxes, bounds)
+        Self::of(count, LeafContent::Boxes, bounds)
     }
 
     /// Builds a tree over points.
     pub(crate) fn of_points(points: &[Vector3<f64>]) -> Self {
-        let bounds = |place: usize| BoundingBox::around([points[place]]);
-        Self::of(points.len(), Small::Points, bounds)
+        let bounds = |index: usize| BoundingBox::around([points[index]]);
+        Self::of(points.len(), LeafContent::Points, bounds)
     }
 
-    fn of(count: usize, small: Small, bounds: impl Fn(usize) -> BoundingBox) -> Self {
+    fn of(count: usize, small: LeafContent, bounds: impl Fn(usize) -> BoundingBox) -> Self {
         let mut tree = Self {
-            nodes: Vec::with_capacity(count.div_ceil(LEAF) * 2),
+            nodes: Vec::with_capacity(count.div_ceil(MAX_LEAF_ITEMS) * 2),
             items: (0..count as u32).collect(),
-            wide: WideNodes::default(),
+            wide_nodes: WideNodes::default(),
         };
         if count == 0 {
             return tree;
         }
         let centres: Vec<_> = (0..count).map(|i| bounds(i).centre()).collect();
         // Ranges that remain to be split, each with its node.
-        let mut left = vec![(0, count, tree.push())];
+        let mut pending = vec![(0, count, tree.push())];
         let mut ranges = Vec::with_capacity(tree.nodes.capacity());
-        while let Some((start, end, node)) = left.pop() {
+        while let Some((start, end, node)) = pending.pop() {
             ranges.resize(tree.nodes.len(), [0; 2]);
             ranges[node] = [start as u32, end as u32];
             let items = &mut tree.items[start..end];
-            if items.len() <= LEAF {
-                let around = items.iter().map(|&i| bounds(i as usize));
-                tree.nodes[node].bounds = around.fold(BoundingBox::EMPTY, BoundingBox::union);
+            if items.len() <= MAX_LEAF_ITEMS {
+                let item_bounds = items.iter().map(|&i| bounds(i as usize));
+                tree.nodes[node].bounds = item_bounds.fold(BoundingBox::EMPTY, BoundingBox::union);
                 tree.nodes[node].first = start as u32;
                 tree.nodes[node].second = end as u32;
                 continue;
             }
             let spread = BoundingBox::around(items.iter().map(|&i| centres[i as usize]));
             let axis = longest(spread.max - spread.min);
-            let at = |&i: &u32| centres[i as usize].to_array()[axis];
+            let coordinate = |&i: &u32| centres[i as usize].to_array()[axis];
             let middle = items.len() / 2;
-            items.select_nth_unstable_by(middle, |a, b| at(a).total_cmp(&at(b)));
+            items.select_nth_unstable_by(middle, |a, b| coordinate(a).total_cmp(&coordinate(b)));
             let children = [tree.push(), tree.push()];
             tree.nodes[node].first = children[0] as u32;
             tree.nodes[node].second = children[1] as u32;
             tree.nodes[node].leaf = false;
-            left.push((start, start + middle, children[0]));
-            left.push((start + middle, end, children[1]));
+            pending.push((start, start + middle, children[0]));
+            pending.push((start + middle, end, children[1]));
         }
         // Children have greater indices than their parents.
         for node in (0..tree.nodes.len()).rev() {
@@ -90,7 +90,7 @@ impl BoxTree {
                 tree.nodes[node].bounds = a.union(b);
             }
         }
-        tree.wide = WideNodes::new(&tree, &ranges, small, bounds);
+        tree.wide_nodes = WideNodes::new(&tree, &ranges, small, bounds);
         tree
     }
 
@@ -131,12 +131,17 @@ impl BoxTree {
         }
     }
 
-    /// True if `met` holds for an item whose box is nearer to `point` than `reach`, metres.
+    /// True if `predicate` holds for an item whose box is nearer to `point` than `reach`, metres.
     ///
     /// The order of the tests is unspecified. Items whose boxes are slightly farther may be tested as well.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn any<M: Met<u32>>(&self, point: Vector3<f64>, reach: f64, met: &M) -> bool {
-        self.wide.any(&self.items, point, reach, met)
+    pub(crate) fn any<M: Predicate<u32>>(
+        &self,
+        point: Vector3<f64>,
+        reach: f64,
+        predicate: &M,
+    ) -> bool {
+        self.wide_nodes.any(&self.items, point, reach, predicate)
     }
 
     /// Branch-and-bound search, nearer child first.
@@ -153,13 +158,13 @@ impl BoxTree {
         if self.nodes.is_empty() {
             return best;
         }
-        let mut stack = [(0, 0.0); DEEP];
+        let mut stack = [(0, 0.0); STACK_SIZE];
         stack[0] = (0, bound(&self.nodes[0].bounds));
         let mut height = 1;
         while height > 0 {
             height -= 1;
-            let (node, least) = stack[height];
-            if least >= best {
+            let (node, lower_bound) = stack[height];
+            if lower_bound >= best {
                 continue;
             }
             match self.contents(node) {
@@ -171,9 +176,9 @@ impl BoxTree {
                 Contents::Nodes([a, b]) => {
                     let a = (a, bound(&self.nodes[a as usize].bounds));
                     let b = (b, bound(&self.nodes[b as usize].bounds));
-                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
-                    stack[height] = far;
-                    stack[height + 1] = near;
+                    let (nearer, farther) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    stack[height] = farther;
+                    stack[height + 1] = nearer;
                     height += 2;
                 }
             }

@@ -35,8 +35,8 @@ impl BoundingBox {
     #[inline]
     pub(crate) fn with(self, point: Vector3<f64>) -> Self {
         Self {
-            min: least(self.min, point),
-            max: greatest(self.max, point),
+            min: component_min(self.min, point),
+            max: component_max(self.max, point),
         }
     }
 
@@ -44,17 +44,17 @@ impl BoundingBox {
     #[inline]
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
-            min: least(self.min, other.min),
-            max: greatest(self.max, other.max),
+            min: component_min(self.min, other.min),
+            max: component_max(self.max, other.max),
         }
     }
 
-    /// The box enlarged by `by` metres on all sides.
-    pub(crate) fn grown(self, by: f64) -> Self {
-        let by = Vector3::new(by, by, by);
+    /// The box enlarged by `margin` metres on all sides.
+    pub(crate) fn grown(self, margin: f64) -> Self {
+        let margin = Vector3::new(margin, margin, margin);
         Self {
-            min: self.min - by,
-            max: self.max + by,
+            min: self.min - margin,
+            max: self.max + margin,
         }
     }
 
@@ -72,7 +72,7 @@ impl BoundingBox {
     /// Squared distance from a point to the box; 0 inside.
     #[inline]
     pub(crate) fn squared_distance(&self, point: Vector3<f64>) -> f64 {
-        let nearest = greatest(self.min, least(self.max, point));
+        let nearest = component_max(self.min, component_min(self.max, point));
         (point - nearest).norm_squared()
     }
 
@@ -87,23 +87,23 @@ impl BoundingBox {
         };
         match (self.max - self.min).norm().is_finite() {
             true => Self::around((0..8).map(|i| world_from_shape.apply(corner(i)))),
-            false => Self::EVERYWHERE,
+            false => Self::UNBOUNDED,
         }
     }
 
     /// The unbounded box.
-    pub(super) const EVERYWHERE: Self = Self {
+    pub(super) const UNBOUNDED: Self = Self {
         min: Self::EMPTY.max,
         max: Self::EMPTY.min,
     };
 }
 
 #[inline]
-fn least(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+fn component_min(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z))
 }
 
 #[inline]
-fn greatest(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+fn component_max(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z))
 }

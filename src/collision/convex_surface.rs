@@ -15,7 +15,7 @@ pub(crate) struct ConvexSurface {
     /// Facets hidden by the last inserted point.
     pub(crate) hidden: Vec<u32>,
     /// Facets made by the last inserted point.
-    pub(crate) made: Vec<u32>,
+    pub(crate) new_facets: Vec<u32>,
     /// Boundary of the hidden region: from, to, and the facet beyond.
     rim: Vec<(u32, u32, u32)>,
 }
@@ -69,13 +69,13 @@ impl ConvexSurface {
         below(self.corners(facet), point) < 0.0
     }
 
-    /// Inserts a point that sees the facet `seen`. The hidden and the new facets are in `hidden` and `made`.
-    pub(crate) fn insert(&mut self, point: Vector3<f64>, seen: u32) {
+    /// Inserts a point that sees the facet `visible`. The hidden and the new facets are in `hidden` and `new_facets`.
+    pub(crate) fn insert(&mut self, point: Vector3<f64>, visible: u32) {
         self.hidden.clear();
-        self.made.clear();
+        self.new_facets.clear();
         self.rim.clear();
-        self.facets[seen as usize].alive = false;
-        self.hidden.push(seen);
+        self.facets[visible as usize].alive = false;
+        self.hidden.push(visible);
         let mut next = 0;
         while let Some(&facet) = self.hidden.get(next) {
             next += 1;
@@ -83,48 +83,48 @@ impl ConvexSurface {
                 corners, across, ..
             } = self.facets[facet as usize];
             for side in 0..3 {
-                let beyond = across[side];
-                if !self.facets[beyond as usize].alive {
+                let neighbour = across[side];
+                if !self.facets[neighbour as usize].alive {
                     continue;
                 }
-                if self.sees(beyond, point) {
-                    self.facets[beyond as usize].alive = false;
-                    self.hidden.push(beyond);
+                if self.sees(neighbour, point) {
+                    self.facets[neighbour as usize].alive = false;
+                    self.hidden.push(neighbour);
                 } else {
                     self.rim
-                        .push((corners[side], corners[(side + 1) % 3], beyond));
+                        .push((corners[side], corners[(side + 1) % 3], neighbour));
                 }
             }
         }
         // A facet that was alive at the test of its neighbour may be hidden by a later step.
         let facets = &self.facets;
         self.rim
-            .retain(|&(_, _, beyond)| facets[beyond as usize].alive);
+            .retain(|&(_, _, neighbour)| facets[neighbour as usize].alive);
         self.rim.sort_unstable();
         let apex = self.points.len() as u32;
         self.points.push(point);
         let first = self.facets.len() as u32;
-        for at in 0..self.rim.len() {
-            let (from, to, beyond) = self.rim[at];
+        for index in 0..self.rim.len() {
+            let (from, to, neighbour) = self.rim[index];
             // The rim is one closed polygon: each corner starts one side and ends another.
             let after = self.rim.partition_point(|&(start, _, _)| start < to) as u32;
             self.facets.push(Facet {
                 corners: [from, to, apex],
-                across: [beyond, first + after, u32::MAX],
+                across: [neighbour, first + after, u32::MAX],
                 alive: true,
             });
-            self.made.push(first + at as u32);
-            let outer = &mut self.facets[beyond as usize];
+            self.new_facets.push(first + index as u32);
+            let outer = &mut self.facets[neighbour as usize];
             for side in 0..3 {
                 if outer.corners[side] == to && outer.corners[(side + 1) % 3] == from {
-                    outer.across[side] = first + at as u32;
+                    outer.across[side] = first + index as u32;
                 }
             }
         }
-        for &made in &self.made {
-            let after = self.facets[made as usize].across[1];
+        for &facet in &self.new_facets {
+            let after = self.facets[facet as usize].across[1];
             if let Some(after) = self.facets.get_mut(after as usize) {
-                after.across[2] = made;
+                after.across[2] = facet;
             }
         }
     }

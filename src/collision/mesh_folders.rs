@@ -13,7 +13,7 @@ const MANIFEST_LIMIT: u64 = 1 << 20;
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshFolders {
     /// Folder of the robot's file.
-    pub(super) beside: Option<PathBuf>,
+    pub(super) robot_folder: Option<PathBuf>,
     /// Folders that contain packages or are packages.
     pub(super) packages: Vec<PathBuf>,
 }
@@ -23,17 +23,17 @@ impl MeshFolders {
     ///
     /// A package is a folder of its name, or else a folder whose `package.xml` states the name.
     pub(super) fn find(&self, reference: &str) -> Result<PathBuf, Vec<PathBuf>> {
-        let mut places = self.places(reference);
-        let is_file = |place: &&PathBuf| place.is_file();
-        if let Some(found) = places.iter().find(is_file) {
-            return Ok(found.clone());
+        let mut paths = self.candidate_paths(reference);
+        let is_file = |path: &&PathBuf| path.is_file();
+        if let Some(path) = paths.iter().find(is_file) {
+            return Ok(path.clone());
         }
-        let declared = self.places_by_manifest(reference, |_| true);
-        if let Some(found) = declared.iter().find(is_file) {
-            return Ok(found.clone());
+        let declared = self.paths_by_manifest(reference, |_| true);
+        if let Some(path) = declared.iter().find(is_file) {
+            return Ok(path.clone());
         }
-        places.extend(declared);
-        Err(places)
+        paths.extend(declared);
+        Err(paths)
     }
 
     /// [`find`](Self::find) restricted to allowed files: other meshes and manifests are not opened. The error is that
@@ -44,34 +44,37 @@ impl MeshFolders {
         allowed: &AllowedFiles,
     ) -> Result<PathBuf, Result<ReadError, Vec<PathBuf>>> {
         let mut looked_at = Vec::new();
-        let mut elsewhere = None;
-        let mut look_at = |place: PathBuf| {
+        let mut outside = None;
+        let mut try_path = |path: PathBuf| {
             // A package is searched for in many folders, some not allowed; a plain path is at one place.
-            if package_of(reference).is_some() && !allowed.are_above(&place) {
+            if package_of(reference).is_some() && !allowed.are_above(&path) {
                 return None;
             }
-            match allowed.resolve(&place) {
+            match allowed.resolve(&path) {
                 Ok(real) if real.is_file() => return Some(real),
                 Err(error) if matches!(error.problem, ReadProblem::Outside { .. }) => {
-                    elsewhere.get_or_insert(error);
+                    outside.get_or_insert(error);
                 }
-                _ => looked_at.push(place),
+                _ => looked_at.push(path),
             }
             None
         };
-        let named = self.places(reference).into_iter().find_map(&mut look_at);
+        let by_name = self
+            .candidate_paths(reference)
+            .into_iter()
+            .find_map(&mut try_path);
         let is_allowed = |folder: &Path| allowed.resolve(&folder.join(MANIFEST)).is_ok();
-        let found = named.or_else(|| {
-            let declared = self.places_by_manifest(reference, is_allowed);
-            declared.into_iter().find_map(&mut look_at)
+        let path = by_name.or_else(|| {
+            let declared = self.paths_by_manifest(reference, is_allowed);
+            declared.into_iter().find_map(&mut try_path)
         });
-        found.ok_or_else(|| elsewhere.ok_or(looked_at))
+        path.ok_or_else(|| outside.ok_or(looked_at))
     }
 
     /// Candidate paths in packages whose `package.xml` states the name. The packages are the folders above the robot's
     /// file, the folders next to its package, the given folders, and their subfolders. Only manifests in folders
     /// accepted by `is_allowed` are read.
-    fn places_by_manifest(
+    fn paths_by_manifest(
         &self,
         reference: &str,
         is_allowed: impl Fn(&Path) -> bool,
@@ -80,19 +83,21 @@ impl MeshFolders {
             return Vec::new();
         };
         let above: Vec<PathBuf> = self.above().filter(|folder| is_allowed(folder)).collect();
-        let own = above.iter().find(|folder| folder.join(MANIFEST).is_file());
-        let beside = own.and_then(|folder| folder.parent()).map(Path::to_owned);
-        let within = self
+        let package_folder = above.iter().find(|folder| folder.join(MANIFEST).is_file());
+        let siblings = package_folder
+            .and_then(|folder| folder.parent())
+            .map(Path::to_owned);
+        let subfolders = self
             .packages
             .iter()
-            .chain(&beside)
+            .chain(&siblings)
             .flat_map(|folder| folders_in(folder));
         let all = self
             .packages
             .iter()
             .cloned()
             .chain(above.clone())
-            .chain(within);
+            .chain(subfolders);
         all.filter(|folder| is_allowed(folder) && declares(folder, name))
             .map(|folder| folder.join(rest))
             .collect()
@@ -101,42 +106,42 @@ impl MeshFolders {
     /// The folder of the robot's file and its ancestors.
     fn above(&self) -> impl Iterator<Item = PathBuf> {
         // A file name without a folder is relative to the working directory. Absolute paths keep all ancestors.
-        let whole = |folder: &PathBuf| {
-            let whole = std::path::absolute(Path::new(".").join(folder));
-            whole.unwrap_or_else(|_| folder.clone())
+        let absolute = |folder: &PathBuf| {
+            let absolute = std::path::absolute(Path::new(".").join(folder));
+            absolute.unwrap_or_else(|_| folder.clone())
         };
-        let beside = self.beside.as_ref().map(whole);
-        let above =
+        let folder = self.robot_folder.as_ref().map(absolute);
+        let ancestors =
             |folder: PathBuf| -> Vec<PathBuf> { folder.ancestors().map(Path::to_owned).collect() };
-        beside.map(above).into_iter().flatten()
+        folder.map(ancestors).into_iter().flatten()
     }
 
-    fn places(&self, reference: &str) -> Vec<PathBuf> {
+    fn candidate_paths(&self, reference: &str) -> Vec<PathBuf> {
         let strip = |scheme: &str| reference.strip_prefix(scheme);
-        let mut places = Vec::new();
+        let mut paths = Vec::new();
         if let Some((name, rest)) = package_of(reference) {
             for folder in &self.packages {
-                places.push(folder.join(name).join(rest));
+                paths.push(folder.join(name).join(rest));
                 if is_named(folder, name) {
-                    places.push(folder.join(rest));
+                    paths.push(folder.join(rest));
                 }
             }
             // Upward from the robot's file: the package itself, or a package next to an ancestor.
             for folder in self.above() {
                 if is_named(&folder, name) {
-                    places.push(folder.join(rest));
+                    paths.push(folder.join(rest));
                 }
-                places.push(folder.join(name).join(rest));
+                paths.push(folder.join(name).join(rest));
             }
-            return places;
+            return paths;
         }
         let path = Path::new(strip("file://").unwrap_or(reference));
         if path.is_absolute() {
             return vec![path.to_owned()];
         }
-        let folders = self.beside.iter().chain(&self.packages);
-        places.extend(folders.map(|folder| folder.join(path)));
-        places
+        let folders = self.robot_folder.iter().chain(&self.packages);
+        paths.extend(folders.map(|folder| folder.join(path)));
+        paths
     }
 }
 
@@ -171,5 +176,7 @@ fn folders_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn is_named(folder: &Path, name: &str) -> bool {
-    folder.file_name().is_some_and(|own| own == name)
+    folder
+        .file_name()
+        .is_some_and(|folder_name| folder_name == name)
 }

@@ -3,27 +3,27 @@
 //! Eight boxes are compared at once in single precision. The boxes are rounded outward, and the query distance is
 //! enlarged by the rounding of the point. No near item is lost, and the predicate tests the remaining items exactly.
 
-use super::aabb_tree::{BoxTree, Contents};
+use super::aabb_tree::{AabbTree, Contents};
 use super::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 
 /// Number of boxes a node, from three halvings.
-const WIDE: usize = 8;
+const BOXES_PER_NODE: usize = 8;
 const HALVINGS: usize = 3;
 /// Bit of each lane. No bit is 1: with it the compiler computes the first lane separately.
-const BITS: [u32; WIDE] = [2, 4, 8, 16, 32, 64, 128, 256];
+const LANE_BITS: [u32; BOXES_PER_NODE] = [2, 4, 8, 16, 32, 64, 128, 256];
 const ALL_BITS: u32 = 510;
 /// Limit of coordinates and distances, metres: larger squares overflow single precision.
-const LARGE: f64 = 1e18;
+const MAX_COORDINATE: f64 = 1e18;
 /// Stack size; exceeds the number of open nodes in a descent through 2³¹ items.
-const DEEP: usize = 12;
+const STACK_SIZE: usize = 12;
 /// Value of `count` that marks a child node.
-const NODE: u8 = u8::MAX;
+const CHILD_NODE: u8 = u8::MAX;
 /// Relative rounding bound, slightly above half the spacing of single-precision numbers. It also covers the rounding of
 /// the arithmetic.
-const ROUNDING: f64 = 1.2e-7;
+const SINGLE_ROUNDING: f64 = 1.2e-7;
 
-/// Nodes over the items of a [`BoxTree`].
+/// Nodes over the items of an [`AabbTree`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideNodes {
     nodes: Vec<WideNode>,
@@ -33,17 +33,17 @@ pub(super) struct WideNodes {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct WideNode {
-    min: [[f32; WIDE]; 3],
-    max: [[f32; WIDE]; 3],
+    min: [[f32; BOXES_PER_NODE]; 3],
+    max: [[f32; BOXES_PER_NODE]; 3],
     /// Index of the child node, or of the first item.
-    first: [u32; WIDE],
-    /// Number of items, or [`NODE`].
-    count: [u8; WIDE],
+    first: [u32; BOXES_PER_NODE],
+    /// Number of items, or [`CHILD_NODE`].
+    count: [u8; BOXES_PER_NODE],
 }
 
 /// Content of the smallest boxes.
 #[derive(Clone, Copy)]
-pub(super) enum Small {
+pub(super) enum LeafContent {
     /// One item each, with its box.
     Boxes,
     /// Up to eight points: single boxes would not be tighter.
@@ -55,105 +55,109 @@ impl WideNodes {
     ///
     /// `ranges` holds the range of each node among the tree's items. `bounds` returns the box of an item.
     pub(super) fn new(
-        tree: &BoxTree,
+        tree: &AabbTree,
         ranges: &[[u32; 2]],
-        small: Small,
+        small: LeafContent,
         bounds: impl Fn(usize) -> BoundingBox,
     ) -> Self {
-        let mut wide = Self::default();
+        let mut wide_nodes = Self::default();
         if ranges.is_empty() {
-            return wide;
+            return wide_nodes;
         }
         let is_small = |node: u32| -> bool {
             let [start, end] = ranges[node as usize];
-            (end - start) as usize <= WIDE
+            (end - start) as usize <= BOXES_PER_NODE
         };
         // About one node for 3 items, or for 24 points.
-        wide.nodes.reserve(match small {
-            Small::Boxes => tree.items().len().div_ceil(3),
-            Small::Points => tree.items().len().div_ceil(24),
+        wide_nodes.nodes.reserve(match small {
+            LeafContent::Boxes => tree.items().len().div_ceil(3),
+            LeafContent::Points => tree.items().len().div_ceil(24),
         });
-        wide.nodes.push(WideNode::EMPTY);
+        wide_nodes.nodes.push(WideNode::EMPTY);
         // Nodes that remain to be filled, each with its node of the binary tree.
-        let mut left = vec![(0, 0)];
-        while let Some((from, node)) = left.pop() {
-            if is_small(from) && matches!(small, Small::Boxes) {
+        let mut pending = vec![(0, 0)];
+        while let Some((from, node)) = pending.pop() {
+            if is_small(from) && matches!(small, LeafContent::Boxes) {
                 let [start, end] = ranges[from as usize];
-                for (lane, at) in (start..end).enumerate() {
-                    let item = tree.items()[at as usize];
-                    wide.nodes[node].fill(lane, &bounds(item as usize), at, 1);
+                for (lane, position) in (start..end).enumerate() {
+                    let item = tree.items()[position as usize];
+                    wide_nodes.nodes[node].fill(lane, &bounds(item as usize), position, 1);
                 }
                 continue;
             }
-            let (parts, count) = parted(tree, from, is_small);
+            let (parts, count) = descendants(tree, from, is_small);
             for (lane, &part) in parts[..count].iter().enumerate() {
-                let around = tree.node_bounds(part);
+                let part_bounds = tree.node_bounds(part);
                 let [start, end] = ranges[part as usize];
-                if is_small(part) && matches!(small, Small::Points) {
-                    wide.nodes[node].fill(lane, &around, start, (end - start) as u8);
+                if is_small(part) && matches!(small, LeafContent::Points) {
+                    wide_nodes.nodes[node].fill(lane, &part_bounds, start, (end - start) as u8);
                     continue;
                 }
-                let made = wide.nodes.len();
-                wide.nodes.push(WideNode::EMPTY);
-                wide.nodes[node].fill(lane, &around, made as u32, NODE);
-                left.push((part, made));
+                let child = wide_nodes.nodes.len();
+                wide_nodes.nodes.push(WideNode::EMPTY);
+                wide_nodes.nodes[node].fill(lane, &part_bounds, child as u32, CHILD_NODE);
+                pending.push((part, child));
             }
         }
-        wide
+        wide_nodes
     }
 
-    /// True if `met` holds for an item whose box is nearer to `point` than `reach`, metres.
+    /// True if `predicate` holds for an item whose box is nearer to `point` than `reach`, metres.
     ///
     /// `items` are the items of the binary tree. Items whose boxes are slightly farther may be tested as well.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn any<M: Met<u32>>(
+    pub(super) fn any<M: Predicate<u32>>(
         &self,
         items: &[u32],
         point: Vector3<f64>,
         reach: f64,
-        met: &M,
+        predicate: &M,
     ) -> bool {
         let Some(root) = self.nodes.first() else {
             return false;
         };
-        let place = [point.x as f32, point.y as f32, point.z as f32];
+        let position = [point.x as f32, point.y as f32, point.z as f32];
         let size = point.x.abs() + point.y.abs() + point.z.abs();
-        let reach = (reach.abs() + size * ROUNDING) * (1.0 + 16.0 * ROUNDING);
+        let reach = (reach.abs() + size * SINGLE_ROUNDING) * (1.0 + 16.0 * SINGLE_ROUNDING);
         // Squares of tiny distances underflow in single precision.
-        let within = (reach * reach) as f32 + f32::MIN_POSITIVE;
-        let always = if size + reach < LARGE { 0 } else { ALL_BITS };
+        let max_squared_distance = (reach * reach) as f32 + f32::MIN_POSITIVE;
+        let always_open = if size + reach < MAX_COORDINATE {
+            0
+        } else {
+            ALL_BITS
+        };
         // Stack of nodes with boxes left to open, one bit a box.
-        let mut closed = [(0_u32, 0_u32); DEEP];
+        let mut stack = [(0_u32, 0_u32); STACK_SIZE];
         let mut height = 0;
         let mut node = root;
-        let mut at = 0;
-        let mut open = root.near(place, within) | always;
+        let mut index = 0;
+        let mut open = root.near(position, max_squared_distance) | always_open;
         loop {
             while open == 0 {
                 if height == 0 {
                     return false;
                 }
                 height -= 1;
-                (at, open) = closed[height];
-                node = &self.nodes[at as usize];
+                (index, open) = stack[height];
+                node = &self.nodes[index as usize];
             }
-            let lane = (open.trailing_zeros() as usize).wrapping_sub(1) % WIDE;
+            let lane = (open.trailing_zeros() as usize).wrapping_sub(1) % BOXES_PER_NODE;
             open &= open - 1;
             let first = node.first[lane];
             match node.count[lane] {
-                NODE => {
-                    let opened = &self.nodes[first as usize];
-                    let near = opened.near(place, within) | always;
-                    if near != 0 {
-                        closed[height] = (at, open);
+                CHILD_NODE => {
+                    let child = &self.nodes[first as usize];
+                    let nearby = child.near(position, max_squared_distance) | always_open;
+                    if nearby != 0 {
+                        stack[height] = (index, open);
                         height += usize::from(open != 0);
-                        (node, at, open) = (opened, first, near);
+                        (node, index, open) = (child, first, nearby);
                     }
                 }
                 count => {
                     let first = first as usize;
                     for &item in &items[first..first + usize::from(count)] {
-                        if met.is_met(item) {
+                        if predicate.is_met(item) {
                             return true;
                         }
                     }
@@ -164,18 +168,22 @@ impl WideNodes {
 }
 
 /// Predicate on nearby items. A trait, since closures are not compiled for the selected instruction set.
-pub(crate) trait Met<T> {
+pub(crate) trait Predicate<T> {
     /// True if the predicate holds for an item.
     fn is_met(&self, thing: T) -> bool;
 }
 
 /// The nodes up to three levels below a node, or fewer levels for small nodes, and their number.
-fn parted(tree: &BoxTree, node: u32, is_small: impl Fn(u32) -> bool) -> ([u32; WIDE], usize) {
-    let (mut parts, mut count) = ([node; WIDE], 1);
+fn descendants(
+    tree: &AabbTree,
+    node: u32,
+    is_small: impl Fn(u32) -> bool,
+) -> ([u32; BOXES_PER_NODE], usize) {
+    let (mut parts, mut count) = ([node; BOXES_PER_NODE], 1);
     for _ in 0..HALVINGS {
-        let (whole, of_whole) = (parts, count);
+        let (previous, previous_count) = (parts, count);
         count = 0;
-        for &part in &whole[..of_whole] {
+        for &part in &previous[..previous_count] {
             let halves = match tree.contents(part) {
                 Contents::Nodes(halves) if !is_small(part) => halves,
                 _ => [part; 2],
@@ -194,52 +202,52 @@ fn parted(tree: &BoxTree, node: u32, is_small: impl Fn(u32) -> bool) -> ([u32; W
 impl WideNode {
     /// A node of empty boxes without contents.
     const EMPTY: Self = Self {
-        min: [[f32::INFINITY; WIDE]; 3],
-        max: [[f32::NEG_INFINITY; WIDE]; 3],
-        first: [0; WIDE],
-        count: [0; WIDE],
+        min: [[f32::INFINITY; BOXES_PER_NODE]; 3],
+        max: [[f32::NEG_INFINITY; BOXES_PER_NODE]; 3],
+        first: [0; BOXES_PER_NODE],
+        count: [0; BOXES_PER_NODE],
     };
 
     fn fill(&mut self, lane: usize, bounds: &BoundingBox, first: u32, count: u8) {
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         for axis in 0..3 {
-            self.min[axis][lane] = below(min[axis]);
-            self.max[axis][lane] = -below(-max[axis]);
+            self.min[axis][lane] = rounded_down(min[axis]);
+            self.max[axis][lane] = -rounded_down(-max[axis]);
         }
         self.first[lane] = first;
         self.count[lane] = count;
     }
 
-    /// Bit mask of the boxes whose squared distance to a point is at most `within`.
+    /// Bit mask of the boxes whose squared distance to a point is at most `max_squared_distance`.
     #[allow(
         clippy::needless_range_loop,
         reason = "lane by lane, as the compiler takes them together"
     )]
     #[inline(always)]
-    fn near(&self, point: [f32; 3], within: f32) -> u32 {
+    fn near(&self, point: [f32; 3], max_squared_distance: f32) -> u32 {
         // Loops over eight lanes vectorise. A comparison would not: the compiler gathers its bits one by one.
-        let mut squared = [0.0; WIDE];
+        let mut squared = [0.0; BOXES_PER_NODE];
         for axis in 0..3 {
-            for lane in 0..WIDE {
-                let before = self.min[axis][lane] - point[axis];
-                let behind = point[axis] - self.max[axis][lane];
+            for lane in 0..BOXES_PER_NODE {
+                let below = self.min[axis][lane] - point[axis];
+                let above = point[axis] - self.max[axis][lane];
                 // Not `f32::max`: its NaN handling costs extra instructions.
-                let gap = if before > behind { before } else { behind };
+                let gap = if below > above { below } else { above };
                 let gap = if gap > 0.0 { gap } else { 0.0 };
                 squared[lane] += gap * gap;
             }
         }
-        let mut far = 0;
-        for lane in 0..WIDE {
-            let sign = (within - squared[lane]).to_bits() as i32 >> 31;
-            far |= sign as u32 & BITS[lane];
+        let mut far_bits = 0;
+        for lane in 0..BOXES_PER_NODE {
+            let sign = (max_squared_distance - squared[lane]).to_bits() as i32 >> 31;
+            far_bits |= sign as u32 & LANE_BITS[lane];
         }
-        !far & ALL_BITS
+        !far_bits & ALL_BITS
     }
 }
 
 /// The greatest single-precision number not above `value`.
-fn below(value: f64) -> f32 {
+fn rounded_down(value: f64) -> f32 {
     let single = value as f32;
     match f64::from(single) > value {
         true => single.next_down(),
@@ -256,9 +264,9 @@ mod tests {
 
     /// Records the tested items; the predicate is never true.
     #[derive(Default)]
-    struct Asked(RefCell<Vec<u32>>);
+    struct Recorder(RefCell<Vec<u32>>);
 
-    impl Met<u32> for Asked {
+    impl Predicate<u32> for Recorder {
         fn is_met(&self, item: u32) -> bool {
             self.0.borrow_mut().push(item);
             false
@@ -267,7 +275,7 @@ mod tests {
 
     struct Counted(RefCell<usize>, u32);
 
-    impl Met<u32> for Counted {
+    impl Predicate<u32> for Counted {
         fn is_met(&self, item: u32) -> bool {
             *self.0.borrow_mut() += 1;
             item == self.1
@@ -275,8 +283,8 @@ mod tests {
     }
 
     #[test]
-    fn the_first_that_is_met_ends_the_search() {
-        let tree = BoxTree::new(100, |i| {
+    fn search_ends_at_the_first_match() {
+        let tree = AabbTree::new(100, |i| {
             BoundingBox::around([Vector3::new(i as f64, 0.0, 0.0)])
         });
         let counted = Counted(RefCell::new(0), 40);
@@ -285,19 +293,19 @@ mod tests {
     }
 
     /// The tested items. No item occurs twice.
-    fn asked(tree: &BoxTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {
-        let all = Asked::default();
+    fn tested_items(tree: &AabbTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {
+        let all = Recorder::default();
         assert!(!tree.any(point, reach, &all));
-        let mut asked = all.0.into_inner();
-        asked.sort_unstable();
-        assert!(asked.windows(2).all(|pair| pair[0] < pair[1]));
-        asked
+        let mut tested_items = all.0.into_inner();
+        tested_items.sort_unstable();
+        assert!(tested_items.windows(2).all(|pair| pair[0] < pair[1]));
+        tested_items
     }
 
     #[test]
-    fn all_near_boxes_and_few_others_are_visited() {
+    fn search_visits_near_boxes_and_few_others() {
         let numbers = &mut Numbers(7);
-        for (scale, far) in [
+        for (scale, offset) in [
             (1.0, 0.0),
             (1e-12, 0.0),
             (1e-30, 0.0),
@@ -305,19 +313,19 @@ mod tests {
             (1.0, 1e6),
         ] {
             for count in [0, 1, 2, 7, 8, 9, 33, 64, 65, 700] {
-                let middle = Vector3::new(far, -far, far);
+                let middle = Vector3::new(offset, -offset, offset);
                 let boxes: Vec<_> = (0..count)
                     .map(|_| {
-                        let at = middle + numbers.point(scale);
-                        BoundingBox::around([at, at + numbers.point(0.05 * scale)])
+                        let corner = middle + numbers.point(scale);
+                        BoundingBox::around([corner, corner + numbers.point(0.05 * scale)])
                     })
                     .collect();
                 let points: Vec<_> = boxes.iter().map(|bounds| bounds.min).collect();
                 let trees = [
-                    (BoxTree::new(count, |i| boxes[i]), false),
-                    (BoxTree::of_points(&points), true),
+                    (AabbTree::new(count, |i| boxes[i]), false),
+                    (AabbTree::of_points(&points), true),
                 ];
-                let (mut more, mut near_ones) = (0, 0);
+                let (mut extra_tests, mut near_count) = (0, 0);
                 for _ in 0..200 {
                     let point = middle + numbers.point(1.2 * scale);
                     let reach = (0.15 + 0.15 * numbers.next()) * scale;
@@ -329,29 +337,29 @@ mod tests {
                             };
                             bounds.squared_distance(point) < reach * reach
                         };
-                        let asked = asked(tree, point, reach);
+                        let tested = tested_items(tree, point, reach);
                         let expected: Vec<u32> = (0..count as u32).filter(near).collect();
-                        let missing = expected.iter().find(|item| !asked.contains(item));
-                        assert_eq!(missing, None, "{scale} {far} {count}");
+                        let missing = expected.iter().find(|item| !tested.contains(item));
+                        assert_eq!(missing, None, "{scale} {offset} {count}");
                         if !are_points {
-                            more += asked.len() - expected.len();
-                            near_ones += expected.len();
+                            extra_tests += tested.len() - expected.len();
+                            near_count += expected.len();
                         }
                     }
                 }
                 // Squares of the smallest coordinates underflow in single precision.
-                assert!(scale < 1e-20 || far > 0.0 || 100 * more <= near_ones);
+                assert!(scale < 1e-20 || offset > 0.0 || 100 * extra_tests <= near_count);
             }
         }
     }
 
     #[test]
-    fn huge_and_nan_boxes_are_visited_exactly() {
+    fn search_handles_huge_and_nan_coordinates() {
         let boxes = [1e39, -1e39, 3.0, 1e300].map(|x| {
             let at = Vector3::new(x, 0.0, 0.0);
             BoundingBox::around([at, at * 1.5])
         });
-        let tree = BoxTree::new(4, |i| boxes[i]);
+        let tree = AabbTree::new(4, |i| boxes[i]);
         for (at, reach) in [
             (1.2e39, 1.0),
             (-1e39, 1e38),
@@ -360,13 +368,13 @@ mod tests {
             (0.0, 1e301),
         ] {
             let point = Vector3::new(at, 0.0, 0.0);
-            let asked = asked(&tree, point, reach);
+            let tested = tested_items(&tree, point, reach);
             for (item, bounds) in boxes.iter().enumerate() {
                 let gap = (bounds.min.x - at).max(at - bounds.max.x);
-                assert!(gap >= reach || asked.contains(&(item as u32)));
+                assert!(gap >= reach || tested.contains(&(item as u32)));
             }
         }
-        let nowhere = Vector3::new(f64::NAN, 0.0, 0.0);
-        assert!(!tree.any(nowhere, 1.0, &Asked::default()));
+        let nan_point = Vector3::new(f64::NAN, 0.0, 0.0);
+        assert!(!tree.any(nan_point, 1.0, &Recorder::default()));
     }
 }

@@ -32,10 +32,10 @@ use crate::skeleton::{BoneCone, Cones};
 use crate::spatial::Vector3;
 
 /// Largest file size that is read, bytes.
-const LIMIT: u64 = 1 << 24;
+const MAX_FILE_SIZE: u64 = 1 << 24;
 
 /// The angle π, in degrees.
-const HALF: f64 = 180.0;
+const HALF_TURN: f64 = 180.0;
 
 /// Reads a file of joint limits.
 ///
@@ -44,7 +44,7 @@ const HALF: f64 = 180.0;
 /// key, an angle out of range, or a swing of two numbers without `about`.
 /// [`BallSkeleton::new`](crate::skeleton::BallSkeleton::new) checks that the skeleton has the bones.
 pub fn read(path: impl AsRef<Path>) -> Result<Cones, ReadError> {
-    read_with(path.as_ref(), LIMIT, from_bytes)
+    read_with(path.as_ref(), MAX_FILE_SIZE, from_bytes)
 }
 
 /// Reads joint limits from the bytes of a file. `name` is the file name for messages.
@@ -61,7 +61,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
     let Entries(entries) = super::json::parse(bytes, name)?;
     let mut cones = Cones::new();
     for (bone, entry) in entries {
-        let wrong = |(key, problem): (&str, String)| {
+        let malformed = |(key, problem): (&str, String)| {
             let path = if key.is_empty() {
                 bone.clone()
             } else {
@@ -69,9 +69,9 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
             };
             ReadError::malformed(name, Place::Json(path), problem)
         };
-        let cone = entry.cone().map_err(wrong)?;
+        let cone = entry.cone().map_err(malformed)?;
         if cones.insert(bone.clone(), cone).is_some() {
-            return Err(wrong(("", "the bone is named twice".to_owned())));
+            return Err(malformed(("", "the bone is named twice".to_owned())));
         }
     }
     Ok(cones)
@@ -103,13 +103,13 @@ impl Entry {
     /// The limits of the entry, or the faulty key and its problem.
     fn cone(&self) -> Result<BoneCone, (&'static str, String)> {
         let swing = match self.swing {
-            None => [HALF; 2],
+            None => [HALF_TURN; 2],
             Some(Swing::Round(swing)) => [swing; 2],
             Some(Swing::Elliptic(swing)) => swing,
         };
         let angles = swing.map(|swing| ("swing", swing)).into_iter();
         for (key, angle) in angles.chain(self.angle.map(|angle| ("angle", angle))) {
-            if !(angle > 0.0 && angle <= HALF) {
+            if !(angle > 0.0 && angle <= HALF_TURN) {
                 let problem = format!("{angle} degrees are not above 0 and at most 180");
                 return Err((key, problem));
             }
@@ -118,7 +118,7 @@ impl Entry {
             Limits::new(lower.to_radians(), upper.to_radians())
         });
         if let Some([lower, upper]) = self.twist {
-            if !(-HALF <= lower && lower <= upper && upper <= HALF) {
+            if !(-HALF_TURN <= lower && lower <= upper && upper <= HALF_TURN) {
                 let problem =
                     format!("[{lower}, {upper}] degrees is not a range within [-180, 180]");
                 return Err(("twist", problem));

@@ -112,21 +112,27 @@ fn checked_count(
     available: usize,
     name: &str,
 ) -> Result<usize, ReadError> {
-    let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
+    let location = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
     let what = format!("{columns} columns of {rows} values");
     // Otherwise a size such as 0 × 10¹² would need no bytes and pass.
     if (columns == 0) != (rows == 0) {
         let problem = format!("{what} are not a table");
-        return Err(ReadError::malformed(name, place(), problem));
+        return Err(ReadError::malformed(name, location(), problem));
     }
     let count = columns as u128 * rows as u128;
     // Both factors are below 2^64, but the width may push the product over u128.
     let needed = count.saturating_mul(width);
     // The last text value needs no separator, hence one byte of tolerance.
-    let enough = needed <= available as u128 + u128::from(width == TEXT_WIDTH);
+    let fits = needed <= available as u128 + u128::from(width == TEXT_WIDTH);
     match usize::try_from(count) {
-        Ok(count) if enough => Ok(count),
-        _ => Err(ReadError::truncated(name, place(), what, needed, available)),
+        Ok(count) if fits => Ok(count),
+        _ => Err(ReadError::truncated(
+            name,
+            location(),
+            what,
+            needed,
+            available,
+        )),
     }
 }
 
@@ -143,18 +149,18 @@ fn text_values(
     let count = checked_count((columns, rows), TEXT_WIDTH, rest.len(), name)?;
     let mut values = Vec::with_capacity(count);
     for (index, line) in rest.split(|&b| b == b'\n').enumerate() {
-        let place = || Place::Line(index + 2);
+        let location = || Place::Line(index + 2);
         let line = std::str::from_utf8(line)
-            .map_err(|_| ReadError::malformed(name, place(), "is not text"))?;
+            .map_err(|_| ReadError::malformed(name, location(), "is not text"))?;
         for word in line.split_ascii_whitespace() {
             let value = word.parse().ok().filter(|value: &f64| value.is_finite());
             let value = value.ok_or_else(|| {
                 let word: String = word.chars().take(40).collect();
-                ReadError::malformed(name, place(), format!("`{word}` is not a finite number"))
+                ReadError::malformed(name, location(), format!("`{word}` is not a finite number"))
             })?;
             if values.len() == count {
                 let problem = format!("there are more values than the {count} announced");
-                return Err(ReadError::malformed(name, place(), problem));
+                return Err(ReadError::malformed(name, location(), problem));
             }
             values.push(value);
         }
@@ -175,8 +181,8 @@ fn binary_values(
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
     let fail = |value: usize, problem| {
-        let place = Place::Byte(body + 8 * value);
-        Err(ReadError::malformed(name, place, problem))
+        let location = Place::Byte(body + 8 * value);
+        Err(ReadError::malformed(name, location, problem))
     };
     let mut values = Vec::with_capacity(count);
     for (index, chunk) in rest.chunks_exact(8).take(count).enumerate() {
@@ -186,9 +192,12 @@ fn binary_values(
         }
         values.push(value);
     }
-    let left = rest.len() - 8 * count;
-    if left > 0 {
-        return fail(count, format!("{left} bytes are left after the last value"));
+    let remaining = rest.len() - 8 * count;
+    if remaining > 0 {
+        return fail(
+            count,
+            format!("{remaining} bytes are left after the last value"),
+        );
     }
     Ok(DMatrix::from_vec(rows, columns, values))
 }

@@ -16,39 +16,39 @@ pub(super) fn parse_by<T>(
 ) -> Result<T, ReadError> {
     reader(json).map_err(|error| {
         let lines = json.split_inclusive(|byte| *byte == b'\n');
-        let before: usize = lines
+        let line_start: usize = lines
             .take(error.line().saturating_sub(1))
             .map(<[u8]>::len)
             .sum();
-        let end = (before + error.column()).min(json.len());
+        let end = (line_start + error.column()).min(json.len());
         // An error found after a value was read is reported at the comma behind it.
         let read = json[..end].trim_ascii_end();
-        let place = match path(read.strip_suffix(b",").unwrap_or(read)) {
+        let location = match path(read.strip_suffix(b",").unwrap_or(read)) {
             root if root.is_empty() => Place::File,
             path => Place::Json(path),
         };
-        ReadError::malformed(name, place, error.to_string())
+        ReadError::malformed(name, location, error.to_string())
     })
 }
 
 /// An open list or object, with the current index or key.
-enum Open {
+enum OpenValue {
     List(usize),
     Object(Option<String>),
 }
 
 /// Path of the value in or directly after which `beginning` ends. The errors of serde_json have line and column only.
 fn path(beginning: &[u8]) -> String {
-    let mut open: Vec<Open> = Vec::new();
+    let mut open: Vec<OpenValue> = Vec::new();
     // The next string is a key: after a brace, or after a comma in an object.
     let mut key_is_next = false;
-    let mut at = 0;
-    while let Some(&byte) = beginning.get(at) {
-        at += 1;
+    let mut offset = 0;
+    while let Some(&byte) = beginning.get(offset) {
+        offset += 1;
         match byte {
-            b'[' => open.push(Open::List(0)),
+            b'[' => open.push(OpenValue::List(0)),
             b'{' => {
-                open.push(Open::Object(None));
+                open.push(OpenValue::Object(None));
                 key_is_next = true;
             }
             b']' | b'}' => {
@@ -56,27 +56,27 @@ fn path(beginning: &[u8]) -> String {
                 key_is_next = false;
             }
             b',' => match open.last_mut() {
-                Some(Open::List(index)) => *index += 1,
-                Some(Open::Object(_)) => key_is_next = true,
+                Some(OpenValue::List(index)) => *index += 1,
+                Some(OpenValue::Object(_)) => key_is_next = true,
                 None => {}
             },
             b'"' => {
-                let length = string_length(&beginning[at..]);
-                if let (true, Some(Open::Object(key))) = (key_is_next, open.last_mut()) {
-                    let text = &beginning[at..at + length];
+                let length = string_length(&beginning[offset..]);
+                if let (true, Some(OpenValue::Object(key))) = (key_is_next, open.last_mut()) {
+                    let text = &beginning[offset..offset + length];
                     *key = Some(String::from_utf8_lossy(text).into_owned());
                     key_is_next = false;
                 }
-                at += length + 1;
+                offset += length + 1;
             }
             _ => {}
         }
     }
-    open.iter().fold(String::new(), |path, place| match place {
-        Open::List(index) => format!("{path}[{index}]"),
-        Open::Object(Some(key)) if path.is_empty() => key.clone(),
-        Open::Object(Some(key)) => format!("{path}.{key}"),
-        Open::Object(None) => path,
+    open.iter().fold(String::new(), |path, value| match value {
+        OpenValue::List(index) => format!("{path}[{index}]"),
+        OpenValue::Object(Some(key)) if path.is_empty() => key.clone(),
+        OpenValue::Object(Some(key)) => format!("{path}.{key}"),
+        OpenValue::Object(None) => path,
     })
 }
 

@@ -7,7 +7,7 @@ use super::{Place, ReadError, read_with};
 use crate::animation::{Clip, StateMachine, StateMachineDefinition};
 
 /// Largest file size that is read, bytes.
-const LIMIT: u64 = 1 << 24;
+const MAX_FILE_SIZE: u64 = 1 << 24;
 
 /// Reads a state machine for the given clips.
 ///
@@ -15,7 +15,7 @@ const LIMIT: u64 = 1 << 24;
 /// A [`ReadError`] that names the file and a path in it such as `transitions[2].to`. Errors for unknown names list the
 /// valid ones.
 pub fn read(path: impl AsRef<Path>, clips: &[Arc<Clip>]) -> Result<StateMachine, ReadError> {
-    read_with(path.as_ref(), LIMIT, |bytes, name| {
+    read_with(path.as_ref(), MAX_FILE_SIZE, |bytes, name| {
         from_bytes(bytes, name, clips)
     })
 }
@@ -31,7 +31,7 @@ pub fn from_bytes(
 ) -> Result<StateMachine, ReadError> {
     let definition: StateMachineDefinition = super::json::parse(bytes, name)?;
     StateMachine::new(&definition, clips).map_err(|error| {
-        let place = Place::Json(error.path);
-        ReadError::malformed(name, place, error.problem.to_string())
+        let location = Place::Json(error.path);
+        ReadError::malformed(name, location, error.problem.to_string())
     })
 }

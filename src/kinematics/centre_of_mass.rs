@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3xX};
 
-use super::jacobian::by_velocity;
+use super::jacobian::to_velocity_columns;
 use super::{ForwardKinematics, KinematicsError, Wrench, Wrenches};
 use crate::model::{MassError, Masses, Model};
 use crate::spatial::Vector3;
@@ -32,8 +32,8 @@ pub fn centre_of_mass(
     let mut kinematics = ForwardKinematics::of_frames(model, &masses.frames())?;
     let placements = kinematics.place(q)?.iter().zip(masses.shares());
     Ok(
-        placements.fold(Vector3::zero(), |sum, (placed, (share, at))| {
-            sum + placed.apply(at) * share
+        placements.fold(Vector3::zero(), |sum, (placement, (share, position))| {
+            sum + placement.apply(position) * share
         }),
     )
 }
@@ -58,9 +58,9 @@ pub fn centre_of_mass_jacobian(
     let mut wrenches = Wrenches::new(tree);
     for (row, axis) in Vector3::UNITS.into_iter().enumerate() {
         wrenches.clear();
-        for (slot, (share, at)) in masses.shares().enumerate() {
+        for (slot, (share, position)) in masses.shares().enumerate() {
             let force = axis * share;
-            let lever = state.frames()[slot].rotation * at;
+            let lever = state.frames()[slot].rotation * position;
             let moment = lever.cross(force);
             tree.push(state, slot, Wrench { force, moment }, &mut wrenches);
         }
@@ -69,7 +69,7 @@ pub fn centre_of_mass_jacobian(
         });
     }
     if let Some(read) = kinematics.read() {
-        by_velocity(read, &mut matrix);
+        to_velocity_columns(read, &mut matrix);
     }
     Ok(Matrix3xX::from_column_slice(matrix.as_slice()))
 }

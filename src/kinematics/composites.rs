@@ -43,8 +43,8 @@ impl Composites {
     }
 
     fn motion(&self, variable: usize) -> Spatial {
-        let own = self.motions[6 * variable..].first_chunk();
-        own.copied().unwrap_or_default()
+        let motion = self.motions[6 * variable..].first_chunk();
+        motion.copied().unwrap_or_default()
     }
 }
 
@@ -57,7 +57,7 @@ impl Tree {
     }
 
     /// Reference point of motions and wrenches: near the bodies, so that levers lose no digits.
-    fn middle(&self, state: &TreeState<f64>) -> Vector3<f64> {
+    fn reference_point(&self, state: &TreeState<f64>) -> Vector3<f64> {
         let first = self.nodes.iter().position(|node| node.motion.turns());
         first.map_or(Vector3::zero(), |node| {
             state.origin_from_node[node].translation
@@ -66,11 +66,11 @@ impl Tree {
 
     /// Writes the motion of each variable. Call it after a forward pass.
     pub(crate) fn write_motions(&self, state: &TreeState<f64>, composites: &mut Composites) {
-        let middle = self.middle(state);
-        for (node, placed) in self.nodes.iter().zip(&state.origin_from_node) {
-            let axis = node.motion.world_axis(placed, &state.ball_axes) * node.ratio;
+        let reference_point = self.reference_point(state);
+        for (node, placement) in self.nodes.iter().zip(&state.origin_from_node) {
+            let axis = node.motion.world_axis(placement, &state.ball_axes) * node.ratio;
             let motion = match node.motion.turns() {
-                true => spatial(axis.cross(middle - placed.translation), axis),
+                true => spatial(axis.cross(reference_point - placement.translation), axis),
                 false => spatial(axis, Vector3::zero()),
             };
             composites.motions[6 * node.variable..][..6].copy_from_slice(&motion);
@@ -85,10 +85,10 @@ impl Tree {
         residual: &[f64],
         composites: &mut Composites,
     ) {
-        let Some((node, at)) = self.hung(state, partials.frame) else {
+        let Some((node, position)) = self.carrier_and_position(state, partials.frame) else {
             return;
         };
-        let lever = at - self.middle(state);
+        let lever = position - self.reference_point(state);
         let (stiffness, push) = (&mut composites.stiffness[node], &mut composites.push[node]);
         for (k, (force, r)) in partials.linear.iter().zip(residual).enumerate() {
             let moment = partials.angular.get(k).copied();
@@ -115,26 +115,26 @@ impl Tree {
         mut add: impl FnMut(usize, usize, f64),
     ) {
         for (index, node) in self.nodes.iter().enumerate().rev() {
-            let own = composites.motion(node.variable);
+            let motion = composites.motion(node.variable);
             let mut force = [0.0; 6];
-            for (row, factor) in composites.stiffness[index].iter().zip(own) {
+            for (row, factor) in composites.stiffness[index].iter().zip(motion) {
                 add_scaled(&mut force, factor, row);
             }
-            gradient[node.variable] += dot(&own, &composites.push[index]);
-            let mut next = Some(index);
-            while let Some(above) = next {
+            gradient[node.variable] += dot(&motion, &composites.push[index]);
+            let mut next_ancestor = Some(index);
+            while let Some(ancestor) = next_ancestor {
                 let Self { nodes, .. } = self;
-                let variable = nodes[above].variable;
+                let variable = nodes[ancestor].variable;
                 add(
                     node.variable,
                     variable,
                     dot(&composites.motion(variable), &force),
                 );
-                next = nodes[above].parent;
+                next_ancestor = nodes[ancestor].parent;
             }
             if let Some(parent) = node.parent {
-                let (above, below) = composites.stiffness.split_at_mut(index);
-                for (to, from) in above[parent].iter_mut().zip(&below[0]) {
+                let (head, tail) = composites.stiffness.split_at_mut(index);
+                for (to, from) in head[parent].iter_mut().zip(&tail[0]) {
                     add_scaled(to, 1.0, from);
                 }
                 let push = composites.push[index];
@@ -156,8 +156,8 @@ fn dot(a: &Spatial, b: &Spatial) -> f64 {
 }
 
 #[inline(always)]
-fn add_scaled(to: &mut Spatial, factor: f64, own: &Spatial) {
-    for (to, own) in to.iter_mut().zip(own) {
-        *to += factor * own;
+fn add_scaled(to: &mut Spatial, factor: f64, added: &Spatial) {
+    for (to, added) in to.iter_mut().zip(added) {
+        *to += factor * added;
     }
 }

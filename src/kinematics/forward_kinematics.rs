@@ -137,9 +137,9 @@ impl<S: Scalar> ForwardKinematics<S> {
 
     pub(crate) fn of_configurations(model: &Model, frames: &[FrameId]) -> Self {
         let map = ParameterMap::identity(model);
-        let mut own = Self::compile(model, &map, frames);
+        let mut kinematics = Self::compile(model, &map, frames);
         if !map.balls().is_empty() {
-            own.read = Some(ReadConfiguration {
+            kinematics.read = Some(ReadConfiguration {
                 x: vec![S::zero(); map.variables()],
                 is_free: (model.balls())
                     .map(|(segment, _)| segment.kind == SegmentKind::Free)
@@ -147,7 +147,7 @@ impl<S: Scalar> ForwardKinematics<S> {
                 map,
             });
         }
-        own
+        kinematics
     }
 
     /// Kinematics for ids and a map of this model, unchecked.
@@ -200,8 +200,8 @@ impl<S: Scalar> ForwardKinematics<S> {
             None => self.tree.forward(q, &mut self.state),
             Some(ReadConfiguration { map, x, .. }) => {
                 map.gather_all(q, x);
-                let lost = |ball: &&BallVariables| !x[ball.variable].is_finite();
-                if let Some(ball) = map.balls().iter().find(lost) {
+                let is_invalid = |ball: &&BallVariables| !x[ball.variable].is_finite();
+                if let Some(ball) = map.balls().iter().find(is_invalid) {
                     return Err(KinematicsError::NoRotation {
                         model: self.model.clone(),
                         index: ball.coordinate,
@@ -219,8 +219,8 @@ impl<S: Scalar> ForwardKinematics<S> {
 }
 
 fn check_frames(model: &Model, frames: &[FrameId]) -> Result<(), KinematicsError> {
-    let beyond = |frame: &&FrameId| frame.index() >= model.frames().len();
-    match frames.iter().find(beyond) {
+    let is_foreign = |frame: &&FrameId| frame.index() >= model.frames().len();
+    match frames.iter().find(is_foreign) {
         None => Ok(()),
         Some(frame) => Err(KinematicsError::ForeignFrame {
             model: model.name().to_owned(),

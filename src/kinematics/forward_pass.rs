@@ -72,21 +72,21 @@ impl Tree {
     /// Places all nodes, ball joints included.
     #[inline(never)]
     fn place_with_balls<S: Scalar>(&self, state: &mut TreeState<S>) {
-        let mut placed = 0;
+        let mut first_unplaced = 0;
         for (ball, Ball { last, chart }) in self.balls.iter().enumerate() {
             // origin_from_ball = origin_from_parent · parent_from_ball · rotation(x).
-            let own = [last - 2, last - 1, *last];
-            self.place(placed..own[0], state);
-            let before_motion = self.nodes[own[0]].before_motion(&state.origin_from_node);
+            let nodes = [last - 2, last - 1, *last];
+            self.place(first_unplaced..nodes[0], state);
+            let before_motion = self.nodes[nodes[0]].before_motion(&state.origin_from_node);
             let rotation = before_motion.rotation;
-            let x = own.map(|node| state.values[node]);
-            state.origin_from_node[own[0]..*last].fill(before_motion);
+            let x = nodes.map(|node| state.values[node]);
+            state.origin_from_node[nodes[0]..*last].fill(before_motion);
             state.ball_axes[ball] = chart.axes(x).map(|axis| rotation * axis);
-            let turned = rotation * chart.rotation(x).to_matrix();
-            state.origin_from_node[*last] = Placement::new(turned, before_motion.translation);
-            placed = last + 1;
+            let rotated = rotation * chart.rotation(x).to_matrix();
+            state.origin_from_node[*last] = Placement::new(rotated, before_motion.translation);
+            first_unplaced = last + 1;
         }
-        self.place(placed..self.nodes.len(), state);
+        self.place(first_unplaced..self.nodes.len(), state);
     }
 
     /// Places every node and frame for the variables `x` (length: [`variables`](Self::variables)).

@@ -38,7 +38,7 @@ impl Tree {
     ) {
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
-        let own = |variable: usize| {
+        let column_range = |variable: usize| {
             let start = variable * rows + partials.first_row;
             start..start + partials.linear.len()
         };
@@ -46,8 +46,8 @@ impl Tree {
         match (partials.linear, partials.angular) {
             // The most common shape, unrolled.
             (&[by_x, by_y, by_z], []) => {
-                self.each_twist(state, partials.frame, |variable, linear, _| {
-                    if let [x, y, z] = &mut entries[own(variable)] {
+                self.visit_twists(state, partials.frame, |variable, linear, _| {
+                    if let [x, y, z] = &mut entries[column_range(variable)] {
                         *x += by_x.dot(linear);
                         *y += by_y.dot(linear);
                         *z += by_z.dot(linear);
@@ -55,17 +55,19 @@ impl Tree {
                 });
             }
             (by_linear, []) => {
-                self.each_twist(state, partials.frame, |variable, linear, _| {
-                    for (entry, by_linear) in entries[own(variable)].iter_mut().zip(by_linear) {
+                self.visit_twists(state, partials.frame, |variable, linear, _| {
+                    for (entry, by_linear) in
+                        entries[column_range(variable)].iter_mut().zip(by_linear)
+                    {
                         *entry += by_linear.dot(linear);
                     }
                 });
             }
             (by_linear, by_angular) => {
-                self.each_twist(state, partials.frame, |variable, linear, angular| {
+                self.visit_twists(state, partials.frame, |variable, linear, angular| {
                     let pairs = by_linear.iter().zip(by_angular);
                     for (entry, (by_linear, by_angular)) in
-                        entries[own(variable)].iter_mut().zip(pairs)
+                        entries[column_range(variable)].iter_mut().zip(pairs)
                     {
                         *entry += by_linear.dot(linear) + by_angular.dot(angular);
                     }
@@ -79,13 +81,13 @@ impl Tree {
     /// The closure gets the joint's variable and the frame's velocity and angular velocity for a unit rate of the
     /// variable.
     #[inline(always)]
-    fn each_twist(
+    fn visit_twists(
         &self,
         state: &TreeState<f64>,
         frame: FrameSlot,
-        mut tell: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
+        mut visit: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
     ) {
-        let Some((last, at)) = self.hung(state, frame) else {
+        let Some((last, position)) = self.carrier_and_position(state, frame) else {
             return;
         };
         let mut next = Some(last);
@@ -95,10 +97,10 @@ impl Tree {
             let axis = node.motion.world_axis(origin_from_node, &state.ball_axes) * node.ratio;
             match node.motion.turns() {
                 true => {
-                    let lever = at - origin_from_node.translation;
-                    tell(node.variable, axis.cross(lever), axis);
+                    let lever = position - origin_from_node.translation;
+                    visit(node.variable, axis.cross(lever), axis);
                 }
-                false => tell(node.variable, axis, Vector3::zero()),
+                false => visit(node.variable, axis, Vector3::zero()),
             }
             next = node.parent;
         }

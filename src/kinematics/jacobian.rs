@@ -7,7 +7,7 @@ use super::{ForwardKinematics, KinematicsError, Partials};
 use crate::model::{FrameId, Model};
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp, rotation_log_jacobian};
 
-const STILL: Vector3<f64> = Vector3 {
+const ZERO: Vector3<f64> = Vector3 {
     x: 0.0,
     y: 0.0,
     z: 0.0,
@@ -60,10 +60,7 @@ impl Jacobian {
         self.matrix.fill(0.0);
         let (tree, state) = self.kinematics.parts();
         let [x, y, z] = Vector3::UNITS;
-        let (linear, angular) = (
-            [x, y, z, STILL, STILL, STILL],
-            [STILL, STILL, STILL, x, y, z],
-        );
+        let (linear, angular) = ([x, y, z, ZERO, ZERO, ZERO], [ZERO, ZERO, ZERO, x, y, z]);
         for frame in 0..state.frames().len() {
             let partials = Partials {
                 frame,
@@ -74,33 +71,37 @@ impl Jacobian {
             tree.add_geometric_jacobian(state, &partials, &mut self.matrix);
         }
         if let Some(read) = self.kinematics.read() {
-            by_velocity(read, &mut self.matrix);
+            to_velocity_columns(read, &mut self.matrix);
         }
         Ok(&self.matrix)
     }
 }
 
 /// Converts columns by rates of rotation vectors and positions to columns by velocities in moved axes.
-pub(super) fn by_velocity(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
+pub(super) fn to_velocity_columns(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
     for (ball, &is_free) in read.map.balls().iter().zip(&read.is_free) {
         let Some([x, y, z]) = ball.of(&read.x) else {
             continue;
         };
-        let turned = Vector3::new(x, y, z);
+        let rotation_vector = Vector3::new(x, y, z);
         // ω = J_r(x) ẋ in rotated axes, and J_r(x) = J_l(−x).
-        multiply(matrix, ball.variable, rotation_log_jacobian(-turned));
+        multiply(
+            matrix,
+            ball.variable,
+            rotation_log_jacobian(-rotation_vector),
+        );
         if is_free {
-            multiply(matrix, ball.variable - 3, rotation_exp(turned));
+            multiply(matrix, ball.variable - 3, rotation_exp(rotation_vector));
         }
     }
 }
 
 /// Multiplies the three columns from `first` on by a matrix from the right.
-fn multiply(matrix: &mut DMatrix<f64>, first: usize, by: Matrix3<f64>) {
+fn multiply(matrix: &mut DMatrix<f64>, first: usize, factor: Matrix3<f64>) {
     for mut row in matrix.row_iter_mut() {
-        let own = Vector3::new(row[first], row[first + 1], row[first + 2]);
-        for (k, column) in [by.x, by.y, by.z].into_iter().enumerate() {
-            row[first + k] = own.dot(column);
+        let old_row = Vector3::new(row[first], row[first + 1], row[first + 2]);
+        for (k, column) in [factor.x, factor.y, factor.z].into_iter().enumerate() {
+            row[first + k] = old_row.dot(column);
         }
     }
 }

@@ -56,7 +56,7 @@ impl Tree {
     /// A position relative to the world's origin would lose digits of levers. Computed on demand because few frames
     /// need it.
     #[inline(always)]
-    pub(super) fn hung(
+    pub(super) fn carrier_and_position(
         &self,
         state: &TreeState<f64>,
         slot: FrameSlot,
@@ -87,7 +87,7 @@ impl Tree {
         joint: usize,
         world: Vector3<f64>,
     ) -> Vector3<f64> {
-        let seen = world - self.origin;
-        state.origin_from_node[joint].inverse().apply(seen)
+        let relative = world - self.origin;
+        state.origin_from_node[joint].inverse().apply(relative)
     }
 }

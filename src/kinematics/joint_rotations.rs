@@ -12,21 +12,25 @@ pub(crate) fn joint_rotations(model: &Model, q: &[f64], rotations: &mut Vec<Matr
     rotations.clear();
     for (index, joint) in model.joints().iter().enumerate() {
         let parent = joint.parent.map(|parent| rotations[parent.index()]);
-        let before = parent.unwrap_or(Matrix3::identity()) * joint.parent_from_joint.rotation;
-        let values = model.coordinate(JointId::new(index)).map(|at| &q[at..]);
+        let rest_rotation =
+            parent.unwrap_or(Matrix3::identity()) * joint.parent_from_joint.rotation;
+        let values = model
+            .coordinate(JointId::new(index))
+            .map(|first| &q[first..]);
         rotations.push(match (joint.kind, values) {
             (JointKind::Ball, Some(values)) => {
-                before * quaternion_at(values).map_or(Matrix3::identity(), Quaternion::to_matrix)
+                rest_rotation
+                    * quaternion_at(values).map_or(Matrix3::identity(), Quaternion::to_matrix)
             }
             (kind, Some(&[value, ..])) => match Motion::new(kind, joint.axis) {
                 Some(motion) if motion.turns() => {
-                    let placed = Placement::new(before, Vector3::zero());
+                    let rest_placement = Placement::new(rest_rotation, Vector3::zero());
                     let trigonometry = elementary::sin_cos(value);
-                    motion.apply(placed, value, trigonometry).rotation
+                    motion.apply(rest_placement, value, trigonometry).rotation
                 }
-                _ => before,
+                _ => rest_rotation,
             },
-            _ => before,
+            _ => rest_rotation,
         });
     }
 }

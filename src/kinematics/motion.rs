@@ -7,11 +7,11 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 /// The motion of a node; a rotation about a coordinate axis changes two columns only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
-    TurnX,
-    TurnY,
-    TurnZ,
-    Turn(Vector3<f64>),
-    Slide(Vector3<f64>),
+    RotateX,
+    RotateY,
+    RotateZ,
+    Rotate(Vector3<f64>),
+    Translate(Vector3<f64>),
     /// One of the three consecutive variables of a ball joint.
     Ball(BallPart),
 }
@@ -28,18 +28,18 @@ impl Motion {
         let (zero, one) = (0.0, 1.0);
         match kind {
             JointKind::Fixed | JointKind::Ball => None,
-            JointKind::Prismatic => Some(Self::Slide(axis)),
+            JointKind::Prismatic => Some(Self::Translate(axis)),
             JointKind::Revolute | JointKind::Continuous => Some(match axis.to_array() {
-                [x, y, z] if [x, y, z] == [one, zero, zero] => Self::TurnX,
-                [x, y, z] if [x, y, z] == [zero, one, zero] => Self::TurnY,
-                [x, y, z] if [x, y, z] == [zero, zero, one] => Self::TurnZ,
-                _ => Self::Turn(axis),
+                [x, y, z] if [x, y, z] == [one, zero, zero] => Self::RotateX,
+                [x, y, z] if [x, y, z] == [zero, one, zero] => Self::RotateY,
+                [x, y, z] if [x, y, z] == [zero, zero, one] => Self::RotateZ,
+                _ => Self::Rotate(axis),
             }),
         }
     }
 
     pub(super) fn turns(&self) -> bool {
-        !matches!(self, Self::Slide(_))
+        !matches!(self, Self::Translate(_))
     }
 
     /// The placement after a motion by `value`, given with its sine and cosine.
@@ -57,16 +57,16 @@ impl Motion {
         match self {
             // Unreachable for `Ball`: a tree rotates ball joints by all three values. An arm for it slows revolute
             // joints by 4 %.
-            Self::TurnX | Self::Ball(_) => {
+            Self::RotateX | Self::Ball(_) => {
                 Placement::new(rotation.rotated_about_x(trigonometry), translation)
             }
-            Self::TurnY => Placement::new(rotation.rotated_about_y(trigonometry), translation),
-            Self::TurnZ => Placement::new(rotation.rotated_about_z(trigonometry), translation),
-            Self::Turn(axis) => {
-                let turn = Matrix3::rotation(Vector3::constant(*axis), trigonometry);
-                Placement::new(rotation * turn, translation)
+            Self::RotateY => Placement::new(rotation.rotated_about_y(trigonometry), translation),
+            Self::RotateZ => Placement::new(rotation.rotated_about_z(trigonometry), translation),
+            Self::Rotate(axis) => {
+                let relative_rotation = Matrix3::rotation(Vector3::constant(*axis), trigonometry);
+                Placement::new(rotation * relative_rotation, translation)
             }
-            Self::Slide(axis) => {
+            Self::Translate(axis) => {
                 let along = rotation * Vector3::constant(*axis);
                 Placement::new(rotation, along.mul_add(value, translation))
             }
@@ -82,10 +82,10 @@ impl Motion {
     ) -> Vector3<f64> {
         let rotation = &origin_from_node.rotation;
         match self {
-            Self::TurnX => rotation.x,
-            Self::TurnY => rotation.y,
-            Self::TurnZ => rotation.z,
-            Self::Turn(axis) | Self::Slide(axis) => *rotation * *axis,
+            Self::RotateX => rotation.x,
+            Self::RotateY => rotation.y,
+            Self::RotateZ => rotation.z,
+            Self::Rotate(axis) | Self::Translate(axis) => *rotation * *axis,
             Self::Ball(BallPart { ball, part }) => balls[*ball as usize][*part as usize],
         }
     }

@@ -63,8 +63,8 @@ impl Tree {
         wrench: Wrench,
         wrenches: &mut Wrenches,
     ) {
-        if let Some((node, at)) = self.hung(state, slot) {
-            let lever = at - state.origin_from_node[node].translation;
+        if let Some((node, position)) = self.carrier_and_position(state, slot) {
+            let lever = position - state.origin_from_node[node].translation;
             let moved = wrench.shifted(lever);
             wrenches.on_node[node].force += moved.force;
             wrenches.on_node[node].moment += moved.moment;
@@ -103,8 +103,8 @@ impl Tree {
             };
             add(node.variable, share * node.ratio);
             if let Some(parent) = node.parent {
-                let above = &state.origin_from_node[parent];
-                let lever = origin_from_node.translation - above.translation;
+                let origin_from_parent = &state.origin_from_node[parent];
+                let lever = origin_from_node.translation - origin_from_parent.translation;
                 let moved = carried.shifted(lever);
                 wrenches.on_node[parent].force += moved.force;
                 wrenches.on_node[parent].moment += moved.moment;

@@ -16,7 +16,7 @@ pub(crate) type FrameSlot = usize;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FixedPlacement {
     Identity,
-    Shift(Vector3<f64>),
+    Translation(Vector3<f64>),
     Rigid(Placement<f64>),
 }
 
@@ -25,27 +25,27 @@ impl FixedPlacement {
         if placement.rotation != Matrix3::identity() {
             Self::Rigid(placement)
         } else if placement.translation != Vector3::zero() {
-            Self::Shift(placement.translation)
+            Self::Translation(placement.translation)
         } else {
             Self::Identity
         }
     }
 
-    fn shift(&self) -> Vector3<f64> {
+    fn translation(&self) -> Vector3<f64> {
         match self {
             Self::Identity => Vector3::zero(),
-            Self::Shift(by) => *by,
+            Self::Translation(offset) => *offset,
             Self::Rigid(placement) => placement.translation,
         }
     }
 
-    /// The placement translated by `by` in its parent's axes.
-    fn shifted(&self, by: Vector3<f64>) -> Self {
+    /// The placement translated by `offset` in its parent's axes.
+    fn shifted(&self, offset: Vector3<f64>) -> Self {
         let rotation = match self {
             Self::Rigid(placement) => placement.rotation,
-            Self::Identity | Self::Shift(_) => Matrix3::identity(),
+            Self::Identity | Self::Translation(_) => Matrix3::identity(),
         };
-        Self::new(Placement::new(rotation, self.shift() + by))
+        Self::new(Placement::new(rotation, self.translation() + offset))
     }
 }
 
@@ -56,8 +56,8 @@ impl<S: Scalar> Mul<&FixedPlacement> for &Placement<S> {
     fn mul(self, parent_from_child: &FixedPlacement) -> Placement<S> {
         match parent_from_child {
             FixedPlacement::Identity => *self,
-            FixedPlacement::Shift(by) => {
-                Placement::new(self.rotation, self.apply(Vector3::constant(*by)))
+            FixedPlacement::Translation(offset) => {
+                Placement::new(self.rotation, self.apply(Vector3::constant(*offset)))
             }
             FixedPlacement::Rigid(placement) => *self * Placement::constant(placement),
         }
@@ -124,7 +124,7 @@ pub(crate) struct TreeWorkspace {
 impl Tree {
     /// Compiles `model` for the given frames under its map `map`; slot k of the tree is `frames[k]`.
     pub(crate) fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
-        let mut own = Self {
+        let mut tree = Self {
             nodes: Vec::new(),
             leaves: Vec::new(),
             balls: Vec::new(),
@@ -132,8 +132,8 @@ impl Tree {
             origin: Vector3::zero(),
             variables: map.variables(),
         };
-        own.compile(model, map, &mut TreeWorkspace::default());
-        own
+        tree.compile(model, map, &mut TreeWorkspace::default());
+        tree
     }
 
     /// Compiles again from the same model after its joints or frames moved; allocates on the first call only.
@@ -141,7 +141,7 @@ impl Tree {
         &mut self,
         model: &Model,
         map: &ParameterMap,
-        memory: &mut TreeWorkspace,
+        workspace: &mut TreeWorkspace,
     ) {
         let joints = model.joints();
         let Self {
@@ -151,13 +151,13 @@ impl Tree {
             frames,
             ..
         } = self;
-        let TreeWorkspace { needed, carried } = memory;
+        let TreeWorkspace { needed, carried } = workspace;
         refill(needed, joints.len(), false);
         for frame in &*frames {
-            let mut at = model.frames()[frame.index()].joint;
-            while let Some(joint) = at.filter(|j| !needed[j.index()]) {
+            let mut joint_of_frame = model.frames()[frame.index()].joint;
+            while let Some(joint) = joint_of_frame.filter(|j| !needed[j.index()]) {
                 needed[joint.index()] = true;
-                at = joints[joint.index()].parent;
+                joint_of_frame = joints[joint.index()].parent;
             }
         }
 
@@ -203,12 +203,13 @@ impl Tree {
                         (Some(last), Placement::identity())
                     }
                     None => {
-                        let held = map.sources()[coordinate..].first_chunk::<4>();
-                        let held = held.map(|held| held.map(|source| source.at(&[])));
-                        let rotation = held.and_then(|held| quaternion_at(&held));
-                        let turned = rotation.map_or(Matrix3::identity(), Quaternion::to_matrix);
-                        let moved = Placement::new(turned, Vector3::zero());
-                        (node, node_from_joint * moved)
+                        let locked = map.sources()[coordinate..].first_chunk::<4>();
+                        let locked = locked.map(|locked| locked.map(|source| source.at(&[])));
+                        let rotation = locked.and_then(|locked| quaternion_at(&locked));
+                        let locked_rotation =
+                            rotation.map_or(Matrix3::identity(), Quaternion::to_matrix);
+                        let locked_placement = Placement::new(locked_rotation, Vector3::zero());
+                        (node, node_from_joint * locked_placement)
                     }
                 };
                 continue;
@@ -242,7 +243,7 @@ impl Tree {
 
         // Only root joints are placed in the world.
         let first = nodes.iter().find(|node| node.parent.is_none());
-        let origin = first.map_or(Vector3::zero(), |root| root.parent_from_node.shift());
+        let origin = first.map_or(Vector3::zero(), |root| root.parent_from_node.translation());
         for node in nodes.iter_mut().filter(|node| node.parent.is_none()) {
             node.parent_from_node = node.parent_from_node.shifted(-origin);
         }

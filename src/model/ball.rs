@@ -82,18 +82,18 @@ impl BallLimits {
     /// The reason why the limits are invalid for a joint with this unit axis; `None` if they are valid.
     pub(super) fn fault(&self, axis: Vector3<f64>) -> Option<&'static str> {
         let angle = |swing: f64| swing > 0.0 && swing <= PI;
-        let turn = |end: f64| end.abs() <= PI || end.is_infinite();
+        let is_valid_end = |end: f64| end.abs() <= PI || end.is_infinite();
         let ends = [self.twist.lower, self.twist.upper];
         if !self.swing.iter().all(|&swing| angle(swing)) {
             return Some("a swing limit outside (0, π]");
         }
-        if !self.twist.is_valid() || !ends.into_iter().all(turn) {
+        if !self.twist.is_valid() || !ends.into_iter().all(is_valid_end) {
             return Some("twist limits that are not an interval within [-π, π]");
         }
-        let least = self.twist.clamp(0.0).abs();
+        let min_angle = self.twist.clamp(0.0).abs();
         if self
             .angle
-            .is_some_and(|angle| angle <= least || angle.is_nan())
+            .is_some_and(|angle| angle <= min_angle || angle.is_nan())
         {
             return Some("an angle limit that is not above 0, or below the smallest twist");
         }
@@ -101,7 +101,7 @@ impl BallLimits {
             .about
             .map(|about| (about - axis * axis.dot(about)).norm());
         match about {
-            Some(across) if !(across > 1e-9 && across.is_finite()) => {
+            Some(perpendicular) if !(perpendicular > 1e-9 && perpendicular.is_finite()) => {
                 Some("a swing axis parallel to the joint's axis")
             }
             _ => None,

@@ -24,7 +24,7 @@ pub(crate) struct BallVariables {
 ///
 /// At π the same quaternion belongs to every swing direction, each with another twist. This far below π, rounding
 /// leaves nine digits of the direction.
-const WIDEST_SWING: f64 = std::f64::consts::PI - 1e-7;
+const MAX_SWING: f64 = std::f64::consts::PI - 1e-7;
 
 impl BallVariables {
     /// The variables of a joint whose quaternion starts at `coordinate` and whose variables start at `variable`.
@@ -39,7 +39,7 @@ impl BallVariables {
             coordinate,
             variable,
             chart: RotationChart::new(axis, limits),
-            swing: cone.map(|limits| limits.swing.map(|half| half.min(WIDEST_SWING))),
+            swing: cone.map(|limits| limits.swing.map(|half| half.min(MAX_SWING))),
             angle: limits.and_then(|limits| limits.angle),
         }
     }
@@ -51,11 +51,11 @@ impl BallVariables {
 
     /// Angle of the rotation from one x to another, radians; 0 if an x is too short.
     pub(crate) fn angle_between(&self, from: &[f64], to: &[f64]) -> f64 {
-        let turned = self.of(from).zip(self.of(to)).map(|(from, to)| {
-            let back = self.chart.rotation(from).conjugate();
-            (back * self.chart.rotation(to)).log().norm()
+        let angle = self.of(from).zip(self.of(to)).map(|(from, to)| {
+            let inverse = self.chart.rotation(from).conjugate();
+            (inverse * self.chart.rotation(to)).log().norm()
         });
-        turned.unwrap_or(0.0)
+        angle.unwrap_or(0.0)
     }
 
     /// Derivatives of w, x, y and z by each variable: ½ ω q with the angular velocity ω of a unit rate.
@@ -68,8 +68,8 @@ impl BallVariables {
                 v: omega * 0.5,
             };
             let Quaternion { w, v } = half * rotation;
-            for (slopes, part) in slopes.iter_mut().zip([w, v.x, v.y, v.z]) {
-                slopes[k] = part;
+            for (slopes, component) in slopes.iter_mut().zip([w, v.x, v.y, v.z]) {
+                slopes[k] = component;
             }
         }
         slopes

@@ -9,9 +9,9 @@ use super::{
 use crate::spatial::{Placement, Vector3};
 
 /// Largest deviation of RᵀR of a placement from the identity, per entry.
-const ORTHONORMAL_WITHIN: f64 = 1e-6;
+const ORTHONORMALITY_TOLERANCE: f64 = 1e-6;
 
-const MOST: usize = u32::MAX as usize;
+const MAX_COUNT: usize = u32::MAX as usize;
 
 /// Collects joints and frames; [`build`](Self::build) checks them all.
 ///
@@ -78,25 +78,31 @@ impl ModelBuilder {
     /// Joints and frames of the world are attached to that joint. Frames keep their ids; joints come after the added
     /// ones.
     pub(crate) fn on_base(model: &Model, add: impl FnOnce(&mut Self) -> Option<JointId>) -> Self {
-        let mut own = Self::new(model.name.clone());
-        own.length_unit = model.length_unit;
-        let base = add(&mut own);
-        let added = own.joints.len();
-        let moved = |id: JointId| JointId::new(id.index() + added);
-        let before = (0..added).map(JointId::new);
-        let order = model.configuration_order().into_iter().map(moved);
-        own.configuration_order = Some(before.chain(order).collect());
-        own.free.extend(model.free.iter().copied().map(moved));
-        own.joints.extend(model.joints.iter().map(|joint| Joint {
-            parent: joint.parent.map(moved).or(base),
-            ..joint.clone()
-        }));
-        own.frames.extend(model.frames.iter().map(|frame| Frame {
-            joint: frame.joint.map(moved).or(base),
-            ..frame.clone()
-        }));
-        own.loops.clone_from(&model.loops);
-        own
+        let mut builder = Self::new(model.name.clone());
+        builder.length_unit = model.length_unit;
+        let base = add(&mut builder);
+        let added = builder.joints.len();
+        let shifted_id = |id: JointId| JointId::new(id.index() + added);
+        let added_ids = (0..added).map(JointId::new);
+        let order = model.configuration_order().into_iter().map(shifted_id);
+        builder.configuration_order = Some(added_ids.chain(order).collect());
+        builder
+            .free
+            .extend(model.free.iter().copied().map(shifted_id));
+        builder
+            .joints
+            .extend(model.joints.iter().map(|joint| Joint {
+                parent: joint.parent.map(shifted_id).or(base),
+                ..joint.clone()
+            }));
+        builder
+            .frames
+            .extend(model.frames.iter().map(|frame| Frame {
+                joint: frame.joint.map(shifted_id).or(base),
+                ..frame.clone()
+            }));
+        builder.loops.clone_from(&model.loops);
+        builder
     }
 
     /// Sets the unit of lengths in texts for people; metres by default.
@@ -141,8 +147,8 @@ impl ModelBuilder {
 
     /// Replaces the limits of a joint. A continuous joint becomes a revolute joint; a fixed joint does not change.
     pub(crate) fn replace_limits(&mut self, joint: JointId, limits: Limits) {
-        let own = self.joints.get_mut(joint.index());
-        if let Some(joint) = own.filter(|joint| joint.kind != JointKind::Fixed) {
+        let joint = self.joints.get_mut(joint.index());
+        if let Some(joint) = joint.filter(|joint| joint.kind != JointKind::Fixed) {
             joint.limits = limits;
             joint.kind = joint.kind.within(&limits);
         }
@@ -157,8 +163,8 @@ impl ModelBuilder {
         axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        let (at, kind) = (parent_from_joint, JointKind::Revolute);
-        self.joint(Joint::new(name, parent, at, kind, axis, limits))
+        let (placement, kind) = (parent_from_joint, JointKind::Revolute);
+        self.joint(Joint::new(name, parent, placement, kind, axis, limits))
     }
 
     /// Adds a joint that rotates about `axis` (joint frame) without limits.
@@ -169,8 +175,9 @@ impl ModelBuilder {
         parent_from_joint: impl Into<Placement<f64>>,
         axis: impl Into<Vector3<f64>>,
     ) -> JointId {
-        let (at, kind, limits) = (parent_from_joint, JointKind::Continuous, Limits::UNBOUNDED);
-        self.joint(Joint::new(name, parent, at, kind, axis, limits))
+        let (placement, kind, limits) =
+            (parent_from_joint, JointKind::Continuous, Limits::UNBOUNDED);
+        self.joint(Joint::new(name, parent, placement, kind, axis, limits))
     }
 
     /// Adds a joint that translates along `axis` (joint frame), with limits in metres.
@@ -182,8 +189,8 @@ impl ModelBuilder {
         axis: impl Into<Vector3<f64>>,
         limits: Limits,
     ) -> JointId {
-        let (at, kind) = (parent_from_joint, JointKind::Prismatic);
-        self.joint(Joint::new(name, parent, at, kind, axis, limits))
+        let (placement, kind) = (parent_from_joint, JointKind::Prismatic);
+        self.joint(Joint::new(name, parent, placement, kind, axis, limits))
     }
 
     /// Adds a joint that does not move.
@@ -193,8 +200,16 @@ impl ModelBuilder {
         parent: Option<JointId>,
         parent_from_joint: impl Into<Placement<f64>>,
     ) -> JointId {
-        let (at, kind, held) = (parent_from_joint, JointKind::Fixed, Limits::new(0.0, 0.0));
-        self.joint(Joint::new(name, parent, at, kind, Vector3::UNITS[0], held))
+        let (placement, kind, locked) =
+            (parent_from_joint, JointKind::Fixed, Limits::new(0.0, 0.0));
+        self.joint(Joint::new(
+            name,
+            parent,
+            placement,
+            kind,
+            Vector3::UNITS[0],
+            locked,
+        ))
     }
 
     /// Adds a frame on a joint, or in the world.
@@ -262,8 +277,8 @@ impl ModelBuilder {
         let mut joint_of = Vec::with_capacity(moving.len());
         for id in moving {
             coordinates[id.index()] = Some(joint_of.len());
-            let own = self.joints[id.index()].kind.coordinates();
-            joint_of.extend(std::iter::repeat_n(id, own));
+            let count = self.joints[id.index()].kind.coordinates();
+            joint_of.extend(std::iter::repeat_n(id, count));
         }
 
         let mut frame_by_name = HashMap::with_capacity(self.frames.len());
@@ -297,8 +312,8 @@ impl ModelBuilder {
                     frame: self.frames[closed.frames[0].index()].name.clone(),
                 });
             }
-            for place in &mut closed.frame_from_place {
-                check_placement("loop", &closed.name, place)?;
+            for anchor in &mut closed.frame_from_place {
+                check_placement("loop", &closed.name, anchor)?;
             }
         }
 
@@ -357,8 +372,11 @@ impl Model {
 }
 
 fn check_count(kind: &'static str, count: usize) -> Result<(), ModelError> {
-    if count > MOST {
-        return Err(ModelError::TooMany { kind, limit: MOST });
+    if count > MAX_COUNT {
+        return Err(ModelError::TooMany {
+            kind,
+            limit: MAX_COUNT,
+        });
     }
     Ok(())
 }
@@ -427,7 +445,7 @@ pub(super) fn check_placement(
     placement: &mut Placement<f64>,
 ) -> Result<(), ModelError> {
     placement
-        .check_rigid(ORTHONORMAL_WITHIN)
+        .check_rigid(ORTHONORMALITY_TOLERANCE)
         .map(|()| *placement = placement.made_rigid())
         .map_err(|problem| ModelError::BadPlacement {
             kind,

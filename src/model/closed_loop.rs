@@ -102,8 +102,8 @@ struct Branch {
     /// Distances between successive rotating joints, and the travel of prismatic joints.
     lengths: Vec<Length>,
     /// Placement of the topmost rotating joint in the common ancestor; of the anchor if no joint rotates.
-    at: Placement<f64>,
-    turns: bool,
+    placement: Placement<f64>,
+    rotates: bool,
 }
 
 impl Model {
@@ -134,59 +134,62 @@ impl Model {
     ///
     /// A loop cannot close if one link is longer than all others together. A weld without rotating joints cannot close
     /// if its orientations differ.
-    pub(super) fn check_closes(&self, own: &Loop) -> Result<(), ModelError> {
-        let [first, second] = own.frames;
+    pub(super) fn check_closes(&self, closed: &Loop) -> Result<(), ModelError> {
+        let [first, second] = closed.frames;
         let path = self.path(Some(first), second);
-        let [from_first, from_second] = own.frame_from_place;
+        let [from_first, from_second] = closed.frame_from_place;
         let up = self.branch(first, from_first, path.up.iter());
         let down = self.branch(second, from_second, path.down.iter().rev());
-        let between = (up.at.translation - down.at.translation).norm();
-        let apart = |gap, unit| {
+        let anchor_distance = (up.placement.translation - down.placement.translation).norm();
+        let cannot_close = |gap, unit| {
             Err(ModelError::LoopCannotClose {
-                name: own.name.clone(),
+                name: closed.name.clone(),
                 gap,
                 unit,
             })
         };
-        let turns = up.turns || down.turns;
-        let turned = rotation_log(&(up.at.rotation.transpose() * down.at.rotation)).norm();
-        if own.kind == LoopKind::Weld && !turns && turned > Loop::TOLERANCE {
-            return apart(turned, "rad");
+        let rotates = up.rotates || down.rotates;
+        let angle =
+            rotation_log(&(up.placement.rotation.transpose() * down.placement.rotation)).norm();
+        if closed.kind == LoopKind::Weld && !rotates && angle > Loop::TOLERANCE {
+            return cannot_close(angle, "rad");
         }
         let mut lengths = up.lengths;
         lengths.extend(down.lengths);
-        lengths.push([between; 2]);
-        let all: f64 = lengths.iter().map(|[_, longest]| longest).sum();
+        lengths.push([anchor_distance; 2]);
+        let total: f64 = lengths.iter().map(|[_, longest]| longest).sum();
         let gaps = lengths
             .iter()
-            .map(|[shortest, longest]| shortest - (all - longest));
+            .map(|[shortest, longest]| shortest - (total - longest));
         let gap = gaps.fold(0.0, f64::max);
-        match gap > Loop::TOLERANCE + ROUNDING * all {
-            true => apart(gap, self.length_unit.symbol()),
+        match gap > Loop::TOLERANCE + ROUNDING * total {
+            true => cannot_close(gap, self.length_unit.symbol()),
             false => Ok(()),
         }
     }
 
-    /// The chain from an anchor to the common ancestor; `above` lists its joints, nearest first.
+    /// The chain from an anchor to the common ancestor; `joints` lists its joints, nearest first.
     fn branch<'a>(
         &self,
         frame: FrameId,
         frame_from_place: Placement<f64>,
-        above: impl Iterator<Item = &'a JointId>,
+        joints: impl Iterator<Item = &'a JointId>,
     ) -> Branch {
         let mut branch = Branch {
             lengths: Vec::new(),
-            at: self.frames[frame.index()].joint_from_frame * frame_from_place,
-            turns: false,
+            placement: self.frames[frame.index()].joint_from_frame * frame_from_place,
+            rotates: false,
         };
-        for id in above {
+        for id in joints {
             let joint = &self.joints[id.index()];
             if joint.kind.turns() {
-                branch.lengths.push([branch.at.translation.norm(); 2]);
-                branch.at = joint.parent_from_joint;
-                branch.turns = true;
+                branch
+                    .lengths
+                    .push([branch.placement.translation.norm(); 2]);
+                branch.placement = joint.parent_from_joint;
+                branch.rotates = true;
             } else {
-                branch.at = joint.parent_from_joint * branch.at;
+                branch.placement = joint.parent_from_joint * branch.placement;
             }
             if joint.kind.slides() {
                 let (lower, upper) = (joint.limits.lower, joint.limits.upper);

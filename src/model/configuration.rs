@@ -5,14 +5,14 @@
 //! theory for state estimation in robotics", eq. 25, 172 and 179 on SO(3) and SE(3).
 
 use super::parameter_map::{check_configuration, check_length, check_numbers};
-use super::rotation_chart::any_rotation;
+use super::rotation_chart::sample_rotation;
 use super::segment::{Segment, SegmentKind, quaternion_at, write_quaternion};
 use super::{JointId, Model, ModelError, RotationChart};
 use crate::random::RandomStream;
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_exp_jacobian, rotation_log_jacobian};
 
 /// Largest number of samples of a rotation; few samples of a narrow cone with a wide twist are within the angle limit.
-const DRAWS: usize = 1000;
+const MAX_SAMPLES: usize = 1000;
 
 const VELOCITY: &str = "a velocity of this model";
 
@@ -23,7 +23,7 @@ impl Model {
         let mut q: Vec<f64> = self.limits().map(|limits| limits.clamp(0.0)).collect();
         for (segment, at) in self.balls() {
             write_quaternion(Quaternion::exp(Vector3::zero()), &mut q[at..at + 4]);
-            self.keep_ball_within(segment, &mut q[at..at + 4]);
+            self.clamp_ball(segment, &mut q[at..at + 4]);
         }
         q
     }
@@ -45,14 +45,14 @@ impl Model {
             let v = &v[segment.velocity..];
             match segment.kind {
                 SegmentKind::Scalar => to[0] = from[0] + v[0],
-                SegmentKind::Ball => turn(from, v, to),
+                SegmentKind::Ball => integrate_rotation(from, v, to),
                 SegmentKind::Free => {
-                    let way = rotation_exp_jacobian(vector(&v[3..])) * vector(v);
-                    let way = rotation(&from[3..]) * way;
-                    to[0] = from[0] + way.x;
-                    to[1] = from[1] + way.y;
-                    to[2] = from[2] + way.z;
-                    turn(&from[3..], &v[3..], &mut to[3..]);
+                    let displacement = rotation_exp_jacobian(vector(&v[3..])) * vector(v);
+                    let displacement = rotation(&from[3..]) * displacement;
+                    to[0] = from[0] + displacement.x;
+                    to[1] = from[1] + displacement.y;
+                    to[2] = from[2] + displacement.z;
+                    integrate_rotation(&from[3..], &v[3..], &mut to[3..]);
                 }
             }
         }
@@ -74,13 +74,13 @@ impl Model {
             let v = &mut v[segment.velocity..];
             match segment.kind {
                 SegmentKind::Scalar => v[0] = to[0] - from[0],
-                SegmentKind::Ball => v[..3].copy_from_slice(&turned(from, to).to_array()),
+                SegmentKind::Ball => v[..3].copy_from_slice(&rotation_between(from, to).to_array()),
                 SegmentKind::Free => {
-                    let turned = turned(&from[3..], &to[3..]);
-                    let way = rotation(&from[3..]).transpose_mul(vector(to) - vector(from));
-                    let straight = rotation_log_jacobian(turned) * way;
-                    v[..3].copy_from_slice(&straight.to_array());
-                    v[3..6].copy_from_slice(&turned.to_array());
+                    let angular = rotation_between(&from[3..], &to[3..]);
+                    let offset = rotation(&from[3..]).transpose_mul(vector(to) - vector(from));
+                    let linear = rotation_log_jacobian(angular) * offset;
+                    v[..3].copy_from_slice(&linear.to_array());
+                    v[3..6].copy_from_slice(&angular.to_array());
                 }
             }
         }
@@ -96,17 +96,17 @@ impl Model {
         from: &[f64],
         to: &[f64],
         share: f64,
-        between: &mut [f64],
+        result: &mut [f64],
     ) -> Result<(), ModelError> {
         if !share.is_finite() {
             return Err(ModelError::BadShare { share });
         }
         let mut v = vec![0.0; self.degrees_of_freedom()];
         self.difference(from, to, &mut v)?;
-        for part in &mut v {
-            *part *= share;
+        for component in &mut v {
+            *component *= share;
         }
-        self.integrate(from, &v, between)
+        self.integrate(from, &v, result)
     }
 
     /// Normalises the quaternions of a configuration to unit length.
@@ -185,22 +185,22 @@ impl Model {
             }
         }
         for (segment, at) in self.balls() {
-            let drawn = match self.joints[segment.ball().index()].ball {
-                None => any_rotation(&mut random),
+            let sampled = match self.joints[segment.ball().index()].ball {
+                None => sample_rotation(&mut random),
                 Some(limits) => {
                     let chart = self.chart(segment);
-                    let within = |rotation: &Quaternion<f64>| {
+                    let is_within_angle = |rotation: &Quaternion<f64>| {
                         limits
                             .angle
                             .is_none_or(|angle| rotation.log().norm() <= angle)
                     };
-                    let mut draws = (0..DRAWS).map(|_| chart.draw(&limits, &mut random));
-                    let unturned =
+                    let mut samples = (0..MAX_SAMPLES).map(|_| chart.sample(&limits, &mut random));
+                    let unrotated =
                         quaternion_at(&q[at..]).unwrap_or(Quaternion::exp(Vector3::zero()));
-                    draws.find(within).unwrap_or(unturned)
+                    samples.find(is_within_angle).unwrap_or(unrotated)
                 }
             };
-            write_quaternion(drawn, &mut q[at..at + 4]);
+            write_quaternion(sampled, &mut q[at..at + 4]);
         }
         q
     }
@@ -232,8 +232,8 @@ impl Model {
         let free = self
             .segments
             .iter()
-            .filter(|own| own.kind == SegmentKind::Free);
-        free.map(|own| own.coordinate..own.coordinate + own.kind.coordinates())
+            .filter(|segment| segment.kind == SegmentKind::Free);
+        free.map(|segment| segment.coordinate..segment.coordinate + segment.kind.coordinates())
     }
 
     /// The ball joints, those of free joints included, each with the index of its quaternion.
@@ -251,7 +251,7 @@ impl Model {
     }
 
     /// Writes the rotation without swing whose twist is closest to zero within the limits.
-    fn keep_ball_within(&self, segment: &Segment, quaternion: &mut [f64]) {
+    fn clamp_ball(&self, segment: &Segment, quaternion: &mut [f64]) {
         if let Some(limits) = self.joints[segment.ball().index()].ball {
             let twist = limits.twist.clamp(0.0);
             let rotation = self.chart(segment).rotation([0.0, 0.0, twist]);
@@ -273,14 +273,14 @@ fn rotation(quaternion: &[f64]) -> Matrix3<f64> {
     unit(quaternion).to_matrix()
 }
 
-fn turn(from: &[f64], by: &[f64], to: &mut [f64]) {
-    let turned = unit(from) * Quaternion::exp(vector(by));
+fn integrate_rotation(from: &[f64], rotation_vector: &[f64], to: &mut [f64]) {
+    let product = unit(from) * Quaternion::exp(vector(rotation_vector));
     // Products of unit quaternions drift by rounding.
-    let Quaternion { w, v } = turned;
+    let Quaternion { w, v } = product;
     write_quaternion(unit(&[w, v.x, v.y, v.z]), &mut to[..4]);
 }
 
 /// The rotation vector between two quaternions, in the axes of the first, radians.
-fn turned(from: &[f64], to: &[f64]) -> Vector3<f64> {
+fn rotation_between(from: &[f64], to: &[f64]) -> Vector3<f64> {
     (unit(from).conjugate() * unit(to)).log()
 }

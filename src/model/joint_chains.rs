@@ -15,8 +15,8 @@ impl ModelBuilder {
         axis: impl Into<Vector3<f64>>,
         limits: Option<BallLimits>,
     ) -> JointId {
-        let (at, kind, endless) = (parent_from_joint, JointKind::Ball, Limits::UNBOUNDED);
-        let mut joint = Joint::new(name, parent, at, kind, axis, endless);
+        let (placement, kind, unlimited) = (parent_from_joint, JointKind::Ball, Limits::UNBOUNDED);
+        let mut joint = Joint::new(name, parent, placement, kind, axis, unlimited);
         joint.ball = limits;
         self.joint(joint)
     }
@@ -32,20 +32,20 @@ impl ModelBuilder {
         name: impl Into<String>,
         parent: Option<JointId>,
         parent_from_joint: impl Into<Placement<f64>>,
-        room: [Limits; 3],
+        bounds: [Limits; 3],
     ) -> JointId {
         let name = name.into();
         let [x, y, z] = Vector3::UNITS;
-        let mut slide = |part, parent, at: Placement<f64>, axis, limits| {
-            self.prismatic(format!("{name}/{part}"), parent, at, axis, limits)
+        let mut prismatic = |part, parent, placement: Placement<f64>, axis, limits| {
+            self.prismatic(format!("{name}/{part}"), parent, placement, axis, limits)
         };
         let at_parent = Placement::identity();
-        let along_x = slide("x", parent, parent_from_joint.into(), x, room[0]);
-        let along_y = slide("y", Some(along_x), at_parent, y, room[1]);
-        let along_z = slide("z", Some(along_y), at_parent, z, room[2]);
+        let along_x = prismatic("x", parent, parent_from_joint.into(), x, bounds[0]);
+        let along_y = prismatic("y", Some(along_x), at_parent, y, bounds[1]);
+        let along_z = prismatic("z", Some(along_y), at_parent, z, bounds[2]);
         self.free.push(along_x);
-        let named = format!("{name}/rotation");
-        self.ball(named, Some(along_z), at_parent, x, None)
+        let ball_name = format!("{name}/rotation");
+        self.ball(ball_name, Some(along_z), at_parent, x, None)
     }
 
     /// Adds a planar joint: two prismatic joints and a rotation about the plane's normal.
@@ -59,25 +59,25 @@ impl ModelBuilder {
         parent: Option<JointId>,
         parent_from_joint: impl Into<Placement<f64>>,
         normal: impl Into<Vector3<f64>>,
-        room: [Limits; 2],
+        bounds: [Limits; 2],
         yaw: Limits,
     ) -> JointId {
         let name = name.into();
         let z: Vector3<f64> = normal.into();
         // The coordinate axis after the one nearest to the normal is the most perpendicular to it.
         let [along_x, along_y, along_z] = [z.x.abs(), z.y.abs(), z.z.abs()];
-        let next = match (along_z >= along_x && along_z >= along_y, along_x >= along_y) {
+        let reference = match (along_z >= along_x && along_z >= along_y, along_x >= along_y) {
             (true, _) => Vector3::UNITS[0],
             (false, true) => Vector3::UNITS[1],
             (false, false) => Vector3::UNITS[2],
         };
-        let x = next * z.norm_squared() - z * z.dot(next);
+        let x = reference * z.norm_squared() - z * z.dot(reference);
         let y = z.cross(x);
         let at_parent = Placement::identity();
-        let along_x = self.prismatic(format!("{name}/x"), parent, parent_from_joint, x, room[0]);
-        let along_y = self.prismatic(format!("{name}/y"), Some(along_x), at_parent, y, room[1]);
-        let (named, kind) = (format!("{name}/yaw"), JointKind::Continuous.within(&yaw));
-        self.joint(Joint::new(named, Some(along_y), at_parent, kind, z, yaw))
+        let along_x = self.prismatic(format!("{name}/x"), parent, parent_from_joint, x, bounds[0]);
+        let along_y = self.prismatic(format!("{name}/y"), Some(along_x), at_parent, y, bounds[1]);
+        let (yaw_name, kind) = (format!("{name}/yaw"), JointKind::Continuous.within(&yaw));
+        self.joint(Joint::new(yaw_name, Some(along_y), at_parent, kind, z, yaw))
     }
 
     /// Adds a universal joint: `NAME/first` rotates about `first`, then `NAME/second` about the rotated `second`.
@@ -93,9 +93,9 @@ impl ModelBuilder {
     ) -> JointId {
         let name = name.into();
         let at_parent = Placement::identity();
-        let named = format!("{name}/first");
-        let turned = self.revolute(named, parent, parent_from_joint, first, limits[0]);
-        let named = format!("{name}/second");
-        self.revolute(named, Some(turned), at_parent, second, limits[1])
+        let joint_name = format!("{name}/first");
+        let first_joint = self.revolute(joint_name, parent, parent_from_joint, first, limits[0]);
+        let joint_name = format!("{name}/second");
+        self.revolute(joint_name, Some(first_joint), at_parent, second, limits[1])
     }
 }

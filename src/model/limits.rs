@@ -1,7 +1,7 @@
 //! Closed intervals of joint values.
 
 /// Distance, in spreads, beyond which a limit counts as absent: four full rotations for angles.
-const ENDLESS: f64 = 8.0;
+const MAX_SPREADS: f64 = 8.0;
 
 /// A closed interval, in radians or metres; infinite ends are allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,19 +61,19 @@ impl Limits {
         }
     }
 
-    /// The range for random values near `at`.
+    /// The range for random values near `centre`.
     ///
-    /// A limit that is absent or farther than [`ENDLESS`] spreads away is replaced by `at` ± `spread`.
-    pub(crate) fn sampling_range(&self, at: f64, spread: f64) -> (f64, f64) {
-        let lower = if at - self.lower <= ENDLESS * spread {
+    /// A limit that is absent or farther than [`MAX_SPREADS`] spreads away is replaced by `centre` ± `spread`.
+    pub(crate) fn sampling_range(&self, centre: f64, spread: f64) -> (f64, f64) {
+        let lower = if centre - self.lower <= MAX_SPREADS * spread {
             self.lower
         } else {
-            at - spread
+            centre - spread
         };
-        let upper = if self.upper - at <= ENDLESS * spread {
+        let upper = if self.upper - centre <= MAX_SPREADS * spread {
             self.upper
         } else {
-            at + spread
+            centre + spread
         };
         (lower, upper)
     }
@@ -89,9 +89,9 @@ impl Limits {
 #[cfg(feature = "serde")]
 impl From<Limits> for [Option<f64>; 2] {
     fn from(limits: Limits) -> Self {
-        let open = [f64::NEG_INFINITY, f64::INFINITY];
-        let ends = [(limits.lower, open[0]), (limits.upper, open[1])];
-        ends.map(|(end, open)| (end != open).then_some(end))
+        let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
+        let ends = [(limits.lower, unbounded[0]), (limits.upper, unbounded[1])];
+        ends.map(|(end, unbounded)| (end != unbounded).then_some(end))
     }
 }
 

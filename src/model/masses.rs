@@ -109,36 +109,37 @@ impl Masses {
         model: &Model,
         masses: impl IntoIterator<Item = PointMass>,
     ) -> Result<Self, MassError> {
-        let mut together: Vec<(JointId, PointMass)> = Vec::new();
-        for own in masses {
-            let Some(frame) = model.frames().get(own.frame.index()) else {
+        let mut combined: Vec<(JointId, PointMass)> = Vec::new();
+        for point in masses {
+            let Some(frame) = model.frames().get(point.frame.index()) else {
                 return Err(MassError::ForeignFrame {
                     model: model.name().to_owned(),
-                    index: own.frame.index(),
+                    index: point.frame.index(),
                     frames: model.frames().len(),
                 });
             };
-            if !(own.mass >= 0.0 && own.mass.is_finite()) {
+            if !(point.mass >= 0.0 && point.mass.is_finite()) {
                 return Err(MassError::BadMass {
                     frame: frame.name.clone(),
-                    mass: own.mass,
+                    mass: point.mass,
                 });
             }
-            if let Some(coordinate) = own.at.to_array().into_iter().find(|at| !at.is_finite()) {
+            if let Some(coordinate) = point.at.to_array().into_iter().find(|at| !at.is_finite()) {
                 return Err(MassError::BadPlace {
                     frame: frame.name.clone(),
                     coordinate,
                 });
             }
-            let Some(carrier) = moving_joint(model, own.frame).filter(|_| own.mass > 0.0) else {
+            let Some(carrier) = moving_joint(model, point.frame).filter(|_| point.mass > 0.0)
+            else {
                 continue;
             };
-            match together.iter_mut().find(|(joint, _)| *joint == carrier) {
-                Some((_, other)) => other.join(model, &own),
-                None => together.push((carrier, own)),
+            match combined.iter_mut().find(|(joint, _)| *joint == carrier) {
+                Some((_, other)) => other.join(model, &point),
+                None => combined.push((carrier, point)),
             }
         }
-        let points: Vec<PointMass> = together.into_iter().map(|(_, point)| point).collect();
+        let points: Vec<PointMass> = combined.into_iter().map(|(_, point)| point).collect();
         let total: f64 = points.iter().map(|point| point.mass).sum();
         if points.is_empty() || !total.is_finite() {
             let model = model.name().to_owned();
@@ -167,30 +168,30 @@ impl Masses {
 impl PointMass {
     /// Adds a mass that is fixed relative to this one; the result is at the common centre.
     fn join(&mut self, model: &Model, other: &Self) {
-        let own_from_other =
-            carrier_from(model, self.frame).inverse() * carrier_from(model, other.frame);
+        let frame_from_other = carrier_from_frame(model, self.frame).inverse()
+            * carrier_from_frame(model, other.frame);
         let mass = self.mass + other.mass;
-        let at = own_from_other.apply(other.at);
-        self.at = self.at + (at - self.at) * (other.mass / mass);
+        let position = frame_from_other.apply(other.at);
+        self.at = self.at + (position - self.at) * (other.mass / mass);
         self.mass = mass;
     }
 }
 
 /// The nearest moving joint above a frame; `None` for a frame fixed in the world.
 pub(crate) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
-    let mut above = model.joints_above(frame);
-    above.find(|joint| model.joints()[joint.index()].kind.moves())
+    let mut ancestors = model.joints_above(frame);
+    ancestors.find(|joint| model.joints()[joint.index()].kind.moves())
 }
 
 /// Placement of a frame in the joint that moves it, or in the world.
-fn carrier_from(model: &Model, frame: FrameId) -> Placement<f64> {
-    let mut placed = model.frames()[frame.index()].joint_from_frame;
+fn carrier_from_frame(model: &Model, frame: FrameId) -> Placement<f64> {
+    let mut placement = model.frames()[frame.index()].joint_from_frame;
     for joint in model.joints_above(frame) {
         let joint = &model.joints()[joint.index()];
         if joint.kind.moves() {
             break;
         }
-        placed = joint.parent_from_joint * placed;
+        placement = joint.parent_from_joint * placement;
     }
-    placed
+    placement
 }

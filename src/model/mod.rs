@@ -201,22 +201,22 @@ impl Model {
 
     /// Moves a joint's origin on its parent and keeps its rotation; for modules that own the model.
     pub(crate) fn move_joint(&mut self, joint: JointId, translation: Vector3<f64>) {
-        if let Some(own) = self.joints.get_mut(joint.index()) {
-            own.parent_from_joint.translation = translation;
+        if let Some(joint) = self.joints.get_mut(joint.index()) {
+            joint.parent_from_joint.translation = translation;
         }
     }
 
     /// Sets a joint's placement on its parent; for modules that own the model.
     pub(crate) fn place_joint(&mut self, joint: JointId, parent_from_joint: Placement<f64>) {
-        if let Some(own) = self.joints.get_mut(joint.index()) {
-            own.parent_from_joint = parent_from_joint;
+        if let Some(joint) = self.joints.get_mut(joint.index()) {
+            joint.parent_from_joint = parent_from_joint;
         }
     }
 
     /// Moves a frame's origin on its joint and keeps its rotation.
     pub(crate) fn move_frame(&mut self, frame: FrameId, translation: Vector3<f64>) {
-        if let Some(own) = self.frames.get_mut(frame.index()) {
-            own.joint_from_frame.translation = translation;
+        if let Some(frame) = self.frames.get_mut(frame.index()) {
+            frame.joint_from_frame.translation = translation;
         }
     }
 
@@ -228,9 +228,9 @@ impl Model {
     /// world do not count, nor do fixed and locked joints next to the root.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        let rigid = self.longest_way(|_, _| 0.0);
-        let anything_turns = self.joints.iter().any(Joint::turns);
-        self.longest_way(|joint, turned| match turned || !anything_turns {
+        let rigid = self.longest_chain(|_, _| 0.0);
+        let any_rotates = self.joints.iter().any(Joint::turns);
+        self.longest_chain(|joint, rotates| match rotates || !any_rotates {
             true if rigid > 0.0 => travel(joint).min(rigid),
             true => travel(joint),
             false => 0.0,
@@ -240,24 +240,25 @@ impl Model {
     /// The longest chain from the first moving joint above a frame to that frame, metres.
     ///
     /// Sums offsets and `travel(joint, rotates)` of each moving joint; `rotates` is true if a joint above it rotates.
-    fn longest_way(&self, travel: impl Fn(&Joint, bool) -> f64) -> f64 {
+    fn longest_chain(&self, travel: impl Fn(&Joint, bool) -> f64) -> f64 {
         // By joint: the length up to it (`None` if no joint up to it moves), and whether a joint up to it rotates.
-        let mut length: Vec<(Option<f64>, bool)> = Vec::with_capacity(self.joints.len());
+        let mut lengths: Vec<(Option<f64>, bool)> = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
-            let above = joint.parent.map(|p| length[p.index()]);
-            let (before, turned) = above.unwrap_or((None, false));
-            let before = before.map(|b| b + joint.parent_from_joint.translation.norm());
-            let here = match joint.moves() {
-                true => Some(before.unwrap_or(0.0) + travel(joint, turned)),
-                false => before,
+            let above = joint.parent.map(|p| lengths[p.index()]);
+            let (length_before, rotates) = above.unwrap_or((None, false));
+            let length_before =
+                length_before.map(|b| b + joint.parent_from_joint.translation.norm());
+            let chain_length = match joint.moves() {
+                true => Some(length_before.unwrap_or(0.0) + travel(joint, rotates)),
+                false => length_before,
             };
-            length.push((here, turned || joint.turns()));
+            lengths.push((chain_length, rotates || joint.turns()));
         }
         let tips = self.frames.iter().filter_map(|frame| {
-            let before = length[frame.joint?.index()].0?;
-            Some(before + frame.joint_from_frame.translation.norm())
+            let length_before = lengths[frame.joint?.index()].0?;
+            Some(length_before + frame.joint_from_frame.translation.norm())
         });
-        tips.chain(length.iter().filter_map(|(length, _)| *length))
+        tips.chain(lengths.iter().filter_map(|(length, _)| *length))
             .fold(0.0, f64::max)
     }
 
@@ -266,13 +267,13 @@ impl Model {
     /// π for rotations. For prismatic joints, their travel if it is of the order of the reach or less, otherwise the
     /// reach; never below the reach.
     pub(crate) fn sampling_spread(&self, joint: &Joint, reach: f64) -> f64 {
-        const SAME_ORDER: f64 = 100.0;
+        const MAX_TRAVEL_RATIO: f64 = 100.0;
         // Lengths in files may have an infinite sum; samples must be finite.
         let reach = reach.min(f64::MAX / 100.0);
         match travel(joint) {
             _ if !joint.kind.slides() => std::f64::consts::PI,
             // Without a lever, the travel is the only length of the model.
-            travel if reach == 0.0 || travel <= SAME_ORDER * reach => travel.max(reach),
+            travel if reach == 0.0 || travel <= MAX_TRAVEL_RATIO * reach => travel.max(reach),
             _ => reach,
         }
     }
@@ -282,9 +283,9 @@ impl Model {
 ///
 /// 0 for other joints and beyond 1e9: files write numbers like 1e16 for "no limit".
 fn travel(joint: &Joint) -> f64 {
-    const PLACEHOLDER: f64 = 1e9;
+    const MIN_PLACEHOLDER: f64 = 1e9;
     let farthest = joint.limits.lower.abs().max(joint.limits.upper.abs());
-    match joint.kind.slides() && farthest < PLACEHOLDER {
+    match joint.kind.slides() && farthest < MIN_PLACEHOLDER {
         true => farthest,
         false => 0.0,
     }

@@ -94,33 +94,33 @@ impl ParameterMap {
     /// To solve, use [`builder`](Self::builder), which makes locked coordinates constant.
     #[must_use]
     pub fn identity(model: &Model) -> Self {
-        Self::of_own_variables(model, false)
+        Self::with_variables(model, false)
     }
 
     /// A variable for every coordinate that its limits do not lock, and three for a ball joint.
     #[must_use]
     pub fn free(model: &Model) -> Self {
-        Self::of_own_variables(model, true)
+        Self::with_variables(model, true)
     }
 
-    fn of_own_variables(model: &Model, within_limits: bool) -> Self {
-        let mut own = Self::empty(model);
+    fn with_variables(model: &Model, within_limits: bool) -> Self {
+        let mut map = Self::empty(model);
         let mut coordinate = 0;
-        while coordinate < own.limits.len() {
+        while coordinate < map.limits.len() {
             coordinate += match model.joint_of(coordinate) {
                 ball if ball.kind.is_ball() => {
-                    own.add_ball(coordinate, ball, within_limits);
+                    map.add_ball(coordinate, ball, within_limits);
                     4
                 }
-                _ if within_limits && own.limits[coordinate].is_locked() => 1,
+                _ if within_limits && map.limits[coordinate].is_locked() => 1,
                 _ => {
-                    let limits = own.limits[coordinate];
-                    own.add_variable(coordinate, &limits);
+                    let limits = map.limits[coordinate];
+                    map.add_variable(coordinate, &limits);
                     1
                 }
             };
         }
-        own
+        map
     }
 
     /// A map without variables; each coordinate is constant at its lower limit.
@@ -169,15 +169,15 @@ impl ParameterMap {
     /// A limit on a mimic joint is divided by its ratio. `limits` has one entry for each coordinate. Infinity for a
     /// variable of which no coordinate is a multiple.
     pub(crate) fn least_by_variable(&self, limits: &[f64]) -> Vec<f64> {
-        let mut least = vec![f64::INFINITY; self.variables()];
+        let mut min_limits = vec![f64::INFINITY; self.variables()];
         for (source, limit) in self.sources.iter().zip(limits) {
             if let Some((variable, ratio)) = source.slope()
                 && ratio != 0.0
             {
-                least[variable] = least[variable].min(limit / ratio.abs());
+                min_limits[variable] = min_limits[variable].min(limit / ratio.abs());
             }
         }
-        least
+        min_limits
     }
 
     getters! {
@@ -228,13 +228,13 @@ impl ParameterMap {
     /// # Errors
     /// Returns the invalid interval if no value is left.
     pub(crate) fn narrow(&mut self, coordinate: usize, limits: &Limits) -> Result<(), Limits> {
-        let own = self.limits[coordinate].intersection(limits);
-        if !limits.is_valid() || !own.is_valid() {
-            return Err(if limits.is_valid() { own } else { *limits });
+        let narrowed = self.limits[coordinate].intersection(limits);
+        if !limits.is_valid() || !narrowed.is_valid() {
+            return Err(if limits.is_valid() { narrowed } else { *limits });
         }
-        self.limits[coordinate] = own;
+        self.limits[coordinate] = narrowed;
         match self.sources[coordinate] {
-            Source::Constant(value) if own.contains(value) => Ok(()),
+            Source::Constant(value) if narrowed.contains(value) => Ok(()),
             Source::Constant(_) | Source::Rotation { .. } => Err(*limits),
             Source::Variable {
                 variable,
@@ -242,11 +242,11 @@ impl ParameterMap {
                 offset,
             } => {
                 let bounds = Limits::new(self.lower[variable], self.upper[variable]);
-                let left = bounds.intersection(&preimage(&own, ratio, offset));
-                if !left.is_valid() {
-                    return Err(left);
+                let remaining = bounds.intersection(&preimage(&narrowed, ratio, offset));
+                if !remaining.is_valid() {
+                    return Err(remaining);
                 }
-                (self.lower[variable], self.upper[variable]) = (left.lower, left.upper);
+                (self.lower[variable], self.upper[variable]) = (remaining.lower, remaining.upper);
                 Ok(())
             }
         }
@@ -360,8 +360,11 @@ impl ParameterMap {
             *value = q[leader];
         }
         for ball in &self.balls {
-            let at = ball.coordinate;
-            let (w, v) = (q[at], Vector3::new(q[at + 1], q[at + 2], q[at + 3]));
+            let first = ball.coordinate;
+            let (w, v) = (
+                q[first],
+                Vector3::new(q[first + 1], q[first + 2], q[first + 3]),
+            );
             let length = (w * w + v.norm_squared()).sqrt();
             let unit = Quaternion {
                 w: w / length,

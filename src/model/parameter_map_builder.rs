@@ -15,7 +15,7 @@ pub struct ParameterMapBuilder<'m> {
     /// Role of each coordinate; `None` is free. In a role, a variable is the index of the source coordinate.
     roles: Vec<Option<Source>>,
     /// For each coordinate, whether it was locked and coupled by name: setting a role twice is an error.
-    named: Vec<[bool; 2]>,
+    set_roles: Vec<[bool; 2]>,
     problem: Option<ModelError>,
 }
 
@@ -26,7 +26,7 @@ impl<'m> ParameterMapBuilder<'m> {
             model,
             limits: model.limits().collect(),
             roles: vec![None; model.configuration_len()],
-            named: vec![[false; 2]; model.configuration_len()],
+            set_roles: vec![[false; 2]; model.configuration_len()],
             problem: None,
         }
     }
@@ -41,8 +41,8 @@ impl<'m> ParameterMapBuilder<'m> {
     /// A value up to 1e-3 outside the limits, as sensors report it, is clamped to them.
     #[must_use]
     pub fn with_locked(mut self, joint: JointId, value: f64) -> Self {
-        if let Some(coordinate) = self.single(joint, "locked") {
-            let value = within_excess(&self.limits[coordinate], value);
+        if let Some(coordinate) = self.single_coordinate(joint, "locked") {
+            let value = clamped_within_excess(&self.limits[coordinate], value);
             self.set(coordinate, Source::Constant(value));
         }
         self
@@ -51,18 +51,18 @@ impl<'m> ParameterMapBuilder<'m> {
     /// Locks a ball joint at a rotation: a quaternion w, x, y, z of any length except zero. Ignores limits.
     #[must_use]
     pub fn with_locked_ball(mut self, joint: JointId, rotation: [f64; 4]) -> Self {
-        let Some(first) = self.moving(joint, "locked") else {
+        let Some(first) = self.moving_coordinate(joint, "locked") else {
             return self;
         };
-        let own = self.model.joint_of(first);
+        let ball = self.model.joint_of(first);
         match quaternion_at(&rotation) {
-            Some(unit) if own.kind.is_ball() => {
+            Some(unit) if ball.kind.is_ball() => {
                 for (k, part) in unit_parts(unit).into_iter().enumerate() {
                     self.set(first + k, Source::Constant(part));
                 }
             }
             rotation => {
-                let joint = own.name.clone();
+                let joint = ball.name.clone();
                 self.problem.get_or_insert(match rotation {
                     None => ModelError::NoRotation { joint },
                     Some(_) => ModelError::NoBallJoint { joint },
@@ -72,20 +72,20 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Makes `joint` a mimic joint of `master`: its value is `ratio · master + offset`.
+    /// Makes `joint` a mimic joint of `source`: its value is `ratio · source + offset`.
     #[must_use]
     pub fn with_coupled(
         mut self,
         joint: JointId,
-        master: JointId,
+        source: JointId,
         ratio: f64,
         offset: f64,
     ) -> Self {
-        if let (Some(coordinate), Some(master)) = (
-            self.single(joint, "coupled"),
-            self.single(master, "followed"),
+        if let (Some(coordinate), Some(source)) = (
+            self.single_coordinate(joint, "coupled"),
+            self.single_coordinate(source, "followed"),
         ) {
-            self.set(coordinate, Source::of_variable(master, ratio, offset));
+            self.set(coordinate, Source::of_variable(source, ratio, offset));
         }
         self
     }
@@ -93,9 +93,9 @@ impl<'m> ParameterMapBuilder<'m> {
     /// Intersects the limits of a joint with `limits`, radians or metres.
     #[must_use]
     pub fn with_narrowed(mut self, joint: JointId, limits: Limits) -> Self {
-        if let Some(coordinate) = self.single(joint, "narrowed") {
-            let own = &mut self.limits[coordinate];
-            *own = own.intersection(&limits);
+        if let Some(coordinate) = self.single_coordinate(joint, "narrowed") {
+            let narrowed = &mut self.limits[coordinate];
+            *narrowed = narrowed.intersection(&limits);
         }
         self
     }
@@ -107,31 +107,34 @@ impl<'m> ParameterMapBuilder<'m> {
     /// [`with_locked`](Self::with_locked).
     #[must_use]
     pub fn with_only(mut self, joints: &[JointId], q: &[f64]) -> Self {
-        let mut keep = vec![false; self.roles.len()];
+        let mut is_freed = vec![false; self.roles.len()];
         for &joint in joints {
-            if let Some(first) = self.moving(joint, "freed") {
-                let own = self.model.joint_of(first).kind.coordinates();
-                keep[first..first + own].fill(true);
+            if let Some(first) = self.moving_coordinate(joint, "freed") {
+                let count = self.model.joint_of(first).kind.coordinates();
+                is_freed[first..first + count].fill(true);
             }
         }
         self = self.checked(q);
         let limits = &self.limits;
         for (coordinate, role) in self.roles.iter_mut().enumerate() {
-            if role.is_none() && !keep[coordinate] {
+            if role.is_none() && !is_freed[coordinate] {
                 let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
-                let value = within_excess(&limits[coordinate], value);
+                let value = clamped_within_excess(&limits[coordinate], value);
                 *role = Some(Source::Constant(value));
             }
         }
-        for (_, at) in self.model.balls().filter(|&(_, at)| !keep[at]) {
-            match q.get(at..).and_then(quaternion_at) {
+        for (_, first) in self.model.balls().filter(|&(_, first)| !is_freed[first]) {
+            match q.get(first..).and_then(quaternion_at) {
                 Some(unit) => {
-                    for (role, part) in self.roles[at..at + 4].iter_mut().zip(unit_parts(unit)) {
+                    for (role, part) in self.roles[first..first + 4]
+                        .iter_mut()
+                        .zip(unit_parts(unit))
+                    {
                         *role = Some(Source::Constant(part));
                     }
                 }
                 None => {
-                    let joint = self.model.joint_of(at).name.clone();
+                    let joint = self.model.joint_of(first).name.clone();
                     self.problem.get_or_insert(ModelError::NoRotation { joint });
                 }
             }
@@ -184,7 +187,7 @@ impl<'m> ParameterMapBuilder<'m> {
         }
 
         // Products along a chain of mimic joints may overflow although every factor is finite.
-        let through = [
+        let chain_numbers = [
             "the ratio to its source joint",
             "the offset to its source joint",
         ];
@@ -196,7 +199,7 @@ impl<'m> ParameterMapBuilder<'m> {
             }
             let source = resolve(c, &roles, &variable_of)
                 .ok_or_else(|| ModelError::CouplingCycle { joint: name(c) })?;
-            check(&source, &limits[c], through, || name(c))?;
+            check(&source, &limits[c], chain_numbers, || name(c))?;
             if let Source::Variable {
                 variable,
                 ratio,
@@ -231,36 +234,36 @@ impl<'m> ParameterMapBuilder<'m> {
     }
 
     /// Sets a role by name. Records an error for a role that is set twice.
-    fn set(&mut self, coordinate: usize, new: Source) {
+    fn set(&mut self, coordinate: usize, source: Source) {
         let model = self.model;
-        let (kind, role) = match new {
+        let (kind, role) = match source {
             Source::Variable { .. } => (1, "coupled"),
             Source::Constant(_) | Source::Rotation { .. } => (0, "locked"),
         };
-        let named = &mut self.named[coordinate][kind];
-        if *named && self.problem.is_none() {
+        let is_set = &mut self.set_roles[coordinate][kind];
+        if *is_set && self.problem.is_none() {
             let joint = &model.joints()[model.moving_joints()[coordinate].index()];
             let joint = joint.name.clone();
             self.problem = Some(ModelError::RoleTwice { joint, role });
         }
-        *named = true;
-        self.roles[coordinate] = Some(new);
+        *is_set = true;
+        self.roles[coordinate] = Some(source);
     }
 
     /// The coordinate of a joint that has only one; records an error for every other joint.
-    fn single(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
-        let coordinate = self.moving(joint, role)?;
-        let own = self.model.joint_of(coordinate);
-        if own.kind.coordinates() == 1 {
+    fn single_coordinate(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
+        let coordinate = self.moving_coordinate(joint, role)?;
+        let model_joint = self.model.joint_of(coordinate);
+        if model_joint.kind.coordinates() == 1 {
             return Some(coordinate);
         }
-        let joint = own.name.clone();
+        let joint = model_joint.name.clone();
         self.problem
             .get_or_insert(ModelError::BallJoint { joint, role });
         None
     }
 
-    fn moving(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
+    fn moving_coordinate(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
         let coordinate = self.model.coordinate(joint);
         if coordinate.is_none() && self.problem.is_none() {
             self.problem = Some(match self.model.joints().get(joint.index()) {
@@ -279,7 +282,7 @@ impl<'m> ParameterMapBuilder<'m> {
 }
 
 /// The value clamped to the limits if it is at most [`MAX_EXCESS`] outside them, otherwise the value itself.
-fn within_excess(limits: &Limits, value: f64) -> f64 {
+fn clamped_within_excess(limits: &Limits, value: f64) -> f64 {
     let clamped = limits.clamp(value);
     match (clamped - value).abs() <= MAX_EXCESS {
         true => clamped,
@@ -291,10 +294,10 @@ fn within_excess(limits: &Limits, value: f64) -> f64 {
 ///
 /// A bound that changes only by rounding stays; `shift` is the offset in the bounds' unit.
 fn restricted(bounds: &Limits, allowed: &Limits, shift: f64) -> Limits {
-    let end = |own: f64, restricted: f64| {
-        let rounding = 8.0 * f64::EPSILON * (own.abs() + shift.abs());
-        let is_rounding = rounding.is_finite() && (own - restricted).abs() <= rounding;
-        if is_rounding { own } else { restricted }
+    let end = |bound: f64, restricted: f64| {
+        let rounding = 8.0 * f64::EPSILON * (bound.abs() + shift.abs());
+        let is_rounding = rounding.is_finite() && (bound - restricted).abs() <= rounding;
+        if is_rounding { bound } else { restricted }
     };
     let Limits { lower, upper } = bounds.intersection(allowed);
     Limits::new(end(bounds.lower, lower), end(bounds.upper, upper))
@@ -306,17 +309,17 @@ fn unit_parts(Quaternion { w, v }: Quaternion<f64>) -> [f64; 4] {
 
 /// Checks that a source's numbers are finite and that a constant is within the limits.
 ///
-/// `ratio_is` and `offset_is` name the numbers in errors.
+/// `ratio_name` and `offset_name` name the numbers in errors.
 fn check(
     source: &Source,
     limits: &Limits,
-    [ratio_is, offset_is]: [&'static str; 2],
+    [ratio_name, offset_name]: [&'static str; 2],
     name: impl FnOnce() -> String,
 ) -> Result<(), ModelError> {
     let numbers = match *source {
         Source::Rotation { .. } => return Ok(()),
         Source::Constant(value) => [("the locked value", value); 2],
-        Source::Variable { ratio, offset, .. } => [(ratio_is, ratio), (offset_is, offset)],
+        Source::Variable { ratio, offset, .. } => [(ratio_name, ratio), (offset_name, offset)],
     };
     if let Some(&(what, value)) = numbers.iter().find(|(_, number)| !number.is_finite()) {
         let joint = name();
@@ -341,21 +344,26 @@ fn resolve(
     roles: &[Option<Source>],
     variable_of: &[Option<usize>],
 ) -> Option<Source> {
-    let (mut total, mut shift, mut at) = (1.0, 0.0, coordinate);
+    let (mut total_ratio, mut total_offset, mut current) = (1.0, 0.0, coordinate);
     for _ in 0..=roles.len() {
-        match roles[at] {
-            None => return variable_of[at].map(|x| Source::of_variable(x, total, shift)),
+        match roles[current] {
+            None => {
+                return variable_of[current]
+                    .map(|x| Source::of_variable(x, total_ratio, total_offset));
+            }
             Some(Source::Rotation { .. }) => return None,
-            Some(Source::Constant(value)) => return Some(Source::Constant(total * value + shift)),
+            Some(Source::Constant(value)) => {
+                return Some(Source::Constant(total_ratio * value + total_offset));
+            }
             Some(Source::Variable {
-                variable: master,
+                variable: source,
                 ratio,
                 offset,
             }) => {
                 // total·(ratio m + offset) + shift
-                shift += total * offset;
-                total *= ratio;
-                at = master;
+                total_offset += total_ratio * offset;
+                total_ratio *= ratio;
+                current = source;
             }
         }
     }

@@ -54,7 +54,7 @@ impl RotationChart {
     pub(crate) fn variables<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
         match self {
             Self::Exponential => rotation.log().to_array(),
-            Self::SwingTwist(frame) => frame.part(rotation),
+            Self::SwingTwist(frame) => frame.swing_and_twist(rotation),
         }
     }
 
@@ -65,10 +65,10 @@ impl RotationChart {
         limits: &BallLimits,
         rounding: f64,
     ) -> bool {
-        let within = match self {
+        let within_cone = match self {
             Self::Exponential => true,
             Self::SwingTwist(frame) => {
-                let [first, second, twist] = frame.part(rotation);
+                let [first, second, twist] = frame.swing_and_twist(rotation);
                 let [a, b] = limits.swing;
                 let share = (first / a) * (first / a) + (second / b) * (second / b);
                 let Limits { lower, upper } = limits.twist;
@@ -77,18 +77,21 @@ impl RotationChart {
             }
         };
         let angle = || rotation.log().norm();
-        within && limits.angle.is_none_or(|most| angle() <= most + rounding)
+        within_cone
+            && limits
+                .angle
+                .is_none_or(|max_angle| angle() <= max_angle + rounding)
     }
 
     /// A sampled rotation within a cone and a range of twist, or within the angle of a joint without a cone.
-    pub(super) fn draw(&self, limits: &BallLimits, random: &mut RandomStream) -> Quaternion<f64> {
+    pub(super) fn sample(&self, limits: &BallLimits, random: &mut RandomStream) -> Quaternion<f64> {
         match self {
             Self::Exponential => {
-                let most = limits.angle.unwrap_or(PI).min(PI);
-                Quaternion::exp(Vector3::from(in_ball(random)) * most)
+                let max_angle = limits.angle.unwrap_or(PI).min(PI);
+                Quaternion::exp(Vector3::from(sample_in_ball(random)) * max_angle)
             }
             Self::SwingTwist(_) => {
-                let [first, second] = in_ball(random);
+                let [first, second] = sample_in_ball(random);
                 let [a, b] = limits.swing;
                 let (lower, upper) = limits.twist.sampling_range(0.0, PI);
                 let twist = lower + (upper - lower) * random.unit();
@@ -107,12 +110,12 @@ impl RotationChart {
             }
             Self::SwingTwist(frame) => {
                 let swing = frame.swing([x[0], x[1]]);
-                let by_swing = rotation_exp_jacobian(swing);
-                let tipped = Quaternion::exp(swing).to_matrix();
+                let swing_jacobian = rotation_exp_jacobian(swing);
+                let swing_rotation = Quaternion::exp(swing).to_matrix();
                 [
-                    by_swing * Vector3::constant(frame.first),
-                    by_swing * Vector3::constant(frame.second),
-                    tipped * Vector3::constant(frame.axis),
+                    swing_jacobian * Vector3::constant(frame.first),
+                    swing_jacobian * Vector3::constant(frame.second),
+                    swing_rotation * Vector3::constant(frame.axis),
                 ]
             }
         }
@@ -124,13 +127,13 @@ impl SwingFrame {
     fn new(axis: Vector3<f64>, about: Option<Vector3<f64>>) -> Self {
         let [x, y, _] = Vector3::UNITS;
         // Any perpendicular direction works: take the coordinate axis farther from the joint axis.
-        let any = match axis.x.abs() < axis.y.abs() {
+        let perpendicular_axis = match axis.x.abs() < axis.y.abs() {
             true => x,
             false => y,
         };
-        let about = about.unwrap_or(any);
-        let across = about - axis * axis.dot(about);
-        let first = across * (1.0 / across.norm());
+        let about = about.unwrap_or(perpendicular_axis);
+        let perpendicular = about - axis * axis.dot(about);
+        let first = perpendicular * (1.0 / perpendicular.norm());
         Self {
             first,
             second: axis.cross(first),
@@ -145,7 +148,7 @@ impl SwingFrame {
     }
 
     /// Splits a rotation into swing, by the two perpendicular axes, and twist, radians.
-    fn part<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
+    fn swing_and_twist<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
         let (one, zero) = (S::one(), S::zero());
         let along = Vector3::constant(self.axis).dot(rotation.v);
         let negative = rotation.w.less_than(zero);
@@ -174,17 +177,17 @@ impl SwingFrame {
 }
 
 /// A rotation sampled uniformly over all rotations: a normalised point of the four-dimensional unit ball.
-pub(super) fn any_rotation(random: &mut RandomStream) -> Quaternion<f64> {
-    let drawn: [f64; 4] = in_ball(random);
-    quaternion_at(&drawn).unwrap_or(Quaternion::exp(Vector3::zero()))
+pub(super) fn sample_rotation(random: &mut RandomStream) -> Quaternion<f64> {
+    let components: [f64; 4] = sample_in_ball(random);
+    quaternion_at(&components).unwrap_or(Quaternion::exp(Vector3::zero()))
 }
 
 /// A point sampled uniformly within the `N`-dimensional unit ball.
-fn in_ball<const N: usize>(random: &mut RandomStream) -> [f64; N] {
+fn sample_in_ball<const N: usize>(random: &mut RandomStream) -> [f64; N] {
     for _ in 0..1000 {
-        let drawn: [f64; N] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
-        if drawn.iter().map(|c| c * c).sum::<f64>() < 1.0 {
-            return drawn;
+        let point: [f64; N] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
+        if point.iter().map(|c| c * c).sum::<f64>() < 1.0 {
+            return point;
         }
     }
     [0.0; N]

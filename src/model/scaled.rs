@@ -10,21 +10,21 @@ impl Model {
         let scale = |placement: &mut Placement<f64>| {
             placement.translation = placement.translation * factor;
         };
-        let mut own = self.clone();
-        for joint in &mut own.joints {
+        let mut model = self.clone();
+        for joint in &mut model.joints {
             scale(&mut joint.parent_from_joint);
             if joint.kind.slides() {
                 joint.limits.lower *= factor;
                 joint.limits.upper *= factor;
             }
         }
-        for frame in &mut own.frames {
+        for frame in &mut model.frames {
             scale(&mut frame.joint_from_frame);
         }
-        for own in &mut own.loops {
-            own.frame_from_place.iter_mut().for_each(scale);
+        for closed in &mut model.loops {
+            closed.frame_from_place.iter_mut().for_each(scale);
         }
-        own
+        model
     }
 
     /// Multiplies the values of prismatic joints in consecutive configurations.

@@ -72,18 +72,18 @@ pub(super) fn segments(
     order: &[JointId],
     free: &[JointId],
 ) -> Result<Vec<Segment>, ModelError> {
-    let mut found = Vec::with_capacity(order.len());
-    let (mut coordinate, mut velocity, mut at) = (0, 0, 0);
-    while let Some(&joint) = order.get(at) {
-        let own = &joints[joint.index()];
-        let kind = match own.kind {
+    let mut segments = Vec::with_capacity(order.len());
+    let (mut coordinate, mut velocity, mut position) = (0, 0, 0);
+    while let Some(&joint) = order.get(position) {
+        let first_joint = &joints[joint.index()];
+        let kind = match first_joint.kind {
             JointKind::Ball => SegmentKind::Ball,
             _ if free.contains(&joint) => SegmentKind::Free,
             _ => SegmentKind::Scalar,
         };
         let parts = if kind == SegmentKind::Free { 4 } else { 1 };
-        let together = order[at..].iter().zip(joint.index()..).take(parts);
-        let mut broken = together.enumerate().map(|(part, (id, index))| {
+        let candidates = order[position..].iter().zip(joint.index()..).take(parts);
+        let mut violations = candidates.enumerate().map(|(part, (id, index))| {
             let kind = joints[id.index()].kind;
             let fits = if part < 3 {
                 kind.slides()
@@ -92,13 +92,13 @@ pub(super) fn segments(
             };
             id.index() != index || !fits
         });
-        let whole = at + parts <= order.len();
-        if !whole || (parts > 1 && broken.any(|broken| broken)) {
+        let is_complete = position + parts <= order.len();
+        if !is_complete || (parts > 1 && violations.any(|is_violated| is_violated)) {
             return Err(ModelError::BrokenFreeJoint {
-                joint: own.name.clone(),
+                joint: first_joint.name.clone(),
             });
         }
-        found.push(Segment {
+        segments.push(Segment {
             kind,
             joint,
             coordinate,
@@ -106,18 +106,16 @@ pub(super) fn segments(
         });
         coordinate += kind.coordinates();
         velocity += kind.degrees_of_freedom();
-        at += parts;
+        position += parts;
     }
-    Ok(found)
+    Ok(segments)
 }
 
 /// The quaternion w, x, y, z at the start of a slice, normalised; `None` if it is zero or not finite.
 pub(crate) fn quaternion_at(numbers: &[f64]) -> Option<Quaternion<f64>> {
     let &[w, x, y, z] = numbers.first_chunk()?;
     // Scaled, so that a length of 1e-200 still has a direction.
-    let largest = [w, x, y, z]
-        .iter()
-        .fold(0.0_f64, |most, c| most.max(c.abs()));
+    let largest = [w, x, y, z].iter().fold(0.0_f64, |max, c| max.max(c.abs()));
     if !(largest > 0.0 && largest.is_finite()) || [w, x, y, z].iter().any(|c| c.is_nan()) {
         return None;
     }

@@ -105,7 +105,7 @@ impl TryFrom<Map> for ParameterMap {
             bounds,
             balls,
         } = map;
-        let known = |source: &Source| match *source {
+        let is_valid_source = |source: &Source| match *source {
             Source::Constant(value) => value.is_finite(),
             Source::Variable {
                 variable,
@@ -114,23 +114,23 @@ impl TryFrom<Map> for ParameterMap {
             } => variable < leaders.len() && ratio.is_finite() && offset.is_finite(),
             Source::Rotation { variable } => balls.iter().any(|ball| ball.variable == variable),
         };
-        let turns = |k: usize, c: usize| {
+        let moves_ball = |k: usize, c: usize| {
             let mut balls = balls.iter();
             balls.any(|ball| k.checked_sub(ball.variable) == c.checked_sub(ball.coordinate))
         };
-        let leads = |(k, &c): (usize, &usize)| match sources.get(c) {
-            Some(Source::Rotation { .. }) => turns(k, c),
+        let is_leader = |(k, &c): (usize, &usize)| match sources.get(c) {
+            Some(Source::Rotation { .. }) => moves_ball(k, c),
             source => source == Some(&Source::copy_of(k)),
         };
-        let whole = |ball: &BallVariables| {
+        let is_complete_ball = |ball: &BallVariables| {
             let quaternion = sources.get(ball.coordinate..ball.coordinate.saturating_add(4));
-            let turned = Source::Rotation {
+            let rotation = Source::Rotation {
                 variable: ball.variable,
             };
             ball.of(&leaders).is_some()
-                && quaternion.is_some_and(|four| four.iter().all(|source| *source == turned))
+                && quaternion.is_some_and(|four| four.iter().all(|source| *source == rotation))
         };
-        for (fine, what) in [
+        for (is_valid, what) in [
             (
                 limits.len() == sources.len(),
                 "the number of limits differs from the number of coordinates",
@@ -144,19 +144,19 @@ impl TryFrom<Map> for ParameterMap {
                 "limits or bounds are not an interval",
             ),
             (
-                sources.iter().all(known),
+                sources.iter().all(is_valid_source),
                 "`sources` are not finite or have no variable",
             ),
             (
-                balls.iter().all(whole),
+                balls.iter().all(is_complete_ball),
                 "`balls` need four coordinates and three variables each",
             ),
             (
-                leaders.iter().enumerate().all(leads),
+                leaders.iter().enumerate().all(is_leader),
                 "variables without a coordinate",
             ),
         ] {
-            if !fine {
+            if !is_valid {
                 return Err(NoMap(what));
             }
         }

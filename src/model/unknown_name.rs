@@ -5,11 +5,11 @@ use std::fmt;
 use thiserror::Error;
 
 /// Largest number of names that the message lists in full.
-const LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 /// Largest number of suggestions.
-const SUGGESTED: usize = 3;
+const MAX_SUGGESTIONS: usize = 3;
 /// Number of leading letters of a name that are compared.
-const COMPARED: usize = 64;
+const MAX_COMPARED_LETTERS: usize = 64;
 
 /// Error for an unknown name, with the valid names.
 ///
@@ -58,26 +58,26 @@ impl UnknownName {
     /// separate them.
     #[must_use]
     pub fn suggestions(&self) -> Vec<&str> {
-        let near = self.near().into_iter().take(SUGGESTED);
-        near.map(|(_, valid)| valid).collect()
+        let similar = self.similar_names().into_iter().take(MAX_SUGGESTIONS);
+        similar.map(|(_, valid)| valid).collect()
     }
 
     /// The valid names that resemble the unknown one, with their distances, nearest first.
-    fn near(&self) -> Vec<(usize, &str)> {
-        let asked = letters(&self.name);
-        let mut near: Vec<(usize, &str)> = self
+    fn similar_names(&self) -> Vec<(usize, &str)> {
+        let requested = letters(&self.name);
+        let mut similar: Vec<(usize, &str)> = self
             .valid
             .iter()
-            .filter_map(|valid| Some((distance(&asked, &letters(valid))?, valid.as_str())))
+            .filter_map(|valid| Some((distance(&requested, &letters(valid))?, valid.as_str())))
             .collect();
         // A stable sort: equally near names stay in order.
-        near.sort_by_key(|(distance, _)| *distance);
-        near
+        similar.sort_by_key(|(distance, _)| *distance);
+        similar
     }
 
     /// The valid name that is nearer than all others.
-    fn nearest(&self) -> Option<&str> {
-        match self.near().as_slice() {
+    fn closest_name(&self) -> Option<&str> {
+        match self.similar_names().as_slice() {
             [(_, only)] => Some(only),
             [(near, first), (next, _), ..] if near < next => Some(first),
             _ => None,
@@ -92,9 +92,9 @@ impl fmt::Display for UnknownName {
         let count = self.valid.len();
         if count == 0 {
             write!(out, "there are no names")?;
-        } else if count <= LISTED {
-            if let Some(meant) = self.nearest() {
-                write!(out, "did you mean `{meant}`? ")?;
+        } else if count <= MAX_LISTED {
+            if let Some(suggestion) = self.closest_name() {
+                write!(out, "did you mean `{suggestion}`? ")?;
             }
             write!(out, "valid names: {}", self.valid.join(", "))?;
             if !note.is_empty() {
@@ -111,7 +111,7 @@ impl fmt::Display for UnknownName {
                     let first: Vec<&str> = self
                         .valid
                         .iter()
-                        .take(SUGGESTED)
+                        .take(MAX_SUGGESTIONS)
                         .map(String::as_str)
                         .collect();
                     write!(
@@ -121,8 +121,8 @@ impl fmt::Display for UnknownName {
                     )?;
                 }
             }
-            let more = if note.is_empty() { "" } else { "; " };
-            write!(out, " ({count} names{more}{note})")?;
+            let separator = if note.is_empty() { "" } else { "; " };
+            write!(out, " ({count} names{separator}{note})")?;
         }
         Ok(())
     }
@@ -133,47 +133,47 @@ fn letters(name: &str) -> Vec<char> {
     let letters = name.chars().filter(|c| c.is_alphanumeric());
     letters
         .flat_map(char::to_lowercase)
-        .take(COMPARED)
+        .take(MAX_COMPARED_LETTERS)
         .collect()
 }
 
 /// Distance between two spellings; `None` if they are too different.
-fn distance(asked: &[char], valid: &[char]) -> Option<usize> {
-    let (shorter, longer) = match asked.len() <= valid.len() {
-        true => (asked, valid),
-        false => (valid, asked),
+fn distance(requested: &[char], valid: &[char]) -> Option<usize> {
+    let (shorter, longer) = match requested.len() <= valid.len() {
+        true => (requested, valid),
+        false => (valid, requested),
     };
     if shorter.is_empty() {
         return None;
     }
-    let slips = slips(asked, valid);
-    if slips <= 1 && longer.len() > 1 {
-        return Some(slips);
+    let edit_distance = edit_distance(requested, valid);
+    if edit_distance <= 1 && longer.len() > 1 {
+        return Some(edit_distance);
     }
     if shorter.len() >= 3 && longer.windows(shorter.len()).any(|part| part == shorter) {
         // Ranked after single typing errors, names with the fewest further letters first.
         return Some(2 + longer.len() - shorter.len());
     }
-    (slips <= 1 + longer.len() / 5).then_some(1 + slips)
+    (edit_distance <= 1 + longer.len() / 5).then_some(1 + edit_distance)
 }
 
 /// Edit distance of two words with insertion, deletion, substitution and transposition of neighbours.
 ///
 /// Source: optimal string alignment.
-fn slips(a: &[char], b: &[char]) -> usize {
-    let mut before: Vec<usize> = Vec::new();
+fn edit_distance(a: &[char], b: &[char]) -> usize {
+    let mut second_last: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=b.len()).collect();
     for (i, &x) in a.iter().enumerate() {
         let mut row = vec![i + 1];
         for (j, &y) in b.iter().enumerate() {
-            let changed = last[j] + usize::from(x != y);
-            let mut least = changed.min(last[j + 1] + 1).min(row[j] + 1);
+            let substituted = last[j] + usize::from(x != y);
+            let mut cost = substituted.min(last[j + 1] + 1).min(row[j] + 1);
             if i > 0 && j > 0 && x == b[j - 1] && a[i - 1] == y {
-                least = least.min(before[j - 1] + 1);
+                cost = cost.min(second_last[j - 1] + 1);
             }
-            row.push(least);
+            row.push(cost);
         }
-        before = std::mem::replace(&mut last, row);
+        second_last = std::mem::replace(&mut last, row);
     }
     last[b.len()]
 }

@@ -5,7 +5,7 @@ use crate::model::{JointId, Limits, ModelBuilder, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
 /// Name of the base joint, and prefix of the names of its parts.
-const NAME: &str = "root_joint";
+const BASE_JOINT_NAME: &str = "root_joint";
 
 /// Motion of a robot's root link in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,46 +77,50 @@ impl BaseJoint {
         ranges: impl IntoIterator<Item = (A, Limits)>,
     ) -> Result<Self, UnknownName> {
         const AXES: [&str; 4] = ["x", "y", "z", "yaw"];
-        let known = Self::KINDS.iter().position(|known| *known == kind);
-        let kind = known.ok_or_else(|| UnknownName::new("base joint", kind, Self::KINDS))?;
-        let moves: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
-        let mut room = [Limits::UNBOUNDED; 4];
+        let index = Self::KINDS.iter().position(|index| *index == kind);
+        let kind = index.ok_or_else(|| UnknownName::new("base joint", kind, Self::KINDS))?;
+        let axes: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
+        let mut bounds = [Limits::UNBOUNDED; 4];
         for (axis, range) in ranges {
             let axis = axis.as_ref();
-            let own = moves.iter().find(|&&own| AXES[own] == axis);
-            let valid = moves.iter().map(|&own| AXES[own]);
-            let own = own.ok_or_else(|| UnknownName::new("axis of this base", axis, valid))?;
+            let index = axes.iter().find(|&&index| AXES[index] == axis);
+            let valid = axes.iter().map(|&index| AXES[index]);
+            let index = index.ok_or_else(|| UnknownName::new("axis of this base", axis, valid))?;
             // Limits that are NaN stay NaN, so that the model builder reports them.
-            let own = &mut room[*own];
-            let is_none = |limits: &Limits| limits.lower.is_nan() || limits.upper.is_nan();
-            match (is_none(own), is_none(&range)) {
+            let limits = &mut bounds[*index];
+            let is_invalid = |limits: &Limits| limits.lower.is_nan() || limits.upper.is_nan();
+            match (is_invalid(limits), is_invalid(&range)) {
                 (true, _) => {}
-                (_, true) => *own = range,
-                _ => *own = own.intersection(&range),
+                (_, true) => *limits = range,
+                _ => *limits = limits.intersection(&range),
             }
         }
-        let [x, y, z, yaw] = room;
+        let [x, y, z, yaw] = bounds;
         Ok(match kind {
             0 => Self::Fixed,
             1 => Self::Free { room: [x, y, z] },
             2 => Self::Planar { room: [x, y], yaw },
             slide => Self::Sliding {
                 axis: Vector3::UNITS[slide - 3],
-                limits: room[slide - 3],
+                limits: bounds[slide - 3],
             },
         })
     }
 
     fn add_to(self, builder: &mut ModelBuilder) -> Option<JointId> {
-        let at = Placement::identity();
+        let placement = Placement::identity();
         match self {
             Self::Fixed => None,
-            Self::Free { room } => Some(builder.free(NAME, None, at, room)),
-            Self::Planar { room, yaw } => {
-                let up = Vector3::UNITS[2];
-                Some(builder.planar(NAME, None, at, up, room, yaw))
+            Self::Free { room: bounds } => {
+                Some(builder.free(BASE_JOINT_NAME, None, placement, bounds))
             }
-            Self::Sliding { axis, limits } => Some(builder.prismatic(NAME, None, at, axis, limits)),
+            Self::Planar { room: bounds, yaw } => {
+                let up = Vector3::UNITS[2];
+                Some(builder.planar(BASE_JOINT_NAME, None, placement, up, bounds, yaw))
+            }
+            Self::Sliding { axis, limits } => {
+                Some(builder.prismatic(BASE_JOINT_NAME, None, placement, axis, limits))
+            }
         }
     }
 }
@@ -143,8 +147,10 @@ impl Robot {
     /// robot with a free root joint.
     pub fn with_base_joint(self, base: BaseJoint) -> Result<Self, ModelError> {
         match (base, self.free_root()) {
-            (BaseJoint::Fixed, _) | (_, None) => self.put_on(base),
-            (BaseJoint::Free { room }, Some(first)) => self.keep_within(first, room),
+            (BaseJoint::Fixed, _) | (_, None) => self.on_base(base),
+            (BaseJoint::Free { room: bounds }, Some(first)) => {
+                self.with_bounded_root(first, bounds)
+            }
             (_, Some(first)) => Err(ModelError::FreeAlready {
                 joint: self.model.joints()[first.index()].name.clone(),
                 model: self.model.name().to_owned(),
@@ -171,26 +177,26 @@ impl Robot {
     /// The moving joints that carry all moving joints; a joint carries itself.
     fn carrying_joints(&self) -> impl Iterator<Item = JointId> {
         let joints = self.model.joints();
-        let up = |id: &JointId| joints[id.index()].parent;
-        let hangs =
-            move |id: &JointId, root| std::iter::successors(Some(*id), up).any(|on| on == root);
+        let parent = |id: &JointId| joints[id.index()].parent;
+        let is_carried_by =
+            move |id: &JointId, root| std::iter::successors(Some(*id), parent).any(|on| on == root);
         let moving = self.model.moving_joints();
-        let carries = move |root: &JointId| moving.iter().all(|id| hangs(id, *root));
+        let carries = move |root: &JointId| moving.iter().all(|id| is_carried_by(id, *root));
         moving.iter().copied().filter(carries)
     }
 
     /// The robot with bounds on its free root joint, which comes first in the configuration.
-    fn keep_within(self, first: JointId, room: [Limits; 3]) -> Result<Self, ModelError> {
+    fn with_bounded_root(self, first: JointId, bounds: [Limits; 3]) -> Result<Self, ModelError> {
         let mut builder = ModelBuilder::from_model(&self.model);
         let mut order = self.model.moving_joints().to_vec();
         order.dedup();
         // A free joint is four consecutive joints: three translations and a ball.
         let end = order.iter().take_while(|id| **id != first).count() + 4;
-        if let Some(to_base) = order.get_mut(..end) {
-            to_base.rotate_right(4);
+        if let Some(up_to_root) = order.get_mut(..end) {
+            up_to_root.rotate_right(4);
         }
-        for (slide, limits) in order.iter().zip(room) {
-            builder.narrow(*slide, limits);
+        for (joint, limits) in order.iter().zip(bounds) {
+            builder.narrow(*joint, limits);
         }
         builder.configuration_order(order);
         let model = builder.build()?;
@@ -199,21 +205,21 @@ impl Robot {
     }
 
     /// The robot on an added base joint.
-    fn put_on(self, base: BaseJoint) -> Result<Self, ModelError> {
-        let before = self.model.joints().len();
+    fn on_base(self, base: BaseJoint) -> Result<Self, ModelError> {
+        let old_count = self.model.joints().len();
         let builder = ModelBuilder::on_base(&self.model, |builder| base.add_to(builder));
         let model = builder.build()?;
-        let added = model.joints().len() - before;
-        let moved = |joint: JointId| JointId::new(joint.index() + added);
+        let added = model.joints().len() - old_count;
+        let shifted_id = |joint: JointId| JointId::new(joint.index() + added);
         let mut mimics = self.mimics;
         for mimic in &mut mimics.joints {
-            mimic.joint = moved(mimic.joint);
-            mimic.master = moved(mimic.master);
+            mimic.joint = shifted_id(mimic.joint);
+            mimic.master = shifted_id(mimic.master);
         }
         let mut drives = vec![super::Drive::default(); added];
         drives.extend(self.drives);
         let map = super::coupled(&model, &mimics.joints).build()?;
-        let passive = self.passive.iter().copied().map(moved).collect();
+        let passive = self.passive.iter().copied().map(shifted_id).collect();
         Ok(Self {
             model,
             mimics,

@@ -10,11 +10,11 @@
 
 use crate::spatial::Placement;
 
-/// `contype` (`own`) and `conaffinity` (`of_others`) of a geom.
+/// Contact bits of a geom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContactBits {
-    pub(crate) own: u32,
-    pub(crate) of_others: u32,
+    pub(crate) contype: u32,
+    pub(crate) conaffinity: u32,
 }
 
 /// Contact properties of a body. Body indices equal link indices.
@@ -48,61 +48,64 @@ pub(crate) struct Contacts {
     pub(crate) excluded: Vec<[usize; 2]>,
     pub(crate) paired: Vec<[usize; 2]>,
     /// Collisions of a body with its parent are enabled too.
-    pub(crate) parents_count: bool,
+    pub(crate) includes_parents: bool,
 }
 
 impl ContactBits {
     /// MuJoCo's default for geoms without the attributes.
-    pub(crate) const USUAL: Self = Self {
-        own: 1,
-        of_others: 1,
+    pub(crate) const DEFAULT: Self = Self {
+        contype: 1,
+        conaffinity: 1,
     };
 
-    fn meet(self, other: Self) -> bool {
-        self.own & other.of_others != 0 || other.own & self.of_others != 0
+    fn collides_with(self, other: Self) -> bool {
+        self.contype & other.conaffinity != 0 || other.contype & self.conaffinity != 0
     }
 }
 
 impl Contacts {
     /// Reports whether collisions of two links are enabled.
-    pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
+    pub(crate) fn are_checked(&self, a: usize, b: usize) -> bool {
         self.paired.contains(&[a.min(b), a.max(b)])
-            || self.bodies_meet(a, b) && self.meeting(a, b).any(|meet| meet)
+            || self.bodies_collide(a, b) && self.geom_collisions(a, b).any(|collides| collides)
     }
 
     /// Reports whether collisions of two links are enabled, but disabled for some pairs of their geoms.
-    pub(crate) fn are_apart_in_part(&self, a: usize, b: usize) -> bool {
-        self.are_apart(a, b) && !self.meeting(a, b).all(|meet| meet)
+    pub(crate) fn are_partly_checked(&self, a: usize, b: usize) -> bool {
+        self.are_checked(a, b) && !self.geom_collisions(a, b).all(|collides| collides)
     }
 
     /// Reports whether collisions of a link with a plane are enabled.
-    pub(crate) fn is_over(&self, plane: &ContactPlane, link: usize) -> bool {
+    pub(crate) fn is_plane_checked(&self, plane: &ContactPlane, link: usize) -> bool {
         plane.paired.contains(&link)
-            || self.bodies_meet(plane.body, link)
-                && self.bits_of(link).iter().any(|bits| bits.meet(plane.bits))
+            || self.bodies_collide(plane.body, link)
+                && self
+                    .bits_of(link)
+                    .iter()
+                    .any(|bits| bits.collides_with(plane.bits))
     }
 
-    fn meeting(&self, a: usize, b: usize) -> impl Iterator<Item = bool> + '_ {
+    fn geom_collisions(&self, a: usize, b: usize) -> impl Iterator<Item = bool> + '_ {
         let (first, second) = (self.bits_of(a), self.bits_of(b));
         first
             .iter()
-            .flat_map(move |one| second.iter().map(move |other| one.meet(*other)))
+            .flat_map(move |one| second.iter().map(move |other| one.collides_with(*other)))
     }
 
     fn bits_of(&self, body: usize) -> &[ContactBits] {
         self.bodies.get(body).map_or(&[], |body| &body.bits)
     }
 
-    fn bodies_meet(&self, a: usize, b: usize) -> bool {
+    fn bodies_collide(&self, a: usize, b: usize) -> bool {
         let (Some(first), Some(second)) = (self.bodies.get(a), self.bodies.get(b)) else {
             return false;
         };
-        let is_above = |one: &ContactBody, other: &ContactBody| {
+        let is_parent = |one: &ContactBody, other: &ContactBody| {
             one.weld != 0 && other.weld != 0 && other.weld_parent == one.weld
         };
-        let adjacent = is_above(first, second) || is_above(second, first);
+        let adjacent = is_parent(first, second) || is_parent(second, first);
         first.weld != second.weld
-            && (self.parents_count || !adjacent)
+            && (self.includes_parents || !adjacent)
             && !self.excluded.contains(&[a.min(b), a.max(b)])
     }
 }

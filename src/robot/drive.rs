@@ -74,15 +74,15 @@ impl Robot {
     /// three are linear, the next four angular.
     #[must_use]
     pub fn motion_limits(&self) -> MotionLimits {
-        let of = |limit: fn(&Self, JointId) -> Option<f64>| -> Vec<f64> {
+        let of_joints = |limit: fn(&Self, JointId) -> Option<f64>| -> Vec<f64> {
             let joints = self.model.moving_joints().iter();
             let limits = joints.map(|&joint| limit(self, joint).unwrap_or(f64::INFINITY));
             limits.collect()
         };
         MotionLimits::unlimited(self.model.configuration_len())
-            .with_velocity(of(Self::velocity_limit))
-            .with_acceleration(of(Self::acceleration_limit))
-            .with_jerk(of(Self::jerk_limit))
+            .with_velocity(of_joints(Self::velocity_limit))
+            .with_acceleration(of_joints(Self::acceleration_limit))
+            .with_jerk(of_joints(Self::jerk_limit))
     }
 
     /// Effort limit of a joint, N·m or N: `effort` of its `<limit>` in the file. `None` as for

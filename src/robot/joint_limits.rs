@@ -9,7 +9,7 @@ use crate::model::{JointId, JointRef, Limits};
 use crate::yaml::{self, Node, Value};
 
 /// Largest file size that is read, bytes.
-const LONGEST: u64 = 16 << 20;
+const LENGTH_LIMIT: u64 = 16 << 20;
 
 impl Robot {
     /// Adds the limits of a `joint_limits.yaml`, as in a MoveIt configuration.
@@ -32,7 +32,7 @@ impl Robot {
     /// A file that cannot be read or has another format, an unknown joint, or a rate limit that is not above 0. Also a
     /// position that is not finite, or positions that leave a joint no value.
     pub fn with_joint_limits(self, path: impl AsRef<Path>) -> Result<Self, ReadError> {
-        read_with(path.as_ref(), LONGEST, |bytes, file| {
+        read_with(path.as_ref(), LENGTH_LIMIT, |bytes, file| {
             self.with_joint_limits_of(bytes, file)
         })
     }
@@ -46,18 +46,24 @@ impl Robot {
             ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
         })?;
         let root = yaml::parse(text, file)?;
-        let told = root.get("joint_limits").ok_or_else(|| {
+        let limits_node = root.get("joint_limits").ok_or_else(|| {
             fail(
                 file,
                 &root,
                 "is not a joint_limits.yaml: it has no `joint_limits`",
             )
         })?;
-        let joints = match &told.value {
+        let joints = match &limits_node.value {
             Value::Map(joints) => joints.as_slice(),
             // A file whose joints are all commented out.
-            _ if told.list().is_some_and(<[_]>::is_empty) => &[],
-            _ => return Err(fail(file, told, "`joint_limits` must be a map of joints")),
+            _ if limits_node.list().is_some_and(<[_]>::is_empty) => &[],
+            _ => {
+                return Err(fail(
+                    file,
+                    limits_node,
+                    "`joint_limits` must be a map of joints",
+                ));
+            }
         };
         let mut narrowed = Vec::new();
         for (name, limits) in joints {
@@ -77,8 +83,8 @@ impl Robot {
     }
 }
 
-fn fail(file: &str, at: &Node<'_>, problem: &str) -> ReadError {
-    ReadError::malformed(file, Place::Line(at.line), problem)
+fn fail(file: &str, node: &Node<'_>, problem: &str) -> ReadError {
+    ReadError::malformed(file, Place::Line(node.line), problem)
 }
 
 /// One joint's entry.
@@ -123,11 +129,11 @@ impl Joint<'_, '_> {
     }
 
     /// Replaces or removes a velocity, acceleration or jerk limit.
-    fn rate(&self, what: &str, known: &mut Option<f64>) -> Result<(), ReadError> {
+    fn rate(&self, what: &str, limit: &mut Option<f64>) -> Result<(), ReadError> {
         let key = format!("max_{what}");
         match (self.has(what)?, self.number(&key)?) {
-            (Some(false), _) => *known = None,
-            (_, Some(most)) if most > 0.0 => *known = Some(most),
+            (Some(false), _) => *limit = None,
+            (_, Some(max)) if max > 0.0 => *limit = Some(max),
             (_, Some(_)) => {
                 let problem = format!(
                     "`{key}` must be above 0; `has_{what}_limits: false` removes the limit"

@@ -26,7 +26,7 @@ impl Robot {
     /// A negative mass, no mass at all, or a mass that depends on a mesh file
     /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)). The error names the link.
     pub fn masses(&self) -> Result<Masses, MassError> {
-        self.gathered(|link| link.left_to_meshes.is_some())
+        self.collect_masses(|link| link.left_to_meshes.is_some())
     }
 
     /// Sum of the [`masses`](Self::masses), kilograms. A link whose mass is known and whose centre is not still counts.
@@ -34,27 +34,32 @@ impl Robot {
     /// # Errors
     /// As [`masses`](Self::masses), except for links of which only the centre of mass depends on a mesh file.
     pub fn total_mass(&self) -> Result<f64, MassError> {
-        let masses = self.gathered(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
+        let masses =
+            self.collect_masses(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
         Ok(masses.total())
     }
 
     /// The masses of links that joints move; an error if `unknown` holds for one of them.
-    fn gathered(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
+    fn collect_masses(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
         let links = || self.model.frame_ids().zip(&self.links);
-        let mut left = links()
+        let mut missing = links()
             .filter(|(frame, link)| unknown(link) && moving_joint(&self.model, *frame).is_some());
-        if let Some((frame, _)) = left.next() {
+        if let Some((frame, _)) = missing.next() {
             let frame = self.model.frames()[frame.index()].name.clone();
-            let others = left.count();
+            let others = missing.count();
             return Err(MassError::MissingInertia { frame, others });
         }
         let masses = links().filter_map(|(frame, link)| {
-            let (at, mass) = match (&link.inertial, link.left_to_meshes) {
-                (Some(own), _) => (own.link_from_inertia.translation, own.mass),
+            let (position, mass) = match (&link.inertial, link.left_to_meshes) {
+                (Some(inertial), _) => (inertial.link_from_inertia.translation, inertial.mass),
                 (None, Some(MissingInertia::Centre { mass })) => (Vector3::zero(), mass),
                 (None, _) => return None,
             };
-            Some(PointMass { frame, at, mass })
+            Some(PointMass {
+                frame,
+                at: position,
+                mass,
+            })
         });
         Masses::new(&self.model, masses)
     }

@@ -48,17 +48,17 @@ impl Mimics {
 
     /// The model whose mimic joints have the limits described at [`Mimics`], and its map.
     pub(super) fn applied(&self, model: Model) -> Result<(Model, ParameterMap), ModelError> {
-        let stated = self.with_ranges_of_files(&model);
+        let with_file_ranges = self.with_ranges_of_files(&model);
         if self.joints.is_empty() || self.restrict_sources {
-            let model = stated.build()?;
+            let model = with_file_ranges.build()?;
             let map = super::coupled(&model, &self.joints).build()?;
             return Ok((model, map));
         }
-        let mut reached = stated;
+        let mut without_limits = with_file_ranges;
         for mimic in &self.joints {
-            reached.replace_limits(mimic.joint, Limits::UNBOUNDED);
+            without_limits.replace_limits(mimic.joint, Limits::UNBOUNDED);
         }
-        let unlimited = reached.build()?;
+        let unlimited = without_limits.build()?;
         let map = super::coupled(&unlimited, &self.joints).build()?;
         let mut builder = ModelBuilder::from_model(&unlimited);
         for (mimic, range) in self.joints.iter().zip(&self.ranges) {
@@ -162,7 +162,7 @@ impl Robot {
     /// value of its source joint up to 1e-9 rad or m. False for a configuration of another length.
     #[must_use]
     pub fn is_within_limits(&self, q: &[f64]) -> bool {
-        self.model.is_within_limits(q) && self.follows(q)
+        self.model.is_within_limits(q) && self.satisfies_mimics(q)
     }
 
     /// Sets the mimic joints of a configuration to the values that their source joints give them, clamped to their
@@ -186,7 +186,7 @@ impl Robot {
         q
     }
 
-    fn follows(&self, q: &[f64]) -> bool {
+    fn satisfies_mimics(&self, q: &[f64]) -> bool {
         let mut values = self.mimic_values(q).into_iter();
         values.all(|(coordinate, value)| (q[coordinate] - value).abs() <= MAX_DEVIATION)
     }
@@ -217,7 +217,7 @@ impl Robot {
     /// that names the source joint at the end of the chain and the values of the mimic joint.
     #[cfg(any(feature = "urdf", feature = "mjcf"))]
     pub(super) fn mimics_beyond_range(&self) -> Vec<(JointId, RepairKind)> {
-        let beyond = |(mimic, range): (&Mimic, &Limits)| {
+        let out_of_range = |(mimic, range): (&Mimic, &Limits)| {
             let values = values_of(&self.model, &self.map, mimic.joint)?;
             if values.lower >= range.lower - MAX_ROUNDING
                 && values.upper <= range.upper + MAX_ROUNDING
@@ -225,12 +225,14 @@ impl Robot {
                 return None;
             }
             let joints = self.model.joints();
-            let master = |joint| {
+            let source_of = |joint| {
                 let mut mimics = self.mimics.joints.iter();
-                mimics.find(|own| own.joint == joint).map(|own| own.master)
+                mimics
+                    .find(|other| other.joint == joint)
+                    .map(|other| other.master)
             };
             let source =
-                std::iter::successors(Some(mimic.master), |joint| master(*joint)).last()?;
+                std::iter::successors(Some(mimic.master), |joint| source_of(*joint)).last()?;
             let mended = RepairKind::MimicBeyondRange {
                 joint: joints[mimic.joint.index()].name.clone(),
                 source: joints[source.index()].name.clone(),
@@ -240,6 +242,6 @@ impl Robot {
             Some((mimic.joint, mended))
         };
         let all = self.mimics.joints.iter().zip(&self.mimics.ranges);
-        all.filter_map(beyond).collect()
+        all.filter_map(out_of_range).collect()
     }
 }

@@ -8,14 +8,19 @@ impl Robot {
     pub(crate) fn scaled(&self, factor: f64) -> Result<Self, ModelError> {
         let model = self.model.scaled(factor);
         let slides: Vec<bool> = model.joints().iter().map(|j| j.kind.slides()).collect();
-        let mut own = self.clone();
-        for mimic in &mut own.mimics.joints {
+        let mut robot = self.clone();
+        for mimic in &mut robot.mimics.joints {
             let [joint, master] = [mimic.joint, mimic.master].map(|id| slides[id.index()]);
             mimic.ratio *= if joint { factor } else { 1.0 };
             mimic.ratio /= if master { factor } else { 1.0 };
             mimic.offset *= if joint { factor } else { 1.0 };
         }
-        for (drive, _) in own.drives.iter_mut().zip(&slides).filter(|own| *own.1) {
+        for (drive, _) in robot
+            .drives
+            .iter_mut()
+            .zip(&slides)
+            .filter(|entry| *entry.1)
+        {
             let limits = [
                 &mut drive.velocity,
                 &mut drive.acceleration,
@@ -29,8 +34,8 @@ impl Robot {
                 soft.upper *= factor;
             }
         }
-        own.map = super::coupled(&model, &own.mimics.joints).build()?;
-        own.model = model;
-        Ok(own)
+        robot.map = super::coupled(&model, &robot.mimics.joints).build()?;
+        robot.model = model;
+        Ok(robot)
     }
 }

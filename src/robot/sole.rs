@@ -14,15 +14,17 @@ impl Robot {
     #[must_use]
     pub fn sole(&self, foot: FrameId) -> Vec<Vector3<f64>> {
         let frames = self.model().frames();
-        let Some(own) = frames.get(foot.index()) else {
+        let Some(foot_frame) = frames.get(foot.index()) else {
             return Vec::new();
         };
-        let (carrier, carrier_from_foot) = self.carried(own);
+        let (carrier, carrier_from_foot) = self.carrier_and_pose(foot_frame);
         let foot_from_carrier = carrier_from_foot.inverse();
         let others = frames.iter().enumerate();
         let others = others.filter(|(index, _)| *index != foot.index());
-        let others = others.filter_map(|(index, frame)| match self.carried(frame) {
-            (same, place) if same == carrier => Some((index, foot_from_carrier * place)),
+        let others = others.filter_map(|(index, frame)| match self.carrier_and_pose(frame) {
+            (frame_carrier, carrier_from_frame) if frame_carrier == carrier => {
+                Some((index, foot_from_carrier * carrier_from_frame))
+            }
             _ => None,
         });
         let mut points = Vec::new();
@@ -35,23 +37,24 @@ impl Robot {
             points.extend(shapes.flat_map(|shape| {
                 let foot_from_shape = foot_from_link * shape.link_from_shape;
                 let corners = corners(shape).into_iter();
-                corners.map(move |at| foot_from_shape.apply(at))
+                corners.map(move |corner| foot_from_shape.apply(corner))
             }));
         }
         points
     }
 
     /// The nearest moving joint that carries a frame, and the pose of the frame in it.
-    fn carried(&self, frame: &Frame) -> (Option<JointId>, Placement<f64>) {
+    fn carrier_and_pose(&self, frame: &Frame) -> (Option<JointId>, Placement<f64>) {
         let joints = self.model().joints();
-        let (mut carrier, mut place) = (frame.joint, frame.joint_from_frame);
+        let (mut carrier, mut carrier_from_frame) = (frame.joint, frame.joint_from_frame);
         while let Some(joint) = carrier.and_then(|id| joints.get(id.index())) {
             if joint.kind.moves() {
                 break;
             }
-            (carrier, place) = (joint.parent, joint.parent_from_joint * place);
+            (carrier, carrier_from_frame) =
+                (joint.parent, joint.parent_from_joint * carrier_from_frame);
         }
-        (carrier, place)
+        (carrier, carrier_from_frame)
     }
 }
 

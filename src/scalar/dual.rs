@@ -19,7 +19,7 @@ impl<const N: usize> Dual<N> {
     /// A `direction` of `N` or more gives a constant.
     #[must_use]
     pub fn variable(value: f64, direction: usize) -> Self {
-        let derivatives = each!(N, own, 0.0, f64::from(own == direction));
+        let derivatives = each!(N, k, 0.0, f64::from(k == direction));
         Self { value, derivatives }
     }
 

@@ -84,7 +84,7 @@ pub(super) fn sin_cos_all(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]
     }
     let largest = angles
         .iter()
-        .fold(0.0, |most, a| if a.abs() > most { a.abs() } else { most });
+        .fold(0.0, |max, a| if a.abs() > max { a.abs() } else { max });
     if largest > MAX_ANGLE {
         for ((&angle, sin), cos) in angles.iter().zip(sines).zip(cosines) {
             if angle.abs() > MAX_ANGLE {

@@ -14,18 +14,18 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 pub enum SkeletonRoot {
     /// The bones rotate about their positions at rest.
     Fixed,
-    /// The bones move with six degrees of freedom. x, y and z are offsets from the position at rest within `room` (the
+    /// The bones move with six degrees of freedom. x, y and z are offsets from the position at rest within `bounds` (the
     /// rig's unit, along the model's axes). A unit quaternion is the rotation from rest in the model's axes.
     Free {
         /// Bounds of the offsets, in the rig's unit.
-        room: [Limits; 3],
+        bounds: [Limits; 3],
     },
 }
 
 impl SkeletonRoot {
     /// Six degrees of freedom without bounds.
     pub const FREE: Self = Self::Free {
-        room: [Limits::UNBOUNDED; 3],
+        bounds: [Limits::UNBOUNDED; 3],
     };
 }
 
@@ -71,7 +71,7 @@ pub struct BallSkeleton {
 }
 
 /// The joint that carries a bone, and the pose of the bone's frame in it.
-type Carried = (Option<JointId>, Placement<f64>);
+type Attachment = (Option<JointId>, Placement<f64>);
 
 impl BallSkeleton {
     /// Creates a ball joint for every movable bone, within its cone if it has one.
@@ -93,50 +93,50 @@ impl BallSkeleton {
         let bones = skeleton.bones();
         let mut builder = Model::builder(skeleton.model().name());
         builder.length_unit(LengthUnit::Own);
-        let mut carried: Vec<Carried> = Vec::with_capacity(bones.len());
+        let mut attachments: Vec<Attachment> = Vec::with_capacity(bones.len());
         let (mut joints, mut free) = (Vec::with_capacity(bones.len()), Vec::new());
         let mut frames = skeleton.model().frames().chunks_exact(2);
         for (index, bone) in bones.iter().enumerate() {
-            let (below, below_from_bone) = match bone.parent.map(BoneId::index) {
+            let (parent_joint, parent_from_bone) = match bone.parent.map(BoneId::index) {
                 Some(parent) => {
                     let placed = bones[parent].model_from_rest.inverse() * bone.model_from_rest;
-                    let (below, below_from_parent) = carried[parent];
-                    (below, below_from_parent * placed)
+                    let (parent_joint, joint_from_parent) = attachments[parent];
+                    (parent_joint, joint_from_parent * placed)
                 }
                 None => (None, bone.model_from_rest),
             };
-            let turns = !bone.limits.iter().all(Limits::is_locked);
+            let is_movable = !bone.limits.iter().all(Limits::is_locked);
             let cone = cones.get(&bone.name);
             let name = || bone.name.clone();
-            let (joint, joint_from_bone) = match (turns, root) {
+            let (joint, joint_from_bone) = match (is_movable, root) {
                 (false, _) if cone.is_some() => {
                     return Err(SkeletonError::ConeOfStillBone { bone: name() });
                 }
-                (false, _) => (None, below_from_bone),
-                (true, SkeletonRoot::Free { .. }) if below.is_none() && cone.is_some() => {
+                (false, _) => (None, parent_from_bone),
+                (true, SkeletonRoot::Free { .. }) if parent_joint.is_none() && cone.is_some() => {
                     return Err(SkeletonError::ConeOfFreeBone { bone: name() });
                 }
-                (true, SkeletonRoot::Free { room }) if below.is_none() => {
-                    let at = Placement::translation(below_from_bone.translation);
-                    let turned = Placement::new(below_from_bone.rotation, Vector3::zero());
+                (true, SkeletonRoot::Free { bounds }) if parent_joint.is_none() => {
+                    let origin = Placement::translation(parent_from_bone.translation);
+                    let rotation = Placement::new(parent_from_bone.rotation, Vector3::zero());
                     free.push(BoneId::new(index));
-                    (Some(builder.free(name(), None, at, room)), turned)
+                    (Some(builder.free(name(), None, origin, bounds)), rotation)
                 }
                 (true, _) => {
                     let axis = cone.and_then(|cone| cone.axis);
-                    let axis = axis.unwrap_or_else(|| along(&skeleton, index));
+                    let axis = axis.unwrap_or_else(|| bone_direction(&skeleton, index));
                     let limits = cone.map(|cone| cone.limits);
-                    let joint = builder.ball(name(), below, below_from_bone, axis, limits);
+                    let joint = builder.ball(name(), parent_joint, parent_from_bone, axis, limits);
                     (Some(joint), Placement::identity())
                 }
             };
-            let on = (joint.or(below), joint_from_bone);
+            let attachment = (joint.or(parent_joint), joint_from_bone);
             if let Some([tail, tip]) = frames.next() {
                 let at_tip = Placement::translation(Vector3::new(bone.length, 0.0, 0.0));
-                builder.frame(tail.name.clone(), on.0, on.1);
-                builder.frame(tip.name.clone(), on.0, on.1 * at_tip);
+                builder.frame(tail.name.clone(), attachment.0, attachment.1);
+                builder.frame(tip.name.clone(), attachment.0, attachment.1 * at_tip);
             }
-            carried.push(on);
+            attachments.push(attachment);
             joints.push(joint);
         }
         Ok(Self {
@@ -179,9 +179,9 @@ impl BallSkeleton {
     #[must_use]
     pub fn joints(&self, bone: BoneId) -> Vec<JointId> {
         let ball = self.joint(bone).map(JointId::index);
-        let slides = if self.is_free(bone) { 3 } else { 0 };
-        let own = ball.map(|ball| (ball - slides..=ball).map(JointId::new));
-        own.into_iter().flatten().collect()
+        let prismatic_joints = if self.is_free(bone) { 3 } else { 0 };
+        let joints = ball.map(|ball| (ball - prismatic_joints..=ball).map(JointId::new));
+        joints.into_iter().flatten().collect()
     }
 
     /// A workspace for posing the bones repeatedly.
@@ -213,31 +213,32 @@ impl BallSkeleton {
             return map;
         }
         for joint in holds.trunk.iter().filter_map(|&bone| self.joint(bone)) {
-            let at = self.model.coordinate(joint);
-            let own = at.and_then(|at| q.get(at..)?.first_chunk::<4>());
-            map = map.with_locked_ball(joint, own.copied().unwrap_or([1.0, 0.0, 0.0, 0.0]));
+            let coordinate = self.model.coordinate(joint);
+            let quaternion =
+                coordinate.and_then(|coordinate| q.get(coordinate..)?.first_chunk::<4>());
+            map = map.with_locked_ball(joint, quaternion.copied().unwrap_or([1.0, 0.0, 0.0, 0.0]));
         }
         map
     }
 
     /// Rotation of a bone from rest at `q`, and the offset of a free root (zero for other bones).
-    pub(crate) fn turned(
+    pub(crate) fn rotation_and_offset(
         &self,
         bone: BoneId,
         q: &[f64],
     ) -> Option<(Quaternion<f64>, Vector3<f64>)> {
-        let at = self.model.coordinate(self.joint(bone)?)?;
-        let rotation = quaternion_at(q.get(at..)?)?;
-        let went = match self.is_free(bone) {
-            true => Vector3::from(*q.get(at.checked_sub(3)?..)?.first_chunk::<3>()?),
+        let coordinate = self.model.coordinate(self.joint(bone)?)?;
+        let rotation = quaternion_at(q.get(coordinate..)?)?;
+        let offset = match self.is_free(bone) {
+            true => Vector3::from(*q.get(coordinate.checked_sub(3)?..)?.first_chunk::<3>()?),
             false => Vector3::zero(),
         };
-        Some((rotation, went))
+        Some((rotation, offset))
     }
 }
 
 /// Direction along a bone, in its axes.
-fn along(skeleton: &Skeleton, index: usize) -> Vector3<f64> {
+fn bone_direction(skeleton: &Skeleton, index: usize) -> Vector3<f64> {
     let bones = skeleton.bones();
     let bone = &bones[index];
     let [x, ..] = Vector3::UNITS;
@@ -250,11 +251,13 @@ fn along(skeleton: &Skeleton, index: usize) -> Vector3<f64> {
     let (sum, count) = children.fold((Vector3::zero(), 0.0), |(sum, count), child| {
         (sum + child.rest_tail(), count + 1.0)
     });
-    let onwards = (count > 0.0).then(|| sum * (1.0 / count) - tail);
+    let to_children = (count > 0.0).then(|| sum * (1.0 / count) - tail);
     let parent = bone.parent.map(|parent| &bones[parent.index()]);
-    let before = parent.map(|parent| tail - parent.rest_tail());
-    let small = 1e-9 * skeleton.size();
-    let directions = [onwards, before].into_iter().flatten();
-    let mut long = directions.filter(|direction| direction.norm() > small);
-    long.next().map_or(x, |way| rotation.transpose_mul(way))
+    let from_parent = parent.map(|parent| tail - parent.rest_tail());
+    let min_length = 1e-9 * skeleton.size();
+    let directions = [to_children, from_parent].into_iter().flatten();
+    let mut candidates = directions.filter(|direction| direction.norm() > min_length);
+    candidates
+        .next()
+        .map_or(x, |direction| rotation.transpose_mul(direction))
 }

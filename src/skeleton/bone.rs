@@ -5,7 +5,7 @@ use crate::model::Limits;
 use crate::spatial::{Placement, Vector3};
 
 /// Largest deviation of R̂ᵀR̂ of a rest placement from the identity, per entry.
-const ORTHONORMAL_WITHIN: f64 = 1e-6;
+const ORTHONORMAL_TOLERANCE: f64 = 1e-6;
 
 /// Id of a bone in one skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -81,7 +81,7 @@ impl Bone {
             }
         }
         self.model_from_rest
-            .check_rigid(ORTHONORMAL_WITHIN)
+            .check_rigid(ORTHONORMAL_TOLERANCE)
             .map_err(|problem| SkeletonError::BadRest {
                 bone: bone(),
                 problem,

@@ -4,12 +4,12 @@ use super::{BoneId, Skeleton};
 use crate::model::{Limits, ModelError, ParameterMap, ParameterMapBuilder};
 
 /// Smallest number of movable bones of a limb.
-const BONES_OF_A_LIMB: usize = 2;
+const MIN_LIMB_BONES: usize = 2;
 /// Smallest length of a limb whose end is fixed, relative to the size of the skeleton. Arms, legs and tails exceed it;
 /// fingers and heads do not.
-const LENGTH_OF_A_LIMB: f64 = 0.2;
+const MIN_RELATIVE_LIMB_LENGTH: f64 = 0.2;
 /// Largest bend of the spine, summed over its bones, and largest twist, radians.
-const BENDS_OF_A_BACK: f64 = 0.7;
+const MAX_SPINE_BEND: f64 = 0.7;
 
 /// Fixed parts during a drag: see [`Skeleton::holds`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -35,19 +35,19 @@ impl Skeleton {
     pub fn holds(&self, dragged: &[BoneId]) -> Holds {
         let bones = self.bones.len();
         let parent = |bone: usize| self.bones[bone].parent.map(BoneId::index);
-        let moves = |bone: usize| !self.bones[bone].limits.iter().all(Limits::is_locked);
+        let is_movable = |bone: usize| !self.bones[bone].limits.iter().all(Limits::is_locked);
         let dragged: Vec<usize> = dragged.iter().map(|bone| bone.index()).collect();
 
         // Largest number of movable bones in a chain from each bone.
         let mut depth = vec![0; bones];
         for bone in (0..bones).rev() {
-            depth[bone] += usize::from(moves(bone));
+            depth[bone] += usize::from(is_movable(bone));
             if let Some(parent) = parent(bone) {
                 depth[parent] = depth[parent].max(depth[bone]);
             }
         }
         let mut limbs = vec![0; bones];
-        for bone in (0..bones).filter(|&bone| depth[bone] >= BONES_OF_A_LIMB) {
+        for bone in (0..bones).filter(|&bone| depth[bone] >= MIN_LIMB_BONES) {
             if let Some(parent) = parent(bone) {
                 limbs[parent] += 1;
             }
@@ -63,64 +63,73 @@ impl Skeleton {
 
         // By bone: it or a descendant is dragged; it or an ancestor is dragged. A dragged root chain does not carry its
         // limbs.
-        let mut carries: Vec<bool> = (0..bones).map(|bone| dragged.contains(&bone)).collect();
-        let mut carried: Vec<bool> = carries.clone();
+        let mut dragged_below: Vec<bool> = (0..bones).map(|bone| dragged.contains(&bone)).collect();
+        let mut dragged_above: Vec<bool> = dragged_below.clone();
         for bone in 0..bones {
             if let Some(parent) = parent(bone) {
-                carried[bone] |= carried[parent] && !leads_to_limbs(parent);
+                dragged_above[bone] |= dragged_above[parent] && !leads_to_limbs(parent);
             }
         }
         for bone in (0..bones).rev() {
             if let Some(parent) = parent(bone) {
-                carries[parent] |= carries[bone];
+                dragged_below[parent] |= dragged_below[bone];
             }
         }
         // By bone: the movable child with the longest chain.
-        let mut furthest: Vec<Option<usize>> = vec![None; bones];
-        let long = self.limb_lengths();
+        let mut longest_child: Vec<Option<usize>> = vec![None; bones];
+        let lengths = self.limb_lengths();
         for bone in (0..bones).filter(|&bone| depth[bone] > 0) {
             if let Some(parent) = parent(bone) {
-                let best = &mut furthest[parent];
-                if best.is_none_or(|best| self.goes(&long, bone) > self.goes(&long, best)) {
+                let best = &mut longest_child[parent];
+                if best.is_none_or(|best| {
+                    self.chain_length(&lengths, bone) > self.chain_length(&lengths, best)
+                }) {
                     *best = Some(bone);
                 }
             }
         }
         // By bone: a dragged limb branches off another one here or at a descendant.
-        let least = LENGTH_OF_A_LIMB * self.size();
-        let (mut limbs_here, mut splits) = (vec![0; bones], vec![false; bones]);
+        let min_limb_length = MIN_RELATIVE_LIMB_LENGTH * self.size();
+        let (mut long_limbs, mut has_dragged_branch) = (vec![0; bones], vec![false; bones]);
         for bone in (0..bones).rev() {
-            splits[bone] |= limbs_here[bone] > 1;
-            splits[bone] &= carries[bone] && !dragged.contains(&bone);
+            has_dragged_branch[bone] |= long_limbs[bone] > 1;
+            has_dragged_branch[bone] &= dragged_below[bone] && !dragged.contains(&bone);
             if let Some(parent) = parent(bone) {
-                limbs_here[parent] += usize::from(long[bone] >= least);
-                splits[parent] |= splits[bone];
+                long_limbs[parent] += usize::from(lengths[bone] >= min_limb_length);
+                has_dragged_branch[parent] |= has_dragged_branch[bone];
             }
         }
         // By bone: it belongs to a long limb to fix; it is the end of that limb, apart from short limbs.
-        let long_limb = |bone: usize| long[bone] >= least && depth[bone] > 0;
-        let mut goes_on = vec![false; bones];
+        let is_long_limb = |bone: usize| lengths[bone] >= min_limb_length && depth[bone] > 0;
+        let mut on_fixed_limb = vec![false; bones];
         let mut is_end = vec![false; bones];
         for bone in 0..bones {
-            let above = parent(bone);
-            let branches = above.is_none_or(|parent| carries[parent] || limbs_here[parent] > 1);
-            goes_on[bone] = !carries[bone]
-                && !carried[bone]
-                && match above {
-                    _ if branches => long_limb(bone),
-                    Some(parent) => goes_on[parent] && furthest[parent] == Some(bone),
+            let parent_index = parent(bone);
+            let branches =
+                parent_index.is_none_or(|parent| dragged_below[parent] || long_limbs[parent] > 1);
+            on_fixed_limb[bone] = !dragged_below[bone]
+                && !dragged_above[bone]
+                && match parent_index {
+                    _ if branches => is_long_limb(bone),
+                    Some(parent) => on_fixed_limb[parent] && longest_child[parent] == Some(bone),
                     None => false,
                 };
-            is_end[bone] = goes_on[bone] && furthest[bone].is_none() && limbs_here[bone] < 2;
+            is_end[bone] =
+                on_fixed_limb[bone] && longest_child[bone].is_none() && long_limbs[bone] < 2;
         }
         let has_limbs = limbs.iter().any(|&limbs| limbs > 1);
-        let ids = |wanted: &dyn Fn(usize) -> bool| {
-            let wanted = (0..bones).filter(|&bone| has_limbs && wanted(bone));
-            wanted.map(BoneId::new).collect()
+        let ids = |is_selected: &dyn Fn(usize) -> bool| {
+            let selected = (0..bones).filter(|&bone| has_limbs && is_selected(bone));
+            selected.map(BoneId::new).collect()
         };
         Holds {
-            trunk: ids(&|bone| leads_to_limbs(bone) && carries[bone] && !carried[bone]),
-            back: ids(&|bone| moves(bone) && branched[bone] && splits[bone] && !carried[bone]),
+            trunk: ids(&|bone| leads_to_limbs(bone) && dragged_below[bone] && !dragged_above[bone]),
+            back: ids(&|bone| {
+                is_movable(bone)
+                    && branched[bone]
+                    && has_dragged_branch[bone]
+                    && !dragged_above[bone]
+            }),
             ends: ids(&|bone| is_end[bone]),
         }
     }
@@ -132,18 +141,18 @@ impl Skeleton {
         let mut lengths: Vec<f64> = self.bones.iter().map(|bone| bone.length).collect();
         for index in (0..lengths.len()).rev() {
             if let Some(parent) = self.bones[index].parent.map(BoneId::index) {
-                lengths[parent] = lengths[parent].max(self.goes(&lengths, index));
+                lengths[parent] = lengths[parent].max(self.chain_length(&lengths, index));
             }
         }
         lengths
     }
 
     /// Length of the longest chain through a bone, from its parent's tail.
-    fn goes(&self, lengths: &[f64], bone: usize) -> f64 {
-        let here = &self.bones[bone];
-        let parent = here.parent.map(|parent| &self.bones[parent.index()]);
-        let from = parent.unwrap_or(here).rest_tail();
-        (here.rest_tail() - from).norm() + lengths[bone]
+    fn chain_length(&self, lengths: &[f64], bone: usize) -> f64 {
+        let entry = &self.bones[bone];
+        let parent = entry.parent.map(|parent| &self.bones[parent.index()]);
+        let from = parent.unwrap_or(entry).rest_tail();
+        (entry.rest_tail() - from).norm() + lengths[bone]
     }
 }
 
@@ -168,19 +177,19 @@ impl Holds {
     ) -> ParameterMapBuilder<'m> {
         map = map.checked(q);
         let model = skeleton.model();
-        let at = |joint| {
-            let at = model.coordinate(joint).and_then(|at| q.get(at));
-            at.copied().unwrap_or(0.0)
+        let value_at = |joint| {
+            let value = model.coordinate(joint).and_then(|value| q.get(value));
+            value.copied().unwrap_or(0.0)
         };
         for joint in self.trunk.iter().flat_map(|&bone| skeleton.joints(bone)) {
-            map = map.with_locked(joint, at(joint));
+            map = map.with_locked(joint, value_at(joint));
         }
-        let bend = BENDS_OF_A_BACK / self.back.len().max(1) as f64;
+        let bend = MAX_SPINE_BEND / self.back.len().max(1) as f64;
         for joints in self.back.iter().map(|&bone| skeleton.joints(bone)) {
             // In a straight bone both twists have one axis, so each gets half.
-            for (joint, far) in joints.into_iter().zip([0.5 * bend, bend, 0.5 * bend]) {
-                let at = at(joint);
-                map = map.with_narrowed(joint, Limits::new(at - far, at + far));
+            for (joint, range) in joints.into_iter().zip([0.5 * bend, bend, 0.5 * bend]) {
+                let centre = value_at(joint);
+                map = map.with_narrowed(joint, Limits::new(centre - range, centre + range));
             }
         }
         map

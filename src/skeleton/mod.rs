@@ -108,10 +108,10 @@ impl Skeleton {
 
     /// Moves the joint of a bone on its parent and the tip on the bone, in the model only: for layers that own the
     /// skeleton and solve on that model.
-    pub(crate) fn stand(&mut self, bone: BoneId, on_parent: Vector3<f64>, tip: Vector3<f64>) {
+    pub(crate) fn move_bone(&mut self, bone: BoneId, position: Vector3<f64>, tip: Vector3<f64>) {
         let first = JointId::new(ANGLES_PER_BONE * bone.index());
         let frame = self.tip(bone);
-        self.model.move_joint(first, on_parent);
+        self.model.move_joint(first, position);
         self.model.move_frame(frame, tip);
     }
 
@@ -192,7 +192,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     builder.length_unit(LengthUnit::Own);
     let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
     let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
-    let taken: HashSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
+    let used_names: HashSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
     for bone in bones {
         let (parent, parent_from_bone) = match bone.parent {
             Some(parent) => {
@@ -202,7 +202,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
             }
             None => (None, bone.model_from_rest),
         };
-        let mut turn = |part: &str, parent, placement, axis, limits: Limits| {
+        let mut add_revolute = |part: &str, parent, placement, axis, limits: Limits| {
             builder.revolute(
                 format!("{}/{part}", bone.name),
                 parent,
@@ -212,16 +212,16 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
             )
         };
         let [first, bend, second] = bone.limits;
-        let still = Placement::identity();
-        let twist2 = turn("twist2", parent, parent_from_bone, about_x, second);
-        let bend = turn("bend", Some(twist2), still, about_z, bend);
-        let twist1 = turn("twist1", Some(bend), still, about_x, first);
+        let identity = Placement::identity();
+        let twist2 = add_revolute("twist2", parent, parent_from_bone, about_x, second);
+        let bend = add_revolute("bend", Some(twist2), identity, about_z, bend);
+        let twist1 = add_revolute("twist1", Some(bend), identity, about_x, first);
         order.extend([twist1, bend, twist2]);
         last_joint.push(twist1);
 
-        builder.frame(bone.name.clone(), Some(twist1), still);
+        builder.frame(bone.name.clone(), Some(twist1), identity);
         let tip = Vector3::new(bone.length, 0.0, 0.0);
-        let tip_name = free_name(format!("{}/tip", bone.name), &taken);
+        let tip_name = free_name(format!("{}/tip", bone.name), &used_names);
         builder.frame(tip_name, Some(twist1), Placement::translation(tip));
     }
     builder.configuration_order(order);
@@ -229,11 +229,11 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
 }
 
 /// The name, or the first numbered one that no bone has. Results are unique, as names of bones are.
-fn free_name(name: String, taken: &HashSet<&str>) -> String {
+fn free_name(name: String, used_names: &HashSet<&str>) -> String {
     let numbered = (2..).map(|number| format!("{name}/{number}"));
     let free = std::iter::once(name.clone())
         .chain(numbered)
-        .find(|name| !taken.contains(name.as_str()));
+        .find(|name| !used_names.contains(name.as_str()));
     free.unwrap_or(name)
 }
 

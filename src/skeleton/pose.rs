@@ -18,7 +18,7 @@ impl BonePlacements {
     /// # Errors
     /// A bone outside the pose.
     pub fn tail(&self, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
-        Ok(self.of(bone)?.translation)
+        Ok(self.placement(bone)?.translation)
     }
 
     /// Position of a bone's tip in a pose of `skeleton`, in model coordinates.
@@ -26,14 +26,16 @@ impl BonePlacements {
     /// # Errors
     /// A bone outside the pose or the skeleton.
     pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
-        let own = skeleton.bones().get(bone.index());
-        let own = own.ok_or_else(|| foreign(bone, skeleton.bones().len()))?;
-        Ok(self.of(bone)?.apply(Vector3::new(own.length, 0.0, 0.0)))
+        let rest_bone = skeleton.bones().get(bone.index());
+        let rest_bone = rest_bone.ok_or_else(|| foreign_bone(bone, skeleton.bones().len()))?;
+        Ok(self
+            .placement(bone)?
+            .apply(Vector3::new(rest_bone.length, 0.0, 0.0)))
     }
 
-    fn of(&self, bone: BoneId) -> Result<&Placement<f64>, SkeletonError> {
+    fn placement(&self, bone: BoneId) -> Result<&Placement<f64>, SkeletonError> {
         let posed = self.model_from_bone.get(bone.index());
-        posed.ok_or_else(|| foreign(bone, self.model_from_bone.len()))
+        posed.ok_or_else(|| foreign_bone(bone, self.model_from_bone.len()))
     }
 
     /// The pose moved as a whole into a scene: W_i → P W_i, and therefore T_i → P T_i for skinning.
@@ -111,7 +113,7 @@ impl Skeleton {
     }
 }
 
-fn foreign(bone: BoneId, bones: usize) -> SkeletonError {
+fn foreign_bone(bone: BoneId, bones: usize) -> SkeletonError {
     let bone = bone.index();
     SkeletonError::ForeignBone { bone, bones }
 }

@@ -42,7 +42,7 @@ impl BoneMotions {
             self.rigid.extend(motions);
             return Ok(());
         };
-        let Some(shared) = SharedScale::of(transforms, &mut self.scales) else {
+        let Some(shared) = SharedScale::of_transforms(transforms, &mut self.scales) else {
             return Err(SkinningError::NotRigid { bone });
         };
         let mut remaining = transforms.iter().map(|t| shared.remaining(t));
@@ -80,18 +80,18 @@ impl BoneMotions {
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         SizeMismatch::check("pivots", pivots.len(), bones)?;
-        let shared = SharedScale::of(transforms, &mut self.scales);
+        let shared = SharedScale::of_transforms(transforms, &mut self.scales);
         let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
-            match two_phases(transform, *pivot, shared) {
+            match factor_transform(transform, *pivot, shared) {
                 Ok((rigid, stretch)) => {
                     self.rigid.push(DualQuaternion::of_rigid(&rigid));
                     self.stretches.push(stretch);
                 }
-                Err(wrong) => {
+                Err(error) => {
                     self.rigid.truncate(old);
                     self.stretches.truncate(old_stretches);
-                    return Err(wrong(bone));
+                    return Err(error(bone));
                 }
             }
         }
@@ -101,12 +101,15 @@ impl BoneMotions {
     }
 
     /// Σ_j w_j (stretch of bone j); `None` if no bone stretches.
-    pub(super) fn stretch(&self, shares: impl Iterator<Item = (usize, f32)>) -> Option<Affine3A> {
+    pub(super) fn stretch(
+        &self,
+        influences: impl Iterator<Item = (usize, f32)>,
+    ) -> Option<Affine3A> {
         if self.stretches.is_empty() {
             return None;
         }
         let mut sum = Affine3A::ZERO;
-        for (bone, weight) in shares {
+        for (bone, weight) in influences {
             if let Some(stretch) = self.stretches.get(bone) {
                 sum.matrix3 += stretch.matrix3 * weight;
                 sum.translation += stretch.translation * weight;
@@ -118,7 +121,7 @@ impl BoneMotions {
 
 /// Factors a transform into a stretch about the pivot, after the shared scale, and a rigid motion. An error is a
 /// function of the bone index.
-fn two_phases(
+fn factor_transform(
     transform: &Affine3A,
     pivot: Vec3,
     shared: Option<SharedScale>,
@@ -150,12 +153,14 @@ fn two_phases(
 }
 
 /// Largest ratio of the smallest to the largest stretch at which a map counts as singular.
-const FLAT: f64 = 1e-9;
+const MIN_STRETCH_RATIO: f64 = 1e-9;
 
 /// M = R S with a rotation R and a symmetric S; `None` for a singular or mirroring map.
 fn polar(matrix: &Mat3A) -> Option<(Mat3A, Mat3A)> {
-    let wide = matrix.to_cols_array().map(f64::from);
-    let polar = Polar::new(&na::Matrix3::from_column_slice(&wide))?;
-    let narrow = |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
-    (polar.thickness > FLAT).then(|| (narrow(polar.rotation), narrow(polar.stretch)))
+    let entries = matrix.to_cols_array().map(f64::from);
+    let polar = Polar::new(&na::Matrix3::from_column_slice(&entries))?;
+    let to_single =
+        |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
+    (polar.thickness > MIN_STRETCH_RATIO)
+        .then(|| (to_single(polar.rotation), to_single(polar.stretch)))
 }

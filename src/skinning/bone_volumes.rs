@@ -10,7 +10,7 @@ use crate::spatial::Vector3;
 /// Number of columns across the widest side of the mesh.
 const COLUMNS: usize = 256;
 /// Largest fraction of columns that may end inside the mesh, for meshes with small holes.
-const OPEN: f64 = 0.01;
+const MAX_OPEN_FRACTION: f64 = 0.01;
 
 /// Volume of a mesh that moves with a bone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub fn bone_volumes(
     let grid = Grid::over(low, high - low);
     let mut hits: Vec<Hit> = Vec::new();
     for (triangle, corners) in mesh.triangles().iter().enumerate() {
-        grid.pass(mesh, (triangle, *corners), &mut hits);
+        grid.add_hits(mesh, (triangle, *corners), &mut hits);
     }
     hits.sort_by(|a, b| a.column.cmp(&b.column).then(a.depth.total_cmp(&b.depth)));
 
@@ -70,12 +70,12 @@ pub fn bone_volumes(
             let [from, to] = pair else { continue };
             inside += i64::from(from.sign);
             if inside != 0 {
-                grid.share_out((mesh, weights), (from, to), &mut sums);
+                grid.distribute((mesh, weights), (from, to), &mut sums);
             }
         }
     }
-    let whole: f64 = sums.iter().map(|(volume, _)| volume).sum();
-    if open as f64 > OPEN * columns as f64 || whole <= 0.0 {
+    let total_volume: f64 = sums.iter().map(|(volume, _)| volume).sum();
+    if open as f64 > MAX_OPEN_FRACTION * columns as f64 || total_volume <= 0.0 {
         return Err(VolumeError::Open);
     }
     let volumes = sums.into_iter().map(|(volume, moment)| {
@@ -100,7 +100,7 @@ struct Hit {
     sign: i8,
     triangle: usize,
     /// Barycentric coordinates of the intersection.
-    shares: [f64; 3],
+    barycentric: [f64; 3],
 }
 
 /// A grid of columns along one axis.
@@ -115,11 +115,11 @@ struct Grid {
 impl Grid {
     fn over(low: DVec3, size: DVec3) -> Self {
         let size = size.to_array();
-        let along = (0..3).fold(0, |least, axis| {
-            if size[axis] < size[least] {
+        let along = (0..3).fold(0, |shortest, axis| {
+            if size[axis] < size[shortest] {
                 axis
             } else {
-                least
+                shortest
             }
         });
         let axes = [(along + 1) % 3, (along + 2) % 3, along];
@@ -138,7 +138,7 @@ impl Grid {
     }
 
     /// Coordinate of a column across the axis. Irregular offsets avoid vertices at regular coordinates.
-    fn place(&self, index: usize, side: usize) -> f64 {
+    fn column_coordinate(&self, index: usize, side: usize) -> f64 {
         let offset = [0.487_213, 0.513_829][side];
         self.low.to_array()[self.axes[side]] + (index as f64 + offset) * self.step
     }
@@ -151,59 +151,68 @@ impl Grid {
         first..last.min(self.counts[side])
     }
 
-    fn pass(
+    fn add_hits(
         &self,
         mesh: &TriangleMesh,
         (triangle, corners): (usize, [u32; 3]),
         hits: &mut Vec<Hit>,
     ) {
-        let at = corners.map(|corner| {
-            let place = mesh.positions()[corner as usize].as_dvec3().to_array();
-            self.axes.map(|axis| place[axis])
+        let projected = corners.map(|corner| {
+            let position = mesh.positions()[corner as usize].as_dvec3().to_array();
+            self.axes.map(|axis| position[axis])
         });
         let ends = |side: usize| {
-            let of = |a: f64, b: &[f64; 3], least: bool| match least {
+            let extreme = |a: f64, b: &[f64; 3], is_min: bool| match is_min {
                 true => a.min(b[side]),
                 false => a.max(b[side]),
             };
-            let low = at.iter().fold(f64::INFINITY, |a, b| of(a, b, true));
-            let high = at.iter().fold(f64::NEG_INFINITY, |a, b| of(a, b, false));
+            let low = projected
+                .iter()
+                .fold(f64::INFINITY, |a, b| extreme(a, b, true));
+            let high = projected
+                .iter()
+                .fold(f64::NEG_INFINITY, |a, b| extreme(a, b, false));
             self.columns(low, high, side)
         };
         let (rows, columns) = (ends(0), ends(1));
         for i in rows {
             for j in columns.clone() {
-                let point = [self.place(i, 0), self.place(j, 1)];
+                let point = [self.column_coordinate(i, 0), self.column_coordinate(j, 1)];
                 // Barycentric coordinates from the areas opposite each corner.
-                let areas = [(1, 2), (2, 0), (0, 1)]
-                    .map(|(a, b)| side_of_edge(point, (corners[a], at[a]), (corners[b], at[b])));
-                let ahead = areas.iter().all(|area| area.is_sign_positive());
-                if !ahead && areas.iter().any(|area| area.is_sign_positive()) {
+                let areas = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| {
+                    side_of_edge(
+                        point,
+                        (corners[a], projected[a]),
+                        (corners[b], projected[b]),
+                    )
+                });
+                let all_positive = areas.iter().all(|area| area.is_sign_positive());
+                if !all_positive && areas.iter().any(|area| area.is_sign_positive()) {
                     continue;
                 }
-                let whole: f64 = areas.iter().sum();
-                if whole == 0.0 {
+                let total_area: f64 = areas.iter().sum();
+                if total_area == 0.0 {
                     continue;
                 }
-                let shares = areas.map(|area| area / whole);
-                let depth = shares
+                let barycentric = areas.map(|area| area / total_area);
+                let depth = barycentric
                     .iter()
-                    .zip(&at)
-                    .map(|(share, at)| share * at[2])
+                    .zip(&projected)
+                    .map(|(coordinate, projected)| coordinate * projected[2])
                     .sum();
                 hits.push(Hit {
                     column: i * self.counts[1] + j,
                     depth,
-                    sign: if ahead { 1 } else { -1 },
+                    sign: if all_positive { 1 } else { -1 },
                     triangle,
-                    shares,
+                    barycentric,
                 });
             }
         }
     }
 
     /// Adds the volume between two hits of a column to the volumes and moments of their bones.
-    fn share_out(
+    fn distribute(
         &self,
         (mesh, weights): (&TriangleMesh, &SkinWeights),
         (from, to): (&Hit, &Hit),
@@ -211,24 +220,27 @@ impl Grid {
     ) {
         let length = to.depth - from.depth;
         let (row, column) = (from.column / self.counts[1], from.column % self.counts[1]);
-        let across = [self.place(row, 0), self.place(column, 1)];
+        let across = [
+            self.column_coordinate(row, 0),
+            self.column_coordinate(column, 1),
+        ];
         // A weight that falls linearly to 0 along a segment has half its volume, centred at a third.
         for (hit, depth) in [
             (from, from.depth + length / 3.0),
             (to, to.depth - length / 3.0),
         ] {
-            let mut place = [0.0; 3];
+            let mut centroid = [0.0; 3];
             for (axis, value) in self.axes.into_iter().zip([across[0], across[1], depth]) {
-                place[axis] = value;
+                centroid[axis] = value;
             }
             let volume = 0.5 * length * self.step * self.step;
             let corners = mesh.triangles()[hit.triangle];
-            for (corner, share) in corners.into_iter().zip(hit.shares) {
+            for (corner, coordinate) in corners.into_iter().zip(hit.barycentric) {
                 for &Influence { bone, weight } in weights.influences(corner as usize) {
                     if let Some((sum, moment)) = sums.get_mut(bone as usize) {
-                        let own = volume * share * weight;
-                        *sum += own;
-                        *moment += DVec3::from_array(place) * own;
+                        let part_volume = volume * coordinate * weight;
+                        *sum += part_volume;
+                        *moment += DVec3::from_array(centroid) * part_volume;
                     }
                 }
             }
@@ -240,9 +252,9 @@ impl Grid {
 /// index, so a point on it lies on one side for both adjacent triangles.
 fn side_of_edge(point: [f64; 2], a: (u32, [f64; 3]), b: (u32, [f64; 3])) -> f64 {
     let area = |a: [f64; 3], b: [f64; 3]| {
-        let way = [b[0] - a[0], b[1] - a[1]];
-        let away = [point[0] - a[0], point[1] - a[1]];
-        way[0] * away[1] - way[1] * away[0] + 0.0
+        let edge = [b[0] - a[0], b[1] - a[1]];
+        let to_point = [point[0] - a[0], point[1] - a[1]];
+        edge[0] * to_point[1] - edge[1] * to_point[0] + 0.0
     };
     match a.0 < b.0 {
         true => area(a.1, b.1),

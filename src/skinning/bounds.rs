@@ -59,9 +59,10 @@ impl BoneBoxes {
     ) -> Result<Option<[Vec3; 2]>, SkinningError> {
         check(transforms, self.boxes.len())?;
         let moved = self.boxes.iter().zip(transforms);
-        let boxes = moved.filter_map(|(entry, transform)| Some(moved_box(transform, (*entry)?)));
-        let whole = boxes.fold(None, |whole, entry| Some(joined(whole, entry)));
-        Ok(whole.map(|[low, high]| {
+        let boxes =
+            moved.filter_map(|(entry, transform)| Some(transformed_box(transform, (*entry)?)));
+        let total_box = boxes.fold(None, |total_box, entry| Some(joined(total_box, entry)));
+        Ok(total_box.map(|[low, high]| {
             // Margin for sums other than 1, negative weights and rounding.
             let largest = low.abs().max(high.abs()).max_element();
             let slack = self.excess * (high - low) + Vec3::splat(largest * 2e-5);
@@ -70,12 +71,12 @@ impl BoneBoxes {
     }
 }
 
-fn joined(whole: Option<[Vec3; 2]>, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
-    whole.map_or([low, high], |[l, h]| [l.min(low), h.max(high)])
+fn joined(total_box: Option<[Vec3; 2]>, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
+    total_box.map_or([low, high], |[l, h]| [l.min(low), h.max(high)])
 }
 
 /// Bounding box of a transformed box (Arvo 1990, "Transforming axis-aligned bounding boxes").
-fn moved_box(transform: &Affine3A, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
+fn transformed_box(transform: &Affine3A, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let matrix = transform.matrix3;
     let reach =

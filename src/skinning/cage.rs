@@ -118,8 +118,10 @@ impl CageBinding {
         SizeMismatch::check("posed points", posed.len(), self.points)?;
         let rows = self.coordinates.chunks_exact(self.corners.max(1));
         for (row, posed) in rows.zip(posed) {
-            let shares = row.iter().zip(cage);
-            *posed = shares.map(|(&share, &corner)| share * corner).sum();
+            let pairs = row.iter().zip(cage);
+            *posed = pairs
+                .map(|(&coordinate, &corner)| coordinate * corner)
+                .sum();
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::{Buffer, SizeMismatch};
 
 /// Smallest number of vertices per thread; amortises the cost of a task.
 #[cfg(feature = "rayon")]
-const VERTICES_AT_A_TIME: usize = 4096;
+const MIN_VERTICES_PER_TASK: usize = 4096;
 
 /// Vertex buffers of which only one is given.
 macro_rules! only {
@@ -148,7 +148,7 @@ fn halve<D: Deformation + ?Sized>(
     posed: PosedVertices<'_>,
 ) {
     let half = range.len() / 2;
-    if half < VERTICES_AT_A_TIME {
+    if half < MIN_VERTICES_PER_TASK {
         return deformation.deform_range(range.start, rest, posed);
     }
     let (rest, rest_after) = rest.split(half);

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3, Vec4};
 
 use super::bone_motions::BoneMotions;
-use super::directions::{turned_normal, turned_tangent};
+use super::directions::{transformed_normal, transformed_tangent};
 use super::{
     Deformation, DualQuaternion, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError,
 };
@@ -85,9 +85,10 @@ impl Deformation for DualQuaternionBlend<'_> {
     fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>) {
         move_by_dual_quaternions(rest, posed, |index| {
             let influences = self.weights.influences(first + index);
-            let shares = influences.iter();
-            let shares = shares.map(|influence| (influence.bone as usize, influence.weight as f32));
-            (self.motions.stretch(shares), self.blended(influences))
+            let bone_weights = influences.iter();
+            let bone_weights =
+                bone_weights.map(|influence| (influence.bone as usize, influence.weight as f32));
+            (self.motions.stretch(bone_weights), self.blended(influences))
         });
     }
 }
@@ -107,12 +108,12 @@ pub(super) fn move_by_dual_quaternions(
             *out = motion.transform_point(p);
         }
         if let (Some(&n), Some(out)) = (rest.normals.get(vertex), posed.normals.get_mut(vertex)) {
-            *out = motion.transform_vector(turned_normal(&matrix, n));
+            *out = motion.transform_vector(transformed_normal(&matrix, n));
         }
         if let (Some(&t), Some(out)) = (rest.tangents.get(vertex), posed.tangents.get_mut(vertex)) {
-            let t = turned_tangent(&matrix, t);
-            let turned = motion.transform_vector(t.truncate());
-            *out = Vec4::from((turned, t.w));
+            let t = transformed_tangent(&matrix, t);
+            let rotated = motion.transform_vector(t.truncate());
+            *out = Vec4::from((rotated, t.w));
         }
     }
 }

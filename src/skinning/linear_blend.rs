@@ -3,7 +3,7 @@
 use glam::Affine3A;
 
 use super::bone_transform::check;
-use super::directions::{turned_normal, turned_tangent};
+use super::directions::{transformed_normal, transformed_tangent};
 use super::{Deformation, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError};
 
 /// One pose by linear blend skinning: v' = Σ_j w_j T_j v̂. Normals use the inverse transpose of the blended matrix,
@@ -76,10 +76,10 @@ pub(super) fn move_by_matrices(
             *out = transform.transform_point3(*p);
         }
         if let (Some(n), Some(out)) = (rest.normals.get(vertex), posed.normals.get_mut(vertex)) {
-            *out = turned_normal(&transform.matrix3, *n);
+            *out = transformed_normal(&transform.matrix3, *n);
         }
         if let (Some(t), Some(out)) = (rest.tangents.get(vertex), posed.tangents.get_mut(vertex)) {
-            *out = turned_tangent(&transform.matrix3, *t);
+            *out = transformed_tangent(&transform.matrix3, *t);
         }
     }
 }

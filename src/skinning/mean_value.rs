@@ -8,12 +8,12 @@ use glam::DVec3;
 use crate::scalar::elementary;
 
 /// Largest distance from a corner at which a point coincides with it, relative to the size of the cage.
-const ON_IT: f64 = 1e-9;
+const CORNER_TOLERANCE: f64 = 1e-9;
 /// Largest triple product of the unit directions to a triangle's corners at which a point is in the triangle's plane.
 ///
 /// Also the largest deviation of half their angle sum from π at which the point is on the triangle, radians. The
 /// neglected weights are of the size of the rounding error.
-const IN_PLANE: f64 = 1e-8;
+const PLANE_TOLERANCE: f64 = 1e-8;
 
 /// Fills `row` with the coordinates of one point, which sum to 1. Returns false if their sum is zero. `size` is the
 /// diagonal of the cage's bounding box; triangle indices are in range.
@@ -27,7 +27,7 @@ pub(super) fn mean_value_coordinates(
     row.fill(0.0);
     if let Some(corner) = corners
         .iter()
-        .position(|c| c.distance(point) <= ON_IT * size)
+        .position(|c| c.distance(point) <= CORNER_TOLERANCE * size)
     {
         row[corner] = 1.0;
         return true;
@@ -78,9 +78,9 @@ fn triangle_weights(arms: [DVec3; 3]) -> Weights {
         2.0 * elementary::atan2((next - last).length(), (next + last).length())
     });
     let volume = units[0].dot(units[1].cross(units[2]));
-    if volume.abs() <= IN_PLANE {
+    if volume.abs() <= PLANE_TOLERANCE {
         let half_turn = angles.iter().sum::<f64>() / 2.0;
-        if std::f64::consts::PI - half_turn > IN_PLANE {
+        if std::f64::consts::PI - half_turn > PLANE_TOLERANCE {
             return Weights::InPlane;
         }
         // In a triangle 2-D mean-value coordinates are barycentric coordinates (their figure 4).

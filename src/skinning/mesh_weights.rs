@@ -98,16 +98,18 @@ impl MeshWeights {
         use Form::{Any, Packed};
         use SkinningMethod::{DualQuaternion as Dual, LinearBlend as Linear};
         Ok(match (&self.form, method, &self.pivots) {
-            (Packed(own), Linear, _) => then(&PackedLinearBlend::new(own, transforms)?),
-            (Packed(own), Dual, None) => then(&PackedDualQuaternionBlend::new(own, transforms)?),
-            (Packed(own), Dual, Some(pivots)) => then(&PackedDualQuaternionBlend::stretched(
-                own, transforms, pivots,
-            )?),
-            (Any(own), Linear, _) => then(&LinearBlend::new(own, transforms)?),
-            (Any(own), Dual, None) => then(&DualQuaternionBlend::new(own, transforms)?),
-            (Any(own), Dual, Some(pivots)) => {
-                then(&DualQuaternionBlend::stretched(own, transforms, pivots)?)
+            (Packed(weights), Linear, _) => then(&PackedLinearBlend::new(weights, transforms)?),
+            (Packed(weights), Dual, None) => {
+                then(&PackedDualQuaternionBlend::new(weights, transforms)?)
             }
+            (Packed(weights), Dual, Some(pivots)) => then(&PackedDualQuaternionBlend::stretched(
+                weights, transforms, pivots,
+            )?),
+            (Any(weights), Linear, _) => then(&LinearBlend::new(weights, transforms)?),
+            (Any(weights), Dual, None) => then(&DualQuaternionBlend::new(weights, transforms)?),
+            (Any(weights), Dual, Some(pivots)) => then(&DualQuaternionBlend::stretched(
+                weights, transforms, pivots,
+            )?),
         })
     }
 }

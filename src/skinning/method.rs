@@ -67,7 +67,7 @@ impl FromStr for SkinningMethod {
     type Err = UnknownSkinning;
 
     fn from_str(name: &str) -> Result<Self, UnknownSkinning> {
-        let found = Self::ALL.into_iter().find(|method| method.name() == name);
-        found.ok_or_else(|| UnknownSkinning(name.to_owned()))
+        let method = Self::ALL.into_iter().find(|method| method.name() == name);
+        method.ok_or_else(|| UnknownSkinning(name.to_owned()))
     }
 }

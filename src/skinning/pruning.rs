@@ -24,26 +24,26 @@ impl SkinWeights {
             return Err(WeightsError::NoneKept);
         }
         let mut pruning = Pruning::default();
-        let (mut rows, mut sum_lost) = (Vec::with_capacity(self.vertex_count()), 0.0);
+        let (mut rows, mut removed_sum) = (Vec::with_capacity(self.vertex_count()), 0.0);
         for influences in self.iter() {
-            let mut kept = influences.to_vec();
-            if kept.len() > most {
+            let mut row = influences.to_vec();
+            if row.len() > most {
                 // Signed order, not by size: negative weights are removed first, so the sum stays positive.
-                kept.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-                let lost: f64 = kept.drain(most..).map(|i| i.weight.abs()).sum();
-                kept.sort_by_key(|influence| influence.bone);
-                let sum: f64 = kept.iter().map(|i| i.weight).sum();
-                for influence in &mut kept {
+                row.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+                let removed: f64 = row.drain(most..).map(|i| i.weight.abs()).sum();
+                row.sort_by_key(|influence| influence.bone);
+                let sum: f64 = row.iter().map(|i| i.weight).sum();
+                for influence in &mut row {
                     influence.weight /= sum;
                 }
                 pruning.vertices += 1;
-                pruning.largest_lost = pruning.largest_lost.max(lost);
-                sum_lost += lost;
+                pruning.largest_lost = pruning.largest_lost.max(removed);
+                removed_sum += removed;
             }
-            rows.push(kept);
+            rows.push(row);
         }
         if !rows.is_empty() {
-            pruning.mean_lost = sum_lost / rows.len() as f64;
+            pruning.mean_lost = removed_sum / rows.len() as f64;
         }
         Ok((self.with_rows(&rows), pruning))
     }

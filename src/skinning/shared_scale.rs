@@ -5,7 +5,7 @@
 
 use glam::{Affine3A, Mat3A, Vec3};
 
-use super::bone_transform::ROTATION_WITHIN;
+use super::bone_transform::ROTATION_TOLERANCE;
 
 /// The map v → (± s v_x, s v_y, s v_z) of rest positions, s > 0. The sign is negative if most bones mirror.
 ///
@@ -17,18 +17,18 @@ pub(super) struct SharedScale(Vec3);
 impl SharedScale {
     /// The median scale of the bones, which single scaled bones do not change. Of two middle scales the one nearer to 1
     /// counts. `scales` is a workspace. `None` for a scale within 1e-4 of 1, the tolerance of rigid transforms.
-    pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Option<Self> {
+    pub(super) fn of_transforms(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Option<Self> {
         scales.clear();
         scales.extend(transforms.iter().map(|t| scale_of(&t.matrix3)));
         scales.sort_unstable_by(f32::total_cmp);
         let middle = [scales.len().saturating_sub(1) / 2, scales.len() / 2];
-        let [lower, upper] = middle.map(|at| scales.get(at).copied().unwrap_or(1.0));
+        let [lower, upper] = middle.map(|index| scales.get(index).copied().unwrap_or(1.0));
         let from_1 = |scale: f32| (scale - 1.0).abs();
         let median = match from_1(lower) <= from_1(upper) {
             true => lower,
             false => upper,
         };
-        if from_1(median) <= ROTATION_WITHIN || !median.is_normal() {
+        if from_1(median) <= ROTATION_TOLERANCE || !median.is_normal() {
             return None;
         }
         Some(Self(Vec3::new(median, median.abs(), median.abs())))

@@ -90,9 +90,9 @@ impl TwistedTube {
         let vertices = on_rings.chain([0, rings - 1]);
         let mut builder = SkinWeights::builder((rings * sides) as usize + 2, 2);
         for (vertex, ring) in vertices.enumerate() {
-            let share = f64::from(ring) / f64::from(rings - 1);
-            let within = (share - 0.5) / self.blended_share.max(1e-9) + 0.5;
-            let weight = within.clamp(0.0, 1.0);
+            let fraction = f64::from(ring) / f64::from(rings - 1);
+            let raw_weight = (fraction - 0.5) / self.blended_share.max(1e-9) + 0.5;
+            let weight = raw_weight.clamp(0.0, 1.0);
             builder.add(vertex, 0, 1.0 - weight)?;
             builder.add(vertex, 1, weight)?;
         }
@@ -103,8 +103,8 @@ impl TwistedTube {
     #[must_use]
     pub fn transforms(twist: f64) -> [Affine3A; 2] {
         let (sin, cos) = elementary::sin_cos(0.5 * twist);
-        let turn = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
-        [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
+        let rotation = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
+        [Affine3A::IDENTITY, Affine3A::from_quat(rotation)]
     }
 
     /// Mean radius of each ring of a posed [`mesh`](Self::mesh), from bone 0 to bone 1: (x at rest, radius) in the
@@ -118,8 +118,8 @@ impl TwistedTube {
             let distances = points.map(|p| elementary::hypot(p.y, p.z));
             distances.sum::<f64>() / sides as f64
         };
-        let places = (0..self.rings.max(2)).map(|ring| self.along(ring));
-        places.zip(rings.map(radius)).collect()
+        let coordinates = (0..self.rings.max(2)).map(|ring| self.along(ring));
+        coordinates.zip(rings.map(radius)).collect()
     }
 
     fn along(&self, ring: u32) -> f64 {

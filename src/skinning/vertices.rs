@@ -29,7 +29,7 @@ pub struct PosedVertices<'a> {
 
 impl PosedVertices<'_> {
     /// The rest buffers of a mesh that correspond to non-empty posed buffers.
-    pub(crate) fn wanted_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
+    pub(crate) fn rest_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
         let mut rest = RestVertices::default();
         if !self.positions.is_empty() {
             rest.positions = mesh.positions();
@@ -72,8 +72,8 @@ fn parts<'a, T>(buffer: &mut &'a [T], count: usize) -> &'a [T] {
 /// As `parts`, for mutable buffers.
 #[cfg(feature = "rayon")]
 fn parts_mut<'a, T>(buffer: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let whole = std::mem::take(buffer);
-    let (first, others) = whole.split_at_mut(count.min(whole.len()));
+    let contents = std::mem::take(buffer);
+    let (first, others) = contents.split_at_mut(count.min(contents.len()));
     *buffer = others;
     first
 }

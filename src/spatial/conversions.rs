@@ -10,9 +10,9 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, UnitV
 use super::{Matrix3, Placement, Quaternion, RigidDefect, Vector3};
 
 /// Largest deviation of a double-precision map from a rigid motion, per entry.
-const DOUBLE: f64 = 1e-6;
+const DOUBLE_TOLERANCE: f64 = 1e-6;
 /// Largest deviation of a single-precision map from a rigid motion, per entry, after products along a chain of bones.
-const SINGLE: f64 = 1e-4;
+const SINGLE_TOLERANCE: f64 = 1e-4;
 
 /// The error for an affine map that is not a rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -137,7 +137,7 @@ impl TryFrom<DAffine3> for Placement<f64> {
     type Error = NotRigid;
 
     fn try_from(map: DAffine3) -> Result<Self, NotRigid> {
-        rigid(map, DOUBLE)
+        rigid(map, DOUBLE_TOLERANCE)
     }
 }
 
@@ -155,13 +155,13 @@ impl TryFrom<Affine3A> for Placement<f64> {
                 matrix3,
                 translation,
             },
-            SINGLE,
+            SINGLE_TOLERANCE,
         )
     }
 }
 
-fn rigid(map: DAffine3, within: f64) -> Result<Placement<f64>, NotRigid> {
+fn rigid(map: DAffine3, tolerance: f64) -> Result<Placement<f64>, NotRigid> {
     let placement = Placement::new(map.matrix3.into(), map.translation.into());
-    placement.check_rigid(within).map_err(NotRigid)?;
+    placement.check_rigid(tolerance).map_err(NotRigid)?;
     Ok(placement.made_rigid())
 }

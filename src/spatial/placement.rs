@@ -35,8 +35,8 @@ impl<S: Scalar> Placement<S> {
 
     /// A pure translation.
     #[inline(always)]
-    pub fn translation(by: Vector3<S>) -> Self {
-        Self::new(Matrix3::identity(), by)
+    pub fn translation(offset: Vector3<S>) -> Self {
+        Self::new(Matrix3::identity(), offset)
     }
 
     /// A placement whose derivatives are zero, the same in every lane.
@@ -71,11 +71,12 @@ impl Placement<f64> {
     /// Interpolates to another placement, from 0 (`self`) to 1 (`to`): along a straight line, about one axis of
     /// rotation.
     pub(crate) fn interpolated(&self, to: &Self, share: f64) -> Self {
-        let turn = Quaternion::from_matrix(&(self.rotation.transpose() * to.rotation)).log();
-        let way = to.translation - self.translation;
+        let rotation_vector =
+            Quaternion::from_matrix(&(self.rotation.transpose() * to.rotation)).log();
+        let offset = to.translation - self.translation;
         Self::new(
-            self.rotation * rotation_exp(turn * share),
-            self.translation + way * share,
+            self.rotation * rotation_exp(rotation_vector * share),
+            self.translation + offset * share,
         )
     }
 

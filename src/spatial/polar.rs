@@ -38,8 +38,8 @@ impl Polar {
                 stretch = -stretch;
             } else {
                 // For a singular matrix the sign is free: choose the positive semidefinite stretch.
-                let flat = svd.singular_values.imin();
-                u.column_mut(flat).neg_mut();
+                let smallest = svd.singular_values.imin();
+                u.column_mut(smallest).neg_mut();
                 rotation = u * v_t;
             }
         }

@@ -38,8 +38,11 @@ impl Placement<f64> {
         let off = [unit, [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs)];
         // NaN fails this comparison.
         let orthonormal = off.as_flattened().iter().all(|off| *off <= tolerance);
-        let there = self.translation.to_array();
-        if orthonormal && there.iter().all(|entry| entry.is_finite()) && x.cross(y).dot(z) >= 0.0 {
+        let translation = self.translation.to_array();
+        if orthonormal
+            && translation.iter().all(|entry| entry.is_finite())
+            && x.cross(y).dot(z) >= 0.0
+        {
             return Ok(());
         }
         Err(self.rigid_defect(off.as_flattened(), tolerance))

@@ -201,7 +201,7 @@ fn invalid_aims_are_named() {
         aim.with_up(Vec3A::ZERO),
         Err(AimError::BadAxis { axis: "up" })
     );
-    assert_eq!(aim.with_offset(Vec3A::NAN), Err(AimError::BadMuzzle));
+    assert_eq!(aim.with_offset(Vec3A::NAN), Err(AimError::BadOffset));
     let mut foreign = other.rest().clone();
     assert!(
         aim.turn(&armature, &mut foreign, &AimGoal::at(Vec3A::X))

@@ -304,8 +304,8 @@ fn cones_of_other_bones_are_rejected() {
         error.contains("`bone 2`") && error.contains("axis"),
         "{error}"
     );
-    let room = SkeletonRoot::Free {
-        room: [Limits::new(1.0, -1.0); 3],
+    let root = SkeletonRoot::Free {
+        bounds: [Limits::new(1.0, -1.0); 3],
     };
-    assert!(with("bone 2", fine, room).is_err());
+    assert!(with("bone 2", fine, root).is_err());
 }

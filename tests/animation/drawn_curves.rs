@@ -218,7 +218,7 @@ fn invalid_curves_are_rejected_by_name() {
     ] {
         let error = two([[still, leaving], [arriving, still]]).unwrap_err();
         assert!(
-            matches!(error, KeyError::HandleTime { key: k, side: s, room: 2.0, .. } if (k, s) == (key, side)),
+            matches!(error, KeyError::HandleTime { key: k, side: s, interval: 2.0, .. } if (k, s) == (key, side)),
             "{error}"
         );
     }

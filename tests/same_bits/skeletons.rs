@@ -200,7 +200,7 @@ fn balls() -> Value {
             BoneCone::new(BallLimits::within_angle(1.25)),
         ),
     ]);
-    let room = [
+    let bounds = [
         Limits::new(-1.0, 2.0),
         Limits::UNBOUNDED,
         Limits::new(0.0, 0.5),
@@ -208,7 +208,7 @@ fn balls() -> Value {
     for root in [
         SkeletonRoot::Fixed,
         SkeletonRoot::FREE,
-        SkeletonRoot::Free { room },
+        SkeletonRoot::Free { bounds },
     ] {
         let figure = BallSkeleton::new(body.clone(), &cones, root).unwrap();
         add_model(&mut digest, figure.model());
@@ -260,7 +260,7 @@ fn balls() -> Value {
     ));
     digest.refused(with("arm", BoneCone::new(cone(-1.0)), SkeletonRoot::Fixed));
     let none = [Limits::new(1.0, 0.0); 3];
-    digest.refused(with("arm", own, SkeletonRoot::Free { room: none }));
+    digest.refused(with("arm", own, SkeletonRoot::Free { bounds: none }));
     digest.value()
 }
 

@@ -1110,7 +1110,7 @@ class BallSkeleton:
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
         root: Literal["fixed", "free"] | None = None,
-        room: Mapping[str, tuple[float, float]] | None = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
         armature: Armature | None = None,
     ) -> BallSkeleton: ...
     @classmethod
@@ -1120,7 +1120,7 @@ class BallSkeleton:
         *,
         cones: str | PathLike[str] | Mapping[str, Mapping[str, Any]] | None = None,
         root: Literal["fixed", "free"] | None = None,
-        room: Mapping[str, tuple[float, float]] | None = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
     ) -> BallSkeleton: ...
     @property
     def model(self) -> Model: ...

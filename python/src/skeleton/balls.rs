@@ -26,7 +26,7 @@ use crate::pool::Pool;
 ///
 /// A configuration `q` has w, x, y, z for each moving bone, in their order: its rotation from rest in its own axes.
 /// With `root="free"`, x, y, z come before the root's quaternion. They are its displacement from rest along the model's
-/// axes, within `room`, a dict of (lower, upper) by axis. Its rotation is in those axes too. The model's frames are
+/// axes, within `bounds`, a dict of (lower, upper) by axis. Its rotation is in those axes too. The model's frames are
 /// those of the skeleton; its joints have the names of the bones.
 ///
 /// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians. "swing" is the
@@ -53,27 +53,30 @@ pub(crate) struct BallSkeleton {
 #[derive(Clone)]
 struct Root {
     kind: String,
-    room: Vec<(String, (f64, f64))>,
+    bounds: Vec<(String, (f64, f64))>,
 }
 
 impl Root {
     const KINDS: [&'static str; 2] = ["fixed", "free"];
 
     /// Reads the arguments; the default root is fixed.
-    fn new(kind: Option<&Bound<'_, PyAny>>, room: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(kind: Option<&Bound<'_, PyAny>>, bounds: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let kind = match kind {
             Some(kind) => arrays::word(kind, "root", &Self::KINDS)?,
             None => Self::KINDS[0].to_owned(),
         };
         let mut ranges = Vec::new();
-        for (axis, range) in room.into_iter().flatten() {
-            let axis = arrays::name(&axis, "an axis of room")?;
+        for (axis, range) in bounds.into_iter().flatten() {
+            let axis = arrays::name(&axis, "an axis of bounds")?;
             let range = range.extract();
             let range =
-                range.map_err(|_| invalid("room must be a dict of (lower, upper) by axis"))?;
+                range.map_err(|_| invalid("bounds must be a dict of (lower, upper) by axis"))?;
             ranges.push((axis, range));
         }
-        Ok(Self { kind, room: ranges })
+        Ok(Self {
+            kind,
+            bounds: ranges,
+        })
     }
 
     fn read(&self) -> PyResult<SkeletonRoot> {
@@ -87,16 +90,16 @@ impl Root {
             "free" => true,
             _ => return Err(unknown("root of ball joints", kind, &Self::KINDS)).or_raise(),
         };
-        let mut room = [Limits::UNBOUNDED; 3];
-        for (axis, (lower, upper)) in &self.room {
+        let mut bounds = [Limits::UNBOUNDED; 3];
+        for (axis, (lower, upper)) in &self.bounds {
             let known = AXES.iter().position(|known| known == axis);
             let known = known.filter(|_| is_free);
             let valid = if is_free { &AXES[..] } else { &[] };
             let at = known.ok_or_else(|| unknown("axis of this root", axis, valid));
-            room[at.or_raise()?] = Limits::new(*lower, *upper);
+            bounds[at.or_raise()?] = Limits::new(*lower, *upper);
         }
         Ok(match is_free {
-            true => SkeletonRoot::Free { room },
+            true => SkeletonRoot::Free { bounds },
             false => SkeletonRoot::Fixed,
         })
     }
@@ -146,12 +149,12 @@ impl BallSkeleton {
 #[pymethods]
 impl BallSkeleton {
     #[new]
-    #[pyo3(signature = (skeleton, *, cones = None, root = None, room = None, armature = None))]
+    #[pyo3(signature = (skeleton, *, cones = None, root = None, bounds = None, armature = None))]
     fn new(
         skeleton: &Bound<'_, Skeleton>,
         cones: Option<&Bound<'_, PyAny>>,
         root: Option<&Bound<'_, PyAny>>,
-        room: Option<&Bound<'_, PyDict>>,
+        bounds: Option<&Bound<'_, PyDict>>,
         armature: Option<&Bound<'_, Armature>>,
     ) -> PyResult<Self> {
         let skeleton = &skeleton.get().inner;
@@ -166,7 +169,12 @@ impl BallSkeleton {
             ));
         }
         let skeleton = kinopt::Skeleton::clone(skeleton);
-        Self::make(skeleton, armature, cones_of(cones)?, Root::new(root, room)?)
+        Self::make(
+            skeleton,
+            armature,
+            cones_of(cones)?,
+            Root::new(root, bounds)?,
+        )
     }
 
     /// Reads the bones of a .glb, .gltf or .bvh file. The joints of a scene's skins rotate, and the bones of a capture
@@ -175,15 +183,15 @@ impl BallSkeleton {
     /// Raises as the class does, `FileError` if the file cannot be opened and `InvalidFileError` if its content or
     /// format is invalid.
     #[classmethod]
-    #[pyo3(signature = (path, *, cones = None, root = None, room = None))]
+    #[pyo3(signature = (path, *, cones = None, root = None, bounds = None))]
     fn read(
         class: &Bound<'_, PyType>,
         path: PathBuf,
         cones: Option<&Bound<'_, PyAny>>,
         root: Option<&Bound<'_, PyAny>>,
-        room: Option<&Bound<'_, PyDict>>,
+        bounds: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let (cones, root) = (cones_of(cones)?, Root::new(root, room)?);
+        let (cones, root) = (cones_of(cones)?, Root::new(root, bounds)?);
         let is_capture = path
             .extension()
             .is_some_and(|own| own.eq_ignore_ascii_case("bvh"));
@@ -322,9 +330,9 @@ impl BallSkeleton {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let room = PyDict::new(py);
-        for (axis, range) in &self.root.room {
-            room.set_item(axis, *range)?;
+        let bounds = PyDict::new(py);
+        for (axis, range) in &self.root.bounds {
+            bounds.set_item(axis, *range)?;
         }
         let cones = PyDict::new(py);
         for (bone, cone) in &self.cones {
@@ -347,7 +355,7 @@ impl BallSkeleton {
             cones.set_item(bone, own)?;
         }
         let kind = &self.root.kind;
-        let parts = (self.skeleton(), cones, kind, room, self.armature());
+        let parts = (self.skeleton(), cones, kind, bounds, self.armature());
         pickling::by_rebuild::<Self>(py, parts)
     }
 
@@ -356,10 +364,10 @@ impl BallSkeleton {
         skeleton: &Bound<'_, Skeleton>,
         cones: &Bound<'_, PyAny>,
         root: Option<&Bound<'_, PyAny>>,
-        room: &Bound<'_, PyDict>,
+        bounds: &Bound<'_, PyDict>,
         armature: &Bound<'_, Armature>,
     ) -> PyResult<Self> {
-        Self::new(skeleton, Some(cones), root, Some(room), Some(armature))
+        Self::new(skeleton, Some(cones), root, Some(bounds), Some(armature))
     }
 
     fn __repr__(&self) -> String {

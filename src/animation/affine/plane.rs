@@ -36,7 +36,7 @@ impl PlaneDecomposition {
         Ok(Self {
             translation: map.translation,
             angle,
-            stretch: turned(-angle) * map.matrix2,
+            stretch: rotation_matrix(-angle) * map.matrix2,
         })
     }
 
@@ -44,7 +44,7 @@ impl PlaneDecomposition {
     #[must_use]
     pub fn compose(&self) -> DAffine2 {
         DAffine2 {
-            matrix2: turned(self.angle) * self.stretch,
+            matrix2: rotation_matrix(self.angle) * self.stretch,
             translation: self.translation,
         }
     }
@@ -53,17 +53,17 @@ impl PlaneDecomposition {
     /// shorter direction.
     #[must_use]
     pub fn interpolate(&self, other: &Self, t: f64) -> Self {
-        let turn = (other.angle - self.angle + PI).rem_euclid(2.0 * PI) - PI;
+        let angle_difference = (other.angle - self.angle + PI).rem_euclid(2.0 * PI) - PI;
         Self {
             translation: self.translation * (1.0 - t) + other.translation * t,
-            angle: self.angle + t * turn,
+            angle: self.angle + t * angle_difference,
             stretch: self.stretch * (1.0 - t) + other.stretch * t,
         }
     }
 }
 
 /// Rotation matrix of the plane for an angle in radians.
-fn turned(angle: f64) -> DMat2 {
+fn rotation_matrix(angle: f64) -> DMat2 {
     let (sin, cos) = elementary::sin_cos(angle);
     DMat2::from_cols_array(&[cos, sin, -sin, cos])
 }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nalgebra as na;
 
-use crate::animation::rotation::exponential::share_of;
+use crate::animation::rotation::exponential::partial_rotation;
 use crate::spatial::Polar;
 
 /// An affine map as translation · rotation · stretch.
@@ -55,10 +55,10 @@ impl Decomposition {
     /// arc.
     #[must_use]
     pub fn interpolate(&self, other: &Self, t: f64) -> Self {
-        let turn = self.rotation.conjugate() * other.rotation;
+        let relative_rotation = self.rotation.conjugate() * other.rotation;
         Self {
             translation: self.translation * (1.0 - t) + other.translation * t,
-            rotation: (self.rotation * share_of(turn, t)).normalize(),
+            rotation: (self.rotation * partial_rotation(relative_rotation, t)).normalize(),
             stretch: self.stretch * (1.0 - t) + other.stretch * t,
         }
     }

@@ -51,30 +51,44 @@ impl Layer {
         base.check_same_size(reference)?;
         self.mask.check(base)?;
         let weight = finite_or_0(self.weight);
-        let shares = || self.mask.bones().iter().map(|own| own * weight);
+        let bone_weights = || {
+            self.mask
+                .bones()
+                .iter()
+                .map(|mask_weight| mask_weight * weight)
+        };
         let differences = layer.translations.iter().zip(&reference.translations);
-        for ((own, (to, from)), share) in
-            base.translations.iter_mut().zip(differences).zip(shares())
+        for ((translation, (to, from)), bone_weight) in base
+            .translations
+            .iter_mut()
+            .zip(differences)
+            .zip(bone_weights())
         {
-            *own += (*to - *from) * share;
+            *translation += (*to - *from) * bone_weight;
         }
         let ratios = layer.scales.iter().zip(&reference.scales);
-        for ((own, (to, from)), share) in base.scales.iter_mut().zip(ratios).zip(shares()) {
+        for ((scale, (to, from)), bone_weight) in
+            base.scales.iter_mut().zip(ratios).zip(bone_weights())
+        {
             // A zero scale has no ratio; such an axis does not change.
             let ratio = Vec3A::select(from.cmpeq(Vec3A::ZERO), Vec3A::ONE, *to / *from);
-            *own *= Vec3A::ONE + (ratio - Vec3A::ONE) * share;
+            *scale *= Vec3A::ONE + (ratio - Vec3A::ONE) * bone_weight;
         }
-        let turns = layer.rotations.iter().zip(&reference.rotations);
-        for ((own, (to, from)), share) in base.rotations.iter_mut().zip(turns).zip(shares()) {
-            if share != 0.0 {
-                let turn = slerp(Quat::IDENTITY, from.conjugate() * *to, share);
-                *own = (*own * turn).normalize();
+        let rotations = layer.rotations.iter().zip(&reference.rotations);
+        for ((rotation, (to, from)), bone_weight) in
+            base.rotations.iter_mut().zip(rotations).zip(bone_weights())
+        {
+            if bone_weight != 0.0 {
+                let difference = slerp(Quat::IDENTITY, from.conjugate() * *to, bone_weight);
+                *rotation = (*rotation * difference).normalize();
             }
         }
         let weights = layer.morph_weights.iter().zip(&reference.morph_weights);
         let targets = self.mask.morph_targets().iter();
-        for ((own, (to, from)), target) in base.morph_weights.iter_mut().zip(weights).zip(targets) {
-            *own += (to - from) * weight * target;
+        for ((morph_weight, (to, from)), target) in
+            base.morph_weights.iter_mut().zip(weights).zip(targets)
+        {
+            *morph_weight += (to - from) * weight * target;
         }
         Ok(())
     }

@@ -52,10 +52,10 @@ impl BoneMask {
         Self::uniform(armature, 0.0)
     }
 
-    fn uniform(armature: &Armature, share: f32) -> Self {
+    fn uniform(armature: &Armature, weight: f32) -> Self {
         Self {
-            bones: vec![share; armature.bones()],
-            morph_targets: vec![share; armature.morph_targets().len()],
+            bones: vec![weight; armature.bones()],
+            morph_targets: vec![weight; armature.morph_targets().len()],
         }
     }
 
@@ -120,20 +120,20 @@ impl BoneMask {
     }
 }
 
-fn set(shares: &mut [f32], what: &'static str, index: usize, share: f32) -> Result<(), MaskError> {
-    let count = shares.len();
-    let own = shares.get_mut(index);
-    let own = own.ok_or(MaskError::Unknown { what, index, count })?;
+fn set(weights: &mut [f32], what: &'static str, index: usize, share: f32) -> Result<(), MaskError> {
+    let count = weights.len();
+    let entry = weights.get_mut(index);
+    let entry = entry.ok_or(MaskError::Unknown { what, index, count })?;
     if !(0.0..=1.0).contains(&share) {
         return Err(MaskError::BadShare { what, index, share });
     }
-    *own = share;
+    *entry = share;
     Ok(())
 }
 
 /// Clamps to [0, 1]; 0 for NaN.
-pub(in crate::animation) fn within(share: f32) -> f32 {
-    if share > 0.0 { share.min(1.0) } else { 0.0 }
+pub(in crate::animation) fn clamp_to_unit(weight: f32) -> f32 {
+    if weight > 0.0 { weight.min(1.0) } else { 0.0 }
 }
 
 /// Returns the number, or 0 if it is not finite.

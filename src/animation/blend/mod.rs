@@ -8,5 +8,5 @@ mod weighted;
 
 pub use layer::{Layer, LayerMode};
 pub use mask::{BoneMask, MaskError};
-pub(super) use mask::{finite_or_0, within};
+pub(super) use mask::{clamp_to_unit, finite_or_0};
 pub use weighted::{BlendError, blend_poses};

@@ -40,7 +40,7 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
     let total: f64 = poses.iter().map(|(_, weight)| f64::from(*weight)).sum();
     let heaviest = poses
         .iter()
-        .reduce(|best, own| if own.1 > best.1 { own } else { best });
+        .reduce(|best, entry| if entry.1 > best.1 { entry } else { best });
     let Some((heaviest, _)) = heaviest.filter(|_| total > 0.0) else {
         return Err(BlendError::NoWeight);
     };
@@ -52,25 +52,25 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
     out.morph_weights.fill(0.0);
     out.rotations.fill(Quat::from_vec4(Vec4::ZERO));
     for (pose, weight) in poses.iter().filter(|(_, weight)| *weight > 0.0) {
-        let share = (f64::from(*weight) / total) as f32;
+        let fraction = (f64::from(*weight) / total) as f32;
         let add = |sums: &mut [Vec3A], values: &[Vec3A]| {
             for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += *value * share;
+                *sum += *value * fraction;
             }
         };
         add(&mut out.translations, &pose.translations);
         add(&mut out.scales, &pose.scales);
         for (sum, weight) in out.morph_weights.iter_mut().zip(&pose.morph_weights) {
-            *sum += weight * share;
+            *sum += weight * fraction;
         }
         let rotations = pose.rotations.iter().zip(&heaviest.rotations);
-        for (sum, (own, reference)) in out.rotations.iter_mut().zip(rotations) {
-            let side = if own.dot(*reference) < 0.0 {
-                -share
+        for (sum, (rotation, reference)) in out.rotations.iter_mut().zip(rotations) {
+            let signed_fraction = if rotation.dot(*reference) < 0.0 {
+                -fraction
             } else {
-                share
+                fraction
             };
-            *sum += *own * side;
+            *sum += *rotation * signed_fraction;
         }
     }
     for (sum, reference) in out.rotations.iter_mut().zip(&heaviest.rotations) {

@@ -8,14 +8,14 @@ use crate::animation::curve::KeyError;
 pub(super) struct Bones {
     pub(super) list: Vec<u32>,
     /// The bones are the first of the armature, in order; no lookup is needed.
-    pub(super) are_first: bool,
+    pub(super) is_prefix: bool,
 }
 
 impl Bones {
-    pub(super) fn of<C>(tracks: &[Track<C>]) -> Self {
+    pub(super) fn new<C>(tracks: &[Track<C>]) -> Self {
         Self {
             list: tracks.iter().map(|track| track.target as u32).collect(),
-            are_first: (0..).zip(tracks).all(|(k, track)| track.target == k),
+            is_prefix: (0..).zip(tracks).all(|(k, track)| track.target == k),
         }
     }
 

@@ -20,7 +20,7 @@ pub struct ClipBuilder<'a> {
     armature: &'a Armature,
     name: String,
     channels: Vec<(BoneId, Channel)>,
-    taken: BTreeSet<(BoneId, Property)>,
+    keyed_properties: BTreeSet<(BoneId, Property)>,
     morphs: Vec<(usize, KeyedCurve<f32>)>,
     events: Vec<Event>,
     span: Option<[f32; 2]>,
@@ -32,7 +32,7 @@ impl<'a> ClipBuilder<'a> {
             armature,
             name,
             channels: Vec::new(),
-            taken: BTreeSet::new(),
+            keyed_properties: BTreeSet::new(),
             morphs: Vec::new(),
             events: Vec::new(),
             span: None,
@@ -58,7 +58,7 @@ impl<'a> ClipBuilder<'a> {
                 return Err(ChannelError::BadRotation { bone: name() });
             }
         }
-        if !self.taken.insert((bone, property)) {
+        if !self.keyed_properties.insert((bone, property)) {
             let bone = name();
             return Err(ChannelError::Duplicate { bone, property });
         }
@@ -110,8 +110,8 @@ impl<'a> ClipBuilder<'a> {
             });
         }
         for (target, name) in self.armature.morph_targets().iter().enumerate() {
-            let own = weights.iter().skip(target).step_by(targets);
-            let curve = KeyedCurve::linear(times.to_vec(), own.copied().collect());
+            let target_weights = weights.iter().skip(target).step_by(targets);
+            let curve = KeyedCurve::linear(times.to_vec(), target_weights.copied().collect());
             let curve = curve.map_err(|problem| ChannelError::TargetKeys {
                 target: name.clone(),
                 problem,

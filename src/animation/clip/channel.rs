@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3A};
 
 use crate::animation::curve::KeyedCurve;
-use crate::animation::rotation::exponential::turn_about;
+use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::rotation::{EulerOrder, RotationCurve};
 
 /// Curve for one property of one bone; times are in seconds. Morph target weights belong to no bone; use
@@ -45,9 +45,11 @@ impl EulerCurve {
     /// Rotation of the given angles in radians.
     pub(super) fn rotation(&self, angles: Vec3A) -> Quat {
         let axes = self.order.axes().map(|axis| glam::Vec3::AXES[axis]);
-        let turns = axes.into_iter().zip(angles.to_array());
-        let turned = turns.fold(self.before, |q, (axis, angle)| q * turn_about(axis, angle));
-        turned.normalize()
+        let axes_and_angles = axes.into_iter().zip(angles.to_array());
+        let rotation = axes_and_angles.fold(self.before, |q, (axis, angle)| {
+            q * rotation_about(axis, angle)
+        });
+        rotation.normalize()
     }
 }
 

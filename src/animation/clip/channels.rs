@@ -14,39 +14,39 @@ impl Clip {
     /// The armature is not of the clip's size.
     pub fn channels(&self, armature: &Armature) -> Result<Vec<(BoneId, Channel)>, SizeMismatch> {
         self.check_armature(armature)?;
-        let mut own: Vec<(BoneId, Channel)> = self.tracks.curves().channels().collect();
+        let mut channels: Vec<(BoneId, Channel)> = self.tracks.curves().channels().collect();
         let bone = BoneId::new;
-        let moving: std::collections::BTreeSet<_> = own
+        let moving: std::collections::BTreeSet<_> = channels
             .iter()
             .map(|(bone, channel)| (*bone, channel.property()))
             .collect();
-        let at = || vec![self.span()[0]];
-        let (still, rest) = (&self.constant, armature.rest());
-        for index in 0..still.bones() {
-            let (now, then) = (still.local_of(bone(index)), rest.local_of(bone(index)));
+        let start_time = || vec![self.span()[0]];
+        let (constant, rest) = (&self.constant, armature.rest());
+        for index in 0..constant.bones() {
+            let (current, at_rest) = (constant.local_of(bone(index)), rest.local_of(bone(index)));
             // Finite values at one finite time always make a curve.
-            let translation = KeyedCurve::step(at(), vec![now.translation]).ok();
-            let rotation = RotationCurve::step(at(), vec![now.rotation]).ok();
-            let scale = KeyedCurve::step(at(), vec![now.scale]).ok();
-            let each = [
+            let translation = KeyedCurve::step(start_time(), vec![current.translation]).ok();
+            let rotation = RotationCurve::step(start_time(), vec![current.rotation]).ok();
+            let scale = KeyedCurve::step(start_time(), vec![current.scale]).ok();
+            let candidates = [
                 translation
-                    .filter(|_| now.translation != then.translation)
+                    .filter(|_| current.translation != at_rest.translation)
                     .map(Channel::Translation),
                 rotation
-                    .filter(|_| now.rotation != then.rotation)
+                    .filter(|_| current.rotation != at_rest.rotation)
                     .map(Channel::Rotation),
                 scale
-                    .filter(|_| now.scale != then.scale)
+                    .filter(|_| current.scale != at_rest.scale)
                     .map(Channel::Scale),
             ];
-            for channel in each.into_iter().flatten() {
+            for channel in candidates.into_iter().flatten() {
                 if !moving.contains(&(bone(index), channel.property())) {
-                    own.push((bone(index), channel));
+                    channels.push((bone(index), channel));
                 }
             }
         }
-        own.sort_by_key(|(bone, channel)| (*bone, channel.property()));
-        Ok(own)
+        channels.sort_by_key(|(bone, channel)| (*bone, channel.property()));
+        Ok(channels)
     }
 
     /// The channels of morph target weights, by target. Constant weights have a single key, as in
@@ -60,18 +60,18 @@ impl Clip {
     ) -> Result<Vec<(usize, KeyedCurve<f32>)>, SizeMismatch> {
         self.check_armature(armature)?;
         let tracks = self.tracks.curves().morphs.into_iter();
-        let mut own: Vec<(usize, KeyedCurve<f32>)> =
+        let mut channels: Vec<(usize, KeyedCurve<f32>)> =
             tracks.map(|track| (track.target, track.curve)).collect();
         let weights = self.constant.morph_weights().iter();
-        let still = weights.zip(armature.rest().morph_weights()).enumerate();
-        for (target, (&now, &then)) in still {
-            if now != then && own.iter().all(|(moving, _)| *moving != target) {
-                let curve = KeyedCurve::step(vec![self.span()[0]], vec![now]);
-                own.extend(curve.ok().map(|curve| (target, curve)));
+        let constant = weights.zip(armature.rest().morph_weights()).enumerate();
+        for (target, (&current, &at_rest)) in constant {
+            if current != at_rest && channels.iter().all(|(moving, _)| *moving != target) {
+                let curve = KeyedCurve::step(vec![self.span()[0]], vec![current]);
+                channels.extend(curve.ok().map(|curve| (target, curve)));
             }
         }
-        own.sort_by_key(|(target, _)| *target);
-        Ok(own)
+        channels.sort_by_key(|(target, _)| *target);
+        Ok(channels)
     }
 
     /// The clip for an armature with the same bones and another rest pose, such as from [`Armature::at_rest_in`].
@@ -79,26 +79,26 @@ impl Clip {
     ///
     /// # Errors
     /// One of the armatures is not of the clip's size.
-    pub fn at_rest_in(&self, own: &Armature, other: &Armature) -> Result<Self, SizeMismatch> {
-        self.rebuilt([own, other], |channel| channel, |weight| weight)
+    pub fn at_rest_in(&self, armature: &Armature, other: &Armature) -> Result<Self, SizeMismatch> {
+        self.rebuilt([armature, other], |channel| channel, |weight| weight)
     }
 
     /// The clip with other curves, for its own armature or another one of its size.
     pub(in crate::animation) fn rebuilt(
         &self,
-        [own, other]: [&Armature; 2],
-        channel_now: impl Fn(Channel) -> Channel,
-        weight_now: impl Fn(KeyedCurve<f32>) -> KeyedCurve<f32>,
+        [from, to]: [&Armature; 2],
+        map_channel: impl Fn(Channel) -> Channel,
+        map_weight: impl Fn(KeyedCurve<f32>) -> KeyedCurve<f32>,
     ) -> Result<Self, SizeMismatch> {
-        let (channels, morphs) = (self.channels(own)?, self.morph_channels(own)?);
-        self.check_armature(other)?;
-        let mut builder = Self::builder(self.name.clone(), other);
+        let (channels, morphs) = (self.channels(from)?, self.morph_channels(from)?);
+        self.check_armature(to)?;
+        let mut builder = Self::builder(self.name.clone(), to);
         // Bones and targets are those of this clip, each once, so no channel is rejected.
         for (bone, channel) in channels {
-            let _ = builder.channel(bone, channel_now(channel));
+            let _ = builder.channel(bone, map_channel(channel));
         }
         for (target, curve) in morphs {
-            let _ = builder.morph_weight(target, weight_now(curve));
+            let _ = builder.morph_weight(target, map_weight(curve));
         }
         let mut rebuilt = builder.build().with_events_of(self);
         // An empty clip stays empty.

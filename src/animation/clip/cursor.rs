@@ -10,7 +10,7 @@ use super::tracks::{Segments, Tracks};
 pub struct Cursor {
     /// Tracks to which the segments belong. The weak reference does not keep the keys alive, but prevents reuse of
     /// their address.
-    of: Weak<Tracks>,
+    tracks: Weak<Tracks>,
     segments: Segments,
 }
 
@@ -23,10 +23,10 @@ impl Cursor {
 
     /// The segments stored for these tracks.
     #[inline]
-    pub(super) fn on(&mut self, tracks: &Arc<Tracks>) -> &mut Segments {
-        if self.of.as_ptr() != Arc::as_ptr(tracks) {
+    pub(super) fn segments_for(&mut self, tracks: &Arc<Tracks>) -> &mut Segments {
+        if self.tracks.as_ptr() != Arc::as_ptr(tracks) {
             self.segments = tracks.start();
-            self.of = Arc::downgrade(tracks);
+            self.tracks = Arc::downgrade(tracks);
         }
         &mut self.segments
     }

@@ -41,21 +41,21 @@ impl Clip {
         let [start, end] = self.span().map(f64::from);
         let length = end - start;
         let repeats = playback != Playback::Hold && length > 0.0;
-        let there_and_back = playback == Playback::PingPong;
-        let period = if there_and_back { 2.0 * length } else { length };
-        let within = |event: &&Event| (start..=end).contains(&f64::from(event.time));
-        let there = self
+        let is_ping_pong = playback == Playback::PingPong;
+        let period = if is_ping_pong { 2.0 * length } else { length };
+        let is_in_span = |event: &&Event| (start..=end).contains(&f64::from(event.time));
+        let outbound = self
             .events
             .iter()
-            .filter(within)
+            .filter(is_in_span)
             .map(move |event| (event, f64::from(event.time) - start));
         // Turning points belong to the forward direction.
-        let back = there
+        let inbound = outbound
             .clone()
             .rev()
-            .filter(move |(_, at)| there_and_back && *at > 0.0 && *at < length);
-        let back = back.map(move |(event, at)| (event, 2.0 * length - at));
-        let cycle: Vec<(&Event, f64)> = there.chain(back).collect();
+            .filter(move |(_, offset)| is_ping_pong && *offset > 0.0 && *offset < length);
+        let inbound = inbound.map(move |(event, offset)| (event, 2.0 * length - offset));
+        let cycle: Vec<(&Event, f64)> = outbound.chain(inbound).collect();
 
         let [low, high] = [passage.from.min(passage.to), passage.from.max(passage.to)];
         // One more cycle at each end: an event at a cycle's end fires at the start of the next cycle.
@@ -77,12 +77,12 @@ impl Clip {
             // One expression for the time of an event in a cycle, so adjacent passages agree on which side an event is.
             let mut events: Vec<Fired<'_>> = cycle
                 .iter()
-                .map(|&(event, at)| (event, at, k * period + at))
-                .filter(|&(_, at, elapsed)| {
+                .map(|&(event, offset)| (event, offset, k * period + offset))
+                .filter(|&(_, offset, elapsed)| {
                     // A loop that starts here does not play the previous cycle's end.
-                    let other = if forwards { length } else { 0.0 };
-                    let meets = playback == Playback::Loop && elapsed == passage.from;
-                    passage.passes(elapsed) && !(repeats && meets && at == other)
+                    let last_offset = if forwards { length } else { 0.0 };
+                    let is_loop_start = playback == Playback::Loop && elapsed == passage.from;
+                    passage.passes(elapsed) && !(repeats && is_loop_start && offset == last_offset)
                 })
                 .map(|(event, _, elapsed)| Fired { event, elapsed })
                 .collect();

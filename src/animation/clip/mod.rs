@@ -150,7 +150,8 @@ impl Clip {
         self.constant.check_same_size(pose)?;
         let time = playback.within(time, self.span().map(f64::from)) as f32;
         self.tracks.fill_constant(&self.constant, pose);
-        self.tracks.sample(time, cursor.on(&self.tracks), pose);
+        self.tracks
+            .sample(time, cursor.segments_for(&self.tracks), pose);
         Ok(())
     }
 }

@@ -32,8 +32,8 @@ impl Clip {
         name: &str,
     ) -> Result<&'c Self, ClipNameError> {
         let clips: Vec<&Self> = clips.into_iter().collect();
-        let found = position(clips.iter().map(|clip| clip.name()), name)?;
-        Ok(clips[found])
+        let index = position(clips.iter().map(|clip| clip.name()), name)?;
+        Ok(clips[index])
     }
 }
 
@@ -42,28 +42,31 @@ pub(crate) fn position<'n>(
     names: impl Iterator<Item = &'n str> + Clone,
     name: &str,
 ) -> Result<usize, ClipNameError> {
-    if let Some(exact) = names.clone().position(|own| own == name) {
+    if let Some(exact) = names.clone().position(|candidate| candidate == name) {
         return Ok(exact);
     }
-    let mut meant: Vec<(usize, &str)> = Vec::new();
-    for (index, own) in names.clone().enumerate() {
-        if ends_with(own, name) && meant.iter().all(|(_, other)| *other != own) {
-            meant.push((index, own));
+    let mut matches: Vec<(usize, &str)> = Vec::new();
+    for (index, candidate) in names.clone().enumerate() {
+        if ends_with(candidate, name) && matches.iter().all(|(_, other)| *other != candidate) {
+            matches.push((index, candidate));
         }
     }
-    match meant.as_slice() {
+    match matches.as_slice() {
         [(only, _)] => Ok(*only),
         [] => Err(UnknownName::new("clip", name, names).into()),
         several => Err(ClipNameError::Ambiguous {
             name: name.to_owned(),
-            clips: several.iter().map(|(_, own)| format!("`{own}`")).collect(),
+            clips: several
+                .iter()
+                .map(|(_, candidate)| format!("`{candidate}`"))
+                .collect(),
         }),
     }
 }
 
 /// True if a name ends with `part` after a separator.
-fn ends_with(own: &str, part: &str) -> bool {
-    let before = own.strip_suffix(part).filter(|_| !part.is_empty());
-    let sign = before.and_then(|before| before.chars().next_back());
-    sign.is_some_and(|sign| !sign.is_alphanumeric())
+fn ends_with(name: &str, part: &str) -> bool {
+    let prefix = name.strip_suffix(part).filter(|_| !part.is_empty());
+    let separator = prefix.and_then(|prefix| prefix.chars().next_back());
+    separator.is_some_and(|separator| !separator.is_alphanumeric())
 }

@@ -32,8 +32,8 @@ impl Playback {
             Self::Hold => time.max(start).min(end),
             Self::Loop => start + (time - start).rem_euclid(length),
             Self::PingPong => {
-                let there_and_back = (time - start).rem_euclid(2.0 * length);
-                start + there_and_back.min(2.0 * length - there_and_back)
+                let phase = (time - start).rem_euclid(2.0 * length);
+                start + phase.min(2.0 * length - phase)
             }
         }
     }

@@ -24,12 +24,12 @@ pub struct Passage {
 
 impl Passage {
     /// True if the passage includes a time.
-    pub(super) fn passes(&self, moment: f64) -> bool {
+    pub(super) fn passes(&self, time: f64) -> bool {
         let Self { from, to, starts } = *self;
-        if moment == from {
+        if time == from {
             return starts;
         }
-        (from < moment && moment <= to) || (to <= moment && moment < from)
+        (from < time && time <= to) || (to <= time && time < from)
     }
 }
 

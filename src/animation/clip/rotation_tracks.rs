@@ -72,7 +72,7 @@ impl Slerps {
         let (timelines, tracks) = Timelines::arrange(tracks, RotationCurve::times);
         let arcs: Vec<Vec<Arc>> = tracks.iter().map(|track| arcs(&track.curve)).collect();
         Self {
-            bones: Bones::of(&tracks),
+            bones: Bones::new(&tracks),
             keys: timelines.in_order(|track| tracks[track].curve.rotations()),
             arcs: timelines.in_order(|track| &arcs[track]),
             timelines,
@@ -107,13 +107,13 @@ impl Slerps {
             }
         });
         let time = Vec4::splat(time);
-        let in_place = match self.bones.are_first {
+        let in_place = match self.bones.is_prefix {
             true => self.count() / WIDTH,
             false => 0,
         };
-        let places = out.chunks_exact_mut(WIDTH).take(in_place);
-        for (group, room) in groups.iter().zip(places) {
-            room.copy_from_slice(&group.at(time));
+        let chunks = out.chunks_exact_mut(WIDTH).take(in_place);
+        for (group, rotations) in groups.iter().zip(chunks) {
+            rotations.copy_from_slice(&group.at(time));
         }
         let bones = self.bones.list.chunks(WIDTH);
         for (group, bones) in groups.iter().zip(bones).skip(in_place) {

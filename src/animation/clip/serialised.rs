@@ -47,15 +47,15 @@ impl TryFrom<Parts> for Clip {
 
     fn try_from(parts: Parts) -> Result<Self, PartsError> {
         // An armature whose rest pose is the constant part; clips do not store bone names.
-        let still = &parts.constant;
-        let bones = (0..still.bones()).map(|index| ArmatureBone {
+        let constant = &parts.constant;
+        let bones = (0..constant.bones()).map(|index| ArmatureBone {
             name: index.to_string(),
             parent: None,
-            rest: still.local_of(BoneId::new(index)),
+            rest: constant.local_of(BoneId::new(index)),
         });
-        let targets = (0..still.morph_weights().len()).map(|index| index.to_string());
+        let targets = (0..constant.morph_weights().len()).map(|index| index.to_string());
         let armature = Armature::new(bones.collect(), targets.collect())?
-            .with_rest_morph_weights(still.morph_weights())
+            .with_rest_morph_weights(constant.morph_weights())
             .map_err(|_| ArmatureError::TooMany { given: 0, most: 0 })?;
         let mut builder = Self::builder(parts.name, &armature);
         let [start, end] = parts.span.unwrap_or_default();

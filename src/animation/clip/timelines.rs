@@ -13,7 +13,7 @@ pub(super) struct Timelines {
     /// Key times of all timelines, concatenated.
     times: Vec<f32>,
     /// Times of all keys that are neither first nor last on their timeline, sorted.
-    moments: Vec<f32>,
+    inner_times: Vec<f32>,
     /// The key at each of these times.
     keys: Vec<TimelineKey>,
 }
@@ -67,7 +67,7 @@ pub(super) struct Track<C> {
 
 impl TimelineKey {
     /// The key that is `keys` later on the timeline.
-    fn on(self, keys: usize) -> Self {
+    fn advanced(self, keys: usize) -> Self {
         let keys = keys as u32;
         Self {
             key: self.key + keys,
@@ -78,7 +78,7 @@ impl TimelineKey {
     }
 
     #[inline]
-    fn before(self) -> Self {
+    fn previous(self) -> Self {
         Self {
             key: self.key - 1,
             time: self.time - 1,
@@ -96,25 +96,28 @@ impl Timelines {
     ) -> (Self, Vec<Track<C>>) {
         tracks.sort_by_key(|track| track.target);
         let mut order = BTreeMap::new();
-        let mut together: Vec<Vec<Track<C>>> = Vec::new();
+        let mut groups: Vec<Vec<Track<C>>> = Vec::new();
         for track in tracks {
             let bits: Vec<u32> = times(&track.curve).iter().map(|t| t.to_bits()).collect();
-            let place = *order.entry(bits).or_insert(together.len());
-            if place == together.len() {
-                together.push(Vec::new());
+            let index = *order.entry(bits).or_insert(groups.len());
+            if index == groups.len() {
+                groups.push(Vec::new());
             }
-            together[place].push(track);
+            groups[index].push(track);
         }
         let mut timelines = Self::default();
-        for tracks in &together {
+        for tracks in &groups {
             timelines.add(times(&tracks[0].curve), tracks.len());
         }
-        timelines.sort_moments();
-        (timelines, together.into_iter().flatten().collect())
+        timelines.sort_inner_keys();
+        (timelines, groups.into_iter().flatten().collect())
     }
 
     fn add(&mut self, times: &[f32], tracks: usize) {
-        let after = self.timelines.last().map(|last| last.first.on(last.keys));
+        let after = self
+            .timelines
+            .last()
+            .map(|last| last.first.advanced(last.keys));
         let first = TimelineKey {
             key: 0,
             time: self.times.len() as u32,
@@ -127,13 +130,14 @@ impl Timelines {
         self.times.extend_from_slice(times);
     }
 
-    fn sort_moments(&mut self) {
+    fn sort_inner_keys(&mut self) {
         let inner = self.timelines.iter();
-        let inner = inner.flat_map(|line| (1..line.keys - 1).map(|key| line.first.on(key)));
+        let inner = inner
+            .flat_map(|timeline| (1..timeline.keys - 1).map(|key| timeline.first.advanced(key)));
         self.keys = inner.collect();
         let time = |key: &TimelineKey| self.times[key.time as usize];
         self.keys.sort_by(|a, b| time(a).total_cmp(&time(b)));
-        self.moments = self.keys.iter().map(time).collect();
+        self.inner_times = self.keys.iter().map(time).collect();
     }
 
     /// Advances to `time` and calls `enter` for each segment that begins, or ends in backward playback, on the way. The
@@ -149,25 +153,30 @@ impl Timelines {
             progress.0 = Some(self.search(time, enter));
             return;
         };
-        let on = self.moments[from..].iter();
-        let on = from + on.take_while(|&&moment| moment <= time).count();
-        for key in &self.keys[from..on] {
+        let forward = self.inner_times[from..].iter();
+        let forward = from + forward.take_while(|&&key_time| key_time <= time).count();
+        for key in &self.keys[from..forward] {
             enter(&self.segment(*key));
         }
-        let back = self.moments[..on].iter().rev();
-        let back = on - back.take_while(|&&moment| moment > time).count();
-        for key in self.keys[back..on].iter().rev() {
-            enter(&self.segment(key.before()));
+        let current = self.inner_times[..forward].iter().rev();
+        let current = forward - current.take_while(|&&key_time| key_time > time).count();
+        for key in self.keys[current..forward].iter().rev() {
+            enter(&self.segment(key.previous()));
         }
-        progress.0 = Some(back);
+        progress.0 = Some(current);
     }
 
     /// True if following is cheaper than searching.
     fn is_near(&self, from: usize, time: f32) -> bool {
-        let few = 4 * self.timelines.len();
-        let is_beyond = self.moments.get(from + few).is_some_and(|&m| m <= time);
-        let before = from.checked_sub(few + 1).map(|at| self.moments[at]);
-        !(is_beyond || before.is_some_and(|moment| moment > time))
+        let max_steps = 4 * self.timelines.len();
+        let is_beyond = self
+            .inner_times
+            .get(from + max_steps)
+            .is_some_and(|&m| m <= time);
+        let before = from
+            .checked_sub(max_steps + 1)
+            .map(|index| self.inner_times[index]);
+        !(is_beyond || before.is_some_and(|key_time| key_time > time))
     }
 
     /// Enters the segment at `time` of each timeline, by binary search.
@@ -177,9 +186,10 @@ impl Timelines {
             let start = timeline.first.time as usize;
             let inner = &self.times[start + 1..start + timeline.keys - 1];
             let key = inner.partition_point(|&key| key <= time);
-            enter(&self.segment(timeline.first.on(key)));
+            enter(&self.segment(timeline.first.advanced(key)));
         }
-        self.moments.partition_point(|&moment| moment <= time)
+        self.inner_times
+            .partition_point(|&key_time| key_time <= time)
     }
 
     #[inline]
@@ -200,11 +210,12 @@ impl Timelines {
         let timelines = self.timelines.iter();
         let tracks = timelines.flat_map(|timeline| {
             let key = timeline.first;
-            let [time, first, tracks] = [key.time, key.values, key.tracks].map(|at| at as usize);
+            let [time, first, tracks] =
+                [key.time, key.values, key.tracks].map(|index| index as usize);
             let times = &self.times[time..time + timeline.keys];
-            let own = &values[first..first + timeline.keys * tracks];
+            let timeline_values = &values[first..first + timeline.keys * tracks];
             (0..tracks).map(move |track| {
-                let keys = own.iter().skip(track).step_by(tracks).copied();
+                let keys = timeline_values.iter().skip(track).step_by(tracks).copied();
                 (times.to_vec(), keys.collect())
             })
         });
@@ -215,12 +226,12 @@ impl Timelines {
     /// adjacent.
     pub(super) fn in_order<'a, V: Copy + 'a>(&self, keys: impl Fn(usize) -> &'a [V]) -> Vec<V> {
         let timelines = self.timelines.iter();
-        let places = timelines.flat_map(|timeline| {
+        let entries = timelines.flat_map(|timeline| {
             let key = timeline.first;
             let tracks = key.first_track..key.first_track + key.tracks;
             (0..timeline.keys).flat_map(move |key| tracks.clone().map(move |track| (track, key)))
         });
-        places
+        entries
             .map(|(track, key)| keys(track as usize)[key])
             .collect()
     }

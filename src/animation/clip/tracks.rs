@@ -51,17 +51,17 @@ pub(super) struct Curves {
 impl Curves {
     /// Channels of bones, by property.
     pub(super) fn channels(self) -> impl Iterator<Item = (BoneId, Channel)> {
-        fn of<C>(
+        fn channels_of<C>(
             tracks: Vec<Track<C>>,
             channel: fn(C) -> Channel,
         ) -> impl Iterator<Item = (BoneId, Channel)> {
             let tracks = tracks.into_iter();
             tracks.map(move |track| (BoneId::new(track.target), channel(track.curve)))
         }
-        of(self.translations, Channel::Translation)
-            .chain(of(self.rotations, Channel::Rotation))
-            .chain(of(self.eulers, Channel::Euler))
-            .chain(of(self.scales, Channel::Scale))
+        channels_of(self.translations, Channel::Translation)
+            .chain(channels_of(self.rotations, Channel::Rotation))
+            .chain(channels_of(self.eulers, Channel::Euler))
+            .chain(channels_of(self.scales, Channel::Scale))
     }
 }
 
@@ -133,26 +133,38 @@ impl Tracks {
     }
 
     /// Writes every moving property into a pose of the clip's armature.
-    pub(super) fn sample(&self, time: f32, at: &mut Segments, pose: &mut Pose) {
-        let (places, turns, scales) = (
+    pub(super) fn sample(&self, time: f32, segments: &mut Segments, pose: &mut Pose) {
+        let (translations, rotations, scales) = (
             &mut pose.translations,
             &mut pose.rotations,
             &mut pose.scales,
         );
-        self.translations.sample(time, &mut at.translations, places);
-        self.scales.sample(time, &mut at.scales, scales);
-        self.slerps.sample(time, &mut at.slerps, turns);
+        self.translations
+            .sample(time, &mut segments.translations, translations);
+        self.scales.sample(time, &mut segments.scales, scales);
+        self.slerps.sample(time, &mut segments.slerps, rotations);
         let vector = KeyedCurve::within;
-        let own = &self.curved_translations;
-        own.sample(time, &mut at.curved_translations, places, vector);
+        let curved = &self.curved_translations;
+        curved.sample(
+            time,
+            &mut segments.curved_translations,
+            translations,
+            vector,
+        );
         self.curved_scales
-            .sample(time, &mut at.curved_scales, scales, vector);
-        let own = &self.curved_rotations;
-        own.sample(time, &mut at.curved_rotations, turns, RotationCurve::within);
-        let euler = |own: &EulerCurve, key, u| own.rotation(own.angles.within(key, u));
-        self.eulers.sample(time, &mut at.eulers, turns, euler);
+            .sample(time, &mut segments.curved_scales, scales, vector);
+        let curved = &self.curved_rotations;
+        curved.sample(
+            time,
+            &mut segments.curved_rotations,
+            rotations,
+            RotationCurve::within,
+        );
+        let euler = |curve: &EulerCurve, key, u| curve.rotation(curve.angles.within(key, u));
+        self.eulers
+            .sample(time, &mut segments.eulers, rotations, euler);
         let morphs = &mut pose.morph_weights;
         self.morphs
-            .sample(time, &mut at.morphs, morphs, KeyedCurve::within);
+            .sample(time, &mut segments.morphs, morphs, KeyedCurve::within);
     }
 }

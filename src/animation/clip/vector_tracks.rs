@@ -53,7 +53,7 @@ impl Vectors {
         let (timelines, tracks) = Timelines::arrange(tracks, KeyedCurve::times);
         Self {
             keys: timelines.in_order(|track| tracks[track].curve.values()),
-            bones: Bones::of(&tracks),
+            bones: Bones::new(&tracks),
             timelines,
         }
     }
@@ -78,16 +78,16 @@ impl Vectors {
     pub(super) fn sample(&self, time: f32, cursor: &mut VectorSegments, out: &mut [Vec3A]) {
         let VectorSegments { progress, segments } = cursor;
         self.timelines.follow(time, progress, |entered| {
-            let room = &mut segments[entered.tracks.clone()];
-            let (starts, ends) = self.keys[entered.values..].split_at(room.len());
-            for ((segment, &start), &end) in room.iter_mut().zip(starts).zip(ends) {
+            let entered_segments = &mut segments[entered.tracks.clone()];
+            let (starts, ends) = self.keys[entered.values..].split_at(entered_segments.len());
+            for ((segment, &start), &end) in entered_segments.iter_mut().zip(starts).zip(ends) {
                 *segment = VectorSegment::new(entered, start, end);
             }
         });
         let time = Vec4::splat(time);
-        if self.bones.are_first {
-            for (segment, room) in segments.iter().zip(out) {
-                *room = segment.at(time);
+        if self.bones.is_prefix {
+            for (segment, value) in segments.iter().zip(out) {
+                *value = segment.at(time);
             }
             return;
         }

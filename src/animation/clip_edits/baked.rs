@@ -6,11 +6,11 @@ use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
 
 /// Largest number of samples.
-const MOST_SAMPLES: f64 = 4e6;
-/// Rounding tolerance of the last sample time, as a fraction of a step. It is raised to `ROUNDINGS` increments of
-/// single precision.
-const SLACK: f64 = 1e-6;
-const ROUNDINGS: f64 = 4.0;
+const MAX_SAMPLES: f64 = 4e6;
+/// Rounding tolerance of the last sample time, as a fraction of a step. It is raised to `ROUNDING_INCREMENTS`
+/// increments of single precision.
+const MIN_TIME_TOLERANCE: f64 = 1e-6;
+const ROUNDING_INCREMENTS: f64 = 4.0;
 
 impl Clip {
     /// Clip through poses at increasing times in seconds. Values between poses are linear, rotations use slerp. A
@@ -47,26 +47,26 @@ impl Clip {
         let mut builder = Self::builder(name, armature);
         for bone in armature.bone_ids() {
             let locals = || poses.iter().map(|pose| pose.local_of(bone));
-            let still = rest.local_of(bone);
+            let at_rest = rest.local_of(bone);
             let translations = locals().map(|local| local.translation).collect();
-            if let Some(curve) = straight(times, translations, still.translation)? {
+            if let Some(curve) = linear_curve(times, translations, at_rest.translation)? {
                 builder.channel(bone, Channel::Translation(curve))?;
             }
             let rotations = locals().map(|local| local.rotation).collect();
-            if let Some((times, rotations)) = keys(times, rotations, still.rotation) {
+            if let Some((times, rotations)) = keys(times, rotations, at_rest.rotation) {
                 let curve = RotationCurve::slerp(times, rotations)?;
                 builder.channel(bone, Channel::Rotation(curve))?;
             }
             let scales = locals().map(|local| local.scale).collect();
-            if let Some(curve) = straight(times, scales, still.scale)? {
+            if let Some(curve) = linear_curve(times, scales, at_rest.scale)? {
                 builder.channel(bone, Channel::Scale(curve))?;
             }
         }
-        for (target, &still) in rest.morph_weights().iter().enumerate() {
+        for (target, &at_rest) in rest.morph_weights().iter().enumerate() {
             let weights = poses
                 .iter()
                 .filter_map(|pose| pose.morph_weights().get(target));
-            if let Some(curve) = straight(times, weights.copied().collect(), still)? {
+            if let Some(curve) = linear_curve(times, weights.copied().collect(), at_rest)? {
                 builder.morph_weight(target, curve)?;
             }
         }
@@ -96,24 +96,24 @@ impl Clip {
     ) -> Result<(Self, T), ChannelError> {
         let times = self.sample_times(keys_per_second)?;
         let mut poses = self.poses_at(armature, &times)?;
-        let told = change(&times, &mut poses)?;
+        let report = change(&times, &mut poses)?;
         let changed = Self::through_poses(self.name(), armature, &times, &poses)?;
-        Ok((changed.with_events_of(self), told))
+        Ok((changed.with_events_of(self), report))
     }
 
     /// Evenly spaced times from start to end, both included.
     fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
         let [start, end] = self.span();
         let steps = self.duration() * per_second;
-        if !(per_second > 0.0 && steps < MOST_SAMPLES) {
+        if !(per_second > 0.0 && steps < MAX_SAMPLES) {
             return Err(ChannelError::BadRate {
                 keys_per_second: per_second,
             });
         }
-        let latest = f64::from(start.abs().max(end.abs()));
-        let rounding = ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
-        let slack = rounding.clamp(SLACK, 0.5);
-        let inner = 1..(steps - slack).ceil().max(0.0) as usize;
+        let max_time = f64::from(start.abs().max(end.abs()));
+        let rounding = ROUNDING_INCREMENTS * f64::from(f32::EPSILON) * max_time * per_second;
+        let tolerance = rounding.clamp(MIN_TIME_TOLERANCE, 0.5);
+        let inner = 1..(steps - tolerance).ceil().max(0.0) as usize;
         let inner = inner.map(|step| (f64::from(start) + step as f64 / per_second) as f32);
         let mut times = vec![start];
         times.extend(inner);
@@ -135,12 +135,12 @@ impl Clip {
     }
 }
 
-fn straight<V: CurveValue<Real = f32> + PartialEq>(
+fn linear_curve<V: CurveValue<Real = f32> + PartialEq>(
     times: &[f32],
     values: Vec<V>,
-    still: V,
+    rest_value: V,
 ) -> Result<Option<KeyedCurve<V>>, KeyError> {
-    let keys = keys(times, values, still);
+    let keys = keys(times, values, rest_value);
     keys.map(|(times, values)| KeyedCurve::linear(times, values))
         .transpose()
 }
@@ -149,11 +149,11 @@ fn straight<V: CurveValue<Real = f32> + PartialEq>(
 fn keys<V: Copy + PartialEq>(
     times: &[f32],
     mut values: Vec<V>,
-    still: V,
+    rest_value: V,
 ) -> Option<(Vec<f32>, Vec<V>)> {
     let (first, mut times) = (*values.first()?, times.to_vec());
     if values.iter().all(|value| *value == first) {
-        if first == still {
+        if first == rest_value {
             return None;
         }
         times.truncate(1);

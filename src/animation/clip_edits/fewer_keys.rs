@@ -62,22 +62,24 @@ impl Clip {
         armature: &Armature,
         tolerance: &KeyTolerance,
     ) -> Result<Self, SizeMismatch> {
-        let apart = |a: Vec3A, b: Vec3A| (a - b).length();
-        let axis_apart = |a: Vec3A, b: Vec3A| (a - b).abs().max_element();
-        let channel_now = |channel| match channel {
+        let distance = |a: Vec3A, b: Vec3A| (a - b).length();
+        let axis_distance = |a: Vec3A, b: Vec3A| (a - b).abs().max_element();
+        let map_channel = |channel| match channel {
             Channel::Translation(curve) => {
-                Channel::Translation(straight(curve, apart, tolerance.translation))
+                Channel::Translation(reduce_linear(curve, distance, tolerance.translation))
             }
-            Channel::Scale(curve) => Channel::Scale(straight(curve, axis_apart, tolerance.scale)),
-            Channel::Rotation(curve) => Channel::Rotation(turning(curve, tolerance.rotation)),
+            Channel::Scale(curve) => {
+                Channel::Scale(reduce_linear(curve, axis_distance, tolerance.scale))
+            }
+            Channel::Rotation(curve) => Channel::Rotation(reduce_slerp(curve, tolerance.rotation)),
             Channel::Euler(_) => channel,
         };
-        let weight_now = |curve| straight(curve, |a: f32, b| (a - b).abs(), tolerance.scale);
-        self.rebuilt([armature; 2], channel_now, weight_now)
+        let map_weight = |curve| reduce_linear(curve, |a: f32, b| (a - b).abs(), tolerance.scale);
+        self.rebuilt([armature; 2], map_channel, map_weight)
     }
 }
 
-fn straight<V: CurveValue<Real = f32>>(
+fn reduce_linear<V: CurveValue<Real = f32>>(
     curve: KeyedCurve<V>,
     distance: impl Fn(V, V) -> f32,
     tolerance: f32,
@@ -85,24 +87,24 @@ fn straight<V: CurveValue<Real = f32>>(
     if !curve.is_linear() {
         return curve;
     }
-    let (times, values) = kept((curve.times(), curve.values()), lerp, distance, tolerance);
+    let (times, values) = reduced_keys((curve.times(), curve.values()), lerp, distance, tolerance);
     // A subset of sorted keys is sorted.
     KeyedCurve::linear(times, values).unwrap_or(curve)
 }
 
-fn turning(curve: RotationCurve, tolerance: f32) -> RotationCurve {
+fn reduce_slerp(curve: RotationCurve, tolerance: f32) -> RotationCurve {
     if !curve.is_slerp() {
         return curve;
     }
     let angle = |a: Quat, b: Quat| log(a.inverse() * nearer(b, a)).length();
     let keys = (curve.times(), curve.rotations());
-    let (times, rotations) = kept(keys, slerp, angle, tolerance);
+    let (times, rotations) = reduced_keys(keys, slerp, angle, tolerance);
     RotationCurve::slerp(times, rotations).unwrap_or(curve)
 }
 
 /// Indices of the kept keys: the ends, then repeatedly the key farthest from the line between two kept keys. Stops when
 /// no key is farther than the tolerance.
-fn kept<V: Copy>(
+fn reduced_keys<V: Copy>(
     (times, values): (&[f32], &[V]),
     between: impl Fn(V, V, f32) -> V,
     distance: impl Fn(V, V) -> f32,
@@ -119,17 +121,17 @@ fn kept<V: Copy>(
         .any(|value| distance(first, *value) > tolerance)
     {
         needed[last] = true;
-        let mut stretches = vec![(0, last)];
-        while let Some((from, to)) = stretches.pop() {
-            let off = |key: usize| {
-                let share = (times[key] - times[from]) / (times[to] - times[from]);
-                distance(between(values[from], values[to], share), values[key])
+        let mut intervals = vec![(0, last)];
+        while let Some((from, to)) = intervals.pop() {
+            let deviation = |key: usize| {
+                let fraction = (times[key] - times[from]) / (times[to] - times[from]);
+                distance(between(values[from], values[to], fraction), values[key])
             };
-            let keys = (from + 1..to).map(|key| (off(key), key));
+            let keys = (from + 1..to).map(|key| (deviation(key), key));
             let worst = keys.max_by(|one, other| one.0.total_cmp(&other.0));
             if let Some((_, key)) = worst.filter(|(distance, _)| *distance > tolerance) {
                 needed[key] = true;
-                stretches.extend([(from, key), (key, to)]);
+                intervals.extend([(from, key), (key, to)]);
             }
         }
     }

@@ -27,16 +27,16 @@ impl Clip {
             let given = seconds;
             return Err(ChannelError::NotWithin { given, duration });
         }
-        let lead = f64::from(self.span()[1]) - seconds;
+        let seam_start = f64::from(self.span()[1]) - seconds;
         let closed = self.resampled(armature, keys_per_second, |times, poses| {
             let [first, .., last] = &*poses else {
                 return Ok(());
             };
             let (first, last) = (first.clone(), last.clone());
             for (time, pose) in times.iter().zip(&mut *poses) {
-                let share = ((f64::from(*time) - lead) / seconds) as f32;
-                if share > 0.0 {
-                    let ease = share * share * (3.0 - 2.0 * share);
+                let fraction = ((f64::from(*time) - seam_start) / seconds) as f32;
+                if fraction > 0.0 {
+                    let ease = fraction * fraction * (3.0 - 2.0 * fraction);
                     add_difference(armature, pose, [&last, &first], ease);
                 }
             }
@@ -51,19 +51,23 @@ impl Clip {
 }
 
 /// Moves a pose by a fraction of the difference between two poses.
-fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], share: f32) {
+fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], fraction: f32) {
     for bone in armature.bone_ids() {
-        let mut own = pose.local_of(bone);
+        let mut local = pose.local_of(bone);
         let (from, to) = (from.local_of(bone), to.local_of(bone));
-        own.translation += (to.translation - from.translation) * share;
-        own.scale += (to.scale - from.scale) * share;
-        let turn = slerp(Quat::IDENTITY, to.rotation * from.rotation.inverse(), share);
-        own.rotation = (turn * own.rotation).normalize();
+        local.translation += (to.translation - from.translation) * fraction;
+        local.scale += (to.scale - from.scale) * fraction;
+        let rotation = slerp(
+            Quat::IDENTITY,
+            to.rotation * from.rotation.inverse(),
+            fraction,
+        );
+        local.rotation = (rotation * local.rotation).normalize();
         // The sum of finite numbers; if it overflows, the bone does not change.
-        let _ = pose.set_local(bone, own);
+        let _ = pose.set_local(bone, local);
     }
     let weights = pose.morph_weights_mut().iter_mut();
-    for ((own, from), to) in weights.zip(from.morph_weights()).zip(to.morph_weights()) {
-        *own += (to - from) * share;
+    for ((weight, from), to) in weights.zip(from.morph_weights()).zip(to.morph_weights()) {
+        *weight += (to - from) * fraction;
     }
 }

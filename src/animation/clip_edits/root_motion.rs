@@ -3,7 +3,7 @@
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
 use crate::animation::curve::KeyedCurve;
-use crate::animation::rotation::exponential::turn_about;
+use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::{Armature, ChannelError, Clip, Playback, Pose};
 use crate::scalar::elementary::single::atan2;
 use crate::skeleton::BoneId;
@@ -41,9 +41,9 @@ impl Clip {
             .try_normalize()
             .ok_or(ChannelError::BadUp { up: up.to_array() })?;
         self.resampled(armature, keys_per_second, |times, poses| {
-            let motion = RootMotion::of(armature, bone, up, (times, poses))?;
+            let motion = RootMotion::from_poses(armature, bone, up, (times, poses))?;
             for (time, pose) in times.iter().zip(poses) {
-                carry(armature, bone, motion.at(*time).inverse(), pose)?;
+                move_bone(armature, bone, motion.at(*time).inverse(), pose)?;
             }
             Ok(motion)
         })
@@ -63,7 +63,7 @@ impl Clip {
     ) -> Result<Self, ChannelError> {
         let moved = self.resampled(armature, keys_per_second, |times, poses| {
             let mut samples = times.iter().zip(poses);
-            samples.try_for_each(|(time, pose)| carry(armature, bone, motion.at(*time), pose))
+            samples.try_for_each(|(time, pose)| move_bone(armature, bone, motion.at(*time), pose))
         });
         moved.map(|(moved, ())| moved)
     }
@@ -71,7 +71,7 @@ impl Clip {
 
 impl RootMotion {
     /// Root motion of a bone over poses.
-    fn of(
+    fn from_poses(
         armature: &Armature,
         bone: BoneId,
         up: Vec3,
@@ -81,38 +81,38 @@ impl RootMotion {
             bone: bone.index(),
             bones: armature.bones(),
         };
-        let mut places = Vec::new();
-        let mut stood: Option<(Quat, Vec3A)> = None;
-        let (mut way, mut heading) = (
+        let mut placements = Vec::new();
+        let mut start_pose: Option<(Quat, Vec3A)> = None;
+        let (mut displacements, mut heading) = (
             Vec::with_capacity(times.len()),
             Vec::with_capacity(times.len()),
         );
-        let mut turned = 0.0;
+        let mut angle = 0.0;
         for pose in poses {
-            armature.local_to_model(pose, &mut places)?;
-            let Some(place) = places.get(bone.index()) else {
+            armature.local_to_model(pose, &mut placements)?;
+            let Some(placement) = placements.get(bone.index()) else {
                 return Err(unknown);
             };
-            let (_, rotation, at) = place.to_scale_rotation_translation();
-            let (first, start) = *stood.get_or_insert((rotation, at.into()));
-            turned = nearest_turn(twist(rotation * first.inverse(), up), turned);
-            let gone = Vec3A::from(at) - turn_about(up, turned) * start;
-            way.push(gone - Vec3A::from(up) * gone.dot(up.into()));
-            heading.push(turned);
+            let (_, rotation, position) = placement.to_scale_rotation_translation();
+            let (first, start) = *start_pose.get_or_insert((rotation, position.into()));
+            angle = nearest_angle(twist(rotation * first.inverse(), up), angle);
+            let displacement = Vec3A::from(position) - rotation_about(up, angle) * start;
+            displacements.push(displacement - Vec3A::from(up) * displacement.dot(up.into()));
+            heading.push(angle);
         }
         let [first, .., last] = times else {
-            let still = times.first().copied().unwrap_or(0.0);
+            let time = times.first().copied().unwrap_or(0.0);
             return Ok(Self {
                 up,
-                span: [still; 2],
-                way: KeyedCurve::linear(vec![still], vec![Vec3A::ZERO])?,
-                heading: KeyedCurve::linear(vec![still], vec![0.0])?,
+                span: [time; 2],
+                way: KeyedCurve::linear(vec![time], vec![Vec3A::ZERO])?,
+                heading: KeyedCurve::linear(vec![time], vec![0.0])?,
             });
         };
         Ok(Self {
             up,
             span: [*first, *last],
-            way: KeyedCurve::linear(times.to_vec(), way)?,
+            way: KeyedCurve::linear(times.to_vec(), displacements)?,
             heading: KeyedCurve::linear(times.to_vec(), heading)?,
         })
     }
@@ -127,8 +127,8 @@ impl RootMotion {
     /// Transform from the start to the character's placement at a clip time in seconds.
     #[must_use]
     pub fn at(&self, time: f32) -> Affine3A {
-        let turn = turn_about(self.up, self.heading.at(time));
-        Affine3A::from_rotation_translation(turn, self.way.at(time).into())
+        let rotation = rotation_about(self.up, self.heading.at(time));
+        Affine3A::from_rotation_translation(rotation, self.way.at(time).into())
     }
 
     /// Transform of the character after `elapsed` seconds of playback. In loop mode the motion accumulates over the
@@ -141,24 +141,24 @@ impl RootMotion {
             return self.at(playback.within(start + elapsed, [start, end]) as f32);
         }
         // The end of a loop is the start of the next.
-        let within = self.at((start + elapsed.rem_euclid(end - start)) as f32);
-        let whole = self.at(self.span[1]);
-        let step = if loops < 0.0 { whole.inverse() } else { whole };
-        power(step, loops.abs().min(f64::from(u32::MAX)) as u32) * within
+        let current = self.at((start + elapsed.rem_euclid(end - start)) as f32);
+        let cycle = self.at(self.span[1]);
+        let step = if loops < 0.0 { cycle.inverse() } else { cycle };
+        power(step, loops.abs().min(f64::from(u32::MAX)) as u32) * current
     }
 }
 
 /// Integer power of a transform, by repeated squaring.
 fn power(step: Affine3A, mut times: u32) -> Affine3A {
-    let (mut all, mut square) = (Affine3A::IDENTITY, step);
+    let (mut result, mut square) = (Affine3A::IDENTITY, step);
     while times > 0 {
         if times % 2 == 1 {
-            all = square * all;
+            result = square * result;
         }
         square = square * square;
         times /= 2;
     }
-    all
+    result
 }
 
 /// Rotation angle about a unit axis, radians.
@@ -167,31 +167,32 @@ fn twist(q: Quat, axis: Vec3) -> f32 {
 }
 
 /// The angle plus full turns that is nearest to `to`, radians.
-fn nearest_turn(angle: f32, to: f32) -> f32 {
-    let turn = std::f32::consts::TAU;
-    angle + ((to - angle) / turn).round() * turn
+fn nearest_angle(angle: f32, to: f32) -> f32 {
+    let full_turn = std::f32::consts::TAU;
+    angle + ((to - angle) / full_turn).round() * full_turn
 }
 
 /// Moves a bone in model coordinates, with its descendants.
-fn carry(
+fn move_bone(
     armature: &Armature,
     bone: BoneId,
-    by: Affine3A,
+    motion: Affine3A,
     pose: &mut Pose,
 ) -> Result<(), ChannelError> {
-    let mut places = Vec::new();
-    armature.local_to_model(pose, &mut places)?;
-    let above = armature
+    let mut placements = Vec::new();
+    armature.local_to_model(pose, &mut placements)?;
+    let model_from_parent = armature
         .parent(bone)
-        .and_then(|parent| places.get(parent.index()));
-    let above = above.copied().unwrap_or(Affine3A::IDENTITY);
+        .and_then(|parent| placements.get(parent.index()));
+    let model_from_parent = model_from_parent.copied().unwrap_or(Affine3A::IDENTITY);
     let mut local = pose.local_of(bone);
-    let (_, stands, _) = above.to_scale_rotation_translation();
-    let (_, turn, _) = by.to_scale_rotation_translation();
+    let (_, parent_rotation, _) = model_from_parent.to_scale_rotation_translation();
+    let (_, rotation, _) = motion.to_scale_rotation_translation();
     // The rotation in the coordinates of the bone's parent.
-    local.rotation = (stands.inverse() * turn * stands * local.rotation).normalize();
-    let there = by.transform_point3a(above.transform_point3a(local.translation));
-    local.translation = above.inverse().transform_point3a(there);
+    local.rotation =
+        (parent_rotation.inverse() * rotation * parent_rotation * local.rotation).normalize();
+    let position = motion.transform_point3a(model_from_parent.transform_point3a(local.translation));
+    local.translation = model_from_parent.inverse().transform_point3a(position);
     // Fails if the parent has zero scale; the bone then does not change.
     let _ = pose.set_local(bone, local);
     Ok(())

@@ -8,7 +8,7 @@ use super::{Armature, Limb, Pose, SizeMismatch};
 
 /// Least number of characters per parallel task, which amortises the cost of scheduling.
 #[cfg(feature = "rayon")]
-const CHARACTERS_AT_A_TIME: usize = 8;
+const MIN_CHARACTERS_PER_TASK: usize = 8;
 
 /// Characters that share an armature and limbs. A frame samples and blends the clips of each character, solves its
 /// limbs and computes its model transforms.
@@ -83,9 +83,9 @@ impl Crowd {
     /// # Errors
     /// A character was swapped with one of a crowd whose armature has another size.
     pub fn advance(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
-        self.characters
-            .iter_mut()
-            .try_for_each(|own| own.advance(&self.armature, &self.limbs, seconds, &mut self.other))
+        self.characters.iter_mut().try_for_each(|character| {
+            character.advance(&self.armature, &self.limbs, seconds, &mut self.other)
+        })
     }
 
     /// [`advance`](Self::advance) on the threads of the current rayon pool. The result is bitwise equal.
@@ -98,10 +98,10 @@ impl Crowd {
         let (armature, limbs) = (&self.armature, &self.limbs);
         self.characters
             .par_iter_mut()
-            .with_min_len(CHARACTERS_AT_A_TIME)
+            .with_min_len(MIN_CHARACTERS_PER_TASK)
             .try_for_each_init(
                 || armature.rest().clone(),
-                |other, own| own.advance(armature, limbs, seconds, other),
+                |other, character| character.advance(armature, limbs, seconds, other),
             )
     }
 }

@@ -20,7 +20,7 @@ impl<V: CurveValue> CubicBezier<V> {
     /// B(u) for u in [0, 1], by de Casteljau's algorithm.
     #[must_use]
     pub fn position(&self, u: V::Real) -> V {
-        let (_, [left, right]) = self.rounds(u);
+        let (_, [left, right]) = self.de_casteljau(u);
         lerp(left, right, u)
     }
 
@@ -28,14 +28,14 @@ impl<V: CurveValue> CubicBezier<V> {
     /// of the last two points of de Casteljau's algorithm.
     #[must_use]
     pub fn tangent(&self, u: V::Real) -> V {
-        let (_, [left, right]) = self.rounds(u);
+        let (_, [left, right]) = self.de_casteljau(u);
         (right - left) * V::Real::from(3.0)
     }
 
     /// Splits the curve at u; each part is over [0, 1].
     #[must_use]
     pub fn split(&self, u: V::Real) -> [Self; 2] {
-        let ([first, _, last], [left, right]) = self.rounds(u);
+        let ([first, _, last], [left, right]) = self.de_casteljau(u);
         let [start, .., end] = self.points;
         let middle = lerp(left, right, u);
         [
@@ -45,7 +45,7 @@ impl<V: CurveValue> CubicBezier<V> {
     }
 
     /// Points of de Casteljau's first and second round.
-    fn rounds(&self, u: V::Real) -> ([V; 3], [V; 2]) {
+    fn de_casteljau(&self, u: V::Real) -> ([V; 3], [V; 2]) {
         let [p0, p1, p2, p3] = self.points;
         let first @ [a, b, c] = [lerp(p0, p1, u), lerp(p1, p2, u), lerp(p2, p3, u)];
         (first, [lerp(a, b, u), lerp(b, c, u)])
@@ -58,16 +58,16 @@ impl CubicBezier<f64> {
     pub(super) fn parameter_at(&self, number: f64) -> f64 {
         let (mut low, mut high, mut u) = (0.0, 1.0, number);
         for _ in 0..60 {
-            let miss = self.position(u) - number;
-            if miss.abs() < 1e-12 {
+            let error = self.position(u) - number;
+            if error.abs() < 1e-12 {
                 break;
             }
-            if miss > 0.0 {
+            if error > 0.0 {
                 high = u;
             } else {
                 low = u;
             }
-            let newton = u - miss / self.tangent(u);
+            let newton = u - error / self.tangent(u);
             u = if low < newton && newton < high {
                 newton
             } else {
@@ -80,8 +80,8 @@ impl CubicBezier<f64> {
     /// Slope of `values` over this scalar curve at u: the quotient of the tangents. u is clamped to
     /// [1e-6, 1 − 1e-6], because a coincident handle makes both tangents zero at an end.
     pub(super) fn slope_of<V: CurveValue>(&self, values: &CubicBezier<V>, u: f64) -> V {
-        const INSIDE: f64 = 1e-6;
-        let u = u.clamp(INSIDE, 1.0 - INSIDE);
+        const END_MARGIN: f64 = 1e-6;
+        let u = u.clamp(END_MARGIN, 1.0 - END_MARGIN);
         let run = self.tangent(u).max(f64::from(f32::MIN_POSITIVE));
         values.tangent(V::Real::from_f64(u)) * V::Real::from_f64(1.0 / run)
     }

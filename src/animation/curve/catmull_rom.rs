@@ -24,14 +24,14 @@ impl Knots {
     /// Knots of the points, the first at 0. Coincident points get equal knots.
     #[must_use]
     pub fn of<V: CurveValue, const N: usize>(self, points: &[V; N]) -> [V::Real; N] {
-        let mut at = V::Real::from(0.0);
+        let mut knot = V::Real::from(0.0);
         let mut previous: Option<V> = None;
         points.map(|point| {
             if let Some(previous) = previous {
-                at = at + self.between(previous, point);
+                knot = knot + self.between(previous, point);
             }
             previous = Some(point);
-            at
+            knot
         })
     }
 
@@ -72,10 +72,10 @@ impl<V: CurveValue> KeyedCurve<V> {
         if let Some(key) = points.iter().position(|point| !point.all_finite()) {
             return Err(KeyError::NonFiniteValue { key, what: "point" });
         }
-        let mut at = V::Real::from(0.0);
+        let mut knot = V::Real::from(0.0);
         let steps = points.windows(2).map(|pair| {
-            at = at + knots.between(pair[0], pair[1]);
-            at
+            knot = knot + knots.between(pair[0], pair[1]);
+            knot
         });
         let start = points.first().map(|_| V::Real::from(0.0));
         let times: Vec<V::Real> = start.into_iter().chain(steps).collect();
@@ -91,12 +91,12 @@ impl<V: CurveValue> KeyedCurve<V> {
         };
         let tangents = (0..points.len()).map(|key| {
             let before = key.checked_sub(1);
-            let [since, over] = [
+            let [backward, across] = [
                 before.and_then(|k| slope(k, key)),
                 before.and_then(|k| slope(k, key + 1)),
             ];
-            let rate = match (since, over, slope(key, key + 1)) {
-                (Some(since), Some(over), Some(next)) => since - over + next,
+            let rate = match (backward, across, slope(key, key + 1)) {
+                (Some(backward), Some(across), Some(next)) => backward - across + next,
                 (Some(only), _, _) | (_, _, Some(only)) => only,
                 _ => points[key] * V::Real::from(0.0),
             };
@@ -136,13 +136,13 @@ pub fn catmull_rom_at_knots<V: CurveValue>(points: [V; 4], knots: [V::Real; 4], 
         let usable = time > zero;
         usable.then(|| (to - from) * (one / time))
     };
-    let Some(own) = slope(start, end, length) else {
+    let Some(inner) = slope(start, end, length) else {
         return start;
     };
     // Derivative of Barry and Goldman's pyramid at the two inner knots.
-    let tangent = |outer: Option<V>, over: Option<V>| match (outer, over) {
-        (Some(outer), Some(over)) => outer - over + own,
-        _ => own,
+    let tangent = |outer: Option<V>, across: Option<V>| match (outer, across) {
+        (Some(outer), Some(across)) => outer - across + inner,
+        _ => inner,
     };
     let segment = Hermite {
         start,

@@ -44,7 +44,7 @@ impl Easing {
     #[must_use]
     pub fn at<R: Real>(self, t: R) -> R {
         let [half, one, two, four] = [0.5, 1.0, 2.0, 4.0].map(R::from);
-        let t = share(t);
+        let t = clamped(t);
         let rest = one - t;
         match self {
             Self::Linear => t,
@@ -56,7 +56,7 @@ impl Easing {
             Self::CubicOut => one - rest * rest * rest,
             Self::CubicInOut if t < half => four * t * t * t,
             Self::CubicInOut => one - four * rest * rest * rest,
-            Self::Bezier(drawn) => R::from_f64(drawn.value(t.as_f64())),
+            Self::Bezier(bezier) => R::from_f64(bezier.value(t.as_f64())),
         }
     }
 
@@ -65,7 +65,7 @@ impl Easing {
     #[must_use]
     pub fn rate<R: Real>(self, t: R) -> R {
         let [half, one, two, three, four] = [0.5, 1.0, 2.0, 3.0, 4.0].map(R::from);
-        let t = share(t);
+        let t = clamped(t);
         let rest = one - t;
         match self {
             Self::Linear => one,
@@ -77,13 +77,13 @@ impl Easing {
             Self::CubicOut => three * rest * rest,
             Self::CubicInOut if t < half => four * three * t * t,
             Self::CubicInOut => four * three * rest * rest,
-            Self::Bezier(drawn) => R::from_f64(drawn.slope(t.as_f64())),
+            Self::Bezier(bezier) => R::from_f64(bezier.slope(t.as_f64())),
         }
     }
 }
 
 /// Clamps to [0, 1]; 0 for NaN.
-fn share<R: Real>(t: R) -> R {
+fn clamped<R: Real>(t: R) -> R {
     let [zero, one] = [0.0, 1.0].map(R::from);
     match (t > zero, t < one) {
         (true, true) => t,
@@ -143,8 +143,8 @@ impl BezierEasing {
     }
 
     fn slope(&self, time: f64) -> f64 {
-        let at = self.along(0);
-        at.slope_of(&self.along(1), at.parameter_at(time))
+        let times = self.along(0);
+        times.slope_of(&self.along(1), times.parameter_at(time))
     }
 }
 

@@ -44,18 +44,18 @@ pub(super) fn check_handles<V: CurveValue>(
             ),
             ("leaving", leaving, leaving.time, gap(Some(key))),
         ];
-        for (side, handle, away, room) in sides {
+        for (side, handle, away, interval) in sides {
             if !(handle.time.is_finite() && handle.value.all_finite()) {
                 let what = "handle";
                 return Err(KeyError::NonFiniteValue { key, what });
             }
-            if let Some(room) = room.filter(|&room| away < zero || away > room) {
-                let (time, room) = (handle.time.as_f64(), room.as_f64());
+            if let Some(interval) = interval.filter(|&interval| away < zero || away > interval) {
+                let (time, interval) = (handle.time.as_f64(), interval.as_f64());
                 return Err(KeyError::HandleTime {
                     key,
                     side,
                     time,
-                    room,
+                    interval,
                 });
             }
         }
@@ -64,20 +64,20 @@ pub(super) fn check_handles<V: CurveValue>(
 }
 
 /// Bézier segment between two keys: times as fractions of its duration, and values.
-pub(super) struct Drawn<V> {
+pub(super) struct BezierSegment<V> {
     times: CubicBezier<f64>,
     values: CubicBezier<V>,
 }
 
-impl<V: CurveValue> Drawn<V> {
+impl<V: CurveValue> BezierSegment<V> {
     pub(super) fn new(
         length: V::Real,
         [start, end]: [V; 2],
         leaving: &BezierHandle<V>,
         arriving: &BezierHandle<V>,
     ) -> Self {
-        let share = |handle: &BezierHandle<V>| handle.time.as_f64() / length.as_f64();
-        let times = [0.0, share(leaving), 1.0 + share(arriving), 1.0];
+        let fraction = |handle: &BezierHandle<V>| handle.time.as_f64() / length.as_f64();
+        let times = [0.0, fraction(leaving), 1.0 + fraction(arriving), 1.0];
         let values = [start, start + leaving.value, end + arriving.value, end];
         Self {
             times: CubicBezier::new(times),
@@ -86,14 +86,14 @@ impl<V: CurveValue> Drawn<V> {
     }
 
     /// Value at a fraction of the time.
-    pub(super) fn position(&self, share: V::Real) -> V {
-        let u = self.times.parameter_at(share.as_f64());
+    pub(super) fn position(&self, fraction: V::Real) -> V {
+        let u = self.times.parameter_at(fraction.as_f64());
         self.values.position(V::Real::from_f64(u))
     }
 
     /// Derivative by the fraction of the time.
-    pub(super) fn tangent(&self, share: V::Real) -> V {
-        let u = self.times.parameter_at(share.as_f64());
+    pub(super) fn tangent(&self, fraction: V::Real) -> V {
+        let u = self.times.parameter_at(fraction.as_f64());
         self.times.slope_of(&self.values, u)
     }
 }

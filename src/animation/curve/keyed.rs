@@ -1,7 +1,7 @@
 //! Curves through values at key times, with any spacing.
 
 use super::easing::Easing;
-use super::handle::{BezierHandle, Drawn, check_handles};
+use super::handle::{BezierHandle, BezierSegment, check_handles};
 use super::keys::{check_count, check_times};
 use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
 
@@ -56,16 +56,16 @@ impl<V: CurveValue> KeyedCurve<V> {
     ) -> Result<Self, KeyError> {
         check_times(&times)?;
         check_count("values", values.len(), times.len())?;
-        let wrong = |what| move |key| KeyError::NonFiniteValue { key, what };
+        let not_finite = |what| move |key| KeyError::NonFiniteValue { key, what };
         if let Some(key) = values.iter().position(|value| !value.all_finite()) {
-            return Err(wrong("value")(key));
+            return Err(not_finite("value")(key));
         }
         match &between {
             Between::Cubic(rates) => {
                 check_count("tangents", rates.len(), times.len())?;
-                let odd = |rates: &[V; 2]| rates.iter().any(|rate| !rate.all_finite());
-                if let Some(key) = rates.iter().position(odd) {
-                    return Err(wrong("tangent")(key));
+                let is_invalid = |rates: &[V; 2]| rates.iter().any(|rate| !rate.all_finite());
+                if let Some(key) = rates.iter().position(is_invalid) {
+                    return Err(not_finite("tangent")(key));
                 }
             }
             Between::Eased(easings) => check_count("easings", easings.len(), times.len())?,
@@ -171,8 +171,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         values: Vec<V>,
         controls: &[TensionContinuityBias],
     ) -> Result<Self, KeyError> {
-        let straight = Self::new(times, values, Between::Linear)?;
-        let Self { times, values, .. } = straight;
+        let linear = Self::new(times, values, Between::Linear)?;
+        let Self { times, values, .. } = linear;
         check_count("controls", controls.len(), times.len())?;
         let change = |from: Option<usize>, to: usize| {
             let from = from?;
@@ -181,10 +181,10 @@ impl<V: CurveValue> KeyedCurve<V> {
         };
         let rates = controls.iter().zip(&values).enumerate();
         let rates = rates.map(|(key, (control, &value))| {
-            let since = change(key.checked_sub(1), key);
-            let to_next = change(Some(key), key + 1);
-            match (since, to_next) {
-                (Some((since, t0)), Some((next, t1))) => control.rates(since, next, t0 + t1),
+            let incoming = change(key.checked_sub(1), key);
+            let outgoing = change(Some(key), key + 1);
+            match (incoming, outgoing) {
+                (Some((incoming, t0)), Some((next, t1))) => control.rates(incoming, next, t0 + t1),
                 (Some((only, time)), None) | (None, Some((only, time))) => {
                     control.rates(only, only, time + time)
                 }
@@ -210,7 +210,7 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// Value at a time; exactly the key's value at a key time. NaN counts as before the first key.
     #[must_use]
     pub fn at(&self, time: V::Real) -> V {
-        let (key, u) = self.place(time);
+        let (key, u) = self.segment_at(time);
         self.within(key, u)
     }
 
@@ -222,7 +222,9 @@ impl<V: CurveValue> KeyedCurve<V> {
             (Between::Linear, Some(&end)) => lerp(start, end, u),
             (Between::Eased(easings), Some(&end)) => lerp(start, end, easings[key].at(u)),
             (Between::Cubic(rates), Some(&end)) => self.segment(key, rates, end).position(u),
-            (Between::Bezier(handles), Some(&end)) => self.drawn(key, handles, end).position(u),
+            (Between::Bezier(handles), Some(&end)) => {
+                self.bezier_segment(key, handles, end).position(u)
+            }
             _ => start,
         }
     }
@@ -230,11 +232,11 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// Rate of change per unit of time; at a key, that of the following segment. Zero outside the keys and on steps.
     #[must_use]
     pub fn rate(&self, time: V::Real) -> V {
-        let (key, u) = self.place(time);
+        let (key, u) = self.segment_at(time);
         let start = self.values[key];
         // From the last key on there is no next segment.
-        let begun = time >= self.times[0];
-        let next = self.values.get(key + 1).filter(|_| begun);
+        let has_begun = time >= self.times[0];
+        let next = self.values.get(key + 1).filter(|_| has_begun);
         let one = V::Real::from(1.0);
         let per_time = |key: usize| one / (self.times[key + 1] - self.times[key]);
         match (&self.between, next) {
@@ -246,7 +248,7 @@ impl<V: CurveValue> KeyedCurve<V> {
                 (end - start) * (easings[key].rate(u) * per_time(key))
             }
             (Between::Bezier(handles), Some(&end)) => {
-                self.drawn(key, handles, end).tangent(u) * per_time(key)
+                self.bezier_segment(key, handles, end).tangent(u) * per_time(key)
             }
             _ => start * V::Real::from(0.0),
         }
@@ -275,14 +277,19 @@ impl<V: CurveValue> KeyedCurve<V> {
         }
     }
 
-    fn drawn(&self, key: usize, handles: &[[BezierHandle<V>; 2]], end: V) -> Drawn<V> {
+    fn bezier_segment(
+        &self,
+        key: usize,
+        handles: &[[BezierHandle<V>; 2]],
+        end: V,
+    ) -> BezierSegment<V> {
         let length = self.times[key + 1] - self.times[key];
         let ends = [self.values[key], end];
-        Drawn::new(length, ends, &handles[key][1], &handles[key + 1][0])
+        BezierSegment::new(length, ends, &handles[key][1], &handles[key + 1][0])
     }
 
     /// Key at or before a time, and the fraction in [0, 1) towards the next key.
-    fn place(&self, time: V::Real) -> (usize, V::Real) {
+    fn segment_at(&self, time: V::Real) -> (usize, V::Real) {
         let zero = V::Real::from(0.0);
         let after = self.times.partition_point(|&key| key <= time);
         let key = after.saturating_sub(1);

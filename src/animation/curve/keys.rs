@@ -55,7 +55,7 @@ pub enum KeyError {
     },
     /// A Bézier handle that makes the curve run backwards in time.
     #[error(
-        "key {key}: the {side} handle is {time} s from its key; it must be within the {room} s to the key on that side"
+        "key {key}: the {side} handle is {time} s from its key; it must be within the {interval} s to the key on that side"
     )]
     HandleTime {
         /// Index of the key.
@@ -65,7 +65,7 @@ pub enum KeyError {
         /// Time from the key to the handle, seconds.
         time: f64,
         /// Time from the key to the adjacent key on that side, seconds.
-        room: f64,
+        interval: f64,
     },
     /// Quaternion of zero length.
     #[error("key {key}: the quaternion is zero; a rotation needs a non-zero quaternion")]

@@ -23,9 +23,9 @@ impl TensionContinuityBias {
     #[must_use]
     pub fn rates<V: CurveValue>(self, since: V, to_next: V, time: V::Real) -> [V; 2] {
         let [one, t, c, b] = [1.0, self.tension, self.continuity, self.bias].map(V::Real::from);
-        let loose = (one - t) / time;
+        let factor = (one - t) / time;
         let mix = |c: V::Real| {
-            since * (loose * (one + c) * (one + b)) + to_next * (loose * (one - c) * (one - b))
+            since * (factor * (one + c) * (one + b)) + to_next * (factor * (one - c) * (one - b))
         };
         [mix(-c), mix(c)]
     }

@@ -65,17 +65,17 @@ impl EulerInterpolation {
     /// Curves of tracks, by the interpolation of each.
     pub(super) fn curves(
         tracks: &[EulerTrack],
-        between: &[Self],
+        interpolations: &[Self],
     ) -> Result<Vec<KeyedCurve<DVec3>>, ClipError> {
-        let curve = |(track, between): (&EulerTrack, &Self)| {
-            between.check(track)?;
+        let curve = |(track, interpolation): (&EulerTrack, &Self)| {
+            interpolation.check(track)?;
             let times = track.keys.iter().map(|key| key.time);
             let angles = track.keys.iter().map(|key| DVec3::from(key.angles));
-            let curve = between.curve(times.collect(), angles.collect());
+            let curve = interpolation.curve(times.collect(), angles.collect());
             let bone = track.bone.index();
             curve.map_err(|problem| ClipError::Curve { bone, problem })
         };
-        tracks.iter().zip(between).map(curve).collect()
+        tracks.iter().zip(interpolations).map(curve).collect()
     }
 
     /// Checks that Kochanek-Bartels controls are finite, with one set for each key.
@@ -87,11 +87,11 @@ impl EulerInterpolation {
         if given != keys {
             return Err(ClipError::ControlCount { bone, given, keys });
         }
-        let odd = |c: &TensionContinuityBias| {
+        let is_not_finite = |c: &TensionContinuityBias| {
             let [t, c, b] = [c.tension, c.continuity, c.bias];
             !(t.is_finite() && c.is_finite() && b.is_finite())
         };
-        match controls.iter().position(odd) {
+        match controls.iter().position(is_not_finite) {
             Some(key) => Err(ClipError::NonFiniteControls { bone, key }),
             None => Ok(()),
         }
@@ -107,8 +107,8 @@ impl EulerClip {
         mut self,
         choose: impl Fn(&EulerTrack) -> EulerInterpolation,
     ) -> Result<Self, ClipError> {
-        self.between = self.tracks.iter().map(choose).collect();
-        self.curves = EulerInterpolation::curves(&self.tracks, &self.between)?;
+        self.interpolations = self.tracks.iter().map(choose).collect();
+        self.curves = EulerInterpolation::curves(&self.tracks, &self.interpolations)?;
         Ok(self)
     }
 
@@ -116,7 +116,7 @@ impl EulerClip {
     #[must_use]
     pub fn interpolation(&self, bone: BoneId) -> &EulerInterpolation {
         let track = self.tracks.binary_search_by_key(&bone, |track| track.bone);
-        let found = track.ok().and_then(|index| self.between.get(index));
-        found.unwrap_or(&DEFAULT)
+        let interpolation = track.ok().and_then(|index| self.interpolations.get(index));
+        interpolation.unwrap_or(&DEFAULT)
     }
 }

@@ -38,7 +38,7 @@ pub struct EulerTrack {
 pub struct EulerClip {
     tracks: Vec<EulerTrack>,
     /// Interpolation of each track.
-    between: Vec<EulerInterpolation>,
+    interpolations: Vec<EulerInterpolation>,
     /// Sampled curve of each track.
     curves: Vec<KeyedCurve<DVec3>>,
     /// Bones whose tracks had no keys.
@@ -155,11 +155,11 @@ impl EulerClip {
         let (empty, mut tracks): (Vec<_>, Vec<_>) =
             tracks.into_iter().partition(|track| track.keys.is_empty());
         tracks.sort_by_key(|track| track.bone);
-        let between = vec![EulerInterpolation::default(); tracks.len()];
+        let interpolations = vec![EulerInterpolation::default(); tracks.len()];
         let keyless = empty.iter().map(|track| track.bone).collect();
         Ok(Self {
-            curves: EulerInterpolation::curves(&tracks, &between)?,
-            between,
+            curves: EulerInterpolation::curves(&tracks, &interpolations)?,
+            interpolations,
             keyless,
             tracks,
         })
@@ -203,7 +203,7 @@ impl From<EulerClip> for Tracks {
             let keys = Vec::new();
             (EulerTrack { bone, keys }, EulerInterpolation::default())
         });
-        let keyed = clip.tracks.into_iter().zip(clip.between);
+        let keyed = clip.tracks.into_iter().zip(clip.interpolations);
         keyed.chain(keyless).collect()
     }
 }
@@ -213,9 +213,12 @@ impl TryFrom<Tracks> for EulerClip {
     type Error = ClipError;
 
     fn try_from(tracks: Tracks) -> Result<Self, ClipError> {
-        let (tracks, between): (Vec<_>, Vec<_>) = tracks.into_iter().unzip();
-        let by_bone: std::collections::BTreeMap<_, _> =
-            tracks.iter().map(|track| track.bone).zip(between).collect();
+        let (tracks, interpolations): (Vec<_>, Vec<_>) = tracks.into_iter().unzip();
+        let by_bone: std::collections::BTreeMap<_, _> = tracks
+            .iter()
+            .map(|track| track.bone)
+            .zip(interpolations)
+            .collect();
         let chosen = |track: &EulerTrack| by_bone.get(&track.bone).cloned().unwrap_or_default();
         Self::new(tracks)?.interpolated(chosen)
     }

@@ -52,10 +52,10 @@ impl EulerClip {
         for (track, curve) in self.tracks.iter().zip(&self.curves) {
             let bone = track.bone.index();
             let first = ANGLES_PER_BONE * bone;
-            let room = q
+            let bone_angles = q
                 .get_mut(first..first + ANGLES_PER_BONE)
                 .ok_or(SampleError::TooFewAngles { bone, angles })?;
-            room.copy_from_slice(&curve.at(time).to_array());
+            bone_angles.copy_from_slice(&curve.at(time).to_array());
         }
         Ok(())
     }

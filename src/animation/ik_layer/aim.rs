@@ -2,17 +2,17 @@
 
 use glam::{DQuat, Quat, Vec3A};
 
-use super::bone_placement::{Placed, set_rotation};
+use super::bone_placement::{BonePlacement, set_rotation};
 use super::{Corrected, ShearCorrection};
-use crate::animation::blend::{finite_or_0, within};
-use crate::animation::rotation::exponential::turn_about;
+use crate::animation::blend::{clamp_to_unit, finite_or_0};
+use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Mirror, Pose, SizeMismatch};
 use crate::scalar::elementary::single;
 use crate::skeleton::BoneId;
 
 /// Angle to the target at which a corrected bone has converged, radians; the limit of single precision.
-const CONVERGED: f64 = 3e-7;
+const ANGLE_TOLERANCE: f64 = 3e-7;
 
 /// Bone with an axis that points at a target: a head that looks, a hand that aims, a foot aligned with the ground
 /// normal.
@@ -63,7 +63,7 @@ pub enum AimError {
     UpIsForward,
     /// An offset that is not finite.
     #[error("the offset must be finite")]
-    BadMuzzle,
+    BadOffset,
 }
 
 /// Goal of an aim for one frame.
@@ -141,7 +141,7 @@ impl Aim {
     pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, AimError> {
         let offset = offset.into();
         if !offset.is_finite() {
-            return Err(AimError::BadMuzzle);
+            return Err(AimError::BadOffset);
         }
         self.offset = offset;
         Ok(self)
@@ -163,25 +163,25 @@ impl Aim {
         goal: &AimGoal,
     ) -> Result<bool, SizeMismatch> {
         armature.rest().check_same_size(pose)?;
-        let above = Placed::within(armature, pose, armature.parent(self.bone), None);
-        let own = above * Placed::local(pose, self.bone);
-        let Some(mut wanted) = self.aimed(&own, goal) else {
+        let parent = BonePlacement::within(armature, pose, armature.parent(self.bone), None);
+        let bone = parent * BonePlacement::local(pose, self.bone);
+        let Some(mut target_rotation) = self.aim_rotation(&bone, goal) else {
             return Ok(false);
         };
-        let weight = within(goal.weight);
+        let weight = clamp_to_unit(goal.weight);
         if weight > 0.0 {
             let set = |pose: &mut Pose, rotation: Quat| {
-                let local = above.rotation.conjugate() * rotation;
-                set_rotation(pose, self.bone, above.mirror.single(local));
+                let local = parent.rotation.conjugate() * rotation;
+                set_rotation(pose, self.bone, parent.mirror.single(local));
             };
-            if own.uneven {
-                let placed = |pose: &Pose| above * Placed::local(pose, self.bone);
-                wanted = self.corrected(goal, wanted, |rotation| {
+            if bone.uneven {
+                let placed = |pose: &Pose| parent * BonePlacement::local(pose, self.bone);
+                target_rotation = self.corrected(goal, target_rotation, |rotation| {
                     set(pose, rotation);
                     placed(pose)
                 });
             }
-            set(pose, slerp(own.rotation, wanted, weight));
+            set(pose, slerp(bone.rotation, target_rotation, weight));
         }
         Ok(true)
     }
@@ -191,64 +191,70 @@ impl Aim {
     fn corrected(
         &self,
         goal: &AimGoal,
-        mut wanted: Quat,
-        mut placed: impl FnMut(Quat) -> Placed,
+        mut target_rotation: Quat,
+        mut placed: impl FnMut(Quat) -> BonePlacement,
     ) -> Quat {
-        let mut own = placed(wanted);
-        let way = goal.target - own.affine.translation;
-        let shown = |own: &Placed| {
-            let points = Line::of(self, own).point_at(way.length());
-            let direction = points.map(|points| own.rotation * points);
+        let mut bone = placed(target_rotation);
+        let to_target = goal.target - bone.affine.translation;
+        let aim_direction = |bone: &BonePlacement| {
+            let points = AimingLine::new(self, bone).point_at(to_target.length());
+            let direction = points.map(|points| bone.rotation * points);
             direction.map(|direction| [direction.as_dvec3()])
         };
-        let Some((to, start)) = way.try_normalize().zip(shown(&own)) else {
-            return wanted;
+        let Some((to, start)) = to_target.try_normalize().zip(aim_direction(&bone)) else {
+            return target_rotation;
         };
         let mut correction = ShearCorrection::new(&[to.as_dvec3()], &start);
-        while !(correction.off() < CONVERGED || correction.gives_up()) {
+        while !(correction.off() < ANGLE_TOLERANCE || correction.gives_up()) {
             let commands = correction.commands();
-            let command = commands.first().map_or(to, |at| at.as_vec3a());
+            let command = commands
+                .first()
+                .map_or(to, |direction| direction.as_vec3a());
             let command = AimGoal {
-                target: own.affine.translation + command.normalize_or(to) * way.length(),
+                target: bone.affine.translation + command.normalize_or(to) * to_target.length(),
                 ..*goal
             };
-            let Some(rotation) = self.aimed(&own, &command) else {
+            let Some(rotation) = self.aim_rotation(&bone, &command) else {
                 break;
             };
-            let turned = placed(rotation);
-            let Some(direction) = shown(&turned) else {
+            let rotated = placed(rotation);
+            let Some(direction) = aim_direction(&rotated) else {
                 break;
             };
             if correction.learn(&direction, true) != Corrected::Undone {
-                (wanted, own) = (rotation, turned);
+                (target_rotation, bone) = (rotation, rotated);
             }
         }
-        wanted
+        target_rotation
     }
 
-    /// Rotation in the model that points the bone at the target, if its scaled axes rotate rigidly from `placed`.
-    fn aimed(&self, own: &Placed, goal: &AimGoal) -> Option<Quat> {
-        let way = goal.target - own.affine.translation;
-        let line = Line::of(self, own);
-        let to = way.try_normalize()?;
-        let points = line.point_at(way.length())?;
-        let turned = arc(own.rotation * points, to);
-        let mut wanted = turned * own.rotation;
-        let upright = goal.up.zip(line.up).and_then(|(asked, up)| {
-            let [is, asked] = [wanted * up, asked].map(|v| v.reject_from_normalized(to));
-            let [is, asked] = [is.try_normalize()?, asked.try_normalize()?];
-            Some(single::atan2(to.dot(is.cross(asked)), is.dot(asked)))
+    /// Rotation in the model that points the bone at the target, if its scaled axes rotate rigidly from `bone`.
+    fn aim_rotation(&self, bone: &BonePlacement, goal: &AimGoal) -> Option<Quat> {
+        let to_target = goal.target - bone.affine.translation;
+        let line = AimingLine::new(self, bone);
+        let to = to_target.try_normalize()?;
+        let points = line.point_at(to_target.length())?;
+        let swing = arc(bone.rotation * points, to);
+        let mut target_rotation = swing * bone.rotation;
+        let up_angle = goal.up.zip(line.up).and_then(|(goal_up, up)| {
+            let [current_up, goal_up] =
+                [target_rotation * up, goal_up].map(|v| v.reject_from_normalized(to));
+            let [current_up, goal_up] = [current_up.try_normalize()?, goal_up.try_normalize()?];
+            Some(single::atan2(
+                to.dot(current_up.cross(goal_up)),
+                current_up.dot(goal_up),
+            ))
         });
-        let about = upright.unwrap_or(0.0) + finite_or_0(goal.twist);
-        if about != 0.0 {
-            wanted = turn_about(to.into(), about) * wanted;
+        let angle = up_angle.unwrap_or(0.0) + finite_or_0(goal.twist);
+        if angle != 0.0 {
+            target_rotation = rotation_about(to.into(), angle) * target_rotation;
         }
-        Some(wanted)
+        Some(target_rotation)
     }
 }
 
 /// Aiming line, in the axes of the bone's rotation in the model.
-struct Line {
+struct AimingLine {
     /// Unit vectors.
     forward: Vec3A,
     up: Option<Vec3A>,
@@ -257,10 +263,10 @@ struct Line {
     scale: f32,
 }
 
-impl Line {
-    fn of(aim: &Aim, own: &Placed) -> Self {
-        if own.uneven || own.mirror != Mirror::NONE {
-            let scaled = |v: Vec3A| own.rotation.conjugate() * own.affine.transform_vector3a(v);
+impl AimingLine {
+    fn new(aim: &Aim, bone: &BonePlacement) -> Self {
+        if bone.uneven || bone.mirror != Mirror::NONE {
+            let scaled = |v: Vec3A| bone.rotation.conjugate() * bone.affine.transform_vector3a(v);
             return Self {
                 forward: scaled(aim.forward).normalize_or(aim.forward),
                 up: aim.up.map(|up| scaled(up).normalize_or(up)),
@@ -272,7 +278,7 @@ impl Line {
             forward: aim.forward,
             up: aim.up,
             offset: aim.offset,
-            scale: own.affine.matrix3.x_axis.length(),
+            scale: bone.affine.matrix3.x_axis.length(),
         }
     }
 
@@ -280,15 +286,15 @@ impl Line {
     /// target. Solves |m + s f| = d for s ≥ 0.
     fn point_at(&self, distance: f32) -> Option<Vec3A> {
         let distance = distance / self.scale;
-        let ahead = self.offset.dot(self.forward);
-        let beside = self.offset - self.forward * ahead;
-        let reach = distance * distance - beside.length_squared();
+        let offset_along = self.offset.dot(self.forward);
+        let perpendicular = self.offset - self.forward * offset_along;
+        let reach = distance * distance - perpendicular.length_squared();
         // A point behind the offset cannot be aimed.
         let along = (reach > 0.0).then(|| reach.sqrt())?;
-        if along < ahead {
+        if along < offset_along {
             return None;
         }
-        (beside + self.forward * along).try_normalize()
+        (perpendicular + self.forward * along).try_normalize()
     }
 }
 

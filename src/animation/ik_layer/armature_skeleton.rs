@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DMat3, DQuat};
 
-use super::pose_angles::has_bones;
-use super::stance::Stances;
+use super::euler_pose_map::has_bones;
+use super::posed_skeleton::PosedSkeleton;
 use crate::SizeMismatch;
 use crate::animation::{Armature, Mirror, Pose};
 use crate::model::Limits;
@@ -22,8 +22,8 @@ impl Skeleton {
     pub fn standing_in(&self, pose: &Pose) -> Result<Self, SizeMismatch> {
         has_bones(pose, self.bones().len())?;
         let bones: Vec<BoneId> = self.bone_ids().collect();
-        let mut stances = Stances::new(self, &bones);
-        Ok(stances.take(pose, &bones).clone())
+        let mut posed = PosedSkeleton::new(self, &bones);
+        Ok(posed.update(pose, &bones).clone())
     }
 }
 
@@ -57,17 +57,17 @@ impl Armature {
             let bone = BoneId::new(index);
             let local = self.rest().local_of(bone);
             let parent = self.parent(bone);
-            let (above, turned, mirror) = parent
+            let (model_from_parent, parent_rotation, mirror) = parent
                 .and_then(|parent| placed.get(parent.index()).copied())
                 .unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY, Mirror::NONE));
-            let own = local.rotation.as_dquat().normalize();
-            let model_from_bone = above
+            let local_rotation = local.rotation.as_dquat().normalize();
+            let model_from_bone = model_from_parent
                 * DAffine3::from_scale_rotation_translation(
                     local.scale.as_dvec3(),
-                    own,
+                    local_rotation,
                     local.translation.as_dvec3(),
                 );
-            let rotation = (turned * mirror.rotation(own)).normalize();
+            let rotation = (parent_rotation * mirror.rotation(local_rotation)).normalize();
             placed.push((model_from_bone, rotation, mirror.below(local.scale)));
             let columns = DMat3::from_quat(rotation)
                 .to_cols_array_2d()

@@ -8,7 +8,7 @@ use crate::skeleton::BoneId;
 
 /// Placement of a bone in the model or in an ancestor.
 #[derive(Clone, Copy)]
-pub(super) struct Placed {
+pub(super) struct BonePlacement {
     pub(super) affine: Affine3A,
     /// Rotation without scales; in reflected axes below mirrored bones.
     pub(super) rotation: Quat,
@@ -18,7 +18,7 @@ pub(super) struct Placed {
     pub(super) uneven: bool,
 }
 
-impl Placed {
+impl BonePlacement {
     /// Placement of a bone in its parent.
     pub(super) fn local(pose: &Pose, bone: BoneId) -> Self {
         let local = pose.local_of(bone);
@@ -35,22 +35,22 @@ impl Placed {
         armature: &Armature,
         pose: &Pose,
         bone: Option<BoneId>,
-        above: Option<BoneId>,
+        ancestor: Option<BoneId>,
     ) -> Self {
-        let itself = Self {
+        let identity = Self {
             affine: Affine3A::IDENTITY,
             rotation: Quat::IDENTITY,
             mirror: Mirror::NONE,
             uneven: false,
         };
         let below = armature
-            .upwards(bone)
-            .take_while(|bone| Some(*bone) != above);
-        below.fold(itself, |product, bone| Self::local(pose, bone) * product)
+            .bone_and_ancestors(bone)
+            .take_while(|bone| Some(*bone) != ancestor);
+        below.fold(identity, |product, bone| Self::local(pose, bone) * product)
     }
 }
 
-impl std::ops::Mul for Placed {
+impl std::ops::Mul for BonePlacement {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl std::ops::Mul for Placed {
 
 /// Writes the normalised local rotation of a bone.
 pub(super) fn set_rotation(pose: &mut Pose, bone: BoneId, rotation: Quat) {
-    if let Some(own) = pose.rotations.get_mut(bone.index()) {
-        *own = rotation.normalize();
+    if let Some(local) = pose.rotations.get_mut(bone.index()) {
+        *local = rotation.normalize();
     }
 }

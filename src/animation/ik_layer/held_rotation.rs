@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec4};
 
-use crate::animation::rotation::exponential::share_of;
+use crate::animation::rotation::exponential::partial_rotation;
 use crate::problem::{ProblemBuilder, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Matrix3, Quaternion};
@@ -10,22 +10,22 @@ use crate::task::Orientation;
 
 /// Bone whose rotation follows the clip, or a target by a weight.
 #[derive(Clone, Debug)]
-pub(super) struct Held {
+pub(super) struct HeldRotation {
     pub(super) bone: BoneId,
     pub(super) task: TaskId<Orientation>,
     pub(super) weight: f64,
-    wanted: DQuat,
+    target_rotation: DQuat,
 }
 
-impl Held {
+impl HeldRotation {
     /// Adds the task, with weight 0.
     pub(super) fn new(skeleton: &Skeleton, bone: BoneId, builder: &mut ProblemBuilder<'_>) -> Self {
-        let at_first = Matrix3::identity();
+        let initial = Matrix3::identity();
         Self {
             bone,
-            task: builder.add(Orientation::new(skeleton.tail(bone), at_first)),
+            task: builder.add(Orientation::new(skeleton.tail(bone), initial)),
             weight: 0.0,
-            wanted: DQuat::IDENTITY,
+            target_rotation: DQuat::IDENTITY,
         }
     }
 
@@ -33,17 +33,18 @@ impl Held {
     pub(super) fn set(&mut self, rotation: Quaternion<f64>, weight: f64) -> bool {
         let unit = DVec4::from(DQuat::from(rotation)).try_normalize();
         if let Some(unit) = unit {
-            (self.wanted, self.weight) = (DQuat::from_vec4(unit), weight);
+            (self.target_rotation, self.weight) = (DQuat::from_vec4(unit), weight);
         }
         unit.is_some()
     }
 
     /// The clip's rotation, interpolated to the target by the weight along the shortest arc.
     pub(super) fn target(&self, clip: DQuat) -> Matrix3<f64> {
-        let mut turned = clip;
+        let mut rotation = clip;
         if self.weight > 0.0 {
-            turned = share_of(self.wanted * clip.conjugate(), self.weight) * clip;
+            rotation =
+                partial_rotation(self.target_rotation * clip.conjugate(), self.weight) * clip;
         }
-        Quaternion::from(turned).to_matrix()
+        Quaternion::from(rotation).to_matrix()
     }
 }

@@ -2,21 +2,21 @@
 
 mod aim;
 mod armature_skeleton;
+mod ball_pose_map;
 mod bone_placement;
+mod euler_pose_map;
 mod held_rotation;
 mod limb;
-mod pose_angles;
-mod pose_turns;
+mod posed_skeleton;
 mod reach;
 mod reach_error;
 mod shear_correction;
-mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
+pub use ball_pose_map::BallPoseMap;
+pub use euler_pose_map::EulerPoseMap;
+pub(crate) use euler_pose_map::{bone_angles, bone_rotation};
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
-pub use pose_angles::EulerPoseMap;
-pub(crate) use pose_angles::{bone_angles, bone_rotation};
-pub use pose_turns::BallPoseMap;
 pub use reach::{NoEffector, ReachLayer};
 pub use reach_error::ReachError;
 pub(crate) use shear_correction::{Corrected, ShearCorrection};

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use super::held_rotation::Held;
-use super::pose_angles::EulerPoseMap;
+use super::euler_pose_map::EulerPoseMap;
+use super::held_rotation::HeldRotation;
+use super::posed_skeleton::PosedSkeleton;
 use super::reach_error::ReachError;
 use super::shear_correction::{Corrected, ShearCorrection};
-use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Restarts, Solution, Solver, Workspace};
 use crate::kinematics::{Tree, TreeWorkspace};
@@ -33,15 +33,15 @@ const TOLERANCE: f64 = 1e-6;
 /// bones even if this does not converge.
 #[derive(Clone, Debug)]
 pub struct ReachLayer {
-    bridge: EulerPoseMap,
-    stances: Stances,
+    pose_map: EulerPoseMap,
+    posed: PosedSkeleton,
     problem: Problem,
     targets: Targets,
     /// Joints of the problem, at their positions in the pose.
     tree: Tree,
-    places: TreeWorkspace,
+    tree_workspace: TreeWorkspace,
     effectors: Vec<Effector>,
-    held: Vec<Held>,
+    held: Vec<HeldRotation>,
     /// Bones moved by the tasks, by index.
     moved: Vec<BoneId>,
     solver: Solver,
@@ -104,7 +104,7 @@ impl ReachLayer {
     ) -> Result<Self, ProblemError> {
         let rest = skeleton.model().neutral();
         let mut builder = Problem::builder(skeleton.model());
-        let effectors = once(tips).map(|bone| Effector {
+        let effectors = unique(tips).map(|bone| Effector {
             bone,
             task: builder.add(Point::new(skeleton.tip(bone), Vector3::zero())),
             target: Vector3::zero(),
@@ -112,25 +112,26 @@ impl ReachLayer {
             goal: Vector3::zero(),
         });
         let effectors = effectors.collect();
-        let turned = once(held).map(|bone| Held::new(skeleton, bone, &mut builder));
-        let turned = turned.collect();
+        let held_rotations =
+            unique(held).map(|bone| HeldRotation::new(skeleton, bone, &mut builder));
+        let held_rotations = held_rotations.collect();
         let size = skeleton.size();
         if size > 0.0 {
             builder.tolerance(Quantity::Metres, TOLERANCE * size);
         }
         let problem = builder.build()?;
-        let moved = above(skeleton, tips.iter().chain(held));
+        let moved = with_ancestors(skeleton, tips.iter().chain(held));
         let correction = solver.clone().with_restarts(Restarts::none());
         let no_steps = Stopping::default().with_max_iterations(0);
         Ok(Self {
-            bridge: EulerPoseMap::new(skeleton),
+            pose_map: EulerPoseMap::new(skeleton),
             targets: problem.targets(),
             tree: problem.tree().clone(),
             problem,
-            places: TreeWorkspace::default(),
-            stances: Stances::new(skeleton, &moved),
+            tree_workspace: TreeWorkspace::default(),
+            posed: PosedSkeleton::new(skeleton, &moved),
             effectors,
-            held: turned,
+            held: held_rotations,
             moved,
             solver,
             measurement: correction.clone().with_stopping(no_steps),
@@ -153,17 +154,20 @@ impl ReachLayer {
         weight: f64,
     ) -> Result<(), ReachError> {
         let target = target.into();
-        let own = self.effectors.iter_mut().find(|own| own.bone == bone);
-        if let Some(own) = own {
+        let effector = self
+            .effectors
+            .iter_mut()
+            .find(|effector| effector.bone == bone);
+        if let Some(effector) = effector {
             if !target.to_array().into_iter().all(f64::is_finite) {
                 return Err(self.not_finite(bone, "target is not finite"));
             }
-            own.target = target;
-            own.weight = share(weight);
+            effector.target = target;
+            effector.weight = clamped_weight(weight);
             return Ok(());
         }
-        let effectors = self.effectors.iter().map(|own| own.bone);
-        Err(self.none_of(bone, effectors).into())
+        let effectors = self.effectors.iter().map(|effector| effector.bone);
+        Err(self.no_effector(bone, effectors).into())
     }
 
     /// Sets the target rotation of a held bone in the model and its weight. Weight 0 is the clip's rotation, weight 1
@@ -179,25 +183,28 @@ impl ReachLayer {
         rotation: impl Into<Quaternion<f64>>,
         weight: f64,
     ) -> Result<(), ReachError> {
-        let own = self.held.iter_mut().find(|own| own.bone == bone);
-        if let Some(own) = own {
-            return match own.set(rotation.into(), share(weight)) {
+        let held_rotation = self
+            .held
+            .iter_mut()
+            .find(|held_rotation| held_rotation.bone == bone);
+        if let Some(held_rotation) = held_rotation {
+            return match held_rotation.set(rotation.into(), clamped_weight(weight)) {
                 true => Ok(()),
                 false => Err(self.not_finite(bone, "rotation is of length 0 or not finite")),
             };
         }
-        let held = self.held.iter().map(|own| own.bone);
-        Err(self.none_of(bone, held).into())
+        let held = self.held.iter().map(|held_rotation| held_rotation.bone);
+        Err(self.no_effector(bone, held).into())
     }
 
     fn not_finite(&self, bone: BoneId, what: &'static str) -> ReachError {
-        let bone = self.none_of(bone, std::iter::empty()).bone;
+        let bone = self.no_effector(bone, std::iter::empty()).bone;
         ReachError::NotFinite { bone, what }
     }
 
-    fn none_of(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
+    fn no_effector(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
         let name = |bone: BoneId| {
-            let bones = self.stances.skeleton().bones();
+            let bones = self.posed.skeleton().bones();
             let bone = bones.get(bone.index()).map(|bone| bone.name.clone());
             bone.unwrap_or_default()
         };
@@ -215,18 +222,18 @@ impl ReachLayer {
     /// The number of bones differs from the skeleton's; the pose does not change. An unreached target is not an error;
     /// the solution reports its distance.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
-        let bones = self.stances.skeleton().bones();
+        let bones = self.posed.skeleton().bones();
         SizeMismatch::check("bones in the pose", pose.bones(), bones.len())?;
-        let weights = self.effectors.iter().map(|own| own.weight);
-        let mut weights = weights.chain(self.held.iter().map(|own| own.weight));
+        let weights = self.effectors.iter().map(|effector| effector.weight);
+        let mut weights = weights.chain(self.held.iter().map(|held| held.weight));
         if weights.all(|weight| weight == 0.0) {
             return Ok(None);
         }
-        self.bridge.angles_of(pose, &mut self.q)?;
-        self.stances.take(pose, &self.moved);
+        self.pose_map.angles_of(pose, &mut self.q)?;
+        self.posed.update(pose, &self.moved);
         self.aim();
         self.solve(Pass::First, pose)?;
-        if self.stances.shear() {
+        if self.posed.has_shear() {
             self.correct(pose)?;
         }
         Ok(Some(self.workspace.solution()))
@@ -234,19 +241,19 @@ impl ReachLayer {
 
     /// Sets the targets of the tasks from the pose last taken.
     fn aim(&mut self) {
-        for own in &mut self.effectors {
-            if let Some(stance) = self.stances.of(own.bone) {
-                let tip = Vector3::from(stance.tip.to_array());
-                own.goal = tip * (1.0 - own.weight) + own.target * own.weight;
-                if let Ok(task) = self.targets.get_mut(own.task) {
-                    task.set_target(own.goal);
+        for effector in &mut self.effectors {
+            if let Some(bone) = self.posed.bone(effector.bone) {
+                let tip = Vector3::from(bone.tip.to_array());
+                effector.goal = tip * (1.0 - effector.weight) + effector.target * effector.weight;
+                if let Ok(task) = self.targets.get_mut(effector.task) {
+                    task.set_target(effector.goal);
                 }
             }
         }
-        for own in &self.held {
-            let stance = self.stances.of(own.bone);
-            if let Some((stance, task)) = stance.zip(self.targets.get_mut(own.task).ok()) {
-                task.set_target(own.target(stance.rotation));
+        for held in &self.held {
+            let bone = self.posed.bone(held.bone);
+            if let Some((bone, task)) = bone.zip(self.targets.get_mut(held.task).ok()) {
+                task.set_target(held.target(bone.rotation));
             }
         }
     }
@@ -258,40 +265,40 @@ impl ReachLayer {
             Pass::Correction => &self.correction,
             Pass::Measurement => &self.measurement,
         };
-        let (model, map) = (self.stances.skeleton().model(), self.problem.parameters());
-        self.tree.compile(model, map, &mut self.places);
-        let question = ProblemInstance::from(&self.problem);
-        let question = question.with_targets(&self.targets).with_places(&self.tree);
-        let solution = solver.solve(question, &self.q, &mut self.workspace)?;
+        let (model, map) = (self.posed.skeleton().model(), self.problem.parameters());
+        self.tree.compile(model, map, &mut self.tree_workspace);
+        let instance = ProblemInstance::from(&self.problem);
+        let instance = instance.with_targets(&self.targets).with_places(&self.tree);
+        let solution = solver.solve(instance, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         for &bone in &self.moved {
-            self.bridge.pose_bone(bone, &self.q, pose);
+            self.pose_map.pose_bone(bone, &self.q, pose);
         }
         Ok(())
     }
 
     /// Solves a sheared pose again until the tips of the posed bones are at their goals, and evaluates them there.
     fn correct(&mut self, pose: &mut Pose) -> Result<(), ReachError> {
-        let goals = |own: &Effector| DVec3::from(own.goal.to_array());
+        let goals = |effector: &Effector| DVec3::from(effector.goal.to_array());
         let goals: Vec<DVec3> = self.effectors.iter().map(goals).collect();
-        let close = TOLERANCE * self.stances.skeleton().size();
-        self.stances.take(pose, &self.moved);
+        let tolerance = TOLERANCE * self.posed.skeleton().size();
+        self.posed.update(pose, &self.moved);
         let mut correction = ShearCorrection::new(&goals, &self.tips());
         let mut nearest = (pose.clone(), self.q.clone());
         let mut before = nearest.clone();
         let mut is_cut = self.workspace.solution().termination.is_cut();
-        while !(is_cut || correction.off() <= close || correction.gives_up()) {
+        while !(is_cut || correction.off() <= tolerance || correction.gives_up()) {
             self.set_tips(&correction.commands());
             self.solve(Pass::Correction, pose)?;
             let solution = self.workspace.solution();
             is_cut = solution.termination.is_cut();
             let reached = solution.reached;
-            self.stances.take(pose, &self.moved);
+            self.posed.update(pose, &self.moved);
             let corrected = correction.learn(&self.tips(), reached);
             if corrected == Corrected::Undone {
                 pose.copy_from(&before.0);
                 self.q.copy_from_slice(&before.1);
-                self.stances.take(pose, &self.moved);
+                self.posed.update(pose, &self.moved);
                 continue;
             }
             before.0.copy_from(pose);
@@ -302,22 +309,25 @@ impl ReachLayer {
         }
         pose.copy_from(&nearest.0);
         self.q.copy_from_slice(&nearest.1);
-        self.stances.take(pose, &self.moved);
+        self.posed.update(pose, &self.moved);
         self.set_tips(&goals);
         self.solve(Pass::Measurement, pose)
     }
 
     /// Tip positions of the effectors in the pose last taken.
     fn tips(&self) -> Vec<DVec3> {
-        let stances = self.effectors.iter().map(|own| self.stances.of(own.bone));
-        stances
-            .map(|own| own.map_or(DVec3::ZERO, |own| own.tip))
+        let bones = self
+            .effectors
+            .iter()
+            .map(|effector| self.posed.bone(effector.bone));
+        bones
+            .map(|bone| bone.map_or(DVec3::ZERO, |bone| bone.tip))
             .collect()
     }
 
     fn set_tips(&mut self, tips: &[DVec3]) {
-        for (own, tip) in self.effectors.iter().zip(tips) {
-            if let Ok(task) = self.targets.get_mut(own.task) {
+        for (effector, tip) in self.effectors.iter().zip(tips) {
+            if let Ok(task) = self.targets.get_mut(effector.task) {
                 task.set_target(Vector3::from(tip.to_array()));
             }
         }
@@ -325,25 +335,25 @@ impl ReachLayer {
 }
 
 /// Clamps a weight to [0, 1].
-fn share(weight: f64) -> f64 {
+fn clamped_weight(weight: f64) -> f64 {
     if weight > 0.0 { weight.min(1.0) } else { 0.0 }
 }
 
 /// The distinct bones, in order of first occurrence.
-fn once(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
+fn unique(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
     let mut seen = BTreeSet::new();
     bones.iter().copied().filter(move |bone| seen.insert(*bone))
 }
 
 /// The bones given and all their ancestors.
-fn above<'a>(skeleton: &Skeleton, bones: impl Iterator<Item = &'a BoneId>) -> Vec<BoneId> {
-    let mut found = BTreeSet::new();
+fn with_ancestors<'a>(skeleton: &Skeleton, bones: impl Iterator<Item = &'a BoneId>) -> Vec<BoneId> {
+    let mut bones_and_ancestors = BTreeSet::new();
     for &bone in bones {
         let mut next = Some(bone);
-        while let Some(bone) = next.filter(|bone| found.insert(*bone)) {
-            let own = skeleton.bones().get(bone.index());
-            next = own.and_then(|own| own.parent);
+        while let Some(bone) = next.filter(|bone| bones_and_ancestors.insert(*bone)) {
+            let entry = skeleton.bones().get(bone.index());
+            next = entry.and_then(|entry| entry.parent);
         }
     }
-    found.into_iter().collect()
+    bones_and_ancestors.into_iter().collect()
 }

@@ -11,13 +11,13 @@ const MAX_SOLVES: usize = 40;
 /// Growth of the distance above which a solve is undone.
 const MAX_GROWTH: f64 = 2.0;
 /// Fraction of a move that is tried after the whole move was undone.
-const SHORTENED: f64 = 0.5;
+const SHORTENING_FACTOR: f64 = 0.5;
 /// Number of consecutive undone moves after which shortening has no effect, because the solver changes the shear
 /// itself. The next solve then starts from the farther pose. If rigid bones do not reach the targets either,
 /// corrections end.
 const MAX_UNDONE: usize = 4;
 /// Fraction of its factors below which a denominator of an update counts as zero.
-const NEGLIGIBLE: f64 = 1e-3;
+const MIN_RELATIVE_DENOMINATOR: f64 = 1e-3;
 
 /// Outcome of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub(crate) enum Corrected {
     /// The nearest pose so far; the next solve starts here.
     Nearest,
     /// A pose from which the next solve starts although an earlier pose is nearer.
-    Onwards,
+    Accepted,
     /// A pose that is much farther; the next solve starts from the previous start.
     Undone,
 }
@@ -37,38 +37,38 @@ pub(crate) struct ShearCorrection {
     /// B ≈ G⁻¹, row by row.
     inverse: Vec<f64>,
     /// Positions in the pose from which the next solve starts.
-    at: Vec<f64>,
+    positions: Vec<f64>,
     /// Largest distance of a point from its target in the nearest pose so far.
-    off: f64,
+    error: f64,
     /// Move s proposed last.
     proposed: Vec<f64>,
     /// Fraction of the next move.
-    share: f64,
+    step_fraction: f64,
     solves: usize,
     undone: usize,
 }
 
 impl ShearCorrection {
-    /// Correction for points at `shown` in a pose, with rigid bones as the first estimate.
-    pub(crate) fn new(targets: &[DVec3], shown: &[DVec3]) -> Self {
+    /// Correction for points at `posed` in a pose, with rigid bones as the first estimate.
+    pub(crate) fn new(targets: &[DVec3], posed: &[DVec3]) -> Self {
         let rows = 3 * targets.len();
-        let mut own = Self {
+        let mut correction = Self {
             targets: flat(targets),
             inverse: identity(rows),
-            at: flat(shown),
-            off: f64::INFINITY,
+            positions: flat(posed),
+            error: f64::INFINITY,
             proposed: vec![0.0; rows],
-            share: 1.0,
+            step_fraction: 1.0,
             solves: 0,
             undone: 0,
         };
-        own.off = largest(&own.missing(&own.at));
-        own
+        correction.error = largest(&correction.errors(&correction.positions));
+        correction
     }
 
     /// Largest distance of a point from its target in the nearest pose so far.
     pub(crate) fn off(&self) -> f64 {
-        self.off
+        self.error
     }
 
     /// Returns true if further solves are not worthwhile.
@@ -78,48 +78,51 @@ impl ShearCorrection {
 
     /// Targets of the next rigid solve.
     pub(crate) fn commands(&mut self) -> Vec<DVec3> {
-        let missing = self.missing(&self.at);
-        let share = self.share;
-        let rows = self.inverse.chunks_exact(missing.len().max(1));
+        let errors = self.errors(&self.positions);
+        let step_fraction = self.step_fraction;
+        let rows = self.inverse.chunks_exact(errors.len().max(1));
         for (row, proposed) in rows.zip(&mut self.proposed) {
-            *proposed = share * dot(row, &missing);
+            *proposed = step_fraction * dot(row, &errors);
         }
-        let commands = self.at.iter().zip(&self.proposed);
-        let commands: Vec<f64> = commands.map(|(at, by)| at + by).collect();
+        let commands = self.positions.iter().zip(&self.proposed);
+        let commands: Vec<f64> = commands.map(|(position, step)| position + step).collect();
         let points = commands.chunks_exact(3);
-        points.map(|at| DVec3::new(at[0], at[1], at[2])).collect()
+        points
+            .map(|point| DVec3::new(point[0], point[1], point[2]))
+            .collect()
     }
 
     /// Updates the estimate from the positions after the last solve. `reached` is true if rigid bones would be at the
     /// commands.
-    pub(crate) fn learn(&mut self, shown: &[DVec3], reached: bool) -> Corrected {
-        let shown = flat(shown);
+    pub(crate) fn learn(&mut self, posed: &[DVec3], reached: bool) -> Corrected {
+        let posed = flat(posed);
         self.solves += 1;
         if reached {
-            let pairs = shown.iter().zip(&self.at);
+            let pairs = posed.iter().zip(&self.positions);
             let moved: Vec<f64> = pairs.map(|(to, from)| to - from).collect();
             self.update(&moved);
         }
-        let [before, off] = [&self.at, &shown].map(|at| largest(&self.missing(at)));
+        let [before, error] =
+            [&self.positions, &posed].map(|positions| largest(&self.errors(positions)));
         let limit = match reached {
             true if self.undone + 1 == MAX_UNDONE => f64::INFINITY,
             true => MAX_GROWTH * before,
             false => before,
         };
-        if off < limit {
-            self.at = shown;
-            (self.undone, self.share) = (0, 1.0);
-            let is_nearest = off < self.off;
-            self.off = self.off.min(off);
+        if error < limit {
+            self.positions = posed;
+            (self.undone, self.step_fraction) = (0, 1.0);
+            let is_nearest = error < self.error;
+            self.error = self.error.min(error);
             return match is_nearest {
                 true => Corrected::Nearest,
-                false => Corrected::Onwards,
+                false => Corrected::Accepted,
             };
         }
         self.undone += 1;
-        self.share *= SHORTENED;
+        self.step_fraction *= SHORTENING_FACTOR;
         if !reached {
-            self.inverse = identity(self.at.len());
+            self.inverse = identity(self.positions.len());
         }
         Corrected::Undone
     }
@@ -134,7 +137,7 @@ impl ShearCorrection {
             .map(|row| dot(row, moved))
             .collect();
         let along = dot(s, &by);
-        if along.abs() <= NEGLIGIBLE * (dot(s, s) * dot(&by, &by)).sqrt() {
+        if along.abs() <= MIN_RELATIVE_DENOMINATOR * (dot(s, s) * dot(&by, &by)).sqrt() {
             return;
         }
         let mut sb = vec![0.0; rows];
@@ -143,17 +146,17 @@ impl ShearCorrection {
                 *sum += s * entry;
             }
         }
-        let wrong = s.iter().zip(&by).map(|(s, by)| (s - by) / along);
-        for (row, wrong) in self.inverse.chunks_exact_mut(rows.max(1)).zip(wrong) {
+        let coefficient = s.iter().zip(&by).map(|(s, by)| (s - by) / along);
+        for (row, coefficient) in self.inverse.chunks_exact_mut(rows.max(1)).zip(coefficient) {
             for (entry, sb) in row.iter_mut().zip(&sb) {
-                *entry += wrong * sb;
+                *entry += coefficient * sb;
             }
         }
     }
 
-    fn missing(&self, at: &[f64]) -> Vec<f64> {
-        let pairs = self.targets.iter().zip(at);
-        pairs.map(|(target, at)| target - at).collect()
+    fn errors(&self, positions: &[f64]) -> Vec<f64> {
+        let pairs = self.targets.iter().zip(positions);
+        pairs.map(|(target, position)| target - position).collect()
     }
 }
 

@@ -106,14 +106,14 @@ impl Armature {
         check_targets(&morph_targets)?;
         let locals: Vec<LocalTransform> = bones.iter().map(|bone| bone.rest).collect();
         let parents = bones.iter().map(|b| b.parent.map_or(-1, |p| p as i32));
-        let own = Self {
+        let armature = Self {
             parents: parents.collect(),
             rest: Pose::new(&locals, morph_targets.len()),
             rest_from_model: vec![Affine3A::IDENTITY; bones.len()],
             names: bones.into_iter().map(|bone| bone.name).collect(),
             morph_targets,
         };
-        Ok(own.with_inverses())
+        Ok(armature.with_inverses())
     }
 
     /// The armature with these morph target weights at rest; the default is zero.
@@ -321,7 +321,7 @@ fn check_targets(names: &[String]) -> Result<(), ArmatureError> {
 }
 
 fn find(kind: &'static str, names: &[String], name: &str) -> Result<usize, UnknownName> {
-    let position = names.iter().position(|own| own == name);
+    let position = names.iter().position(|candidate| candidate == name);
     position.ok_or_else(|| UnknownName::new(kind, name, names.iter().map(String::as_str)))
 }
 

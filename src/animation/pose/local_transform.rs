@@ -4,7 +4,7 @@ use glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
 /// Largest cosine between axes at which a matrix counts as free of shear. Rounding in single precision over a chain of
 /// products stays below it.
-const SQUARE: f32 = 1e-4;
+const MAX_AXIS_COSINE: f32 = 1e-4;
 
 /// Transform of a bone in its parent: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,20 +46,22 @@ impl LocalTransform {
             y_axis: y,
             z_axis: z,
         } = matrix.matrix3;
-        let side = x.cross(y).dot(z).signum();
-        let lengths = Vec3A::new(side * x.length(), y.length(), z.length());
+        let handedness = x.cross(y).dot(z).signum();
+        let lengths = Vec3A::new(handedness * x.length(), y.length(), z.length());
         let axes = [x / lengths.x, y / lengths.y, z / lengths.z];
         let [x, y, z] = axes;
-        let square = [x.dot(y), y.dot(z), z.dot(x)];
+        let cosines = [x.dot(y), y.dot(z), z.dot(x)];
         // These comparisons fail for NaN, which results from a zero length.
-        let square = square.into_iter().all(|cosine| cosine.abs() <= SQUARE);
+        let is_orthogonal = cosines
+            .into_iter()
+            .all(|cosine| cosine.abs() <= MAX_AXIS_COSINE);
         let rotation = Quat::from_mat3a(&Mat3A::from_cols(x, y, z)).normalize();
         let local = Self {
             translation: matrix.translation,
             rotation,
             scale: lengths,
         };
-        (square && local.is_valid()).then_some(local)
+        (is_orthogonal && local.is_valid()).then_some(local)
     }
 
     /// Returns true if all numbers are finite and the rotation is a unit quaternion.

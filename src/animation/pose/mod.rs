@@ -1,9 +1,9 @@
 //! Poses and armatures: local transforms of bones and their model transforms.
 
 mod armature;
-mod in_model;
 mod local_transform;
 mod mirror;
+mod model_space;
 #[allow(clippy::module_inception, reason = "it is the pose itself")]
 mod pose;
 mod scale_note;

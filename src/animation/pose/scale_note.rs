@@ -23,14 +23,14 @@ pub struct ScaleNote {
 impl fmt::Display for ScaleNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.scale;
-        let does = match (self.uneven, self.mirrored) {
+        let effect = match (self.uneven, self.mirrored) {
             (true, true) => "shears and mirrors",
             (true, false) => "shears",
             (false, _) => "mirrors",
         };
         write!(
             f,
-            "bone `{}`: its scale ({x}, {y}, {z}) {does} the bones that rotate below it",
+            "bone `{}`: its scale ({x}, {y}, {z}) {effect} the bones that rotate below it",
             self.bone
         )
     }
@@ -50,14 +50,14 @@ impl Armature {
         &self,
         turning: impl IntoIterator<Item = BoneId>,
     ) -> Vec<ScaleNote> {
-        let mut carries = vec![false; self.bones()];
+        let mut is_ancestor = vec![false; self.bones()];
         for bone in turning {
-            for above in self.upwards(self.parent(bone)) {
-                carries[above.index()] = true;
+            for ancestor in self.bone_and_ancestors(self.parent(bone)) {
+                is_ancestor[ancestor.index()] = true;
             }
         }
-        let carriers = self.bone_ids().filter(|bone| carries[bone.index()]);
-        let noted = carriers.filter_map(|bone| {
+        let ancestors = self.bone_ids().filter(|bone| is_ancestor[bone.index()]);
+        let notes = ancestors.filter_map(|bone| {
             let scale = self.rest().local_of(bone).scale;
             let note = ScaleNote {
                 bone: self.names().get(bone.index())?.clone(),
@@ -67,7 +67,7 @@ impl Armature {
             };
             (note.uneven || note.mirrored).then_some(note)
         });
-        noted.collect()
+        notes.collect()
     }
 
     /// The armature with rest scales of 1. Local translations and rotations do not change, so joints below a scaled

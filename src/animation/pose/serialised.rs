@@ -28,8 +28,8 @@ impl TryFrom<PoseParts> for Pose {
             scales: parts.scales,
             morph_weights: parts.morph_weights,
         };
-        let wrong = |bone: &usize| !pose.local_of(BoneId::new(*bone)).is_valid();
-        match (0..bones).find(wrong) {
+        let is_invalid = |bone: &usize| !pose.local_of(BoneId::new(*bone)).is_valid();
+        match (0..bones).find(is_invalid) {
             Some(bone) => Err(LocalError::NotFinite { bone }),
             None => Ok(pose),
         }

@@ -5,7 +5,7 @@ use glam::{DMat3, DQuat, DVec3, Vec3A};
 use super::Mirror;
 
 /// Largest relative difference of the scales along a bone's axes that counts as rounding.
-const EVEN_WITHIN: f64 = 1e-6;
+const EVENNESS_TOLERANCE: f64 = 1e-6;
 
 /// Q⁻¹ A of a bone, with the linear part A of its model transform and its rotation Q in the model without scales.
 ///
@@ -28,11 +28,13 @@ impl Stretch {
     pub(crate) fn below(self, mirror: Mirror, rotation: DQuat, scale: Vec3A) -> Self {
         let scale = scale.as_dvec3();
         match self {
-            Self::Diagonal(above) if is_even(above) => Self::Diagonal(above * scale),
+            Self::Diagonal(parent_scale) if is_even(parent_scale) => {
+                Self::Diagonal(parent_scale * scale)
+            }
             _ => {
-                let turned = DMat3::from_quat(mirror.rotation(rotation));
+                let axes = DMat3::from_quat(mirror.rotation(rotation));
                 let local = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
-                Self::Sheared(turned.transpose() * self.matrix() * local)
+                Self::Sheared(axes.transpose() * self.matrix() * local)
             }
         }
     }
@@ -66,5 +68,5 @@ impl Stretch {
 /// Returns true if the absolute scales of the axes differ by rounding only.
 fn is_even(scale: DVec3) -> bool {
     let sizes = scale.abs();
-    sizes.max_element() - sizes.min_element() <= EVEN_WITHIN * sizes.max_element()
+    sizes.max_element() - sizes.min_element() <= EVENNESS_TOLERANCE * sizes.max_element()
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::exponential::turn_about_exactly;
+use super::exponential::rotation_about_f64;
 use crate::scalar::elementary;
 
 /// Rotation about an axis. Angles that differ by full turns describe one rotation, as does the opposite axis with the
@@ -53,7 +53,7 @@ impl AxisAngle {
 
     getters! {
         /// Unit quaternion cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
-        pub fn to_quaternion(self) -> DQuat = turn_about_exactly(self.axis, self.angle);
+        pub fn to_quaternion(self) -> DQuat = rotation_about_f64(self.axis, self.angle);
         /// Rotation matrix.
         pub fn to_matrix(self) -> DMat3 = DMat3::from_quat(self.to_quaternion());
         /// Rotation vector, axis × angle. It is unique below half a turn. At half a turn it is discontinuous: π + ε

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::exponential::turn_about_exactly;
+use super::exponential::rotation_about_f64;
 use crate::scalar::elementary::{self, hypot};
 
 /// Axis order of three angles. For the order ABC the rotation is R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2).
@@ -48,7 +48,7 @@ pub struct EulerAngles {
 
 /// Distance in radians from an end of the middle angle's range that counts as gimbal lock. It bounds the rotation's
 /// error.
-const LOCKED: f64 = 1e-9;
+const GIMBAL_LOCK_TOLERANCE: f64 = 1e-9;
 
 impl EulerOrder {
     /// All twelve orders.
@@ -98,7 +98,7 @@ impl EulerOrder {
     pub fn to_quaternion(self, angles: [f64; 3]) -> DQuat {
         let [a, b, c] = self.axes().map(|axis| DVec3::AXES[axis]);
         let [alpha, beta, gamma] = angles;
-        turn_about_exactly(a, alpha) * turn_about_exactly(b, beta) * turn_about_exactly(c, gamma)
+        rotation_about_f64(a, alpha) * rotation_about_f64(b, beta) * rotation_about_f64(c, gamma)
     }
 
     /// Rotation matrix of the angles in radians.
@@ -132,7 +132,10 @@ impl EulerOrder {
         };
         let middle = 2.0 * elementary::atan2(hypot(c, d), hypot(a, b));
         let [half_sum, half_difference] = [elementary::atan2(b, a), elementary::atan2(d, c)];
-        let [near_zero, near_pi] = [middle < LOCKED, PI - middle < LOCKED];
+        let [near_zero, near_pi] = [
+            middle < GIMBAL_LOCK_TOLERANCE,
+            PI - middle < GIMBAL_LOCK_TOLERANCE,
+        ];
         let [first, last] = if near_zero {
             [2.0 * half_sum, 0.0]
         } else if near_pi {

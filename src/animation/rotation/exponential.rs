@@ -7,22 +7,22 @@ use super::AxisAngle;
 use crate::scalar::elementary::{self, single};
 
 /// Rotation about a unit axis by an angle in radians.
-pub(crate) fn turn_about(axis: Vec3, angle: f32) -> Quat {
+pub(crate) fn rotation_about(axis: Vec3, angle: f32) -> Quat {
     let (sin, cos) = single::sin_cos(0.5 * angle);
     Quat::from_vec4((axis * sin).extend(cos))
 }
 
-/// [`turn_about`] in double precision.
-pub(crate) fn turn_about_exactly(axis: DVec3, angle: f64) -> DQuat {
+/// [`rotation_about`] in double precision.
+pub(crate) fn rotation_about_f64(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = elementary::sin_cos(0.5 * angle);
     DQuat::from_vec4((axis * sin).extend(cos))
 }
 
 /// Rotation of a rotation vector, axis × angle in radians.
-pub(crate) fn exp(turn: Vec3) -> Quat {
-    let angle = turn.length();
+pub(crate) fn exp(rotation_vector: Vec3) -> Quat {
+    let angle = rotation_vector.length();
     match angle > 0.0 {
-        true => turn_about(turn / angle, angle),
+        true => rotation_about(rotation_vector / angle, angle),
         false => Quat::IDENTITY,
     }
 }
@@ -37,7 +37,7 @@ pub(crate) fn log(q: Quat) -> Vec3 {
 }
 
 /// Fraction of a rotation along its shorter arc.
-pub(crate) fn share_of(turn: DQuat, share: f64) -> DQuat {
-    let AxisAngle { axis, angle } = AxisAngle::from_quaternion(turn);
-    turn_about_exactly(axis, share * angle)
+pub(crate) fn partial_rotation(rotation: DQuat, fraction: f64) -> DQuat {
+    let AxisAngle { axis, angle } = AxisAngle::from_quaternion(rotation);
+    rotation_about_f64(axis, fraction * angle)
 }

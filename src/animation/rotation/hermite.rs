@@ -13,7 +13,7 @@ use super::slerp::nearer;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotationHermite {
     start: Quat,
-    turns: [Vec3; 3],
+    rotation_vectors: [Vec3; 3],
 }
 
 impl RotationHermite {
@@ -28,7 +28,7 @@ impl RotationHermite {
         let middle = log(middle);
         Self {
             start,
-            turns: [first, middle, last],
+            rotation_vectors: [first, middle, last],
         }
     }
 
@@ -37,13 +37,13 @@ impl RotationHermite {
     pub fn at(&self, u: f32) -> Quat {
         let rest = 1.0 - u;
         // Cumulative Bernstein polynomials of degree three.
-        let shares = [1.0 - rest * rest * rest, u * u * (3.0 - 2.0 * u), u * u * u];
-        let turned = self
-            .turns
+        let weights = [1.0 - rest * rest * rest, u * u * (3.0 - 2.0 * u), u * u * u];
+        let rotation = self
+            .rotation_vectors
             .iter()
-            .zip(shares)
-            .fold(self.start, |q, (turn, share)| q * exp(*turn * share));
-        turned.normalize()
+            .zip(weights)
+            .fold(self.start, |q, (vector, weight)| q * exp(*vector * weight));
+        rotation.normalize()
     }
 }
 
@@ -53,20 +53,23 @@ impl RotationHermite {
 /// Times strictly increase, one for each rotation. With fewer than two keys all rates are zero.
 #[must_use]
 pub fn mean_rates(times: &[f32], rotations: &[Quat]) -> Vec<Vec3> {
-    let turns: Vec<(Vec3, f32)> = rotations
+    let segment_rotations: Vec<(Vec3, f32)> = rotations
         .windows(2)
         .zip(times.windows(2))
         .map(|(q, t)| {
-            let turn = q[0].conjugate() * nearer(q[1], q[0]);
-            (log(turn), t[1] - t[0])
+            let rotation = q[0].conjugate() * nearer(q[1], q[0]);
+            (log(rotation), t[1] - t[0])
         })
         .collect();
     (0..rotations.len())
         .map(|key| {
             let sides = [key.checked_sub(1), Some(key)];
-            let sides = sides.into_iter().flatten().filter_map(|k| turns.get(k));
-            let sum = sides.fold((Vec3::ZERO, 0.0), |(turn, time), (t, dt)| {
-                (turn + *t, time + dt)
+            let sides = sides
+                .into_iter()
+                .flatten()
+                .filter_map(|k| segment_rotations.get(k));
+            let sum = sides.fold((Vec3::ZERO, 0.0), |(rotation, time), (t, dt)| {
+                (rotation + *t, time + dt)
             });
             if sum.1 > 0.0 {
                 sum.0 / sum.1

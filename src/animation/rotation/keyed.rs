@@ -93,12 +93,14 @@ impl RotationCurve {
     pub fn squad(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
         let mut curve = Self::slerp(times, rotations)?;
         let keys = &curve.rotations;
-        let neighbour = |key: Option<usize>, own: Quat| {
-            key.and_then(|key| keys.get(key)).copied().unwrap_or(own)
+        let neighbour = |key: Option<usize>, rotation: Quat| {
+            key.and_then(|key| keys.get(key))
+                .copied()
+                .unwrap_or(rotation)
         };
-        let controls = keys.iter().enumerate().map(|(key, &own)| {
-            let before = neighbour(key.checked_sub(1), own);
-            squad_control(before, own, neighbour(Some(key + 1), own))
+        let controls = keys.iter().enumerate().map(|(key, &rotation)| {
+            let before = neighbour(key.checked_sub(1), rotation);
+            squad_control(before, rotation, neighbour(Some(key + 1), rotation))
         });
         curve.between = BetweenRotations::Squad(controls.collect());
         Ok(curve)
@@ -129,8 +131,8 @@ impl RotationCurve {
         check_count("values", rotations.len(), times.len())?;
         check_count("tangents", tangents.len(), times.len())?;
         for (key, (rotation, rates)) in rotations.iter_mut().zip(&mut tangents).enumerate() {
-            let (own, scale) = unit(key, *rotation)?;
-            *rotation = own;
+            let (unit_rotation, scale) = unit(key, *rotation)?;
+            *rotation = unit_rotation;
             *rates = rates.map(|rate| rate * scale);
             if !rates.iter().all(|rate| rate.is_finite()) {
                 let what = "tangent";
@@ -219,8 +221,8 @@ fn unit(key: usize, q: Quat) -> Result<(Quat, f32), KeyError> {
         return Err(KeyError::ZeroRotation { key });
     }
     // A quaternion that is normalised up to rounding keeps its exact bits.
-    const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
-    if (length - 1.0).abs() <= ROUNDING {
+    const UNIT_TOLERANCE: f64 = 0.5 * f32::EPSILON as f64;
+    if (length - 1.0).abs() <= UNIT_TOLERANCE {
         return Ok((q.as_quat(), 1.0));
     }
     Ok(((q / length).as_quat(), (1.0 / length) as f32))

@@ -23,22 +23,22 @@ impl TryFrom<Keys> for RotationCurve {
             rotations,
             between,
         } = keys;
-        let check = |given: usize, odd: Option<usize>| {
+        let check = |given: usize, invalid_key: Option<usize>| {
             check_count("tangents", given, times.len())?;
             let what = "tangent";
-            odd.map_or(Ok(()), |key| Err(KeyError::NonFiniteValue { key, what }))
+            invalid_key.map_or(Ok(()), |key| Err(KeyError::NonFiniteValue { key, what }))
         };
         match &between {
             // A cubic preserves the signs of its quaternions.
             BetweenRotations::Cubic(rates) => return Self::cubic(times, rotations, rates.clone()),
             BetweenRotations::Eased(easings) => check_count("easings", easings.len(), times.len())?,
             BetweenRotations::Squad(controls) => {
-                let odd = controls.iter().position(|q| !q.is_finite());
-                check(controls.len(), odd)?;
+                let invalid_key = controls.iter().position(|q| !q.is_finite());
+                check(controls.len(), invalid_key)?;
             }
             BetweenRotations::Hermite(rates) => {
-                let odd = rates.iter().position(|rate| !rate.is_finite());
-                check(rates.len(), odd)?;
+                let invalid_key = rates.iter().position(|rate| !rate.is_finite());
+                check(rates.len(), invalid_key)?;
             }
             BetweenRotations::Step | BetweenRotations::Slerp => {}
         }

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use crate::scalar::elementary::single;
 
 /// Cosine above which the arc is straight to single precision, and sin Ω too small to divide by.
-const CLOSE: f32 = 0.9995;
+const MIN_NLERP_COSINE: f32 = 0.9995;
 
 /// `q` or −q, which describe one rotation: the one on the hemisphere of `reference`.
 #[inline]
@@ -35,7 +35,7 @@ pub fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
 /// [`slerp`] without a choice of sign, even if the arc is the longer one for the rotations.
 pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
     let cosine = from.dot(to);
-    if cosine > CLOSE {
+    if cosine > MIN_NLERP_COSINE {
         return (from * (1.0 - t) + to * t).normalize();
     }
     // From sine and cosine, because the arc cosine loses digits at small angles.
@@ -45,7 +45,7 @@ pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
         return from;
     }
     let angle = single::atan2(sine, cosine);
-    let [a, b] = [1.0 - t, t].map(|share| single::sin(share * angle) / sine);
+    let [a, b] = [1.0 - t, t].map(|weight| single::sin(weight * angle) / sine);
     (from * a + to * b).normalize()
 }
 
@@ -55,10 +55,10 @@ pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
 #[must_use]
 pub fn slerp_vectors(from: Vec3, to: Vec3, t: f32) -> Vec3 {
     let cosine = from.dot(to);
-    let across = to - from * cosine;
-    let sine = across.length();
+    let perpendicular = to - from * cosine;
+    let sine = perpendicular.length();
     let w = if sine > 1e-6 {
-        across / sine
+        perpendicular / sine
     } else if cosine < 0.0 {
         from.any_orthonormal_vector()
     } else {

@@ -4,7 +4,7 @@ use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
 };
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, MachineNames, at, finite};
+use super::lookup::{Checked, MachineNames, error_at, finite};
 use crate::animation::Easing;
 
 #[derive(Clone, Debug)]
@@ -40,79 +40,93 @@ impl Transition {
     /// Checks a transition against the states and parameters of the machine.
     pub(super) fn new(
         path: &str,
-        given: &TransitionDefinition,
+        definition: &TransitionDefinition,
         names: &MachineNames<'_>,
     ) -> Checked<Self> {
-        let from = match &given.from {
+        let from = match &definition.from {
             Some(from) => Some(names.state(|| format!("{path}.from"), from)?),
             None => None,
         };
-        if from.is_none() && given.when.is_empty() {
+        if from.is_none() && definition.when.is_empty() {
             let path = format!("{path}.when");
-            return Err(at(path, StateMachineProblem::Unconditional));
+            return Err(error_at(path, StateMachineProblem::Unconditional));
         }
         let durations = [
-            ("seconds", Some(given.seconds)),
-            ("after", given.after),
-            ("after_seconds", given.after_seconds),
+            ("seconds", Some(definition.seconds)),
+            ("after", definition.after),
+            ("after_seconds", definition.after_seconds),
         ];
         for (key, seconds) in durations {
             if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
                 let problem = StateMachineProblem::BadDuration { seconds };
-                return Err(at(format!("{path}.{key}"), problem));
+                return Err(error_at(format!("{path}.{key}"), problem));
             }
         }
-        let conditions = given.when.iter().enumerate();
-        let conditions = conditions
-            .map(|(index, given)| Condition::new(&format!("{path}.when[{index}]"), given, names));
+        let conditions = definition.when.iter().enumerate();
+        let conditions = conditions.map(|(index, definition)| {
+            Condition::new(&format!("{path}.when[{index}]"), definition, names)
+        });
         Ok(Self {
             from,
-            to: names.state(|| format!("{path}.to"), &given.to)?,
-            seconds: given.seconds,
-            easing: given.easing,
-            in_step: given.in_step,
-            after: given.after,
-            after_seconds: given.after_seconds,
+            to: names.state(|| format!("{path}.to"), &definition.to)?,
+            seconds: definition.seconds,
+            easing: definition.easing,
+            in_step: definition.in_step,
+            after: definition.after,
+            after_seconds: definition.after_seconds,
             conditions: conditions.collect::<Checked<_>>()?,
-            interruption: given.interruption,
+            interruption: definition.interruption,
         })
     }
 }
 
 impl Condition {
-    fn new(path: &str, given: &ConditionDefinition, names: &MachineNames<'_>) -> Checked<Self> {
-        let place = || format!("{path}.parameter");
-        let (parameter, default) = names.parameter(place, &given.parameter)?;
-        for (key, bound) in [("above", given.above), ("below", given.below)] {
+    fn new(
+        path: &str,
+        definition: &ConditionDefinition,
+        names: &MachineNames<'_>,
+    ) -> Checked<Self> {
+        let parameter_path = || format!("{path}.parameter");
+        let (parameter, default) = names.parameter(parameter_path, &definition.parameter)?;
+        for (key, bound) in [("above", definition.above), ("below", definition.below)] {
             if let Some(bound) = bound {
                 finite(|| format!("{path}.{key}"), f64::from(bound))?;
             }
         }
-        if let Some((above, below)) = given.above.zip(given.below).filter(|(a, b)| a >= b) {
-            return Err(at(path, StateMachineProblem::NoNumber { above, below }));
+        if let Some((above, below)) = definition
+            .above
+            .zip(definition.below)
+            .filter(|(a, b)| a >= b)
+        {
+            return Err(error_at(
+                path,
+                StateMachineProblem::NoNumber { above, below },
+            ));
         }
-        let wrong = |expected| {
+        let mismatch = |expected| {
             let problem = StateMachineProblem::WrongCondition {
-                parameter: given.parameter.clone(),
+                parameter: definition.parameter.clone(),
                 kind: default.kind(),
                 expected,
             };
-            Err(at(path, problem))
+            Err(error_at(path, problem))
         };
-        let bounds = given.above.is_some() || given.below.is_some();
-        match (default, given.is) {
-            (ParameterDefault::Number(_), None) if bounds => Ok(Self::Between {
+        let has_bounds = definition.above.is_some() || definition.below.is_some();
+        match (default, definition.is) {
+            (ParameterDefault::Number(_), None) if has_bounds => Ok(Self::Between {
                 parameter,
-                above: given.above.unwrap_or(f32::NEG_INFINITY),
-                below: given.below.unwrap_or(f32::INFINITY),
+                above: definition.above.unwrap_or(f32::NEG_INFINITY),
+                below: definition.below.unwrap_or(f32::INFINITY),
             }),
-            (ParameterDefault::Number(_), _) => wrong("`above`, `below` or both"),
-            (ParameterDefault::Flag(_), Some(value)) if !bounds => {
+            (ParameterDefault::Number(_), _) => mismatch("`above`, `below` or both"),
+            (ParameterDefault::Flag(_), Some(value)) if !has_bounds => {
                 Ok(Self::Is { parameter, value })
             }
-            (ParameterDefault::Flag(_), _) => wrong("`is` and nothing else"),
-            (ParameterDefault::Trigger(_), None) if !bounds => Ok(Self::Triggered { parameter }),
-            (ParameterDefault::Trigger(_), _) => wrong("neither bounds nor `is`"),
+            (ParameterDefault::Flag(_), _) => mismatch("`is` and nothing else"),
+            (ParameterDefault::Trigger(_), None) if !has_bounds => {
+                Ok(Self::Triggered { parameter })
+            }
+            (ParameterDefault::Trigger(_), _) => mismatch("neither bounds nor `is`"),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::model::UnknownName;
 
 pub(super) type Checked<T> = Result<T, StateMachineError>;
 
-pub(super) fn at(path: impl Into<String>, problem: StateMachineProblem) -> StateMachineError {
+pub(super) fn error_at(path: impl Into<String>, problem: StateMachineProblem) -> StateMachineError {
     StateMachineError {
         path: path.into(),
         problem,
@@ -17,7 +17,7 @@ pub(super) fn finite(path: impl FnOnce() -> String, value: f64) -> Checked<()> {
     if value.is_finite() {
         return Ok(());
     }
-    Err(at(path(), StateMachineProblem::NotFinite { value }))
+    Err(error_at(path(), StateMachineProblem::NotFinite { value }))
 }
 
 /// Index of a name.
@@ -28,10 +28,12 @@ pub(super) fn find<'a>(
     mut valid: impl Iterator<Item = &'a str> + Clone,
 ) -> Checked<usize> {
     let names = valid.clone();
-    valid.position(|own| own == name).ok_or_else(|| {
-        let unknown = UnknownName::new(kind, name, names);
-        at(path(), StateMachineProblem::Unknown(unknown))
-    })
+    valid
+        .position(|candidate| candidate == name)
+        .ok_or_else(|| {
+            let unknown = UnknownName::new(kind, name, names);
+            error_at(path(), StateMachineProblem::Unknown(unknown))
+        })
 }
 
 /// Names that transitions may use.

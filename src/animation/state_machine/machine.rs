@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::condition::Transition;
 use super::definition::{ParameterDefault, StateMachineDefinition};
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, MachineNames, at, finite};
+use super::lookup::{Checked, MachineNames, error_at, finite};
 use super::motion::Motion;
 use crate::animation::{Clip, Playback};
 
@@ -51,7 +51,7 @@ impl StateMachine {
             if states.iter().any(|other| other.name == state.name) {
                 let name = state.name.clone();
                 let problem = StateMachineProblem::DuplicateState { name };
-                return Err(at(format!("{path}.name"), problem));
+                return Err(error_at(format!("{path}.name"), problem));
             }
             let motion = Motion::new(&path, &state.motion, clips, &parameters, &mut bones)?;
             finite(|| format!("{path}.speed"), state.speed)?;
@@ -63,7 +63,7 @@ impl StateMachine {
             });
         }
         if states.is_empty() {
-            return Err(at("states", StateMachineProblem::NoStates));
+            return Err(error_at("states", StateMachineProblem::NoStates));
         }
         let names = MachineNames {
             parameters: &parameters,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::definition::{MotionDefinition, ParameterDefault};
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, at, find, finite};
+use super::lookup::{Checked, error_at, find, finite};
 use crate::animation::clip::named::position;
 use crate::animation::{Clip, ClipNameError};
 
@@ -21,7 +21,7 @@ pub(super) struct Motion {
 pub(super) struct Mix {
     pub(super) first: usize,
     /// Weight of the next clip, within [0, 1); above 0 a next clip exists.
-    pub(super) share: f32,
+    pub(super) next_weight: f32,
 }
 
 impl Motion {
@@ -35,28 +35,31 @@ impl Motion {
 
     /// Active clips at the values of the parameters.
     pub(super) fn mix(&self, values: &[ParameterDefault]) -> Mix {
-        let alone = |first| Mix { first, share: 0.0 };
+        let single = |first| Mix {
+            first,
+            next_weight: 0.0,
+        };
         let value = match self.parameter.and_then(|index| values.get(index)) {
             Some(ParameterDefault::Number(value)) => *value,
-            _ => return alone(0),
+            _ => return single(0),
         };
         let above = self.clips.partition_point(|(at, _)| *at <= value);
         if above == 0 || above == self.clips.len() {
-            return alone(above.saturating_sub(1));
+            return single(above.saturating_sub(1));
         }
         let [low, high, value] =
             [self.clips[above - 1].0, self.clips[above].0, value].map(f64::from);
         Mix {
             first: above - 1,
-            share: ((value - low) / (high - low)) as f32,
+            next_weight: ((value - low) / (high - low)) as f32,
         }
     }
 
     /// Active clips with their weights, which are above 0 and sum to 1.
     pub(super) fn playing(&self, mix: Mix) -> impl Iterator<Item = (&Clip, f32)> {
-        let shares = [1.0 - mix.share, mix.share].into_iter();
-        let clips = self.clips().skip(mix.first).zip(shares);
-        clips.filter(|(_, share)| *share > 0.0)
+        let weights = [1.0 - mix.next_weight, mix.next_weight].into_iter();
+        let clips = self.clips().skip(mix.first).zip(weights);
+        clips.filter(|(_, weight)| *weight > 0.0)
     }
 
     /// Duration of a cycle at speed 1 in seconds: the mean over clips of non-zero duration.
@@ -90,13 +93,13 @@ impl Motion {
                 motion.clips.push((0.0, clip));
             }
             MotionDefinition::Blend(blend) => {
-                let place = || format!("{path}.blend.parameter");
+                let parameter_path = || format!("{path}.blend.parameter");
                 let numbers = parameters.iter();
                 let numbers = numbers.filter(|(_, d)| matches!(d, ParameterDefault::Number(_)));
                 let names = numbers.map(|(name, _)| name.as_str());
-                find(place, "number", &blend.parameter, names)?;
-                let own = |(name, _): &(String, _)| *name == blend.parameter;
-                motion.parameter = parameters.iter().position(own);
+                find(parameter_path, "number", &blend.parameter, names)?;
+                let is_parameter = |(name, _): &(String, _)| *name == blend.parameter;
+                motion.parameter = parameters.iter().position(is_parameter);
                 for (index, given) in blend.clips.iter().enumerate() {
                     let path = format!("{path}.blend.clips[{index}]");
                     finite(|| format!("{path}.at"), f64::from(given.at))?;
@@ -106,14 +109,14 @@ impl Motion {
                             before,
                             at: given.at,
                         };
-                        return Err(at(format!("{path}.at"), problem));
+                        return Err(error_at(format!("{path}.at"), problem));
                     }
                     let clip = look_up(&format!("{path}.clip"), &given.clip, clips, bones)?;
                     motion.clips.push((given.at, clip));
                 }
                 if motion.clips.is_empty() {
                     let path = format!("{path}.blend.clips");
-                    return Err(at(path, StateMachineProblem::EmptyBlend));
+                    return Err(error_at(path, StateMachineProblem::EmptyBlend));
                 }
             }
         }
@@ -129,21 +132,21 @@ fn look_up(
     bones: &mut Option<usize>,
 ) -> Checked<Arc<Clip>> {
     let names = clips.iter().map(|clip| clip.name());
-    let found = position(names, name).map_err(|error| {
+    let index = position(names, name).map_err(|error| {
         let problem = match error {
             ClipNameError::Unknown(unknown) => StateMachineProblem::Unknown(unknown),
             ambiguous => StateMachineProblem::ClipName(ambiguous),
         };
-        at(path, problem)
+        error_at(path, problem)
     })?;
-    let clip = &clips[found];
+    let clip = &clips[index];
     let namesakes = clips.iter().filter(|other| other.name() == clip.name());
     if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
         let problem = StateMachineProblem::AmbiguousClip {
             clip: name.to_owned(),
             clips: namesakes.count(),
         };
-        return Err(at(path, problem));
+        return Err(error_at(path, problem));
     }
     let expected = *bones.get_or_insert(clip.bones());
     if clip.bones() != expected {
@@ -152,7 +155,7 @@ fn look_up(
             bones: clip.bones(),
             expected,
         };
-        return Err(at(path, problem));
+        return Err(error_at(path, problem));
     }
     Ok(Arc::clone(clip))
 }

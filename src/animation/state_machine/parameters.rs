@@ -38,11 +38,12 @@ impl StateMachineRun {
     /// Index of the parameter of a kind and name.
     fn parameter(&self, kind: &'static str, name: &str) -> Result<usize, ParameterError> {
         let parameters = self.machine.parameters.iter();
-        let mut all = parameters.clone();
-        let found = all.position(|(own, default)| own == name && default.kind() == kind);
-        found.ok_or_else(|| {
+        let mut candidates = parameters.clone();
+        let index =
+            candidates.position(|(parameter, default)| parameter == name && default.kind() == kind);
+        index.ok_or_else(|| {
             let valid = parameters.filter(|(_, default)| default.kind() == kind);
-            let valid = valid.map(|(own, _)| own.as_str());
+            let valid = valid.map(|(parameter, _)| parameter.as_str());
             ParameterError::Unknown(UnknownName::new(kind, name, valid))
         })
     }
@@ -102,7 +103,7 @@ impl StateMachineRun {
         }))
     }
 
-    pub(super) fn holds(&self, condition: Condition) -> bool {
+    pub(super) fn is_satisfied(&self, condition: Condition) -> bool {
         match condition {
             Condition::Between {
                 parameter,

@@ -6,7 +6,7 @@ use super::motion::Mix;
 use crate::animation::{Clip, Cursor, Easing, Fired, Passage, Playhead, Pose, SizeMismatch};
 
 /// Times within this distance count as equal, seconds; sums of steps are rounded.
-pub(super) const MOMENT: f64 = 1e-9;
+pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 
 /// State with its playback position.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(super) struct Playing {
     /// Time since the state was entered, seconds.
     pub(super) seconds: f64,
     /// Playback position in cycles, common to all clips.
-    head: Playhead,
+    playhead: Playhead,
     /// Playback position when the state was entered, cycles.
     entered_at: f64,
     cursors: Vec<Cursor>,
@@ -30,20 +30,20 @@ impl Playing {
     /// Starts a state at this state's fraction of the cycle.
     pub(super) fn start_in_step(&self, machine: &StateMachine, state: usize) -> Self {
         let playback = machine.states[self.state].playback;
-        let place = playback.within(self.head.elapsed(), [0.0, 1.0]);
-        Self::start_at(machine, state, place)
+        let position = playback.within(self.playhead.elapsed(), [0.0, 1.0]);
+        Self::start_at(machine, state, position)
     }
 
     /// Starts a state at a position in cycles.
-    fn start_at(machine: &StateMachine, state: usize, place: f64) -> Self {
+    fn start_at(machine: &StateMachine, state: usize, position: f64) -> Self {
         let entered = &machine.states[state];
-        let mut head = Playhead::starting_at(place);
-        head.speed = entered.speed;
+        let mut playhead = Playhead::starting_at(position);
+        playhead.speed = entered.speed;
         Self {
             state,
             seconds: 0.0,
-            head,
-            entered_at: place,
+            playhead,
+            entered_at: position,
             cursors: vec![Cursor::new(); entered.motion.clips().len()],
         }
     }
@@ -60,12 +60,12 @@ impl Playing {
     ) -> bool {
         self.seconds += seconds;
         let length = state.motion.length(mix);
-        let times = if length > 0.0 { seconds / length } else { 0.0 };
-        let passage = self.head.advance(times);
+        let cycles = if length > 0.0 { seconds / length } else { 0.0 };
+        let passage = self.playhead.advance(cycles);
         let playing = state.motion.playing(mix);
-        let mut all = true;
+        let mut is_complete = true;
         for (clip, weight) in playing.filter(|(clip, _)| !clip.events().is_empty()) {
-            let [from, to] = [passage.from, passage.to].map(|times| times * clip.duration());
+            let [from, to] = [passage.from, passage.to].map(|cycles| cycles * clip.duration());
             let passage = Passage {
                 from,
                 to,
@@ -73,19 +73,19 @@ impl Playing {
             };
             for fired in clip.fired(state.playback, passage) {
                 if *budget == 0 {
-                    all = false;
+                    is_complete = false;
                     break;
                 }
                 *budget -= 1;
-                let share = if from == to {
+                let fraction = if from == to {
                     0.0
                 } else {
                     (fired.elapsed - from) / (to - from)
                 };
-                on_event(clip, weight, fired, share);
+                on_event(clip, weight, fired, fraction);
             }
         }
-        all
+        is_complete
     }
 
     /// Writes the pose; `other` is a scratch pose.
@@ -98,13 +98,13 @@ impl Playing {
     ) -> Result<(), SizeMismatch> {
         let mut sample = |index: usize, pose: &mut Pose| {
             let clip = state.motion.clip(index);
-            let time = clip.start() + self.head.elapsed() * clip.duration();
+            let time = clip.start() + self.playhead.elapsed() * clip.duration();
             clip.sample(time, state.playback, &mut self.cursors[index], pose)
         };
         sample(mix.first, pose)?;
-        if mix.share > 0.0 {
+        if mix.next_weight > 0.0 {
             sample(mix.first + 1, other)?;
-            pose.cross_fade(other, mix.share)?;
+            pose.cross_fade(other, mix.next_weight)?;
         }
         Ok(())
     }
@@ -112,18 +112,18 @@ impl Playing {
     /// Cycles played since the state was entered; 1 if all clips have zero duration.
     pub(super) fn played(&self, state: &State) -> f64 {
         match state.motion.clips().any(|clip| clip.duration() > 0.0) {
-            true => (self.head.elapsed() - self.entered_at).abs(),
+            true => (self.playhead.elapsed() - self.entered_at).abs(),
             false => 1.0,
         }
     }
 
-    /// Seconds until the clips have played `times` cycles; 0 if they have, infinite if they never will.
-    pub(super) fn until_played(&self, state: &State, mix: Mix, times: f64) -> f64 {
-        let missing = times - self.played(state);
-        let each = state.motion.length(mix) / state.speed.abs();
-        match missing <= 0.0 {
+    /// Seconds until the clips have played `cycles` cycles; 0 if they have, infinite if they never will.
+    pub(super) fn seconds_until_played(&self, state: &State, mix: Mix, cycles: f64) -> f64 {
+        let remaining_cycles = cycles - self.played(state);
+        let cycle_seconds = state.motion.length(mix) / state.speed.abs();
+        match remaining_cycles <= 0.0 {
             true => 0.0,
-            false if each > 0.0 => missing * each,
+            false if cycle_seconds > 0.0 => remaining_cycles * cycle_seconds,
             false => f64::INFINITY,
         }
     }
@@ -176,18 +176,18 @@ impl Progress {
     /// Advances; returns false once the cross-fade is over.
     pub(super) fn advance(&mut self, seconds: f64) -> bool {
         self.elapsed += seconds;
-        self.left() > MOMENT
+        self.remaining() > TIME_TOLERANCE
     }
 
     getters! {
-        pub(super) fn left(&self) -> f64 = self.seconds - self.elapsed;
+        pub(super) fn remaining(&self) -> f64 = self.seconds - self.elapsed;
         /// Elapsed fraction of the duration.
-        pub(super) fn of_time(&self) -> f32 = (self.elapsed / self.seconds) as f32;
+        pub(super) fn time_fraction(&self) -> f32 = (self.elapsed / self.seconds) as f32;
     }
 
     /// Weight of the entered state in the pose, `ahead` seconds from now.
-    pub(super) fn share(&self, ahead: f64) -> f32 {
+    pub(super) fn weight_at(&self, lookahead: f64) -> f32 {
         self.easing
-            .at(((self.elapsed + ahead) / self.seconds) as f32)
+            .at(((self.elapsed + lookahead) / self.seconds) as f32)
     }
 }

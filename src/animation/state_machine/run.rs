@@ -39,7 +39,7 @@ impl StateMachineRun {
     /// # Errors
     /// The pose is of another armature than the clips.
     pub fn new(machine: Arc<StateMachine>, rest: &Pose) -> Result<Self, SizeMismatch> {
-        let mut own = Self {
+        let mut run = Self {
             values: machine.parameters.iter().map(|(_, value)| *value).collect(),
             triggered: vec![false; machine.parameters.len()],
             current: Playing::start(&machine, machine.initial),
@@ -50,19 +50,19 @@ impl StateMachineRun {
             others: [rest.clone(), rest.clone()],
             machine,
         };
-        let machine = Arc::clone(&own.machine);
+        let machine = Arc::clone(&run.machine);
         for state in &machine.states {
             for clip in state.motion.clips() {
                 clip.sample(
                     clip.start(),
                     state.playback,
                     &mut Cursor::new(),
-                    &mut own.pose,
+                    &mut run.pose,
                 )?;
             }
         }
-        own.show()?;
-        Ok(own)
+        run.update_pose()?;
+        Ok(run)
     }
 
     getters! {
@@ -95,7 +95,7 @@ impl StateMachineRun {
     /// Progress of the cross-fade as the fraction of its duration within [0, 1); `None` without a cross-fade.
     #[must_use]
     pub fn fading(&self) -> Option<f32> {
-        self.fade.as_ref().map(|fade| fade.progress.of_time())
+        self.fade.as_ref().map(|fade| fade.progress.time_fraction())
     }
 
     /// Source state of the cross-fade; `None` without a cross-fade, or if it starts from the pose of an interrupted
@@ -125,24 +125,24 @@ impl StateMachineRun {
         mut on_event: impl FnMut(StateEvent<'_>),
     ) -> Result<(), SizeMismatch> {
         let machine = Arc::clone(&self.machine);
-        let mut left = if seconds.is_finite() {
+        let mut remaining = if seconds.is_finite() {
             seconds.max(0.0)
         } else {
             0.0
         };
-        let mut most = Self::MOST_TRANSITIONS;
+        let mut transitions_left = Self::MOST_TRANSITIONS;
         let mut budget = Self::MOST_EVENTS;
         self.events_left_out = false;
         loop {
-            most -= self.take_all(&machine, most)?;
-            let step = match most {
-                0 => left,
-                _ => left.min(self.until_change(&machine)),
+            transitions_left -= self.take_transitions(&machine, transitions_left)?;
+            let step = match transitions_left {
+                0 => remaining,
+                _ => remaining.min(self.seconds_until_change(&machine)),
             };
             self.advance(&machine, step, &mut budget, &mut on_event);
-            left -= step;
-            if left <= 0.0 {
-                return self.show();
+            remaining -= step;
+            if remaining <= 0.0 {
+                return self.update_pose();
             }
         }
     }
@@ -155,22 +155,29 @@ impl StateMachineRun {
         budget: &mut usize,
         on_event: &mut impl FnMut(StateEvent<'_>),
     ) {
-        let mut all = true;
+        let mut is_complete = true;
         let progress = self.fade.as_ref().map(|fade| fade.progress);
         // Weight of the entered state at a fraction of this step.
-        let entered = |at: f64| progress.map_or(1.0, |progress| progress.share(at * seconds));
+        let entered =
+            |fraction: f64| progress.map_or(1.0, |progress| progress.weight_at(fraction * seconds));
         if let Some(fade) = &mut self.fade {
             if let Origin::State(from) = &mut fade.from {
                 let state = &machine.states[from.state];
                 let mix = state.motion.mix(&self.values);
-                all &= from.advance(state, mix, seconds, budget, |clip, weight, fired, at| {
-                    on_event(StateEvent {
-                        state: &state.name,
-                        clip: clip.name(),
-                        event: fired.event,
-                        weight: weight * (1.0 - entered(at)),
-                    });
-                });
+                is_complete &= from.advance(
+                    state,
+                    mix,
+                    seconds,
+                    budget,
+                    |clip, weight, fired, fraction| {
+                        on_event(StateEvent {
+                            state: &state.name,
+                            clip: clip.name(),
+                            event: fired.event,
+                            weight: weight * (1.0 - entered(fraction)),
+                        });
+                    },
+                );
             }
             if !fade.progress.advance(seconds) {
                 self.fade = None;
@@ -178,34 +185,38 @@ impl StateMachineRun {
         }
         let state = &machine.states[self.current.state];
         let mix = state.motion.mix(&self.values);
-        all &= self
-            .current
-            .advance(state, mix, seconds, budget, |clip, weight, fired, at| {
+        is_complete &= self.current.advance(
+            state,
+            mix,
+            seconds,
+            budget,
+            |clip, weight, fired, fraction| {
                 on_event(StateEvent {
                     state: &state.name,
                     clip: clip.name(),
                     event: fired.event,
-                    weight: weight * entered(at),
+                    weight: weight * entered(fraction),
                 });
-            });
-        self.events_left_out |= !all;
+            },
+        );
+        self.events_left_out |= !is_complete;
     }
 
     /// Writes the pose.
-    pub(super) fn show(&mut self) -> Result<(), SizeMismatch> {
-        let [other, third] = &mut self.others;
+    pub(super) fn update_pose(&mut self) -> Result<(), SizeMismatch> {
+        let [other, buffer] = &mut self.others;
         let mut sample = |playing: &mut Playing, pose: &mut Pose| {
             let state = &self.machine.states[playing.state];
-            playing.sample(state, state.motion.mix(&self.values), pose, third)
+            playing.sample(state, state.motion.mix(&self.values), pose, buffer)
         };
         let Some(fade) = &mut self.fade else {
             return sample(&mut self.current, &mut self.pose);
         };
         match &mut fade.from {
             Origin::State(from) => sample(from, &mut self.pose)?,
-            Origin::Still(still) => self.pose.copy_from(still),
+            Origin::Still(pose) => self.pose.copy_from(pose),
         }
         sample(&mut self.current, other)?;
-        self.pose.cross_fade(other, fade.progress.share(0.0))
+        self.pose.cross_fade(other, fade.progress.weight_at(0.0))
     }
 }

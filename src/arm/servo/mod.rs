@@ -517,8 +517,9 @@ impl Servo<'_> {
             }
         }
         let errors = self.workspace.judge_x();
-        let metres = arm.options.metres_per_radian;
-        self.goal_error = (errors.position / metres).hypot(errors.orientation);
+        let position = errors.position / arm.options.metres_per_radian;
+        let square = position * position + errors.orientation * errors.orientation;
+        self.goal_error = square.sqrt();
         self.hold_at_limits(errors.reached);
         self.branch
             .end_step(self.arm, &mut self.workspace, errors.reached);

@@ -50,7 +50,7 @@ pub struct Clearance(Numeric<Distances>);
 struct Distances {
     scene: Arc<Scene>,
     distance: f64,
-    inequalities: WorkspacePool,
+    workspaces: WorkspacePool,
 }
 
 impl Clearance {
@@ -61,7 +61,7 @@ impl Clearance {
         Self(Numeric(Distances {
             scene: Arc::clone(&checker.scene),
             distance,
-            inequalities: WorkspacePool::default(),
+            workspaces: WorkspacePool::default(),
         }))
     }
 
@@ -88,37 +88,37 @@ impl Distances {
     fn visit(
         &self,
         frames: &[Placement<f64>],
-        mut each: impl FnMut(Pair, usize, f64, &Separation),
+        mut visitor: impl FnMut(Pair, usize, f64, &Separation),
     ) {
-        let mut room = self.inequalities.take();
+        let mut workspace = self.workspaces.take();
         self.scene
-            .visit(frames, self.distance, &mut room, |pair, separation| {
-                let (Pair::Standing(row, _) | Pair::Parts(row, _)) = pair;
-                each(pair, row, self.distance - separation.distance, separation);
+            .visit(frames, self.distance, &mut workspace, |pair, separation| {
+                let (Pair::FixedObstacle(row, _) | Pair::Parts(row, _)) = pair;
+                visitor(pair, row, self.distance - separation.distance, separation);
                 true
             });
-        self.inequalities.put_back(room);
+        self.workspaces.put_back(workspace);
     }
 
     /// Writes the derivatives of the rows, multiplied by `sign`.
     fn write_slopes(&self, frames: &[Placement<f64>], sign: f64, jacobian: &mut LocalJacobian) {
         let mut squares = vec![0.0; jacobian.rows()];
-        self.visit(frames, |pair, row, lack, separation| {
-            squares[row] += lack * lack;
+        self.visit(frames, |pair, row, shortfall, separation| {
+            squares[row] += shortfall * shortfall;
             let mut add = |frame: usize, slope: Vector3<f64>, point: Vector3<f64>| {
                 let lever = point - frames[frame].translation;
-                let along = jacobian.linear_mut(frame);
-                along[row] += slope;
+                let linear = jacobian.linear_mut(frame);
+                linear[row] += slope;
                 // n · (ω × l) = ω · (l × n)
-                let turning = jacobian.angular_mut(frame);
-                turning[row] += lever.cross(slope);
+                let angular = jacobian.angular_mut(frame);
+                angular[row] += lever.cross(slope);
             };
             // The missing distance grows as the first body moves along the normal.
-            let along = separation.normal * lack;
-            let (Pair::Standing(first, _) | Pair::Parts(first, _)) = pair;
-            add(first, along, separation.on_first);
+            let slope = separation.normal * shortfall;
+            let (Pair::FixedObstacle(first, _) | Pair::Parts(first, _)) = pair;
+            add(first, slope, separation.on_first);
             if let Pair::Parts(_, second) = pair {
-                add(second, -along, separation.on_second);
+                add(second, -slope, separation.on_second);
             }
         });
         // d‖l‖ = Σ l dl / ‖l‖; 0 if no pair is too near.
@@ -142,7 +142,9 @@ impl NumericResidual for Distances {
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
         residual.fill(0.0);
-        self.visit(frames, |_, row, lack, _| residual[row] += lack * lack);
+        self.visit(frames, |_, row, shortfall, _| {
+            residual[row] += shortfall * shortfall
+        });
         for row in residual {
             *row = row.sqrt();
         }
@@ -171,7 +173,7 @@ impl NumericResidual for Distances {
 
 /// Slack that is reported for a row without a missing distance, metres. A smaller missing distance still counts as
 /// feasible.
-const FELT: f64 = 5e-10;
+const ACTIVE_SLACK: f64 = 5e-10;
 
 impl Residual for Clearance {
     as_inner!(0: kind, frames, rows, validate);
@@ -193,8 +195,8 @@ impl Residual for Clearance {
     /// boundary counts as active.
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
         self.0.evaluate(frames, joints, slacks);
-        for depth in slacks {
-            *depth = S::constant(FELT) - *depth;
+        for slack in slacks {
+            *slack = S::constant(ACTIVE_SLACK) - *slack;
         }
     }
 

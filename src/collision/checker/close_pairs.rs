@@ -9,7 +9,7 @@ use crate::kinematics::KinematicsError;
 const SAMPLES: u64 = 64;
 const SEED: u64 = 1;
 /// Share of samples with overlapping covers from which the cover test of a pair is skipped.
-const OFTEN: f64 = 0.5;
+const MIN_OVERLAP_SHARE: f64 = 0.5;
 
 impl Checker {
     getters! {
@@ -31,19 +31,19 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<bool, KinematicsError> {
-        let (placements, room) = workspace.place(self, q)?;
-        self.scene.begin(room);
+        let (placements, scene_workspace) = workspace.place(self, q)?;
+        self.scene.begin(scene_workspace);
         Ok(pairs.iter().all(|pair| {
-            let apart = self
-                .scene
-                .apart_by_shapes(*pair, placements, self.margin, room);
-            apart.is_none_or(|separation| separation.distance >= self.least())
+            let separation =
+                self.scene
+                    .shape_separation(*pair, placements, self.margin, scene_workspace);
+            separation.is_none_or(|separation| separation.distance >= self.min_distance())
         }))
     }
 
     /// Finds the pairs whose covers overlap too often. There are none if the spheres are the shapes themselves.
     pub(super) fn with_close_pairs_found(mut self, spheres: &SphereModel) -> Self {
-        let mut met = vec![0_u64; self.scene.pairs().len()];
+        let mut overlaps = vec![0_u64; self.scene.pairs().len()];
         let samples = match spheres.max_protrusion() > 0.0 {
             true => SAMPLES,
             false => 0,
@@ -53,14 +53,15 @@ impl Checker {
         let _ = self.model.visit_samples(samples, SEED, |_, placed| {
             covers.clear();
             covers.resize_with(placed.len(), PlacedCover::default);
-            for (pair, met) in self.scene.pairs().iter().zip(&mut met) {
-                *met += u64::from(self.scene.covers_meet(*pair, placed, 0.0, &mut covers));
+            for (pair, overlaps) in self.scene.pairs().iter().zip(&mut overlaps) {
+                *overlaps += u64::from(self.scene.covers_meet(*pair, placed, 0.0, &mut covers));
             }
         });
-        let often = (OFTEN * SAMPLES as f64).ceil() as u64;
+        let min_overlaps = (MIN_OVERLAP_SHARE * SAMPLES as f64).ceil() as u64;
         let links = self.model.links().len();
-        let close = self.scene.pairs().iter().zip(met);
-        let close = close.filter(|([a, b], met)| *met >= often && *a < links && *b < links);
+        let close = self.scene.pairs().iter().zip(overlaps);
+        let close = close
+            .filter(|([a, b], overlaps)| *overlaps >= min_overlaps && *a < links && *b < links);
         self.close_pairs = close.map(|(pair, _)| *pair).collect();
         self
     }

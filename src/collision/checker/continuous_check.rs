@@ -13,13 +13,13 @@ pub(super) const RESOLUTION: f64 = 1e-6;
 
 /// Distance from the margin below which a pair is an initial contact of a motion, metres. It covers the tolerance of
 /// locked feet.
-const CONTACT: f64 = 1e-5;
+const CONTACT_TOLERANCE: f64 = 1e-5;
 
 /// Share of the remaining motion above which a step counts as long.
-const LONG: f64 = 0.2;
+const LONG_STEP_SHARE: f64 = 0.2;
 
 /// Largest number of steps. A motion that takes more is not proven collision-free.
-const STEPS: usize = 10_000;
+const MAX_STEPS: usize = 10_000;
 
 /// Result of a continuous collision check of a motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl MotionCheck {
 
 impl Contact {
     /// Required distance in the motion, metres: slightly less than at the start.
-    fn on_the_way(&self) -> f64 {
+    fn margin_in_motion(&self) -> f64 {
         self.distance.min(self.margin) - 2.0 * RESOLUTION
     }
 
@@ -62,7 +62,7 @@ impl Contact {
     ///
     /// A pair that keeps the margin at the start must keep it at the end. Any other pair must be as far apart as at the
     /// start; a pair that barely touches may lose a micrometre.
-    fn at_the_end(&self) -> f64 {
+    fn margin_at_end(&self) -> f64 {
         match self.distance >= self.margin - ROUNDING {
             true => self.margin - ROUNDING,
             false => (self.distance - ROUNDING).min(self.margin - RESOLUTION),
@@ -72,8 +72,8 @@ impl Contact {
 
 /// A monitored pair or part, with the part of the motion for which it is proven collision-free.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Watched {
-    what: What,
+pub(super) struct MonitoredItem {
+    kind: ItemKind,
     /// Upper bound of its approach in the whole motion, metres.
     motion: f64,
     /// Share of the motion up to which it is proven collision-free.
@@ -84,17 +84,17 @@ pub(super) struct Watched {
 
 /// A measured pair with a direction that separates it, for longer steps past each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slow {
+pub(super) struct SlidingPair {
     pub(super) pair: Pair,
     pub(super) normal: Vector3<f64>,
     /// Required distance, metres.
     pub(super) margin: f64,
     /// Gap along the normal beyond the required distance, metres.
-    pub(super) room: f64,
+    pub(super) slack: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum What {
+enum ItemKind {
     /// A part and all fixed obstacles.
     Part(usize),
     Pair([usize; 2]),
@@ -120,7 +120,7 @@ impl Checker {
         from: &[f64],
         to: &[f64],
     ) -> Result<MotionCheck, KinematicsError> {
-        self.way_past(workspace, (from, to), false)
+        self.check_motion_with(workspace, (from, to), false)
     }
 
     /// As [`check_motion`](Self::check_motion), but pairs nearer than the margin at the start may remain that near, and no nearer.
@@ -135,31 +135,41 @@ impl Checker {
         from: &[f64],
         to: &[f64],
     ) -> Result<MotionCheck, KinematicsError> {
-        self.way_past(workspace, (from, to), true)
+        self.check_motion_with(workspace, (from, to), true)
     }
 
     /// Checks a motion, with or without tolerance of initial contacts.
-    fn way_past(
+    fn check_motion_with(
         &self,
         workspace: &mut CheckerWorkspace,
         (from, to): (&[f64], &[f64]),
-        past_contacts: bool,
+        tolerates_contacts: bool,
     ) -> Result<MotionCheck, KinematicsError> {
         // Validates both configurations.
         workspace.place(self, to)?;
         workspace.place(self, from)?;
-        let mut watched = std::mem::take(&mut workspace.watched);
-        let mut between = std::mem::take(&mut workspace.between);
-        self.watch(workspace, (from, to), &mut watched);
-        between.resize(from.len(), 0.0);
+        let mut monitored_items = std::mem::take(&mut workspace.monitored_items);
+        let mut configuration = std::mem::take(&mut workspace.configuration);
+        self.monitor_all(workspace, (from, to), &mut monitored_items);
+        configuration.resize(from.len(), 0.0);
         workspace.contacts.clear();
         let (mut free, mut steps) = (0.0, 0);
-        let mut way = loop {
-            let reached = self.model.model().interpolate(from, to, free, &mut between);
+        let mut check = loop {
+            let reached = self
+                .model
+                .model()
+                .interpolate(from, to, free, &mut configuration);
             debug_assert!(reached.is_ok(), "both ends were checked");
-            match self.advance(workspace, &between, (free, past_contacts), &mut watched) {
+            match self.advance(
+                workspace,
+                &configuration,
+                (free, tolerates_contacts),
+                &mut monitored_items,
+            ) {
                 Ok(None) => {
-                    if let Err(error) = self.slide(workspace, (from, to), free, &mut watched) {
+                    if let Err(error) =
+                        self.extend_sliding_steps(workspace, (from, to), free, &mut monitored_items)
+                    {
                         break Err(error);
                     }
                 }
@@ -172,9 +182,11 @@ impl Checker {
                 }
                 Err(error) => break Err(error),
             }
-            watched.retain(|one| one.free < 1.0);
-            let next = watched.iter().min_by(|a, b| a.free.total_cmp(&b.free));
-            let Some(next) = next else {
+            monitored_items.retain(|monitored| monitored.free < 1.0);
+            let first = monitored_items
+                .iter()
+                .min_by(|a, b| a.free.total_cmp(&b.free));
+            let Some(first) = first else {
                 break Ok(MotionCheck {
                     free: 1.0,
                     blocked_by: None,
@@ -182,59 +194,70 @@ impl Checker {
                 });
             };
             steps += 1;
-            if let (Some((pair, distance)), true) = (next.nearest, steps >= STEPS) {
+            if let (Some((pair, distance)), true) = (first.nearest, steps >= MAX_STEPS) {
                 break Ok(MotionCheck {
                     free,
                     blocked_by: Some(self.collision(pair, distance).met_on_the_way()),
                     initial_penetration: 0.0,
                 });
             }
-            free = next.free;
+            free = first.free;
         };
-        if let Ok(way) = &mut way
+        if let Ok(check) = &mut check
             && !workspace.contacts.is_empty()
         {
-            let reached = (self.model.model()).interpolate(from, to, way.free, &mut between);
+            let reached =
+                (self.model.model()).interpolate(from, to, check.free, &mut configuration);
             debug_assert!(reached.is_ok(), "both ends were checked");
-            if let Some(nearer) = self.come_nearer(workspace, &between)? {
-                way.free = 0.0;
-                way.blocked_by = way.blocked_by.take().or(Some(nearer));
+            if let Some(nearer) = self.closer_contact(workspace, &configuration)? {
+                check.free = 0.0;
+                check.blocked_by = check.blocked_by.take().or(Some(nearer));
             }
             let contacts = workspace.contacts.iter();
-            let depths = contacts.map(|one| self.margin - one.distance);
-            way.initial_penetration = depths.fold(0.0, f64::max);
+            let depths = contacts.map(|contact| self.margin - contact.distance);
+            check.initial_penetration = depths.fold(0.0, f64::max);
         }
-        workspace.watched = watched;
-        workspace.between = between;
-        way
+        workspace.monitored_items = monitored_items;
+        workspace.configuration = configuration;
+        check
     }
 
     /// Required distance of pairs that move relative to each other, metres.
-    pub(super) fn margin_on_ways(&self) -> f64 {
+    pub(super) fn motion_margin(&self) -> f64 {
         self.margin + self.stand_off
     }
 
     /// Collects all checked pairs with their motion bounds.
-    fn watch(
+    fn monitor_all(
         &self,
         workspace: &mut CheckerWorkspace,
-        way: (&[f64], &[f64]),
-        watched: &mut Vec<Watched>,
+        motion_ends: (&[f64], &[f64]),
+        monitored_items: &mut Vec<MonitoredItem>,
     ) {
-        let (bound, room) = (self.scene.motion_bound(), &mut workspace.bound);
+        let (bound, bound_workspace) = (self.scene.motion_bound(), &mut workspace.bound);
         // Lengths and numbers are already validated.
-        let bounded = bound.take(self.model.model(), way, room).is_ok();
-        let watch = |what, motion: f64| Watched {
-            what,
+        let bounded = bound
+            .take(self.model.model(), motion_ends, bound_workspace)
+            .is_ok();
+        let item_monitor = |kind, motion: f64| MonitoredItem {
+            kind,
             motion: if bounded { motion } else { f64::INFINITY },
             free: 0.0,
             nearest: None,
         };
-        watched.clear();
+        monitored_items.clear();
         let parts = 0..self.scene.frames().len();
-        watched.extend(parts.map(|part| watch(What::Part(part), bound.of_part(part, room))));
+        monitored_items.extend(
+            parts.map(|part| {
+                item_monitor(ItemKind::Part(part), bound.of_part(part, bound_workspace))
+            }),
+        );
         let pairs = self.scene.pairs().iter();
-        watched.extend(pairs.map(|&pair| watch(What::Pair(pair), bound.of_pair(pair, room))));
+        monitored_items.extend(
+            pairs.map(|&pair| {
+                item_monitor(ItemKind::Pair(pair), bound.of_pair(pair, bound_workspace))
+            }),
+        );
     }
 
     /// Measures again what is proven only up to this share of the motion. Returns the closest blocking pair, if any.
@@ -242,29 +265,29 @@ impl Checker {
         &self,
         workspace: &mut CheckerWorkspace,
         q: &[f64],
-        (here, past_contacts): (f64, bool),
-        watched: &mut [Watched],
+        (share, tolerates_contacts): (f64, bool),
+        monitored_items: &mut [MonitoredItem],
     ) -> Result<Option<Collision>, KinematicsError> {
-        let mut slow = std::mem::take(&mut workspace.slow);
+        let mut sliding = std::mem::take(&mut workspace.sliding_pairs);
         let mut contacts = std::mem::take(&mut workspace.contacts);
-        slow.clear();
-        let (placements, room) = workspace.place(self, q)?;
-        self.scene.begin(room);
+        sliding.clear();
+        let (placements, scene_workspace) = workspace.place(self, q)?;
+        self.scene.begin(scene_workspace);
         let mut blocked: Option<(Pair, f64)> = None;
-        for (index, one) in watched.iter_mut().enumerate() {
-            if one.free > here {
+        for (index, monitored) in monitored_items.iter_mut().enumerate() {
+            if monitored.free > share {
                 continue;
             }
-            let margin = match one.motion == 0.0 {
+            let margin = match monitored.motion == 0.0 {
                 true => self.margin,
-                false => self.margin_on_ways(),
+                false => self.motion_margin(),
             };
             // Pairs farther apart cannot reach the margin until the end.
-            let within = margin + RESOLUTION + one.motion * (1.0 - here);
+            let max_distance = margin + RESOLUTION + monitored.motion * (1.0 - share);
             // Required distance of a pair; records initial contacts.
             let mut margin_for = |pair: Pair, distance: f64| {
-                let begins = here == 0.0 && past_contacts;
-                if begins && distance < margin + CONTACT {
+                let is_initial = share == 0.0 && tolerates_contacts;
+                if is_initial && distance < margin + CONTACT_TOLERANCE {
                     contacts.push(Contact {
                         pair,
                         distance,
@@ -273,135 +296,172 @@ impl Checker {
                 }
                 margin_of(&contacts, pair, margin)
             };
-            let nearest = match one.what {
-                What::Part(part) => {
-                    self.scene.find_standing(part, placements, within, room);
+            let nearest = match monitored.kind {
+                ItemKind::Part(part) => {
+                    self.scene.find_fixed_obstacles(
+                        part,
+                        placements,
+                        max_distance,
+                        scene_workspace,
+                    );
                     let mut nearest: Option<(Pair, f64, f64)> = None;
-                    for place in 0..room.near.len() {
-                        let (standing, found) = room.near[place];
-                        let pair = Pair::Standing(part, standing as usize);
-                        let margin = margin_for(pair, found.distance);
-                        let left = found.distance - margin;
-                        if nearest.is_none_or(|(.., known)| left < known) {
-                            nearest = Some((pair, found.distance, left));
+                    for near_index in 0..scene_workspace.near.len() {
+                        let (obstacle, separation) = scene_workspace.near[near_index];
+                        let pair = Pair::FixedObstacle(part, obstacle as usize);
+                        let margin = margin_for(pair, separation.distance);
+                        let slack = separation.distance - margin;
+                        if nearest.is_none_or(|(.., min)| slack < min) {
+                            nearest = Some((pair, separation.distance, slack));
                         }
-                        slow.push((index, self.slow(pair, &found, margin, placements, room)));
+                        sliding.push((
+                            index,
+                            self.sliding_pair(
+                                pair,
+                                &separation,
+                                margin,
+                                placements,
+                                scene_workspace,
+                            ),
+                        ));
                     }
                     nearest
                 }
-                What::Pair(pair) => {
-                    let separation = self.scene.apart(pair, placements, within, room);
-                    separation.map(|found| {
+                ItemKind::Pair(pair) => {
+                    let separation =
+                        self.scene
+                            .separation(pair, placements, max_distance, scene_workspace);
+                    separation.map(|separation| {
                         let pair = Pair::Parts(pair[0], pair[1]);
-                        let margin = margin_for(pair, found.distance);
-                        let left = found.distance - margin;
-                        slow.push((index, self.slow(pair, &found, margin, placements, room)));
-                        (pair, found.distance, left)
+                        let margin = margin_for(pair, separation.distance);
+                        let slack = separation.distance - margin;
+                        sliding.push((
+                            index,
+                            self.sliding_pair(
+                                pair,
+                                &separation,
+                                margin,
+                                placements,
+                                scene_workspace,
+                            ),
+                        ));
+                        (pair, separation.distance, slack)
                     })
                 }
             };
-            let Some((pair, distance, room)) = nearest else {
-                one.free = 1.0;
+            let Some((pair, distance, slack)) = nearest else {
+                monitored.free = 1.0;
                 continue;
             };
             // A pair without relative motion keeps its distance. Rounding decides if it touches exactly.
-            if one.motion == 0.0 && room >= -ROUNDING {
-                one.free = 1.0;
+            if monitored.motion == 0.0 && slack >= -ROUNDING {
+                monitored.free = 1.0;
                 continue;
             }
             // The motion of an unbounded shape is unbounded once it rotates.
-            if !room.is_finite() || !one.motion.is_finite() || room < RESOLUTION {
-                if blocked.is_none_or(|(_, known)| distance < known) {
+            if !slack.is_finite() || !monitored.motion.is_finite() || slack < RESOLUTION {
+                if blocked.is_none_or(|(_, min)| distance < min) {
                     blocked = Some((pair, distance));
                 }
                 continue;
             }
-            one.free = here + room / one.motion;
-            one.nearest = Some((pair, distance));
+            monitored.free = share + slack / monitored.motion;
+            monitored.nearest = Some((pair, distance));
         }
-        workspace.slow = slow;
+        workspace.sliding_pairs = sliding;
         workspace.contacts = contacts;
         Ok(blocked.map(|(pair, distance)| self.collision(pair, distance).met_on_the_way()))
     }
 
     /// The first contact that is nearer at a configuration than its required distance at the end.
-    fn come_nearer(
+    fn closer_contact(
         &self,
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<Option<Collision>, KinematicsError> {
         let contacts = std::mem::take(&mut workspace.contacts);
-        let (placements, room) = workspace.place(self, q)?;
-        self.scene.begin(room);
-        let mut nearer = None;
-        for one in &contacts {
-            let within = one.at_the_end();
-            let distance = match one.pair {
-                Pair::Standing(part, standing) => {
-                    self.scene.find_standing(part, placements, within, room);
-                    let mut near = room.near.iter();
-                    let own = near.find(|(other, _)| *other as usize == standing);
-                    own.map(|(_, found)| found.distance)
+        let (placements, scene_workspace) = workspace.place(self, q)?;
+        self.scene.begin(scene_workspace);
+        let mut closer = None;
+        for contact in &contacts {
+            let margin = contact.margin_at_end();
+            let distance = match contact.pair {
+                Pair::FixedObstacle(part, obstacle) => {
+                    self.scene
+                        .find_fixed_obstacles(part, placements, margin, scene_workspace);
+                    let mut near = scene_workspace.near.iter();
+                    let separation = near.find(|(other, _)| *other as usize == obstacle);
+                    separation.map(|(_, separation)| separation.distance)
                 }
                 Pair::Parts(a, b) => {
-                    let found = self.scene.apart([a, b], placements, within, room);
-                    found.map(|found| found.distance)
+                    let separation =
+                        self.scene
+                            .separation([a, b], placements, margin, scene_workspace);
+                    separation.map(|separation| separation.distance)
                 }
             };
-            if let Some(distance) = distance.filter(|distance| *distance < within) {
-                nearer = Some(self.collision(one.pair, distance).met_on_the_way());
+            if let Some(distance) = distance.filter(|distance| *distance < margin) {
+                closer = Some(self.collision(contact.pair, distance).met_on_the_way());
                 break;
             }
         }
         workspace.contacts = contacts;
-        Ok(nearer)
+        Ok(closer)
     }
 
     /// The gap along the normal between all shapes of both, not only the nearest ones.
-    fn slow(
+    fn sliding_pair(
         &self,
         pair: Pair,
-        found: &Separation,
+        separation: &Separation,
         margin: f64,
         placements: &[Placement<f64>],
-        room: &mut SceneWorkspace,
-    ) -> Slow {
-        let gap = self.scene.gap_along(pair, found.normal, placements, room);
-        Slow {
+        scene_workspace: &mut SceneWorkspace,
+    ) -> SlidingPair {
+        let gap = self
+            .scene
+            .gap_along(pair, separation.normal, placements, scene_workspace);
+        SlidingPair {
             pair,
-            normal: found.normal,
+            normal: separation.normal,
             margin,
-            room: gap.map_or(0.0, |gap| gap.min(found.distance) - margin),
+            slack: gap.map_or(0.0, |gap| gap.min(separation.distance) - margin),
         }
     }
 
     /// Extends the step of pairs that slide past each other.
-    fn slide(
+    fn extend_sliding_steps(
         &self,
         workspace: &mut CheckerWorkspace,
-        way: (&[f64], &[f64]),
-        here: f64,
-        watched: &mut [Watched],
+        motion_ends: (&[f64], &[f64]),
+        share: f64,
+        monitored_items: &mut [MonitoredItem],
     ) -> Result<(), KinematicsError> {
-        let measured = std::mem::take(&mut workspace.slow);
+        let measured = std::mem::take(&mut workspace.sliding_pairs);
         let mut result = Ok(());
-        for of_one in measured.chunk_by(|a, b| a.0 == b.0) {
-            let one = &mut watched[of_one[0].0];
-            if one.free >= here + LONG * (1.0 - here) {
+        for pairs in measured.chunk_by(|a, b| a.0 == b.0) {
+            let monitored = &mut monitored_items[pairs[0].0];
+            if monitored.free >= share + LONG_STEP_SHARE * (1.0 - share) {
                 continue;
             }
-            match self.slides_until(workspace, way, here, one.free, of_one, RESOLUTION) {
-                Ok(until) => one.free = until,
+            match self.max_sliding_share(
+                workspace,
+                motion_ends,
+                share,
+                monitored.free,
+                pairs,
+                RESOLUTION,
+            ) {
+                Ok(end_share) => monitored.free = end_share,
                 Err(error) => result = Err(error),
             }
         }
-        workspace.slow = measured;
+        workspace.sliding_pairs = measured;
         result
     }
 }
 
 /// Required distance of a pair in the motion, metres; less for initial contacts.
 fn margin_of(contacts: &[Contact], pair: Pair, margin: f64) -> f64 {
-    let own = contacts.iter().find(|one| one.pair == pair);
-    own.map_or(margin, Contact::on_the_way)
+    let contact = contacts.iter().find(|contact| contact.pair == pair);
+    contact.map_or(margin, Contact::margin_in_motion)
 }

@@ -1,5 +1,6 @@
 //! Collision checker of a robot against a world and itself.
 
+mod allowed_collisions;
 mod clearance;
 mod close_pairs;
 mod continuous_check;
@@ -12,7 +13,6 @@ mod placed_shapes;
 mod scene_placements;
 mod sliding_bound;
 mod sphere_cover;
-mod touches;
 mod workspace;
 mod workspace_pool;
 
@@ -30,8 +30,8 @@ use super::{CollisionModel, ROUNDING, SphereModel, World};
 use crate::kinematics::KinematicsError;
 use crate::model::FrameId;
 use crate::search::Collision;
+use allowed_collisions::AllowedCollisions;
 use parts::{Pair, Scene};
-use touches::Touches;
 
 /// Collision checker of a robot's shapes against the obstacles of a world and against each other.
 ///
@@ -119,9 +119,11 @@ impl Checker {
     pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
         let changes = self.world.changes(world);
         let mut scene = self.scene.changed(&changes);
-        let touching = [&self.world, world].map(|world| world.touching().next().is_some());
-        let of_touch = touching != [false; 2] && changes.iter().any(Change::is_of_names);
-        if of_touch || changes.iter().any(Change::is_of_attached) {
+        let has_allowed_collisions =
+            [&self.world, world].map(|world| world.with_allowed_collisions().next().is_some());
+        let allowed_collisions_changed =
+            has_allowed_collisions != [false; 2] && changes.iter().any(Change::is_of_names);
+        if allowed_collisions_changed || changes.iter().any(Change::is_of_attached) {
             scene = scene.with_attached(&self.model, world)?;
             if let Some(spheres) = &self.spheres {
                 scene = scene.covered_by(spheres);
@@ -170,17 +172,21 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<Vec<Collision>, KinematicsError> {
-        let (placements, room) = workspace.place(self, q)?;
-        let mut found = Vec::new();
-        self.scene
-            .visit(placements, self.margin, room, |pair, separation| {
-                if separation.distance < self.least() {
-                    found.push(self.collision(pair, separation.distance));
+        let (placements, scene_workspace) = workspace.place(self, q)?;
+        let mut collisions = Vec::new();
+        self.scene.visit(
+            placements,
+            self.margin,
+            scene_workspace,
+            |pair, separation| {
+                if separation.distance < self.min_distance() {
+                    collisions.push(self.collision(pair, separation.distance));
                 }
                 true
-            });
-        found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        Ok(found)
+            },
+        );
+        collisions.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        Ok(collisions)
     }
 
     /// True if all pairs are at least the margin apart at a configuration.
@@ -192,17 +198,17 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<bool, KinematicsError> {
-        let (placements, room) = workspace.place(self, q)?;
+        let (placements, scene_workspace) = workspace.place(self, q)?;
         let mut free = true;
         self.scene
-            .visit(placements, self.margin, room, |_, separation| {
-                free &= separation.distance >= self.least();
+            .visit(placements, self.margin, scene_workspace, |_, separation| {
+                free &= separation.distance >= self.min_distance();
                 free
             });
         Ok(free)
     }
 
-    /// The closest pair at a configuration and its distance, if that is at most `within` metres.
+    /// The closest pair at a configuration and its distance, if that is at most `max_distance` metres.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -210,26 +216,30 @@ impl Checker {
         &self,
         workspace: &mut CheckerWorkspace,
         q: &[f64],
-        within: f64,
+        max_distance: f64,
     ) -> Result<Option<Collision>, KinematicsError> {
-        let (placements, room) = workspace.place(self, q)?;
+        let (placements, scene_workspace) = workspace.place(self, q)?;
         let mut nearest: Option<(Pair, f64)> = None;
-        self.scene
-            .visit(placements, within, room, |pair, separation| {
-                if nearest.is_none_or(|(_, known)| separation.distance < known) {
+        self.scene.visit(
+            placements,
+            max_distance,
+            scene_workspace,
+            |pair, separation| {
+                if nearest.is_none_or(|(_, min_distance)| separation.distance < min_distance) {
                     nearest = Some((pair, separation.distance));
                 }
                 true
-            });
+            },
+        );
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
     }
 
     /// Sorted numbers of the fixed solids that a link may touch: planes of the model, and obstacles of the world.
     pub(crate) fn passes_of(&self, link: FrameId) -> Vec<u64> {
         match self.model.links().binary_search(&link) {
-            Ok(part) => self.scene.passes(part).to_vec(),
+            Ok(part) => self.scene.allowed_obstacles(part).to_vec(),
             // A link without shapes that has spheres only.
-            Err(_) => Touches::passes_of(&self.model, &self.world, link),
+            Err(_) => AllowedCollisions::passes_of(&self.model, &self.world, link),
         }
     }
 
@@ -241,7 +251,7 @@ impl Checker {
     }
 
     /// Smallest distance that counts as keeping the margin, metres.
-    fn least(&self) -> f64 {
+    fn min_distance(&self) -> f64 {
         self.margin - ROUNDING
     }
 

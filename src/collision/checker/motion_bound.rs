@@ -27,11 +27,11 @@ pub(super) struct BoundWorkspace {
     /// Velocity from one configuration to the other, over a unit of time.
     velocity: Vec<f64>,
     /// Rotation or translation of each joint, radians or metres.
-    moves: Vec<f64>,
+    displacements: Vec<f64>,
     /// Bound of the motion of a part relative to the parent of each joint above it, metres.
     motion: Vec<f64>,
     /// Bound of the acceleration of the points of each part.
-    bends: Vec<f64>,
+    accelerations: Vec<f64>,
 }
 
 impl MotionBound {
@@ -43,7 +43,7 @@ impl MotionBound {
         let mut bound = Self::default();
         for (frame, balls) in parts {
             let frame = &model.frames()[frame.index()];
-            let far = |(centre, radius): &(Vector3<f64>, f64)| {
+            let farthest_distance = |(centre, radius): &(Vector3<f64>, f64)| {
                 frame.joint_from_frame.apply(*centre).norm() + radius
             };
             let first = bound.joints.len();
@@ -54,7 +54,7 @@ impl MotionBound {
             }
             bound.parts.push(PartChain {
                 joints: first..bound.joints.len(),
-                reach: balls.iter().map(far).fold(0.0, f64::max),
+                reach: balls.iter().map(farthest_distance).fold(0.0, f64::max),
             });
         }
         bound
@@ -68,81 +68,83 @@ impl MotionBound {
         &self,
         model: &Model,
         (from, to): (&[f64], &[f64]),
-        room: &mut BoundWorkspace,
+        workspace: &mut BoundWorkspace,
     ) -> Result<(), ModelError> {
-        room.velocity.resize(model.degrees_of_freedom(), 0.0);
-        model.difference(from, to, &mut room.velocity)?;
-        take_moves(model, room);
-        room.motion.clear();
-        room.bends.clear();
+        workspace.velocity.resize(model.degrees_of_freedom(), 0.0);
+        model.difference(from, to, &mut workspace.velocity)?;
+        compute_displacements(model, workspace);
+        workspace.motion.clear();
+        workspace.accelerations.clear();
         for part in &self.parts {
-            let (mut motion, mut reach, mut turns) = (0.0, part.reach, 0.0);
+            let (mut motion, mut reach, mut rotation) = (0.0, part.reach, 0.0);
             for &index in &self.joints[part.joints.clone()] {
                 let joint = &model.joints()[index];
-                let slides = joint.kind.slides();
-                let moves = room.moves[index];
+                let is_prismatic = joint.kind.slides();
+                let displacement = workspace.displacements[index];
                 // A joint that does not move contributes nothing, even if the reach is infinite.
-                if moves > 0.0 {
-                    motion += moves * if slides { 1.0 } else { reach };
-                    turns += if slides { 0.0 } else { moves };
+                if displacement > 0.0 {
+                    motion += displacement * if is_prismatic { 1.0 } else { reach };
+                    rotation += if is_prismatic { 0.0 } else { displacement };
                 }
-                room.motion.push(motion);
-                let slide = match model.coordinate(JointId::new(index)) {
-                    Some(at) if slides => from[at].abs().max(to[at].abs()),
+                workspace.motion.push(motion);
+                let translation = match model.coordinate(JointId::new(index)) {
+                    Some(coordinate) if is_prismatic => {
+                        from[coordinate].abs().max(to[coordinate].abs())
+                    }
                     _ => 0.0,
                 };
-                reach += joint.parent_from_joint.translation.norm() + slide;
+                reach += joint.parent_from_joint.translation.norm() + translation;
             }
-            room.bends.push(2.0 * turns * motion);
+            workspace.accelerations.push(2.0 * rotation * motion);
         }
         Ok(())
     }
 
     /// Upper bound of the motion of a part's points in the world, metres.
-    pub(super) fn of_part(&self, part: usize, room: &BoundWorkspace) -> f64 {
-        self.beyond(part, 0, room)
+    pub(super) fn of_part(&self, part: usize, workspace: &BoundWorkspace) -> f64 {
+        self.motion_below(part, 0, workspace)
     }
 
     /// Upper bound of the acceleration of a part's points in the world, for a motion of unit duration, metres.
     ///
     /// Joints with rates ω accelerate a point by at most Σ ωᵢ rᵢ (ωᵢ + 2 Σ ωⱼ) over the joints j above i. That is at
     /// most twice the sum of the rates times the motion.
-    pub(super) fn bend_of(&self, part: usize, room: &BoundWorkspace) -> f64 {
-        room.bends[part]
+    pub(super) fn acceleration_of(&self, part: usize, workspace: &BoundWorkspace) -> f64 {
+        workspace.accelerations[part]
     }
 
     /// Upper bound of the approach of two parts, metres. Joints above both do not move them relative to each other.
-    pub(super) fn of_pair(&self, [a, b]: [usize; 2], room: &BoundWorkspace) -> f64 {
+    pub(super) fn of_pair(&self, [a, b]: [usize; 2], workspace: &BoundWorkspace) -> f64 {
         let above = |part: usize| self.joints[self.parts[part].joints.clone()].iter().rev();
         let shared = above(a).zip(above(b)).take_while(|(a, b)| a == b).count();
-        self.beyond(a, shared, room) + self.beyond(b, shared, room)
+        self.motion_below(a, shared, workspace) + self.motion_below(b, shared, workspace)
     }
 
     /// Bound of the motion of a part relative to the frame below the uppermost `shared` joints, metres.
-    fn beyond(&self, part: usize, shared: usize, room: &BoundWorkspace) -> f64 {
+    fn motion_below(&self, part: usize, shared: usize, workspace: &BoundWorkspace) -> f64 {
         let joints = &self.parts[part].joints;
         match joints.len().checked_sub(shared + 1) {
-            Some(last) => room.motion[joints.start + last],
+            Some(last) => workspace.motion[joints.start + last],
             None => 0.0,
         }
     }
 }
 
 /// Computes the rotation or translation of each joint.
-fn take_moves(model: &Model, room: &mut BoundWorkspace) {
-    room.moves.clear();
-    room.moves.resize(model.joints().len(), 0.0);
+fn compute_displacements(model: &Model, workspace: &mut BoundWorkspace) {
+    workspace.displacements.clear();
+    workspace.displacements.resize(model.joints().len(), 0.0);
     let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
     for segment in model.segments() {
         let joint = |coordinate: usize| model.moving_joints()[coordinate].index();
-        let (at, v) = (segment.coordinate, &room.velocity[segment.velocity..]);
+        let (at, v) = (segment.coordinate, &workspace.velocity[segment.velocity..]);
         match segment.kind {
-            SegmentKind::Scalar => room.moves[joint(at)] = v[0].abs(),
-            SegmentKind::Ball => room.moves[joint(at)] = norm(&v[..3]),
+            SegmentKind::Scalar => workspace.displacements[joint(at)] = v[0].abs(),
+            SegmentKind::Ball => workspace.displacements[joint(at)] = norm(&v[..3]),
             SegmentKind::Free => {
                 // The displacement of its origin is as long as its velocity, for any split over its prismatic joints.
-                room.moves[joint(at)] = norm(&v[..3]);
-                room.moves[joint(at + 3)] = norm(&v[3..6]);
+                workspace.displacements[joint(at)] = norm(&v[..3]);
+                workspace.displacements[joint(at + 3)] = norm(&v[3..6]);
             }
         }
     }

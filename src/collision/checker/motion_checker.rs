@@ -7,9 +7,9 @@ use crate::task::{Quantity, Task};
 
 /// Width of the band beyond the margin in which the clearance residual acts, metres. It makes an approximate solution
 /// collision-free.
-const BAND: f64 = 1e-3;
+const CLEARANCE_BAND: f64 = 1e-3;
 /// Tolerance of the clearance residual, as a fraction of the band.
-const WITHIN: f64 = 0.9;
+const BAND_TOLERANCE: f64 = 0.9;
 /// Distance before the margin at which motions stop, metres, so that they can depart again.
 const STAND_OFF: f64 = 1e-4;
 
@@ -31,8 +31,8 @@ impl CollisionAvoidance for Checker {
     }
 
     fn clearance(&self) -> Task<Clearance> {
-        let task = Task::new(Clearance::new(self, self.margin + BAND));
-        task.tolerance(Quantity::Metres, WITHIN * BAND)
+        let task = Task::new(Clearance::new(self, self.margin + CLEARANCE_BAND));
+        task.tolerance(Quantity::Metres, BAND_TOLERANCE * CLEARANCE_BAND)
     }
 
     fn check(&self) -> MotionChecker {
@@ -46,9 +46,9 @@ impl CollisionAvoidance for Checker {
 
 impl ClearanceCheck for MotionChecker {
     fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
-        let found = self.checker.collisions_with(&mut self.workspace, q);
-        debug_assert!(found.is_ok(), "a configuration that does not fit");
-        found.unwrap_or_default()
+        let collisions = self.checker.collisions_with(&mut self.workspace, q);
+        debug_assert!(collisions.is_ok(), "a configuration that does not fit");
+        collisions.unwrap_or_default()
     }
 
     fn is_free(&mut self, q: &[f64]) -> bool {
@@ -57,22 +57,24 @@ impl ClearanceCheck for MotionChecker {
     }
 
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
-        let way = (self.checker).way_from_contact(&mut self.workspace, from, to);
-        debug_assert!(way.is_ok(), "a configuration that does not fit");
-        let way = way.ok()?;
-        match comes_out_first(&way) {
+        let motion_check = (self.checker).way_from_contact(&mut self.workspace, from, to);
+        debug_assert!(motion_check.is_ok(), "a configuration that does not fit");
+        let motion_check = motion_check.ok()?;
+        match starts_in_penetration(&motion_check) {
             true => {
-                let way = self.checker.check_motion(&mut self.workspace, from, to);
-                way.ok().and_then(|way| way.blocked_by)
+                let motion_check = self.checker.check_motion(&mut self.workspace, from, to);
+                motion_check
+                    .ok()
+                    .and_then(|motion_check| motion_check.blocked_by)
             }
-            false => way.blocked_by,
+            false => motion_check.blocked_by,
         }
     }
 
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
-        let way = (self.cautious).way_from_contact(&mut self.workspace, from, to);
-        match way {
-            Ok(way) if !comes_out_first(&way) => way.free,
+        let motion_check = (self.cautious).way_from_contact(&mut self.workspace, from, to);
+        match motion_check {
+            Ok(motion_check) if !starts_in_penetration(&motion_check) => motion_check.free,
             _ => 0.0,
         }
     }
@@ -80,6 +82,6 @@ impl ClearanceCheck for MotionChecker {
 
 /// True if a body penetrates something and must leave it first. Bodies in support contact penetrate by rounding at
 /// most.
-fn comes_out_first(way: &MotionCheck) -> bool {
-    way.initial_penetration > RESOLUTION
+fn starts_in_penetration(motion_check: &MotionCheck) -> bool {
+    motion_check.initial_penetration > RESOLUTION
 }

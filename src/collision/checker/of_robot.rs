@@ -8,7 +8,7 @@ use crate::robot::Robot;
 const SAMPLES: u64 = 1000;
 const SEED: u64 = 0;
 /// Maximum protrusion of the spheres, relative to the largest bounding radius of a shape.
-const OVERHANG: f64 = 0.1;
+const MAX_RELATIVE_PROTRUSION: f64 = 0.1;
 
 impl Checker {
     /// A checker of a robot without a world, with default options.
@@ -26,13 +26,13 @@ impl Checker {
     /// configurations.
     #[must_use]
     pub fn sampled(model: CollisionModel) -> Self {
-        Self::covered(usual_pairs(model))
+        Self::covered(without_constant_pairs(model))
     }
 
     /// As [`sampled`](Self::sampled), with given spheres, which takes far less time.
     #[must_use]
     pub fn sampled_with_spheres(model: CollisionModel, spheres: SphereModel) -> Self {
-        Self::new(usual_pairs(model)).with_spheres(spheres)
+        Self::new(without_constant_pairs(model)).with_spheres(spheres)
     }
 
     /// As [`new`](Self::new), with spheres that cover the shapes.
@@ -44,7 +44,7 @@ impl Checker {
         }
         let sizes = checker.model.objects().iter();
         let largest = sizes.map(|object| object.shape.bounding_sphere().radius);
-        let max_protrusion = OVERHANG * largest.fold(0.0, f64::max);
+        let max_protrusion = MAX_RELATIVE_PROTRUSION * largest.fold(0.0, f64::max);
         match SphereModel::of(&checker.model, Resolution::MaxProtrusion(max_protrusion)) {
             Ok(spheres) => checker.with_spheres(spheres),
             // Without spheres, all pairs are checked by exact distances.
@@ -53,7 +53,7 @@ impl Checker {
     }
 }
 
-fn usual_pairs(model: CollisionModel) -> CollisionModel {
+fn without_constant_pairs(model: CollisionModel) -> CollisionModel {
     let sampled = model.clone().with_pairs_sampled(SAMPLES, SEED);
     // If sampling fails, all pairs stay enabled.
     sampled.unwrap_or(model)

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::CheckerError;
+use super::allowed_collisions::AllowedCollisions;
 use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneWorkspace;
 use super::sphere_cover::{Cover, PlacedCover};
-use super::touches::Touches;
 use crate::clock::deadline::is_over;
-use crate::collision::dynamic_aabb_tree::ChangingTree;
+use crate::collision::dynamic_aabb_tree::DynamicAabbTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
 use crate::collision::{
@@ -32,14 +32,14 @@ pub(super) struct Part {
     /// Spheres that cover all shapes, if set.
     cover: Option<Cover>,
     /// Sorted numbers of the model's planes and the obstacles that it may touch.
-    passes: Vec<u64>,
+    allowed: Vec<u64>,
 }
 
 /// A checked pair, by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pair {
     /// A part and a fixed obstacle.
-    Standing(usize, usize),
+    FixedObstacle(usize, usize),
     /// Two parts.
     Parts(usize, usize),
 }
@@ -54,19 +54,19 @@ pub(super) struct Scene {
     pairs: Arc<[[usize; 2]]>,
     motion_bound: Arc<MotionBound>,
     /// Fixed obstacles, by their numbers in the world.
-    standing: ChangingTree<Arc<Obstacle>>,
+    fixed_obstacles: DynamicAabbTree<Arc<Obstacle>>,
 }
 
 impl Scene {
     pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, CheckerError> {
         let planes = model.planes().iter().map(|plane| &plane.obstacle);
         let all = world.numbered().chain((FIRST_PLANE..).zip(planes));
-        let standing = all.filter_map(|(number, obstacle)| {
-            let (obstacle, bounds) = standing(obstacle)?;
+        let fixed_obstacles = all.filter_map(|(number, obstacle)| {
+            let (obstacle, bounds) = with_bounds(obstacle)?;
             Some((number, obstacle, bounds))
         });
         let scene = Self {
-            standing: ChangingTree::new(standing),
+            fixed_obstacles: DynamicAabbTree::new(fixed_obstacles),
             ..Self::default()
         };
         scene.with_attached(model, world)
@@ -75,9 +75,9 @@ impl Scene {
     /// A copy after changes of the world that do not affect attached obstacles.
     pub(super) fn changed(&self, changes: &[Change<'_>]) -> Self {
         let changes = changes.iter();
-        let changes = changes.map(|change| (change.number, change.after.and_then(standing)));
+        let changes = changes.map(|change| (change.number, change.after.and_then(with_bounds)));
         Self {
-            standing: self.standing.changed(changes.collect()),
+            fixed_obstacles: self.fixed_obstacles.changed(changes.collect()),
             ..self.clone()
         }
     }
@@ -96,10 +96,10 @@ impl Scene {
                 .map(|object| PartShape::new(object.shape.clone(), object.link_from_shape))
                 .collect(),
             cover: None,
-            passes: passes(model, *link),
+            allowed: allowed_planes(model, *link),
         };
         let mut parts: Vec<Part> = model.links().iter().map(link).collect();
-        let own = parts.len();
+        let link_count = parts.len();
         for obstacle in world.attached() {
             let Some(frame) = &obstacle.attached else {
                 continue;
@@ -115,27 +115,27 @@ impl Scene {
                 frame,
                 shapes: vec![PartShape::new(obstacle.shape.clone(), obstacle.placement)],
                 cover: None,
-                passes: passes(model, frame),
+                allowed: allowed_planes(model, frame),
             });
         }
-        let touches = Touches::of(model, world)?;
+        let allowed_collisions = AllowedCollisions::of(model, world)?;
         for part in &mut parts {
-            touches.add_passes(&part.name, &mut part.passes);
+            allowed_collisions.add_allowed(&part.name, &mut part.allowed);
         }
-        let pairs = pairs(model, &parts, own, &touches);
-        let ends = parts.iter().scan(0, |end, part| {
+        let pairs = pairs(model, &parts, link_count, &allowed_collisions);
+        let shape_ends = parts.iter().scan(0, |end, part| {
             *end += part.shapes.len();
             Some(*end)
         });
         Ok(Self {
-            shape_ends: ends.collect(),
+            shape_ends: shape_ends.collect(),
             pairs: pairs.into(),
             motion_bound: Arc::new(MotionBound::new(
                 model.model(),
                 parts.iter().map(Part::balls),
             )),
             parts: Arc::new(parts),
-            standing: self.standing,
+            fixed_obstacles: self.fixed_obstacles,
         })
     }
 
@@ -143,8 +143,8 @@ impl Scene {
     pub(super) fn covered_by(mut self, spheres: &SphereModel) -> Self {
         let parts = Arc::make_mut(&mut self.parts);
         for group in spheres.groups() {
-            let mut own = parts.iter_mut();
-            if let Some(part) = own.find(|part| part.frame == group.link) {
+            let mut parts = parts.iter_mut();
+            if let Some(part) = parts.find(|part| part.frame == group.link) {
                 part.cover = Some(Cover::of(group));
             }
         }
@@ -158,23 +158,23 @@ impl Scene {
 
     /// Names and kinds of both bodies of a pair.
     pub(super) fn bodies(&self, pair: Pair) -> [(&str, BodyKind); 2] {
-        let part = |at: usize| (&*self.parts[at].name, self.parts[at].kind);
+        let part = |index: usize| (&*self.parts[index].name, self.parts[index].kind);
         match pair {
-            Pair::Standing(a, b) => {
-                let standing = self.standing.thing(b as u32);
-                let kind = match self.standing.number(b as u32) {
+            Pair::FixedObstacle(a, b) => {
+                let obstacle = self.fixed_obstacles.item(b as u32);
+                let kind = match self.fixed_obstacles.number(b as u32) {
                     number if number < FIRST_PLANE => BodyKind::Obstacle,
                     _ => BodyKind::Link,
                 };
-                [part(a), (&standing.name, kind)]
+                [part(a), (&obstacle.name, kind)]
             }
             Pair::Parts(a, b) => [part(a), part(b)],
         }
     }
 
     /// Sorted numbers of the fixed solids that a part may touch.
-    pub(super) fn passes(&self, part: usize) -> &[u64] {
-        &self.parts[part].passes
+    pub(super) fn allowed_obstacles(&self, part: usize) -> &[u64] {
+        &self.parts[part].allowed
     }
 
     getters! {
@@ -183,23 +183,23 @@ impl Scene {
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
-    /// Visits all pairs at most `within` metres apart, each with its closest shapes. Stops if `each` returns false or
-    /// the time is [over](crate::clock::deadline).
+    /// Visits all pairs at most `max_distance` metres apart, each with its closest shapes. Stops if `visitor` returns
+    /// false or the time is [over](crate::clock::deadline).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
-        within: f64,
-        room: &mut SceneWorkspace,
-        mut each: impl FnMut(Pair, &Separation) -> bool,
+        max_distance: f64,
+        workspace: &mut SceneWorkspace,
+        mut visitor: impl FnMut(Pair, &Separation) -> bool,
     ) {
-        self.begin(room);
+        self.begin(workspace);
         for part in 0..self.parts.len() {
             if is_over() {
                 return;
             }
-            self.find_standing(part, placements, within, room);
-            for (standing, separation) in &room.near {
-                if !each(Pair::Standing(part, *standing as usize), separation) {
+            self.find_fixed_obstacles(part, placements, max_distance, workspace);
+            for (obstacle, separation) in &workspace.near {
+                if !visitor(Pair::FixedObstacle(part, *obstacle as usize), separation) {
                     return;
                 }
             }
@@ -208,69 +208,69 @@ impl Scene {
             if is_over() {
                 return;
             }
-            if let Some(separation) = self.apart(pair, placements, within, room)
-                && !each(Pair::Parts(pair[0], pair[1]), &separation)
+            if let Some(separation) = self.separation(pair, placements, max_distance, workspace)
+                && !visitor(Pair::Parts(pair[0], pair[1]), &separation)
             {
                 return;
             }
         }
     }
 
-    /// Finds the fixed obstacles at most `within` metres from a part. Writes each with the separation of its closest
-    /// shape to `room.near`.
-    pub(super) fn find_standing(
+    /// Finds the fixed obstacles at most `max_distance` metres from a part. Writes each with the separation of its
+    /// closest shape to `workspace.near`.
+    pub(super) fn find_fixed_obstacles(
         &self,
         part: usize,
         placements: &[Placement<f64>],
-        within: f64,
-        room: &mut SceneWorkspace,
+        max_distance: f64,
+        workspace: &mut SceneWorkspace,
     ) {
-        room.near.clear();
-        if self.standing.is_empty() {
+        workspace.near.clear();
+        if self.fixed_obstacles.is_empty() {
             return;
         }
-        self.place(part, placements, room);
-        let SceneWorkspace { shapes, near, .. } = room;
+        self.place(part, placements, workspace);
+        let SceneWorkspace { shapes, near, .. } = workspace;
         let placed = (&*self.parts[part].shapes, &shapes[self.shapes_of(part)]);
-        self.near(placed, within, |standing, separation| {
-            match near.iter_mut().find(|(known, _)| *known == standing) {
-                Some((_, known)) if known.distance <= separation.distance => {}
-                Some((_, known)) => *known = separation,
-                None => near.push((standing, separation)),
+        self.near(placed, max_distance, |obstacle, separation| {
+            match near.iter_mut().find(|(nearest, _)| *nearest == obstacle) {
+                Some((_, nearest)) if nearest.distance <= separation.distance => {}
+                Some((_, nearest)) => *nearest = separation,
+                None => near.push((obstacle, separation)),
             }
         });
-        let passes = &self.parts[part].passes;
-        if !passes.is_empty() {
-            let passed = |standing| {
-                passes
-                    .binary_search(&self.standing.number(standing))
+        let allowed = &self.parts[part].allowed;
+        if !allowed.is_empty() {
+            let is_allowed = |obstacle| {
+                allowed
+                    .binary_search(&self.fixed_obstacles.number(obstacle))
                     .is_ok()
             };
-            near.retain(|(standing, _)| !passed(*standing));
+            near.retain(|(obstacle, _)| !is_allowed(*obstacle));
         }
-        near.sort_by_key(|(standing, _)| self.standing.number(*standing));
+        near.sort_by_key(|(obstacle, _)| self.fixed_obstacles.number(*obstacle));
     }
 
-    /// The separation of two parts, if it is at most `within` metres.
-    pub(super) fn apart(
+    /// The separation of two parts, if it is at most `max_distance` metres.
+    pub(super) fn separation(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
-        room: &mut SceneWorkspace,
+        max_distance: f64,
+        workspace: &mut SceneWorkspace,
     ) -> Option<Separation> {
-        if !self.covers_meet([a, b], placements, within, &mut room.covers) {
+        if !self.covers_meet([a, b], placements, max_distance, &mut workspace.covers) {
             return None;
         }
-        self.apart_by_shapes([a, b], placements, within, room)
+        self.shape_separation([a, b], placements, max_distance, workspace)
     }
 
-    /// True if the sphere covers of two parts are within `within` metres, or if a cover is missing.
+    /// True if the sphere covers of two parts are within `max_distance` metres, or if a cover is missing.
     pub(super) fn covers_meet(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         covers: &mut [PlacedCover],
     ) -> bool {
         let (Some(first), Some(second)) = (&self.parts[a].cover, &self.parts[b].cover) else {
@@ -279,77 +279,81 @@ impl Scene {
         let at = [&placements[a], &placements[b]];
         covers[a].place(first, at[0]);
         covers[b].place(second, at[1]);
-        if !covers[a].meets(&covers[b], within) {
+        if !covers[a].meets(&covers[b], max_distance) {
             return false;
         }
         covers[a].place_spheres(first, at[0]);
         covers[b].place_spheres(second, at[1]);
-        !covers[a].is_apart(&covers[b], within)
+        !covers[a].is_apart(&covers[b], max_distance)
     }
 
-    /// The separation of two parts if it is at most `within` metres, without a test of the sphere covers.
-    pub(super) fn apart_by_shapes(
+    /// The separation of two parts if it is at most `max_distance` metres, without a test of the sphere covers.
+    pub(super) fn shape_separation(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
-        room: &mut SceneWorkspace,
+        max_distance: f64,
+        workspace: &mut SceneWorkspace,
     ) -> Option<Separation> {
-        self.place(a, placements, room);
-        self.place(b, placements, room);
+        self.place(a, placements, workspace);
+        self.place(b, placements, workspace);
         let placed = |part: usize| {
-            let own = &*self.parts[part].shapes;
-            (own, &room.shapes[self.shapes_of(part)])
+            let shapes = &*self.parts[part].shapes;
+            (shapes, &workspace.shapes[self.shapes_of(part)])
         };
-        part_to_part(placed(a), placed(b), within)
+        part_to_part(placed(a), placed(b), max_distance)
     }
 
     /// Shape and placement of a fixed obstacle.
-    pub(super) fn standing_at(&self, index: usize) -> (&Shape, &Placement<f64>) {
-        let standing = self.standing.thing(index as u32);
-        (&standing.shape, &standing.placement)
+    pub(super) fn fixed_obstacle(&self, index: usize) -> (&Shape, &Placement<f64>) {
+        let obstacle = self.fixed_obstacles.item(index as u32);
+        (&obstacle.shape, &obstacle.placement)
     }
 
-    /// Visits the fixed obstacles at most `within` metres from a part's shapes.
+    /// Visits the fixed obstacles at most `max_distance` metres from a part's shapes.
     fn near(
         &self,
         (shapes, placed): PlacedShapes<'_>,
-        within: f64,
-        mut each: impl FnMut(u32, Separation),
+        max_distance: f64,
+        mut visitor: impl FnMut(u32, Separation),
     ) {
-        for (own, at) in shapes.iter().zip(placed) {
-            let reach = own.ball.radius + within;
-            let apart = |bounds: &BoundingBox| bounds.squared_distance(at.centre);
+        for (part_shape, placed_shape) in shapes.iter().zip(placed) {
+            let reach = part_shape.ball.radius + max_distance;
+            let squared_distance =
+                |bounds: &BoundingBox| bounds.squared_distance(placed_shape.centre);
             // The bound never decreases: the search visits all boxes that the ball meets.
-            self.standing
-                .nearest((reach * reach).next_up(), apart, |index, bound| {
+            self.fixed_obstacles.nearest(
+                (reach * reach).next_up(),
+                squared_distance,
+                |index, bound| {
                     if is_over() {
                         return f64::NEG_INFINITY;
                     }
                     // The leaves of the tree hold several.
-                    let bounds = self.standing.bounds(index);
-                    if bounds.squared_distance(at.centre) > reach * reach {
+                    let bounds = self.fixed_obstacles.bounds(index);
+                    if bounds.squared_distance(placed_shape.centre) > reach * reach {
                         return bound;
                     }
-                    let standing = self.standing.thing(index);
+                    let obstacle = self.fixed_obstacles.item(index);
                     let separation = separation_within(
-                        &own.shape,
-                        &at.world_from_shape,
-                        &standing.shape,
-                        &standing.placement,
-                        within,
+                        &part_shape.shape,
+                        &placed_shape.world_from_shape,
+                        &obstacle.shape,
+                        &obstacle.placement,
+                        max_distance,
                     );
                     if let Some(separation) = separation {
-                        each(index, separation);
+                        visitor(index, separation);
                     }
                     bound
-                });
+                },
+            );
         }
     }
 }
 
 /// A fixed obstacle with its bounding box in the world; `None` for attached obstacles.
-fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
+fn with_bounds(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
     let bounds = obstacle.shape.bounding_box().placed(&obstacle.placement);
     obstacle
         .attached
@@ -358,18 +362,18 @@ fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
 }
 
 /// Numbers of the planes that the shapes on a frame may penetrate.
-fn passes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
+fn allowed_planes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
     let planes = (FIRST_PLANE..).zip(model.planes());
-    let passed = planes.filter(|(_, plane)| !plane.holds(model.model(), frame));
-    passed.map(|(number, _)| number).collect()
+    let allowed = planes.filter(|(_, plane)| !plane.blocks(model.model(), frame));
+    allowed.map(|(number, _)| number).collect()
 }
 
 impl Part {
     /// The frame, and bounding balls of the shapes in the frame.
     fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
-        let ball = |own: &PartShape| {
-            let middle = own.part_from_shape.apply(own.ball.centre);
-            (middle, own.ball.radius)
+        let ball = |shape: &PartShape| {
+            let centre = shape.part_from_shape.apply(shape.ball.centre);
+            (centre, shape.ball.radius)
         };
         (self.frame, self.shapes.iter().map(ball).collect())
     }
@@ -379,24 +383,30 @@ impl Part {
 fn pairs(
     model: &CollisionModel,
     parts: &[Part],
-    own: usize,
-    touches: &Touches<'_>,
+    link_count: usize,
+    allowed_collisions: &AllowedCollisions<'_>,
 ) -> Vec<[usize; 2]> {
-    let place = |frame: FrameId| parts[..own].iter().position(|part| part.frame == frame);
+    let part_index = |frame: FrameId| {
+        parts[..link_count]
+            .iter()
+            .position(|part| part.frame == frame)
+    };
     let links = model.pairs().iter();
     let mut pairs: Vec<[usize; 2]> = links
-        .filter_map(|[a, b]| Some([place(*a)?, place(*b)?]))
+        .filter_map(|[a, b]| Some([part_index(*a)?, part_index(*b)?]))
         .collect();
     let frames: Vec<FrameId> = parts.iter().map(|part| part.frame).collect();
     let bodies = Bodies::new(model.model(), &frames);
-    for attached in own..parts.len() {
+    for attached in link_count..parts.len() {
         // A body cannot hold an obstacle if it only carries the holding body, as a forearm carries its hand.
-        let kept = (0..attached).filter(|&other| {
-            bodies.are_apart(other, attached)
-                || other < own && bodies.is_above_alone(other, attached)
+        let enabled = (0..attached).filter(|&other| {
+            bodies.are_unconnected(other, attached)
+                || other < link_count && bodies.is_parent_of_only(other, attached)
         });
-        let kept = kept.filter(|&other| !touches.may(&parts[other].name, &parts[attached].name));
-        pairs.extend(kept.map(|other| [other, attached]));
+        let enabled = enabled.filter(|&other| {
+            !allowed_collisions.is_allowed(&parts[other].name, &parts[attached].name)
+        });
+        pairs.extend(enabled.map(|other| [other, attached]));
     }
     pairs
 }

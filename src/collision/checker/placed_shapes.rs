@@ -15,14 +15,14 @@ pub(super) struct PartShape {
 
 /// Placement of a shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedShape {
     pub(super) world_from_shape: Placement<f64>,
     /// Centre of its bounding sphere in the world.
     pub(super) centre: Vector3<f64>,
 }
 
-impl Placed {
-    pub(super) fn nowhere() -> Self {
+impl PlacedShape {
+    pub(super) fn unplaced() -> Self {
         Self {
             world_from_shape: Placement::identity(),
             centre: Vector3::zero(),
@@ -31,7 +31,7 @@ impl Placed {
 }
 
 /// The shapes of a part, with their placements in the same order.
-pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [Placed]);
+pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [PlacedShape]);
 
 impl PartShape {
     pub(super) fn new(shape: Shape, part_from_shape: Placement<f64>) -> Self {
@@ -42,48 +42,48 @@ impl PartShape {
         }
     }
 
-    pub(super) fn placed(&self, world_from_part: &Placement<f64>) -> Placed {
+    pub(super) fn placed(&self, world_from_part: &Placement<f64>) -> PlacedShape {
         let world_from_shape = *world_from_part * self.part_from_shape;
-        Placed {
+        PlacedShape {
             centre: world_from_shape.apply(self.ball.centre),
             world_from_shape,
         }
     }
 }
 
-/// The smallest separation of two parts, if it is at most `within` metres.
+/// The smallest separation of two parts, if it is at most `max_distance` metres.
 pub(super) fn part_to_part(
     a: PlacedShapes<'_>,
     b: PlacedShapes<'_>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Separation> {
     let mut nearest: Option<Separation> = None;
-    for (first, first_at) in a.0.iter().zip(a.1) {
-        for (second, second_at) in b.0.iter().zip(b.1) {
+    for (first, first_placed) in a.0.iter().zip(a.1) {
+        for (second, second_placed) in b.0.iter().zip(b.1) {
             // Rejects by bounding spheres.
-            let reach = first.ball.radius + second.ball.radius + within;
-            if (first_at.centre - second_at.centre).norm_squared() > reach * reach {
+            let reach = first.ball.radius + second.ball.radius + max_distance;
+            if (first_placed.centre - second_placed.centre).norm_squared() > reach * reach {
                 continue;
             }
             let separation = separation_within(
                 &first.shape,
-                &first_at.world_from_shape,
+                &first_placed.world_from_shape,
                 &second.shape,
-                &second_at.world_from_shape,
-                within,
+                &second_placed.world_from_shape,
+                max_distance,
             );
             if let Some(separation) = separation {
-                keep_nearer(&mut nearest, separation);
+                update_nearest(&mut nearest, separation);
             }
         }
     }
     nearest
 }
 
-fn keep_nearer(nearest: &mut Option<Separation>, other: Separation) {
+fn update_nearest(nearest: &mut Option<Separation>, other: Separation) {
     if nearest
         .as_ref()
-        .is_none_or(|known| other.distance < known.distance)
+        .is_none_or(|current| other.distance < current.distance)
     {
         *nearest = Some(other);
     }

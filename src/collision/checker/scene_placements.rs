@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::parts::Scene;
-use super::placed_shapes::{Placed, PlacedShapes};
+use super::placed_shapes::{PlacedShape, PlacedShapes};
 use super::sphere_cover::PlacedCover;
 use crate::collision::Separation;
 use crate::spatial::Placement;
@@ -12,7 +12,7 @@ use crate::spatial::Placement;
 /// a part.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SceneWorkspace {
-    pub(super) shapes: Vec<Placed>,
+    pub(super) shapes: Vec<PlacedShape>,
     /// True for each part whose shapes are placed.
     has_shapes: Vec<bool>,
     pub(super) covers: Vec<PlacedCover>,
@@ -22,15 +22,16 @@ pub(super) struct SceneWorkspace {
 
 impl Scene {
     /// Starts a new configuration: no part is placed.
-    pub(super) fn begin(&self, room: &mut SceneWorkspace) {
-        room.has_shapes.clear();
-        room.has_shapes.resize(self.parts.len(), false);
+    pub(super) fn begin(&self, workspace: &mut SceneWorkspace) {
+        workspace.has_shapes.clear();
+        workspace.has_shapes.resize(self.parts.len(), false);
         let count = self.shape_ends.last().copied().unwrap_or(0);
-        room.shapes.resize(count, Placed::nowhere());
-        room.covers
+        workspace.shapes.resize(count, PlacedShape::unplaced());
+        workspace
+            .covers
             .resize_with(self.parts.len(), PlacedCover::default);
-        for cover in &mut room.covers {
-            cover.forget();
+        for cover in &mut workspace.covers {
+            cover.reset();
         }
     }
 
@@ -39,10 +40,13 @@ impl Scene {
         &'a self,
         part: usize,
         placements: &[Placement<f64>],
-        room: &'a mut SceneWorkspace,
+        workspace: &'a mut SceneWorkspace,
     ) -> PlacedShapes<'a> {
-        self.place(part, placements, room);
-        (&self.parts[part].shapes, &room.shapes[self.shapes_of(part)])
+        self.place(part, placements, workspace);
+        (
+            &self.parts[part].shapes,
+            &workspace.shapes[self.shapes_of(part)],
+        )
     }
 
     /// Computes the placements of a part's shapes on first use.
@@ -50,13 +54,13 @@ impl Scene {
         &self,
         part: usize,
         placements: &[Placement<f64>],
-        room: &mut SceneWorkspace,
+        workspace: &mut SceneWorkspace,
     ) {
-        if !std::mem::replace(&mut room.has_shapes[part], true) {
-            let own = &self.parts[part].shapes;
-            let places = room.shapes[self.shapes_of(part)].iter_mut();
-            for (place, own) in places.zip(own) {
-                *place = own.placed(&placements[part]);
+        if !std::mem::replace(&mut workspace.has_shapes[part], true) {
+            let shapes = &self.parts[part].shapes;
+            let placed_shapes = workspace.shapes[self.shapes_of(part)].iter_mut();
+            for (placed, shape) in placed_shapes.zip(shapes) {
+                *placed = shape.placed(&placements[part]);
             }
         }
     }

@@ -6,7 +6,7 @@
 //! advancement along a table takes steps proportional to the clearance; these steps are proportional to its square
 //! root.
 
-use super::continuous_check::Slow;
+use super::continuous_check::SlidingPair;
 use super::motion_bound::BoundWorkspace;
 use super::parts::{Pair, Scene};
 use super::scene_placements::SceneWorkspace;
@@ -15,62 +15,62 @@ use crate::kinematics::KinematicsError;
 use crate::spatial::{Placement, Vector3};
 
 /// Number of spans tried, each half as long as the last.
-const TRIES: usize = 3;
+const MAX_SPANS: usize = 3;
 
 impl Checker {
-    /// Share of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
-    /// `known`.
+    /// Share of the motion up to which the given pairs stay farther apart than `min_slack` beyond their margins. At
+    /// least `known_share`.
     ///
-    /// The gaps are measured along the directions that separate the pairs at `here`.
-    pub(super) fn slides_until(
+    /// The gaps are measured along the directions that separate the pairs at `share`.
+    pub(super) fn max_sliding_share(
         &self,
         workspace: &mut CheckerWorkspace,
         (from, to): (&[f64], &[f64]),
-        here: f64,
-        known: f64,
-        slow: &[(usize, Slow)],
-        least: f64,
+        share: f64,
+        known_share: f64,
+        sliding_pairs: &[(usize, SlidingPair)],
+        min_slack: f64,
     ) -> Result<f64, KinematicsError> {
         // The curvature uses up half of the smallest gap.
-        let span = |one: &Slow| {
-            let room = one.room.max(0.0);
-            (4.0 * room / self.bend(one.pair, &workspace.bound)).sqrt()
+        let span = |sliding: &SlidingPair| {
+            let slack = sliding.slack.max(0.0);
+            (4.0 * slack / self.max_acceleration(sliding.pair, &workspace.bound)).sqrt()
         };
-        let longest = slow
+        let longest = sliding_pairs
             .iter()
-            .map(|(_, one)| span(one))
+            .map(|(_, sliding)| span(sliding))
             .fold(f64::INFINITY, f64::min);
         // NaN if the acceleration is unbounded.
         let mut span = if longest.is_nan() {
             0.0
         } else {
-            longest.min(1.0 - here)
+            longest.min(1.0 - share)
         };
-        let mut q = std::mem::take(&mut workspace.there);
+        let mut q = std::mem::take(&mut workspace.sliding_configuration);
         q.resize(from.len(), 0.0);
-        let mut until = Ok(known);
-        for _ in 0..TRIES {
+        let mut proven_share = Ok(known_share);
+        for _ in 0..MAX_SPANS {
             // Only a substantial gain is worth a check.
-            if here + span <= here + 2.0 * (known - here) {
+            if share + span <= share + 2.0 * (known_share - share) {
                 break;
             }
-            let there = here + span;
-            let reached = self.model.model().interpolate(from, to, there, &mut q);
+            let end_share = share + span;
+            let reached = self.model.model().interpolate(from, to, end_share, &mut q);
             debug_assert!(reached.is_ok(), "both ends were checked");
-            match self.stay_apart(workspace, &q, span, slow, least) {
+            match self.stay_apart(workspace, &q, span, sliding_pairs, min_slack) {
                 Ok(true) => {
-                    until = Ok(there);
+                    proven_share = Ok(end_share);
                     break;
                 }
                 Ok(false) => span *= 0.5,
                 Err(error) => {
-                    until = Err(error);
+                    proven_share = Err(error);
                     break;
                 }
             }
         }
-        workspace.there = q;
-        until
+        workspace.sliding_configuration = q;
+        proven_share
     }
 
     /// True if all pairs stay apart along a span that ends at `q`.
@@ -79,27 +79,31 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
         span: f64,
-        slow: &[(usize, Slow)],
-        least: f64,
+        sliding_pairs: &[(usize, SlidingPair)],
+        min_slack: f64,
     ) -> Result<bool, KinematicsError> {
         // Deviation K s²/8, without the factor K.
-        let bends: f64 = 0.125 * span * span;
-        let (placements, room, bound) = workspace.place_on_way(q)?;
-        self.scene.begin(room);
-        Ok(slow.iter().all(|(_, one)| {
-            let bends = bends * self.bend(one.pair, bound);
-            let gap = self.scene.gap_along(one.pair, one.normal, placements, room);
+        let deviation: f64 = 0.125 * span * span;
+        let (placements, scene_workspace, bound) = workspace.place_in_motion(q)?;
+        self.scene.begin(scene_workspace);
+        Ok(sliding_pairs.iter().all(|(_, sliding)| {
+            let deviation = deviation * self.max_acceleration(sliding.pair, bound);
+            let gap =
+                self.scene
+                    .gap_along(sliding.pair, sliding.normal, placements, scene_workspace);
             // A NaN gap fails the comparison.
-            gap.is_some_and(|gap| one.room.min(gap - one.margin) - bends > least)
+            gap.is_some_and(|gap| sliding.slack.min(gap - sliding.margin) - deviation > min_slack)
         }))
     }
 
     /// Upper bound of the acceleration with which a pair approaches in the whole motion, metres.
-    fn bend(&self, pair: Pair, room: &BoundWorkspace) -> f64 {
+    fn max_acceleration(&self, pair: Pair, workspace: &BoundWorkspace) -> f64 {
         let bound = self.scene.motion_bound();
         match pair {
-            Pair::Standing(part, _) => bound.bend_of(part, room),
-            Pair::Parts(a, b) => bound.bend_of(a, room) + bound.bend_of(b, room),
+            Pair::FixedObstacle(part, _) => bound.acceleration_of(part, workspace),
+            Pair::Parts(a, b) => {
+                bound.acceleration_of(a, workspace) + bound.acceleration_of(b, workspace)
+            }
         }
     }
 }
@@ -111,11 +115,11 @@ impl Scene {
         pair: Pair,
         normal: Vector3<f64>,
         placements: &[Placement<f64>],
-        room: &mut SceneWorkspace,
+        workspace: &mut SceneWorkspace,
     ) -> Option<f64> {
         let (first, normal, second) = match pair {
-            Pair::Standing(part, standing) => {
-                let (shape, at) = self.standing_at(standing);
+            Pair::FixedObstacle(part, obstacle) => {
+                let (shape, at) = self.fixed_obstacle(obstacle);
                 // A half-space is bounded only along its normal.
                 let normal = match shape.is_half_space() {
                     true => -at.rotation.z,
@@ -126,25 +130,25 @@ impl Scene {
             Pair::Parts(first, second) => (
                 first,
                 normal,
-                self.reach_of(second, -normal, placements, room)?,
+                self.part_reach(second, -normal, placements, workspace)?,
             ),
         };
-        Some(-second - self.reach_of(first, normal, placements, room)?)
+        Some(-second - self.part_reach(first, normal, placements, workspace)?)
     }
 
     /// Largest coordinate of a part along a direction, metres; `None` if a shape is not convex.
-    fn reach_of(
+    fn part_reach(
         &self,
         part: usize,
         along: Vector3<f64>,
         placements: &[Placement<f64>],
-        room: &mut SceneWorkspace,
+        workspace: &mut SceneWorkspace,
     ) -> Option<f64> {
-        let (own, placed) = self.placed(part, placements, room);
-        let mut most = f64::NEG_INFINITY;
-        for (own, at) in own.iter().zip(placed) {
-            most = most.max(own.shape.reach_along(&at.world_from_shape, along)?);
+        let (shapes, placed) = self.placed(part, placements, workspace);
+        let mut max_reach = f64::NEG_INFINITY;
+        for (shape, placed) in shapes.iter().zip(placed) {
+            max_reach = max_reach.max(shape.shape.reach_along(&placed.world_from_shape, along)?);
         }
-        Some(most)
+        Some(max_reach)
     }
 }

@@ -34,50 +34,50 @@ impl Cover {
 
 impl PlacedCover {
     /// Marks the bound and the spheres as not computed.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         (self.has_bound, self.has_spheres) = (false, false);
     }
 
     /// Computes the bounding sphere on first use.
-    pub(super) fn place(&mut self, own: &Cover, at: &Placement<f64>) {
+    pub(super) fn place(&mut self, cover: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_bound, true) {
-            self.bound = placed(&own.bound, at);
+            self.bound = placed(&cover.bound, at);
         }
     }
 
-    /// True if the bounding spheres are at most `within` metres apart.
-    pub(super) fn meets(&self, other: &Self, within: f64) -> bool {
-        meet(&self.bound, &other.bound, within)
+    /// True if the bounding spheres are at most `max_distance` metres apart.
+    pub(super) fn meets(&self, other: &Self, max_distance: f64) -> bool {
+        meet(&self.bound, &other.bound, max_distance)
     }
 
     /// Computes the spheres on first use.
-    pub(super) fn place_spheres(&mut self, own: &Cover, at: &Placement<f64>) {
+    pub(super) fn place_spheres(&mut self, cover: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_spheres, true) {
             self.spheres.clear();
-            (self.spheres).extend(own.spheres.iter().map(|ball| placed(ball, at)));
+            (self.spheres).extend(cover.spheres.iter().map(|ball| placed(ball, at)));
         }
     }
 
-    /// True if the covered shapes are certainly farther apart than `within` metres.
-    pub(super) fn is_apart(&self, other: &Self, within: f64) -> bool {
-        let near = |own: &&Ball| meet(own, &other.bound, within);
-        let touches = |own: &Ball| {
+    /// True if the covered shapes are certainly farther apart than `max_distance` metres.
+    pub(super) fn is_apart(&self, other: &Self, max_distance: f64) -> bool {
+        let near = |ball: &&Ball| meet(ball, &other.bound, max_distance);
+        let is_near = |ball: &Ball| {
             let mut others = other.spheres.iter();
-            others.any(|sphere| meet(own, sphere, within))
+            others.any(|sphere| meet(ball, sphere, max_distance))
         };
-        !self.spheres.iter().filter(near).any(touches)
+        !self.spheres.iter().filter(near).any(is_near)
     }
 }
 
-fn placed(own: &Ball, at: &Placement<f64>) -> Ball {
+fn placed(ball: &Ball, at: &Placement<f64>) -> Ball {
     Ball {
-        centre: at.apply(own.centre),
-        radius: own.radius,
+        centre: at.apply(ball.centre),
+        radius: ball.radius,
     }
 }
 
-fn meet(a: &Ball, b: &Ball, within: f64) -> bool {
+fn meet(a: &Ball, b: &Ball, max_distance: f64) -> bool {
     // If the spheres are the shapes themselves, rounding must not lose a pair.
-    let reach = (a.radius + b.radius + within) * (1.0 + ROUNDING);
+    let reach = (a.radius + b.radius + max_distance) * (1.0 + ROUNDING);
     (a.centre - b.centre).norm_squared() <= reach * reach
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Checker;
-use super::continuous_check::{Contact, Slow, Watched};
+use super::continuous_check::{Contact, MonitoredItem, SlidingPair};
 use super::motion_bound::BoundWorkspace;
 use super::parts::Part;
 use super::scene_placements::SceneWorkspace;
@@ -22,13 +22,13 @@ pub struct CheckerWorkspace {
     scene: SceneWorkspace,
     pub(super) bound: BoundWorkspace,
     /// A configuration in a motion, and the pairs monitored there.
-    pub(super) between: Vec<f64>,
-    pub(super) watched: Vec<Watched>,
+    pub(super) configuration: Vec<f64>,
+    pub(super) monitored_items: Vec<MonitoredItem>,
     /// Initial contacts of a motion.
     pub(super) contacts: Vec<Contact>,
     /// Sliding pairs by the index of their monitor, and the configuration at which they are tested.
-    pub(super) slow: Vec<(usize, Slow)>,
-    pub(super) there: Vec<f64>,
+    pub(super) sliding_pairs: Vec<(usize, SlidingPair)>,
+    pub(super) sliding_configuration: Vec<f64>,
 }
 
 impl CheckerWorkspace {
@@ -38,11 +38,11 @@ impl CheckerWorkspace {
             parts: Arc::clone(&checker.scene.parts),
             scene: SceneWorkspace::default(),
             bound: BoundWorkspace::default(),
-            between: Vec::new(),
-            watched: Vec::new(),
+            configuration: Vec::new(),
+            monitored_items: Vec::new(),
             contacts: Vec::new(),
-            slow: Vec::new(),
-            there: Vec::new(),
+            sliding_pairs: Vec::new(),
+            sliding_configuration: Vec::new(),
         }
     }
 
@@ -60,7 +60,7 @@ impl CheckerWorkspace {
     }
 
     /// As [`place`](Self::place) within a motion whose bound is computed.
-    pub(super) fn place_on_way(
+    pub(super) fn place_in_motion(
         &mut self,
         q: &[f64],
     ) -> Result<(&[Placement<f64>], &mut SceneWorkspace, &BoundWorkspace), KinematicsError> {

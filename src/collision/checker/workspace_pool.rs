@@ -10,15 +10,15 @@ pub(super) struct WorkspacePool(Mutex<Vec<SceneWorkspace>>);
 
 impl WorkspacePool {
     pub(super) fn take(&self) -> SceneWorkspace {
-        let mut rooms = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        rooms.pop().unwrap_or_default()
+        let mut workspaces = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        workspaces.pop().unwrap_or_default()
     }
 
-    pub(super) fn put_back(&self, room: SceneWorkspace) {
+    pub(super) fn put_back(&self, workspace: SceneWorkspace) {
         self.0
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .push(room);
+            .push(workspace);
     }
 }
 

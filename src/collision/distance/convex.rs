@@ -6,14 +6,14 @@ use crate::collision::shape::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 use crate::spatial::Vector3;
 
 /// Tolerance between the upper bound of a distance and the lower bound along the normal, relative to the pair's scale.
-const OPEN: f64 = 1e-13;
+const BOUND_TOLERANCE: f64 = 1e-13;
 
-/// The signed distance. `None` if the search finds that it is more than `within`.
-pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) -> Option<Gap> {
+/// The signed distance. `None` if the search finds that it is more than `max_distance`.
+pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, max_distance: f64) -> Option<Gap> {
     let radii = radius_a + radius_b;
     let core = match closed_form(pair) {
         Some(gap) => gap,
-        None => searched(pair, within + radii)?,
+        None => iterative(pair, max_distance + radii)?,
     };
     Some(Gap {
         distance: core.distance - radii,
@@ -23,32 +23,32 @@ pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) ->
     })
 }
 
-fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
+fn iterative(pair: &Pair<'_>, max_distance: f64) -> Option<Gap> {
     let cylinder = |core: &Core<'_>| matches!(core, Core::Cylinder { .. });
-    let round = cylinder(&pair.a) || cylinder(&pair.b);
-    let refined = |gap: Gap| match round {
+    let has_cylinder = cylinder(&pair.a) || cylinder(&pair.b);
+    let refined = |gap: Gap| match has_cylinder {
         true => cylinder_refinement::refined(pair, gap),
         false => gap,
     };
-    let apart = match gjk::distance(pair, within) {
-        gjk::Found::Beyond => return None,
-        gjk::Found::Meeting(at) => return Some(refined(epa::depth(pair, at))),
-        gjk::Found::Apart(gap) => gap,
+    let separated = match gjk::distance(pair, max_distance) {
+        gjk::GjkResult::Beyond => return None,
+        gjk::GjkResult::Contact(contact) => return Some(refined(epa::depth(pair, contact))),
+        gjk::GjkResult::Apart(gap) => gap,
     };
-    let gap = refined(apart);
+    let gap = refined(separated);
     // The distance is at most that of the two points, and at least the gap along any direction. If the bounds differ,
     // the cores nearly touch and GJK lost the direction, so EPA is tried too.
-    if apart.distance - pair.gap_along(gap.normal) <= OPEN * pair.scale() {
+    if separated.distance - pair.gap_along(gap.normal) <= BOUND_TOLERANCE * pair.scale() {
         return Some(gap);
     }
-    let at = Corner {
-        on_a: apart.on_a,
-        on_b: apart.on_b,
+    let contact = Corner {
+        on_a: separated.on_a,
+        on_b: separated.on_b,
     };
-    let other = refined(epa::depth(pair, at));
-    let widths = [gap, other].map(|gap| pair.gap_along(gap.normal));
+    let by_epa = refined(epa::depth(pair, contact));
+    let widths = [gap, by_epa].map(|gap| pair.gap_along(gap.normal));
     Some(match widths[1] > widths[0] {
-        true => other,
+        true => by_epa,
         false => Gap {
             distance: widths[0],
             on_b: gap.on_a + gap.normal * widths[0],
@@ -59,7 +59,7 @@ fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
 
 /// Gap of a point and a point, segment, box or cylinder; `None` for other cores.
 fn closed_form(pair: &Pair<'_>) -> Option<Gap> {
-    let of_point = |p: Vector3<f64>, core: &Core<'_>| {
+    let point_gap = |p: Vector3<f64>, core: &Core<'_>| {
         let (distance, on_core) = match core {
             Core::Point(q) => ((p - *q).norm(), *q),
             Core::Segment(half) => {
@@ -75,9 +75,9 @@ fn closed_form(pair: &Pair<'_>) -> Option<Gap> {
     match (&pair.a, &pair.b) {
         (Core::Point(p), core) => {
             let p = pair.a_from_b.inverse().apply(*p);
-            Some(of_point(p, core)?.flipped(&pair.a_from_b))
+            Some(point_gap(p, core)?.flipped(&pair.a_from_b))
         }
-        (core, Core::Point(p)) => of_point(pair.a_from_b.apply(*p), core),
+        (core, Core::Point(p)) => point_gap(pair.a_from_b.apply(*p), core),
         _ => None,
     }
 }

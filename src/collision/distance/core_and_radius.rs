@@ -41,7 +41,7 @@ impl<'a> Core<'a> {
     /// Support point: a point that is farthest along a direction.
     pub(crate) fn support(&self, along: Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Point(at) => *at,
+            Self::Point(point) => *point,
             Self::Segment(half) => Vector3::new(0.0, 0.0, half.copysign(along.z)),
             Self::Triangle(corners) => farthest(corners, along),
             Self::Box(half) => Vector3::new(
@@ -60,14 +60,14 @@ impl<'a> Core<'a> {
     }
 
     /// Support point up to rounding. Faster than [`support`](Self::support) for large hulls.
-    pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn approximate_support(&self, along: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Hull(hull) => hull.climbed(along),
             other => other.support(along),
         }
     }
 
-    /// True if [`support_nearly`](Self::support_nearly) and [`support`](Self::support) may differ.
+    /// True if [`approximate_support`](Self::approximate_support) and [`support`](Self::support) may differ.
     fn is_climbed(&self) -> bool {
         matches!(self, Self::Hull(hull) if hull.is_climbed())
     }
@@ -79,7 +79,7 @@ impl<'a> Core<'a> {
             lengths.fold(0.0, f64::max).sqrt()
         };
         match self {
-            Self::Point(at) => at.norm(),
+            Self::Point(point) => point.norm(),
             Self::Segment(half) => *half,
             Self::Triangle(corners) => farthest(corners),
             Self::Box(half) => half.norm(),
@@ -105,10 +105,13 @@ impl<'a> Core<'a> {
         match self {
             Self::Box(half) => {
                 let inside = [half.x - p.x.abs(), half.y - p.y.abs(), half.z - p.z.abs()];
-                side((1..3).fold(
-                    0,
-                    |least, i| if inside[i] < inside[least] { i } else { least },
-                ))
+                side((1..3).fold(0, |nearest, i| {
+                    if inside[i] < inside[nearest] {
+                        i
+                    } else {
+                        nearest
+                    }
+                }))
             }
             Self::Cylinder { radius, half } => {
                 let across = (p.x * p.x + p.y * p.y).sqrt();
@@ -128,7 +131,7 @@ impl<'a> Core<'a> {
             sum * (points.len() as f64).recip()
         };
         match self {
-            Self::Point(at) => *at,
+            Self::Point(point) => *point,
             Self::Triangle(corners) => mean(corners),
             Self::Hull(hull) => hull.middle(),
             _ => Vector3::zero(),
@@ -139,9 +142,9 @@ impl<'a> Core<'a> {
 fn farthest(points: &[Vector3<f64>], along: Vector3<f64>) -> Vector3<f64> {
     let mut best = (f64::NEG_INFINITY, points[0]);
     for &point in points {
-        let far = along.dot(point);
-        if far > best.0 {
-            best = (far, point);
+        let projection = along.dot(point);
+        if projection > best.0 {
+            best = (projection, point);
         }
     }
     best.1
@@ -180,15 +183,15 @@ impl Pair<'_> {
     }
 
     /// As [`support`](Self::support) up to rounding. Faster for large hulls.
-    pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Corner {
+    pub(super) fn approximate_support(&self, along: Vector3<f64>) -> Corner {
         let back = self.a_from_b.rotation.transpose_mul(-along);
         Corner {
-            on_a: self.a.support_nearly(along),
-            on_b: self.a_from_b.apply(self.b.support_nearly(back)),
+            on_a: self.a.approximate_support(along),
+            on_b: self.a_from_b.apply(self.b.approximate_support(back)),
         }
     }
 
-    /// True if [`support_nearly`](Self::support_nearly) and [`support`](Self::support) may differ.
+    /// True if [`approximate_support`](Self::approximate_support) and [`support`](Self::support) may differ.
     pub(super) fn is_climbed(&self) -> bool {
         self.a.is_climbed() || self.b.is_climbed()
     }

@@ -14,9 +14,9 @@ use super::core_and_radius::{Corner, Gap, Pair};
 /// Iteration limit. Coaxial round bodies would use any number; the remaining error is then negligible.
 const ITERATIONS: usize = 400;
 /// Tolerance of convergence, relative to the scale of the pair.
-const CLOSED: f64 = 1e-14;
+const CONVERGENCE_TOLERANCE: f64 = 1e-14;
 /// Thickness below which A − B counts as flat, relative to the scale of the pair.
-const FLAT: f64 = 1e-13;
+const FLATNESS_TOLERANCE: f64 = 1e-13;
 
 /// Plane of a facet.
 #[derive(Clone, Copy, PartialEq)]
@@ -52,17 +52,18 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         if !surface.facets[nearest.facet as usize].alive {
             continue;
         }
-        let mut corner = pair.support_nearly(nearest.normal);
+        let mut corner = pair.approximate_support(nearest.normal);
         // The overlap along a direction is an upper bound of the depth.
-        let enough = |corner: &Corner| corner.difference().dot(nearest.normal);
-        let closed = |corner: &Corner| enough(corner) - nearest.depth <= CLOSED * scale;
-        if climbed && closed(&corner) {
+        let overlap = |corner: &Corner| corner.difference().dot(nearest.normal);
+        let has_converged =
+            |corner: &Corner| overlap(corner) - nearest.depth <= CONVERGENCE_TOLERANCE * scale;
+        if climbed && has_converged(&corner) {
             corner = pair.support(nearest.normal);
         }
-        if best.is_none_or(|(depth, _)| enough(&corner) < depth) {
-            best = Some((enough(&corner), nearest.normal));
+        if best.is_none_or(|(depth, _)| overlap(&corner) < depth) {
+            best = Some((overlap(&corner), nearest.normal));
         }
-        if closed(&corner) {
+        if has_converged(&corner) {
             break;
         }
         let point = corner.difference();
@@ -72,7 +73,12 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         }
         corners.push(corner);
         surface.insert(point, nearest.facet);
-        queue.extend(surface.made.iter().filter_map(|&f| plane(&surface, f)));
+        queue.extend(
+            surface
+                .new_facets
+                .iter()
+                .filter_map(|&f| plane(&surface, f)),
+        );
     }
     let (mut depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
     if climbed && best.is_some() {
@@ -84,8 +90,13 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
 
 /// Four vertices that span a volume. The error is the gap along the normal if A − B is flat.
 fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4], Gap> {
-    let least = FLAT * scale;
-    let widest = Vector3::UNITS.map(|axis| [pair.support_nearly(axis), pair.support_nearly(-axis)]);
+    let min_thickness = FLATNESS_TOLERANCE * scale;
+    let widest = Vector3::UNITS.map(|axis| {
+        [
+            pair.approximate_support(axis),
+            pair.approximate_support(-axis),
+        ]
+    });
     let width = |[a, b]: &[Corner; 2]| (a.difference() - b.difference()).norm();
     let [a, b] = widest.into_iter().fold(widest[0], |best, ends| {
         if width(&ends) > width(&best) {
@@ -95,42 +106,51 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
         }
     });
     let along = b.difference() - a.difference();
-    if along.norm() <= least {
+    if along.norm() <= min_thickness {
         // A single point: the direction from it to the origin.
         let offset = a.difference();
-        let away = -offset;
+        let towards_origin = -offset;
         return Err(across(
             pair,
             meeting,
-            unit(away).unwrap_or(Vector3::UNITS[2]),
+            unit(towards_origin).unwrap_or(Vector3::UNITS[2]),
         ));
     }
-    let sideways = perpendicular(along);
-    let third = unit(along.cross(sideways)).unwrap_or(sideways);
+    let perpendicular_a = perpendicular(along);
+    let perpendicular_b = unit(along.cross(perpendicular_a)).unwrap_or(perpendicular_a);
     let from_line = |c: &Corner| along.cross(c.difference() - a.difference()).norm() / along.norm();
-    let c = [sideways, -sideways, third, -third]
-        .map(|direction| pair.support_nearly(direction))
-        .into_iter()
-        .fold(a, |best, c| {
-            if from_line(&c) > from_line(&best) {
-                c
-            } else {
-                best
-            }
-        });
-    if from_line(&c) <= least {
+    let c = [
+        perpendicular_a,
+        -perpendicular_a,
+        perpendicular_b,
+        -perpendicular_b,
+    ]
+    .map(|direction| pair.approximate_support(direction))
+    .into_iter()
+    .fold(a, |best, c| {
+        if from_line(&c) > from_line(&best) {
+            c
+        } else {
+            best
+        }
+    });
+    if from_line(&c) <= min_thickness {
         // A line: the direction from it to the origin, perpendicular to it.
         let offset = a.difference();
         let out = offset - along * (offset.dot(along) / along.norm_squared());
-        let out = if out.norm() > least { unit(-out) } else { None };
-        return Err(across(pair, meeting, out.unwrap_or(sideways)));
+        let out = if out.norm() > min_thickness {
+            unit(-out)
+        } else {
+            None
+        };
+        return Err(across(pair, meeting, out.unwrap_or(perpendicular_a)));
     }
     let normal = along.cross(c.difference() - a.difference());
-    let normal = unit(normal).unwrap_or(sideways);
+    let normal = unit(normal).unwrap_or(perpendicular_a);
     let above = |corner: &Corner| (corner.difference() - a.difference()).dot(normal).abs();
-    let [up, down] = [normal, -normal].map(|direction| pair.support_nearly(direction));
+    let [up, down] = [normal, -normal].map(|direction| pair.approximate_support(direction));
     let d = if above(&up) >= above(&down) { up } else { down };
-    if above(&d) <= least {
+    if above(&d) <= min_thickness {
         // A plane: its normal on the side of the origin.
         let out = if a.difference().dot(normal) > 0.0 {
             -normal
@@ -196,12 +216,15 @@ fn witness(surface: &ConvexSurface, corners: &[Corner], normal: Vector3<f64>, de
     let end = normal * depth;
     let mut best = (f64::INFINITY, Vector3::zero());
     for (index, facet) in surface.facets.iter().enumerate().filter(|(_, f)| f.alive) {
-        let places = surface.corners(index as u32);
-        let weights = weights_of(end, places);
+        let triangle = surface.corners(index as u32);
+        let weights = weights_of(end, triangle);
         let sum = |[a, b, c]: [Vector3<f64>; 3]| a * weights[0] + b * weights[1] + c * weights[2];
-        let off = (sum(places) - end).norm_squared();
-        if off < best.0 {
-            best = (off, sum(facet.corners.map(|i| corners[i as usize].on_a)));
+        let squared_distance = (sum(triangle) - end).norm_squared();
+        if squared_distance < best.0 {
+            best = (
+                squared_distance,
+                sum(facet.corners.map(|i| corners[i as usize].on_a)),
+            );
         }
     }
     Gap {

@@ -8,26 +8,26 @@ use super::simplex::Simplex;
 /// Iteration limit. Polyhedra need a dozen iterations, round bodies more.
 const ITERATIONS: usize = 200;
 /// Tolerance of convergence, relative to the scale of the pair: the rounding of a distance.
-const ROUNDING: f64 = 4e-16;
+const CONVERGENCE_TOLERANCE: f64 = 4e-16;
 /// Distance below which the cores count as touching, relative to the scale of the pair. The direction is then dominated
 /// by rounding, and the faces of EPA give a better one.
-const TOUCHING: f64 = 1e-12;
+const CONTACT_TOLERANCE: f64 = 1e-12;
 
 /// Excess over the query bound, relative to the scale of the pair, that exceeds the error of hill climbing.
-const SURELY: f64 = 1e-9;
+const EXCESS_TOLERANCE: f64 = 1e-9;
 
 /// Result of GJK.
-pub(super) enum Found {
+pub(super) enum GjkResult {
     /// Separated by the gap.
     Apart(Gap),
     /// Farther apart than the query bound.
     Beyond,
     /// Touching or overlapping, at these points.
-    Meeting(Corner),
+    Contact(Corner),
 }
 
-/// The distance of two cores, unless it is more than `most`.
-pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
+/// The distance of two cores, unless it is more than `max_distance`.
+pub(super) fn distance(pair: &Pair<'_>, max_distance: f64) -> GjkResult {
     let scale = pair.scale();
     let toward = pair.middle();
     let toward = if toward.norm_squared() > 0.0 {
@@ -36,37 +36,39 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
         Vector3::UNITS[0]
     };
     let climbed = pair.is_climbed();
-    let mut simplex = Simplex::point(pair.support_nearly(-toward));
-    let mut apart = f64::INFINITY;
+    let mut simplex = Simplex::point(pair.approximate_support(-toward));
+    let mut previous_length = f64::INFINITY;
     for _ in 0..ITERATIONS {
         let nearest = simplex.nearest();
         let offset = nearest.difference();
         let length = offset.norm();
-        if length <= TOUCHING * scale {
-            return Found::Meeting(nearest);
+        if length <= CONTACT_TOLERANCE * scale {
+            return GjkResult::Contact(nearest);
         }
         // A length that does not decrease is at the limit of rounding.
-        let stuck = length >= apart;
-        apart = length;
+        let stuck = length >= previous_length;
+        previous_length = length;
         let normal = face_normal(&simplex, offset);
-        let mut corner = pair.support_nearly(-normal);
+        let mut corner = pair.approximate_support(-normal);
         // The plane through the support point bounds the distance of A − B from below.
-        let mut least = corner.difference().dot(normal);
-        if least > most + SURELY * scale {
-            return Found::Beyond;
+        let mut lower_bound = corner.difference().dot(normal);
+        if lower_bound > max_distance + EXCESS_TOLERANCE * scale {
+            return GjkResult::Beyond;
         }
-        let settled = |corner: &Corner, least: f64| {
-            stuck || length - least <= ROUNDING * scale || simplex.corners().contains(corner)
+        let has_converged = |corner: &Corner, lower_bound: f64| {
+            stuck
+                || length - lower_bound <= CONVERGENCE_TOLERANCE * scale
+                || simplex.corners().contains(corner)
         };
-        if climbed && (least > most || settled(&corner, least)) {
+        if climbed && (lower_bound > max_distance || has_converged(&corner, lower_bound)) {
             corner = pair.support(-normal);
-            least = corner.difference().dot(normal);
+            lower_bound = corner.difference().dot(normal);
         }
-        if least > most {
-            return Found::Beyond;
+        if lower_bound > max_distance {
+            return GjkResult::Beyond;
         }
-        if settled(&corner, least) {
-            return Found::Apart(Gap {
+        if has_converged(&corner, lower_bound) {
+            return GjkResult::Apart(Gap {
                 distance: length,
                 on_a: nearest.on_a,
                 on_b: nearest.on_b,
@@ -75,12 +77,12 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
         }
         simplex = simplex.with(corner);
         if simplex.corners().len() == 4 {
-            return Found::Meeting(simplex.nearest());
+            return GjkResult::Contact(simplex.nearest());
         }
     }
     let nearest = simplex.nearest();
     let offset = nearest.difference();
-    Found::Apart(Gap {
+    GjkResult::Apart(Gap {
         distance: offset.norm(),
         on_a: nearest.on_a,
         on_b: nearest.on_b,

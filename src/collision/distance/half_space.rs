@@ -9,7 +9,7 @@ use super::core_and_radius::{Core, Gap};
 pub(super) fn gap(other: &ShapeKind, half_from_other: &Placement<f64>) -> Option<Gap> {
     let up = half_from_other.rotation.transpose_mul(Vector3::UNITS[2]);
     let (lowest, radius) = match other {
-        ShapeKind::HalfSpace => return Some(two(half_from_other)),
+        ShapeKind::HalfSpace => return Some(between_half_spaces(half_from_other)),
         ShapeKind::Mesh(mesh) => (lowest(mesh.vertices().iter().copied(), up), 0.0),
         ShapeKind::Points(cloud) => (
             lowest(cloud.positions().iter().copied(), up),
@@ -26,10 +26,10 @@ pub(super) fn gap(other: &ShapeKind, half_from_other: &Placement<f64>) -> Option
     };
     let mut on_b = half_from_other.apply(lowest);
     on_b.z -= radius;
-    Some(above(on_b))
+    Some(gap_above(on_b))
 }
 
-fn above(on_b: Vector3<f64>) -> Gap {
+fn gap_above(on_b: Vector3<f64>) -> Gap {
     Gap {
         distance: on_b.z,
         on_a: Vector3::new(on_b.x, on_b.y, 0.0),
@@ -38,31 +38,31 @@ fn above(on_b: Vector3<f64>) -> Gap {
     }
 }
 
-fn bottomless(at: Vector3<f64>) -> Gap {
+fn unbounded_overlap(at: Vector3<f64>) -> Gap {
     Gap {
         distance: f64::NEG_INFINITY,
-        ..above(Vector3::new(at.x, at.y, 0.0))
+        ..gap_above(Vector3::new(at.x, at.y, 0.0))
     }
 }
 
 /// Two half-spaces. They are apart only if they face exactly away from each other, else they meet without bound.
-fn two(half_from_other: &Placement<f64>) -> Gap {
+fn between_half_spaces(half_from_other: &Placement<f64>) -> Gap {
     let origin = half_from_other.translation;
     match half_from_other.rotation.z.z <= -1.0 {
-        true => above(origin),
-        false => bottomless(origin),
+        true => gap_above(origin),
+        false => unbounded_overlap(origin),
     }
 }
 
 fn lowest(points: impl Iterator<Item = Vector3<f64>>, up: Vector3<f64>) -> Vector3<f64> {
     let first = (f64::INFINITY, Vector3::zero());
-    let least = points.fold(first, |least, point| {
+    let lowest = points.fold(first, |lowest, point| {
         let height = up.dot(point);
-        if height < least.0 {
+        if height < lowest.0 {
             (height, point)
         } else {
-            least
+            lowest
         }
     });
-    least.1
+    lowest.1
 }

@@ -1,12 +1,12 @@
 //! Signed distance between two shapes, with the closest points.
 
+mod composite;
 mod convex;
 mod core_and_radius;
 mod cylinder_refinement;
 mod epa;
 mod gjk;
 mod half_space;
-mod many;
 mod nearest_features;
 mod reach;
 mod simplex;
@@ -14,7 +14,7 @@ mod simplex;
 use self::core_and_radius::Gap;
 use super::shape::{Shape, ShapeKind};
 use crate::spatial::{Placement, Vector3};
-use many::Parts;
+use composite::ConvexParts;
 
 pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
@@ -72,18 +72,24 @@ pub fn separation(
     })
 }
 
-/// [`separation`], if the distance is at most `within` metres, else `None`. Faster than [`separation`] for distant
-/// shapes.
+/// [`separation`], if the distance is at most `max_distance` metres, else `None`. Faster than [`separation`] for
+/// distant shapes.
 #[must_use]
 pub fn separation_within(
     first: &Shape,
     world_from_first: &Placement<f64>,
     second: &Shape,
     world_from_second: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Separation> {
-    let gap = gap(first, world_from_first, second, world_from_second, within)?;
-    (gap.distance <= within).then(|| Separation::placed(&gap, world_from_first))
+    let gap = gap(
+        first,
+        world_from_first,
+        second,
+        world_from_second,
+        max_distance,
+    )?;
+    (gap.distance <= max_distance).then(|| Separation::placed(&gap, world_from_first))
 }
 
 impl Separation {
@@ -106,21 +112,21 @@ impl Separation {
     }
 }
 
-/// The signed distance in the frame of the first shape. May be `None` if it is more than `within`.
+/// The signed distance in the frame of the first shape. May be `None` if it is more than `max_distance`.
 fn gap(
     first: &Shape,
     world_from_first: &Placement<f64>,
     second: &Shape,
     world_from_second: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Gap> {
     let first_from_second = world_from_first.inverse() * *world_from_second;
     match (first.kind(), second.kind()) {
         (ShapeKind::HalfSpace, other) => half_space::gap(other, &first_from_second),
         (other, ShapeKind::HalfSpace) => {
             let second_from_first = first_from_second.inverse();
-            let turned = half_space::gap(other, &second_from_first)?;
-            Some(turned.flipped(&first_from_second))
+            let swapped = half_space::gap(other, &second_from_first)?;
+            Some(swapped.flipped(&first_from_second))
         }
         (a, b) => match (Core::of(a), Core::of(b)) {
             (Some((core_a, radius_a)), Some((core_b, radius_b))) => {
@@ -129,13 +135,13 @@ fn gap(
                     b: core_b,
                     a_from_b: first_from_second,
                 };
-                convex::gap(&pair, radius_a, radius_b, within)
+                convex::gap(&pair, radius_a, radius_b, max_distance)
             }
-            _ => many::gap(
-                &Parts::of(first),
-                &Parts::of(second),
+            _ => composite::gap(
+                &ConvexParts::of(first),
+                &ConvexParts::of(second),
                 &first_from_second,
-                within,
+                max_distance,
             ),
         },
     }

@@ -4,7 +4,7 @@ use super::core_and_radius::Gap;
 use crate::spatial::Vector3;
 
 /// Iterations of Newton's method.
-const NEWTON: usize = 12;
+const NEWTON_STEPS: usize = 12;
 
 /// A feature of a body that may be in contact.
 #[derive(Clone, Copy)]
@@ -19,13 +19,15 @@ pub(super) enum Feature {
 /// A direction to try, and the contact point on A if it is known.
 pub(super) type Candidate = (Vector3<f64>, Option<Vector3<f64>>);
 
-/// The direction along which the distance of two features is stationary, near the direction of `found`.
-pub(super) fn stationary(a: Feature, b: Feature, found: &Gap) -> Option<Candidate> {
+/// The direction along which the distance of two features is stationary, near the direction of `estimate`.
+pub(super) fn stationary(a: Feature, b: Feature, estimate: &Gap) -> Option<Candidate> {
     match (a, b) {
         (Feature::Point(p), Feature::Point(q)) => Some((unit(q - p)?, Some(p))),
-        (Feature::Point(p), Feature::Line(q, v)) => Some((beside(p, q, v, found)?, Some(p))),
+        (Feature::Point(p), Feature::Line(q, v)) => {
+            Some((between_parallels(p, q, v, estimate)?, Some(p)))
+        }
         (Feature::Line(p, u), Feature::Point(q)) => {
-            Some((beside(p, q, u, found)?, Some(foot(p, u, q))))
+            Some((between_parallels(p, q, u, estimate)?, Some(foot(p, u, q))))
         }
         (Feature::Line(p, u), Feature::Line(q, v)) => {
             let common = u.cross(v);
@@ -33,34 +35,39 @@ pub(super) fn stationary(a: Feature, b: Feature, found: &Gap) -> Option<Candidat
                 let along = (q - p).cross(v).dot(common) / common.norm_squared();
                 return Some((unit(common)?, Some(p + u * along)));
             }
-            Some((beside(p, q, u, found)?, None))
+            Some((between_parallels(p, q, u, estimate)?, None))
         }
-        (Feature::Circle(..), Feature::Circle(..)) => circles(a, b, found),
-        (Feature::Circle(..), _) => circle(a, b, found.normal).map(|(n, on)| (n, Some(on))),
+        (Feature::Circle(..), Feature::Circle(..)) => circles(a, b, estimate),
+        (Feature::Circle(..), _) => circle(a, b, estimate.normal).map(|(n, on)| (n, Some(on))),
         (Feature::Point(p), Feature::Circle(..)) => {
-            circle(b, a, -found.normal).map(|(normal, _)| (normal, Some(p)))
+            circle(b, a, -estimate.normal).map(|(normal, _)| (normal, Some(p)))
         }
         (Feature::Line(p, u), Feature::Circle(..)) => {
-            circle(b, a, -found.normal).map(|(normal, on_b)| (normal, Some(foot(p, u, on_b))))
+            circle(b, a, -estimate.normal).map(|(normal, on_b)| (normal, Some(foot(p, u, on_b))))
         }
     }
 }
 
 /// The direction between two parallel lines along `u` through two points.
 ///
-/// If the lines coincide, it is the direction of `found`. `None` if that is along `u`.
-fn beside(p: Vector3<f64>, q: Vector3<f64>, u: Vector3<f64>, found: &Gap) -> Option<Vector3<f64>> {
+/// If the lines coincide, it is the direction of `estimate`. `None` if that is along `u`.
+fn between_parallels(
+    p: Vector3<f64>,
+    q: Vector3<f64>,
+    u: Vector3<f64>,
+    estimate: &Gap,
+) -> Option<Vector3<f64>> {
     // Projected twice: the first projection of a long offset leaves rounding along the line.
-    let square = |v: Vector3<f64>| {
-        let once = unit(across(v, u))?;
-        let twice = across(once, u);
-        if twice.norm() > 0.9 {
-            unit(twice)
+    let perpendicular = |v: Vector3<f64>| {
+        let projected = unit(across(v, u))?;
+        let projected_twice = across(projected, u);
+        if projected_twice.norm() > 0.9 {
+            unit(projected_twice)
         } else {
             None
         }
     };
-    square(q - p).or_else(|| square(found.normal))
+    perpendicular(q - p).or_else(|| perpendicular(estimate.normal))
 }
 
 /// The point of a line that is closest to a point `q`.
@@ -74,64 +81,65 @@ fn circle(
     flat: Feature,
     along: Vector3<f64>,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let (place, line) = match flat {
-        Feature::Line(place, line) => (place, Some(line)),
-        Feature::Point(place) => (place, None),
+    let (point, line) = match flat {
+        Feature::Line(point, line) => (point, Some(line)),
+        Feature::Point(point) => (point, None),
         Feature::Circle(..) => return None,
     };
     let free = |v: Vector3<f64>| line.map_or(v, |line| across(v, line));
-    let mut on = OnCircle::toward(round, along)?;
-    for _ in 0..NEWTON {
-        let offset = free(on.place() - place);
-        let (turn, bend) = (on.tangent(), on.bend());
-        let slope = offset.dot(turn);
-        let curvature = free(turn).norm_squared() + offset.dot(bend);
+    let mut circle_point = CirclePoint::toward(round, along)?;
+    for _ in 0..NEWTON_STEPS {
+        let offset = free(circle_point.position() - point);
+        let (tangent, second_derivative) =
+            (circle_point.tangent(), circle_point.second_derivative());
+        let slope = offset.dot(tangent);
+        let curvature = free(tangent).norm_squared() + offset.dot(second_derivative);
         if curvature == 0.0 {
             break;
         }
-        on.turn((-slope / curvature).clamp(-0.3, 0.3));
+        circle_point.rotate((-slope / curvature).clamp(-0.3, 0.3));
     }
-    let offset = free(on.place() - place);
-    let normal =
-        crossing(on.tangent(), line.unwrap_or_else(Vector3::zero)).or_else(|| unit(offset))?;
-    Some((normal, on.place()))
+    let offset = free(circle_point.position() - point);
+    let normal = crossing(circle_point.tangent(), line.unwrap_or_else(Vector3::zero))
+        .or_else(|| unit(offset))?;
+    Some((normal, circle_point.position()))
 }
 
 /// Two circles, by Newton's method on both angles.
-fn circles(a: Feature, b: Feature, found: &Gap) -> Option<Candidate> {
-    let mut on_a = OnCircle::toward(a, found.normal)?;
-    let mut on_b = OnCircle::toward(b, -found.normal)?;
-    for _ in 0..NEWTON {
-        let offset = on_a.place() - on_b.place();
-        let (turn_a, turn_b) = (on_a.tangent(), on_b.tangent());
-        let slope = [offset.dot(turn_a), -offset.dot(turn_b)];
-        let own_a = turn_a.norm_squared() + offset.dot(on_a.bend());
-        let own_b = turn_b.norm_squared() - offset.dot(on_b.bend());
-        let both = -turn_a.dot(turn_b);
-        let determinant = own_a * own_b - both * both;
+fn circles(a: Feature, b: Feature, estimate: &Gap) -> Option<Candidate> {
+    let mut on_a = CirclePoint::toward(a, estimate.normal)?;
+    let mut on_b = CirclePoint::toward(b, -estimate.normal)?;
+    for _ in 0..NEWTON_STEPS {
+        let offset = on_a.position() - on_b.position();
+        let (tangent_a, tangent_b) = (on_a.tangent(), on_b.tangent());
+        let slope = [offset.dot(tangent_a), -offset.dot(tangent_b)];
+        let diagonal_a = tangent_a.norm_squared() + offset.dot(on_a.second_derivative());
+        let diagonal_b = tangent_b.norm_squared() - offset.dot(on_b.second_derivative());
+        let off_diagonal = -tangent_a.dot(tangent_b);
+        let determinant = diagonal_a * diagonal_b - off_diagonal * off_diagonal;
         if determinant == 0.0 {
             break;
         }
-        let step_a = (both * slope[1] - own_b * slope[0]) / determinant;
-        let step_b = (both * slope[0] - own_a * slope[1]) / determinant;
-        on_a.turn(step_a.clamp(-0.3, 0.3));
-        on_b.turn(step_b.clamp(-0.3, 0.3));
+        let step_a = (off_diagonal * slope[1] - diagonal_b * slope[0]) / determinant;
+        let step_b = (off_diagonal * slope[0] - diagonal_a * slope[1]) / determinant;
+        on_a.rotate(step_a.clamp(-0.3, 0.3));
+        on_b.rotate(step_b.clamp(-0.3, 0.3));
     }
-    let offset = on_b.place() - on_a.place();
+    let offset = on_b.position() - on_a.position();
     let normal = crossing(on_a.tangent(), on_b.tangent()).or_else(|| unit(offset))?;
-    Some((normal, Some(on_a.place())))
+    Some((normal, Some(on_a.position())))
 }
 
 /// Unit vector perpendicular to two vectors at a large angle. It keeps its accuracy at small distances.
 fn crossing(u: Vector3<f64>, v: Vector3<f64>) -> Option<Vector3<f64>> {
     let common = u.cross(v);
-    let fine = common.norm() > 0.1 * u.norm() * v.norm() && common.norm() > 0.0;
-    if fine { unit(common) } else { None }
+    let is_accurate = common.norm() > 0.1 * u.norm() * v.norm() && common.norm() > 0.0;
+    if is_accurate { unit(common) } else { None }
 }
 
 /// A point on a circle, given by cosine and sine.
 #[derive(Clone, Copy)]
-struct OnCircle {
+struct CirclePoint {
     centre: Vector3<f64>,
     axes: [Vector3<f64>; 2],
     radius: f64,
@@ -139,7 +147,7 @@ struct OnCircle {
     sin: f64,
 }
 
-impl OnCircle {
+impl CirclePoint {
     /// The point that is farthest along a direction.
     fn toward(circle: Feature, along: Vector3<f64>) -> Option<Self> {
         let Feature::Circle(centre, axes, radius) = circle else {
@@ -161,8 +169,8 @@ impl OnCircle {
         })
     }
 
-    fn place(&self) -> Vector3<f64> {
-        self.centre - self.bend()
+    fn position(&self) -> Vector3<f64> {
+        self.centre - self.second_derivative()
     }
 
     /// Derivative of the point by the angle.
@@ -172,14 +180,17 @@ impl OnCircle {
     }
 
     /// Second derivative of the point by the angle.
-    fn bend(&self) -> Vector3<f64> {
+    fn second_derivative(&self) -> Vector3<f64> {
         let [x, y] = self.axes;
         (x * self.cos + y * self.sin) * -self.radius
     }
 
     /// Rotates by a small angle, to third order, and normalises. The error vanishes with the Newton step.
-    fn turn(&mut self, by: f64) {
-        let (cos, sin) = (1.0 - 0.5 * by * by, by - by * by * by / 6.0);
+    fn rotate(&mut self, angle: f64) {
+        let (cos, sin) = (
+            1.0 - 0.5 * angle * angle,
+            angle - angle * angle * angle / 6.0,
+        );
         let (x, y) = (
             self.cos * cos - self.sin * sin,
             self.sin * cos + self.cos * sin,

@@ -17,7 +17,7 @@ impl Shape {
             return Some(at.translation.dot(along));
         }
         let (core, radius) = Core::of(self.kind())?;
-        let farthest = core.support_nearly(at.rotation.transpose_mul(along));
+        let farthest = core.approximate_support(at.rotation.transpose_mul(along));
         Some(at.apply(farthest).dot(along) + radius)
     }
 }

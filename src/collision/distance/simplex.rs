@@ -47,7 +47,7 @@ impl Simplex {
         all.corners[all.len] = corner;
         all.len += 1;
         let mut best = Self::point(corner);
-        let mut least = corner.difference().norm_squared();
+        let mut min_squared = corner.difference().norm_squared();
         for mask in 1_u32..1 << all.len {
             let mut face = all;
             face.len = 0;
@@ -57,10 +57,12 @@ impl Simplex {
             }
             if let Some(weights) = face.inner_weights() {
                 face.weights = weights;
-                let far = face.length_squared();
+                let squared = face.length_squared();
                 // A larger face must be closer by more than rounding.
-                if far < least * (1.0 - 1e-15) || (far <= least && face.len <= best.len) {
-                    (best, least) = (face, far);
+                if squared < min_squared * (1.0 - 1e-15)
+                    || (squared <= min_squared && face.len <= best.len)
+                {
+                    (best, min_squared) = (face, squared);
                 }
             }
         }
@@ -77,27 +79,27 @@ impl Simplex {
 
     /// Weights of the closest point to the origin in the affine hull of all vertices, if it is strictly inside.
     fn inner_weights(&self) -> Option<[f64; 4]> {
-        let at = |i: usize| self.corners[i].difference();
-        let sides = [1, 2, 3].map(|i| at(i.min(self.len - 1)) - at(0));
+        let corner = |i: usize| self.corners[i].difference();
+        let sides = [1, 2, 3].map(|i| corner(i.min(self.len - 1)) - corner(0));
         let weights = match self.len {
             1 => return Some([1.0, 0.0, 0.0, 0.0]),
             2 => {
-                let t = -at(0).dot(sides[0]) / sides[0].norm_squared();
+                let t = -corner(0).dot(sides[0]) / sides[0].norm_squared();
                 [1.0 - t, t, 0.0, 0.0]
             }
             3 => {
                 let normal = sides[0].cross(sides[1]);
                 let scale = normal.norm_squared().recip();
-                let u = sides[1].cross(at(0)).dot(normal) * scale;
-                let v = at(0).cross(sides[0]).dot(normal) * scale;
+                let u = sides[1].cross(corner(0)).dot(normal) * scale;
+                let v = corner(0).cross(sides[0]).dot(normal) * scale;
                 [1.0 - u - v, u, v, 0.0]
             }
             _ => {
                 let volume = sides[0].dot(sides[1].cross(sides[2]));
                 let scale = -volume.recip();
-                let u = at(0).dot(sides[1].cross(sides[2])) * scale;
-                let v = at(0).dot(sides[2].cross(sides[0])) * scale;
-                let w = at(0).dot(sides[0].cross(sides[1])) * scale;
+                let u = corner(0).dot(sides[1].cross(sides[2])) * scale;
+                let v = corner(0).dot(sides[2].cross(sides[0])) * scale;
+                let w = corner(0).dot(sides[0].cross(sides[1])) * scale;
                 [1.0 - u - v - w, u, v, w]
             }
         };

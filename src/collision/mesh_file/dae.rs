@@ -16,8 +16,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Document type declarations are rejected: their entities could expand to any amount of memory.
     let document = Document::parse(text).map_err(|error| {
-        let place = Place::Line(error.pos().row as usize);
-        ReadError::malformed(file, place, error.to_string())
+        let location = Place::Line(error.pos().row as usize);
+        ReadError::malformed(file, location, error.to_string())
     })?;
     let collada = Collada::new(&document, file);
     let unit = named(document.root_element(), "asset")
@@ -124,8 +124,8 @@ impl<'a> Collada<'a> {
                 "tristrips" => {
                     for (k, three) in corners.windows(3).enumerate() {
                         let [a, b, c] = [three[0], three[1], three[2]];
-                        let turned = if k % 2 == 0 { [a, b, c] } else { [b, a, c] };
-                        mesh.triangles.push(turned);
+                        let oriented = if k % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                        mesh.triangles.push(oriented);
                     }
                 }
                 _ => mesh.add_polygon(&corners),
@@ -153,8 +153,8 @@ impl<'a> Collada<'a> {
         if stride < 3 {
             return Err(self.fail(source, "a point needs three numbers"));
         }
-        let each = numbers.chunks_exact(stride);
-        points.extend(each.map(|p| Vector3::new(p[0], p[1], p[2])));
+        let rows = numbers.chunks_exact(stride);
+        points.extend(rows.map(|p| Vector3::new(p[0], p[1], p[2])));
         Ok(())
     }
 }

@@ -41,8 +41,8 @@ impl<'a> Collada<'a> {
         attribute: &str,
     ) -> Result<Node<'a, 'a>, ReadError> {
         let reference = node.attribute(attribute).unwrap_or_default();
-        let found = self.by_id.get(reference.trim_start_matches('#')).copied();
-        found.ok_or_else(|| {
+        let element = self.by_id.get(reference.trim_start_matches('#')).copied();
+        element.ok_or_else(|| {
             self.fail(
                 node,
                 format!("{attribute} `{reference}` is not an id of the file"),

@@ -46,7 +46,7 @@ impl Affine {
 /// The geometry instances of a scene, with their transforms.
 pub(super) struct Instances<'c, 'a> {
     collada: &'c Collada<'a>,
-    found: Vec<(Node<'a, 'a>, Affine)>,
+    instances: Vec<(Node<'a, 'a>, Affine)>,
     nodes: usize,
 }
 
@@ -63,7 +63,7 @@ impl<'c, 'a> Instances<'c, 'a> {
         };
         let mut instances = Self {
             collada,
-            found: Vec::new(),
+            instances: Vec::new(),
             nodes: 0,
         };
         match scene {
@@ -71,45 +71,45 @@ impl<'c, 'a> Instances<'c, 'a> {
             None => {
                 let libraries = children(root, "library_geometries");
                 let all = libraries.flat_map(|library| children(library, "geometry"));
-                instances.found = all.map(|one| (one, Affine::identity())).collect();
+                instances.instances = all.map(|one| (one, Affine::identity())).collect();
             }
         }
-        Ok(instances.found)
+        Ok(instances.instances)
     }
 
     fn of_node(
         &mut self,
         node: Node<'a, 'a>,
-        above: &Affine,
+        parent: &Affine,
         depth: usize,
     ) -> Result<(), ReadError> {
         self.nodes += 1;
-        if depth > DEPTH_LIMIT || self.nodes.max(self.found.len()) > COUNT_LIMIT {
+        if depth > DEPTH_LIMIT || self.nodes.max(self.instances.len()) > COUNT_LIMIT {
             let problem = "more nodes within nodes than a mesh has";
             return Err(self.collada.fail(node, problem));
         }
-        let mut placed = *above;
+        let mut transform = *parent;
         for child in node.children() {
             match child.tag_name().name() {
-                "node" => self.of_node(child, &placed, depth + 1)?,
+                "node" => self.of_node(child, &transform, depth + 1)?,
                 "instance_node" => {
                     let other = self.collada.referred(child, "url")?;
-                    self.of_node(other, &placed, depth + 1)?;
+                    self.of_node(other, &transform, depth + 1)?;
                 }
                 "instance_geometry" => {
                     let geometry = self.collada.referred(child, "url")?;
-                    self.found.push((geometry, placed));
+                    self.instances.push((geometry, transform));
                 }
                 "instance_controller" => {
                     let controller = self.collada.referred(child, "url")?;
                     if let Some(skin) = named(controller, "skin") {
                         let geometry = self.collada.referred(skin, "source")?;
-                        self.found.push((geometry, placed));
+                        self.instances.push((geometry, transform));
                     }
                 }
                 tag => {
-                    if let Some(own) = self.transform(child, tag)? {
-                        placed = placed.then(&own);
+                    if let Some(local) = self.transform(child, tag)? {
+                        transform = transform.then(&local);
                     }
                 }
             }
@@ -156,10 +156,10 @@ impl<'c, 'a> Instances<'c, 'a> {
             _ => {
                 let axis = Vector3::new(n[0], n[1], n[2]);
                 let length = axis.norm();
-                let turn = elementary::sin_cos(n[3].to_radians());
+                let sin_cos = elementary::sin_cos(n[3].to_radians());
                 match length > 0.0 {
                     true => Affine::new(
-                        Matrix3::rotation(axis * (1.0 / length), turn),
+                        Matrix3::rotation(axis * (1.0 / length), sin_cos),
                         Vector3::zero(),
                     ),
                     false => Affine::identity(),

@@ -72,8 +72,8 @@ impl MeshFile {
             return Err(malformed("has no triangles".to_owned()));
         }
         if let Some(point) = mesh.points.iter().position(|point| !point.is_finite()) {
-            let place = Place::Element("point", point);
-            return Err(ReadError::malformed(file, place, "is not finite"));
+            let location = Place::Element("point", point);
+            return Err(ReadError::malformed(file, location, "is not finite"));
         }
         Ok(mesh)
     }

@@ -3,17 +3,17 @@
 use super::{MeshFile, Points, text};
 use crate::file::{Place, ReadError};
 
-const HEADER: usize = 84;
-const RECORD: usize = 50;
+const HEADER_LENGTH: usize = 84;
+const TRIANGLE_LENGTH: usize = 50;
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     // The length decides first, since many binary files begin with `solid` too.
-    let announced = bytes.get(80..HEADER).map(|count| {
+    let announced = bytes.get(80..HEADER_LENGTH).map(|count| {
         let count = count
             .iter()
             .rev()
             .fold(0_u64, |n, b| n << 8 | u64::from(*b));
-        (count, HEADER as u64 + count * RECORD as u64)
+        (count, HEADER_LENGTH as u64 + count * TRIANGLE_LENGTH as u64)
     });
     match announced {
         Some((_, length)) if length == bytes.len() as u64 => binary(bytes, file),
@@ -23,8 +23,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
             file,
             Place::File,
             format!("{count} triangles"),
-            u128::from(length - HEADER as u64),
-            bytes.len() - HEADER,
+            u128::from(length - HEADER_LENGTH as u64),
+            bytes.len() - HEADER_LENGTH,
         )),
         None => Err(ReadError::of_file(
             file,
@@ -38,22 +38,31 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 fn binary(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
-    let count = bytes[80..HEADER].iter().rev();
+    let count = bytes[80..HEADER_LENGTH].iter().rev();
     let count = count.fold(0_usize, |n, b| n << 8 | usize::from(*b));
     let mut points = Points::default();
     let mut triangles = Vec::with_capacity(count);
-    for (index, record) in bytes[HEADER..].chunks_exact(RECORD).take(count).enumerate() {
-        let number = |at: usize| {
-            let four = [record[at], record[at + 1], record[at + 2], record[at + 3]];
+    for (index, record) in bytes[HEADER_LENGTH..]
+        .chunks_exact(TRIANGLE_LENGTH)
+        .take(count)
+        .enumerate()
+    {
+        let number = |offset: usize| {
+            let four = [
+                record[offset],
+                record[offset + 1],
+                record[offset + 2],
+                record[offset + 3],
+            ];
             f64::from(f32::from_le_bytes(four))
         };
         let corner = |k: usize| [0, 4, 8].map(|part| number(12 * k + part));
         let corners = [1, 2, 3].map(corner);
         if corners.iter().flatten().any(|x| !x.is_finite()) {
-            let place = Place::Element("triangle", index);
+            let location = Place::Element("triangle", index);
             return Err(ReadError::malformed(
                 file,
-                place,
+                location,
                 "has a corner that is not finite",
             ));
         }

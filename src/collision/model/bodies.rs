@@ -4,16 +4,16 @@ use crate::model::{FrameId, JointId, Model};
 
 /// The joint that moves a frame: its first moving ancestor; `None` for a fixed frame.
 pub(crate) fn carrier(model: &Model, frame: FrameId) -> Option<JointId> {
-    moving(model, model.frames()[frame.index()].joint)
+    moving_ancestor(model, model.frames()[frame.index()].joint)
 }
 
-fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
+fn moving_ancestor(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
     while let Some(id) = joint {
-        let own = &model.joints()[id.index()];
-        if own.moves() {
+        let ancestor = &model.joints()[id.index()];
+        if ancestor.moves() {
             return Some(id);
         }
-        joint = own.parent;
+        joint = ancestor.parent;
     }
     None
 }
@@ -25,7 +25,7 @@ fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
 pub(crate) struct Bodies {
     carriers: Vec<Option<JointId>>,
     /// `None` for the fixed body, which has no body above it.
-    above: Vec<Option<Option<JointId>>>,
+    parents: Vec<Option<Option<JointId>>>,
 }
 
 impl Bodies {
@@ -35,40 +35,42 @@ impl Bodies {
         for joint in model.frame_ids().filter_map(|frame| carrier(model, frame)) {
             has_frames[joint.index()] = true;
         }
-        let next = |body: Option<JointId>| {
-            let mut body = moving(model, model.joints()[body?.index()].parent);
+        let parent_body = |body: Option<JointId>| {
+            let mut body = moving_ancestor(model, model.joints()[body?.index()].parent);
             while let Some(joint) = body.filter(|joint| !has_frames[joint.index()]) {
-                body = moving(model, model.joints()[joint.index()].parent);
+                body = moving_ancestor(model, model.joints()[joint.index()].parent);
             }
             Some(body)
         };
         Self {
-            above: carriers.iter().map(|body| next(*body)).collect(),
+            parents: carriers.iter().map(|body| parent_body(*body)).collect(),
             carriers,
         }
     }
 
     /// True if two links belong to different bodies that no single joint connects.
-    pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
-        self.carriers[a] != self.carriers[b] && !self.is_above(a, b) && !self.is_above(b, a)
+    pub(crate) fn are_unconnected(&self, a: usize, b: usize) -> bool {
+        self.carriers[a] != self.carriers[b] && !self.is_parent(a, b) && !self.is_parent(b, a)
     }
 
     /// True if the body of `a` is the parent of that of `b` and of no other body. A forearm is the parent of a hand
     /// alone; a hand is the parent of several fingers.
-    pub(crate) fn is_above_alone(&self, a: usize, b: usize) -> bool {
-        let mut below = (0..self.carriers.len()).filter(|k| self.is_above(a, *k));
-        self.is_above(a, b) && below.all(|k| self.carriers[k] == self.carriers[b])
+    pub(crate) fn is_parent_of_only(&self, a: usize, b: usize) -> bool {
+        let mut children = (0..self.carriers.len()).filter(|k| self.is_parent(a, *k));
+        self.is_parent(a, b) && children.all(|k| self.carriers[k] == self.carriers[b])
     }
 
-    fn is_above(&self, a: usize, b: usize) -> bool {
-        self.above[b] == Some(self.carriers[a])
+    fn is_parent(&self, a: usize, b: usize) -> bool {
+        self.parents[b] == Some(self.carriers[a])
     }
 }
 
 /// All pairs of links except those of one body and of bodies that one joint connects.
-pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
+pub(crate) fn unconnected_pairs(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
     let bodies = Bodies::new(model, links);
     let pairs = (0..links.len()).flat_map(|a| (a + 1..links.len()).map(move |b| [a, b]));
-    let apart = pairs.filter(|[a, b]| bodies.are_apart(*a, *b));
-    apart.map(|pair| pair.map(|at| links[at])).collect()
+    let unconnected = pairs.filter(|[a, b]| bodies.are_unconnected(*a, *b));
+    unconnected
+        .map(|pair| pair.map(|index| links[index]))
+        .collect()
 }

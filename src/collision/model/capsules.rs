@@ -5,21 +5,23 @@ use crate::collision::{Shape, ShapeKind};
 use crate::spatial::Vector3;
 
 /// Tolerance of the spheres' centres and radii, relative to the radius.
-const ROUNDING: f64 = 1e-4;
+const CAP_TOLERANCE: f64 = 1e-4;
 
 /// Replaces each cylinder that has a sphere of its radius at both ends by a capsule. A sphere may serve several
 /// cylinders.
-pub(super) fn joined(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
+pub(super) fn with_capsules(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
     let sphere_at = |end: Vector3<f64>, radius: f64| {
         objects.iter().position(|object| match object.shape.kind() {
-            ShapeKind::Sphere { radius: own } => {
-                let away = (object.link_from_shape.translation - end).norm();
-                away.max((own - radius).abs()) <= ROUNDING * radius
+            ShapeKind::Sphere {
+                radius: sphere_radius,
+            } => {
+                let distance = (object.link_from_shape.translation - end).norm();
+                distance.max((sphere_radius - radius).abs()) <= CAP_TOLERANCE * radius
             }
             _ => false,
         })
     };
-    let mut within = vec![false; objects.len()];
+    let mut is_cap = vec![false; objects.len()];
     let mut capsules = Vec::with_capacity(objects.len());
     for object in &objects {
         let ShapeKind::Cylinder { radius, length } = object.shape.kind() else {
@@ -30,17 +32,18 @@ pub(super) fn joined(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
         let caps = [-length / 2.0, length / 2.0].map(|z| sphere_at(end(z), *radius));
         capsules.push(match (caps, Shape::capsule(*radius, *length)) {
             ([Some(a), Some(b)], Ok(capsule)) => {
-                (within[a], within[b]) = (true, true);
+                (is_cap[a], is_cap[b]) = (true, true);
                 Some(capsule)
             }
             _ => None,
         });
     }
-    let each = objects.into_iter().zip(capsules).zip(within);
-    let kept = each.filter(|(_, within)| !within);
-    kept.map(|((object, capsule), _)| match capsule {
-        Some(shape) => CollisionObject { shape, ..object },
-        None => object,
-    })
-    .collect()
+    let objects_with_capsules = objects.into_iter().zip(capsules).zip(is_cap);
+    let remaining = objects_with_capsules.filter(|(_, is_cap)| !is_cap);
+    remaining
+        .map(|((object, capsule), _)| match capsule {
+            Some(shape) => CollisionObject { shape, ..object },
+            None => object,
+        })
+        .collect()
 }

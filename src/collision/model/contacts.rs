@@ -1,7 +1,7 @@
 //! Collision pairs of MJCF files.
 
 use super::CollisionModel;
-use super::planes::{Plane, standing};
+use super::planes::{Plane, fixed_placement};
 use crate::model::FrameId;
 use crate::robot::Contacts;
 
@@ -11,26 +11,31 @@ impl CollisionModel {
     pub(super) fn with_contacts(mut self, contacts: &Contacts) -> Self {
         let links = self.links.iter().enumerate();
         let pairs = links.flat_map(|(at, a)| self.links[at + 1..].iter().map(move |b| [*a, *b]));
-        let pairs = pairs.filter(|[a, b]| contacts.are_apart(a.index(), b.index()));
+        let pairs = pairs.filter(|[a, b]| contacts.are_checked(a.index(), b.index()));
         self.pairs = pairs.collect();
-        let in_part = |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
-        let mixed: Vec<_> = self.pairs.iter().filter(|pair| in_part(pair)).collect();
-        if let [[a, b], others @ ..] = mixed.as_slice() {
+        let excluded_in_part =
+            |[a, b]: &[FrameId; 2]| contacts.are_partly_checked(a.index(), b.index());
+        let partly_excluded: Vec<_> = self
+            .pairs
+            .iter()
+            .filter(|pair| excluded_in_part(pair))
+            .collect();
+        if let [[a, b], others @ ..] = partly_excluded.as_slice() {
             let [a, b] = [self.name_of(*a), self.name_of(*b)];
-            let more = match others.len() {
+            let suffix = match others.len() {
                 0 => String::new(),
                 1 => " (and one more pair)".to_owned(),
                 count => format!(" (and {count} more pairs)"),
             };
             self.notes.push(format!(
-                "links `{a}` and `{b}`{more}: all geoms are checked, although contact bits exclude some of them"
+                "links `{a}` and `{b}`{suffix}: all geoms are checked, although contact bits exclude some of them"
             ));
         }
         for plane in &contacts.planes {
             let Some(link) = self.model.frame_ids().nth(plane.body) else {
                 continue;
             };
-            let Some(world_from_link) = standing(&self.model, link) else {
+            let Some(world_from_link) = fixed_placement(&self.model, link) else {
                 let on = self.name_of(link);
                 self.notes.push(format!(
                     "{}: left out, as `{on}` moves: a half-space must be fixed",
@@ -40,9 +45,11 @@ impl CollisionModel {
             };
             let at = world_from_link * plane.body_from_plane;
             let links = self.links.iter().copied();
-            let passed = links.filter(|link| !contacts.is_over(plane, link.index()));
-            let passed = passed.collect();
-            self.planes.push(Plane::new(&self.model, link, at, passed));
+            let allowed_links =
+                links.filter(|link| !contacts.is_plane_checked(plane, link.index()));
+            let allowed_links = allowed_links.collect();
+            self.planes
+                .push(Plane::new(&self.model, link, at, allowed_links));
         }
         self
     }

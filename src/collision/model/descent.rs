@@ -13,26 +13,26 @@ use crate::spatial::Placement;
 use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, RowBlock};
 
 /// Penetration depth that a descent aims at, metres. A descent to depth 0 ends slightly before contact.
-const DEPTH: f64 = 1e-3;
+const TARGET_PENETRATION: f64 = 1e-3;
 /// Largest number of iterations of a descent, and of iterations that do not halve the cost.
-const STEPS: usize = 60;
-const PATIENCE: usize = 12;
+const MAX_ITERATIONS: usize = 60;
+const MAX_STALLED_ITERATIONS: usize = 12;
 
 /// Residual: the distance of two links; 0 if they touch.
 #[derive(Clone, Debug)]
-struct Apart {
+struct LinkDistance {
     links: [FrameId; 2],
     shapes: [Arc<LinkShapes>; 2],
 }
 
-impl Apart {
+impl LinkDistance {
     fn separation(&self, frames: &[Placement<f64>]) -> Option<Separation> {
         let [first, second] = &self.shapes;
-        first.apart(&frames[0], second, &frames[1], f64::INFINITY)
+        first.separation(&frames[0], second, &frames[1], f64::INFINITY)
     }
 }
 
-impl NumericResidual for Apart {
+impl NumericResidual for LinkDistance {
     answers! {
         fn kind(&self) -> &'static str = "distance of links";
         fn frames(&self) -> Vec<FrameId> = self.links.to_vec();
@@ -40,10 +40,12 @@ impl NumericResidual for Apart {
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
-        let distance = self.separation(frames).map_or(0.0, |found| found.distance);
+        let distance = self
+            .separation(frames)
+            .map_or(0.0, |separation| separation.distance);
         residual[0] = match distance <= ROUNDING {
             true => 0.0,
-            false => distance + DEPTH,
+            false => distance + TARGET_PENETRATION,
         };
     }
 
@@ -53,11 +55,11 @@ impl NumericResidual for Apart {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        if let Some(found) = self.separation(frames) {
+        if let Some(separation) = self.separation(frames) {
             // The distance grows as the second link moves along the normal or the first against it.
             let slopes = [
-                (-found.normal, found.on_first),
-                (found.normal, found.on_second),
+                (-separation.normal, separation.on_first),
+                (separation.normal, separation.on_second),
             ];
             for (frame, (slope, point)) in slopes.into_iter().enumerate() {
                 let lever = point - frames[frame].translation;
@@ -85,7 +87,7 @@ impl CollisionModel {
     ) -> Result<bool, ModelError> {
         let mut tasks = Problem::builder(&self.model);
         tasks.parameters(self.map.clone());
-        tasks.add(Numeric(Apart { links, shapes }));
+        tasks.add(Numeric(LinkDistance { links, shapes }));
         // Without a free variable the links cannot be brought into contact.
         let Ok(problem) = tasks.build() else {
             return Ok(false);
@@ -93,11 +95,11 @@ impl CollisionModel {
         let mut scratch = problem.scratch();
         let mut state = SolverState::default();
         let mut x = vec![0.0; self.map.variables()];
-        let limits = Stopping::default().with_max_iterations(STEPS);
-        let limits = limits.with_patience(Some(PATIENCE));
+        let limits = Stopping::default().with_max_iterations(MAX_ITERATIONS);
+        let limits = limits.with_patience(Some(MAX_STALLED_ITERATIONS));
         for sample in samples {
-            self.draw(seed, sample, &mut x)?;
-            let ended = minimise(
+            self.sample_configuration(seed, sample, &mut x)?;
+            let result = minimise(
                 &mut Evaluation::new(&problem, &mut scratch),
                 &LevenbergMarquardt::default(),
                 &x,
@@ -106,7 +108,7 @@ impl CollisionModel {
                 &mut state,
             );
             // The rows of loop closures follow the distance.
-            if ended.is_ok() && state.residual().first() == Some(&0.0) {
+            if result.is_ok() && state.residual().first() == Some(&0.0) {
                 return Ok(true);
             }
         }
@@ -118,7 +120,7 @@ impl CollisionModel {
 mod tests {
     use std::sync::Arc;
 
-    use super::Apart;
+    use super::LinkDistance;
     use crate::collision::{CollisionModel, CollisionObject, Shape};
     use crate::model::{FrameId, Limits, Model};
     use crate::random::RandomStream;
@@ -127,9 +129,9 @@ mod tests {
 
     /// The same residual with numerical derivatives.
     #[derive(Clone)]
-    struct Measured(Apart);
+    struct NumericalDistance(LinkDistance);
 
-    impl NumericResidual for Measured {
+    impl NumericResidual for NumericalDistance {
         answers! {
             fn frames(&self) -> Vec<FrameId> = self.0.frames();
             fn rows(&self) -> Vec<RowBlock> = self.0.rows();
@@ -143,7 +145,7 @@ mod tests {
     /// For two capsules, whose closest points move smoothly with the links.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn its_slope_is_that_of_the_distance() {
+    fn link_distance_derivatives_match_differences() {
         let (z, limits) = (Vector3::UNITS[2], Limits::new(-1.0, 1.0));
         let mut builder = Model::builder("two links");
         let links = ["first", "second"].map(|name| {
@@ -152,37 +154,45 @@ mod tests {
         });
         let model = builder.build().unwrap();
         let capsule = Shape::capsule(0.05, 0.3).unwrap();
-        let beside = Placement::translation(Vector3::new(0.4, 0.1, -0.2));
+        let offset = Placement::translation(Vector3::new(0.4, 0.1, -0.2));
         let objects =
-            links.map(|link| CollisionObject::new("capsule", link, beside, capsule.clone()));
+            links.map(|link| CollisionObject::new("capsule", link, offset, capsule.clone()));
         let bodies = CollisionModel::new(&model, objects.into()).unwrap();
         let mut shapes = bodies.link_shapes().into_iter().map(Arc::new);
         let shapes = [shapes.next().unwrap(), shapes.next().unwrap()];
-        let apart = Apart { links, shapes };
+        let distance = LinkDistance { links, shapes };
 
         let mut random = RandomStream::new(5, 0);
         let mut vector = |size: f64| {
             let [x, y, z] = [(); 3].map(|()| random.unit() - 0.5);
             Vector3::new(x, y, z) * size
         };
-        let [mut own, mut measured] = [(); 2].map(|()| LocalJacobian::default());
+        let [mut analytic, mut numerical] = [(); 2].map(|()| LocalJacobian::default());
         for case in 0..50 {
             let frames = [(); 2].map(|()| Placement::new(rotation_exp(vector(4.0)), vector(1.0)));
-            let found = apart.separation(&frames);
-            if found.is_none_or(|found| found.distance < 0.05) {
+            let separation = distance.separation(&frames);
+            if separation.is_none_or(|separation| separation.distance < 0.05) {
                 continue;
             }
-            own.reset(1, 2, 0);
-            apart.differentiate(&frames, &[], &mut own);
-            measured.reset(1, 2, 0);
-            Numeric(Measured(apart.clone())).differentiate(&frames, &[], &mut measured);
+            analytic.reset(1, 2, 0);
+            distance.differentiate(&frames, &[], &mut analytic);
+            numerical.reset(1, 2, 0);
+            Numeric(NumericalDistance(distance.clone())).differentiate(
+                &frames,
+                &[],
+                &mut numerical,
+            );
             for frame in 0..2 {
-                let [own, measured] = [&own, &measured]
+                let [analytic, numerical] = [&analytic, &numerical]
                     .map(|slopes| [slopes.linear(frame)[0], slopes.angular(frame)[0]]);
-                let off = [own[0] - measured[0], own[1] - measured[1]];
-                let is_close =
-                    |off: &Vector3<f64>| off.to_array().iter().all(|off| off.abs() < 1e-6);
-                assert!(off.iter().all(is_close), "{case}: {off:?}");
+                let difference = [analytic[0] - numerical[0], analytic[1] - numerical[1]];
+                let is_close = |difference: &Vector3<f64>| {
+                    difference
+                        .to_array()
+                        .iter()
+                        .all(|difference| difference.abs() < 1e-6)
+                };
+                assert!(difference.iter().all(is_close), "{case}: {difference:?}");
             }
         }
     }

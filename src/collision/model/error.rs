@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::CollisionObject;
 use crate::SizeMismatch;
 use crate::bad_option::BadOption;
-use crate::collision::shape::LARGEST;
+use crate::collision::shape::MAX_LENGTH;
 use crate::collision::{ShapeError, ShapeKind};
 use crate::file::ReadError;
 use crate::kinematics::KinematicsError;
@@ -29,7 +29,7 @@ pub enum CollisionModelError {
         source: ShapeError,
     },
     /// A mesh file that was not found.
-    #[error("link `{link}`: mesh `{file}` not found; {}", looked(.looked_at))]
+    #[error("link `{link}`: mesh `{file}` not found; {}", searched_paths(.looked_at))]
     MeshNotFound {
         /// Name of the link.
         link: String,
@@ -54,7 +54,7 @@ pub enum CollisionModelError {
     },
     /// A placement so far from its link that distances would be inaccurate.
     #[error(
-        "collision shape `{object}` is placed {metres:e} m from its link, which is more than {LARGEST:e}"
+        "collision shape `{object}` is placed {metres:e} m from its link, which is more than {MAX_LENGTH:e}"
     )]
     TooFar {
         /// Name of the shape.
@@ -89,10 +89,10 @@ pub enum CollisionModelError {
     },
 }
 
-fn looked(places: &[PathBuf]) -> String {
-    let names: Vec<String> = places
+fn searched_paths(paths: &[PathBuf]) -> String {
+    let names: Vec<String> = paths
         .iter()
-        .map(|place| place.display().to_string())
+        .map(|path| path.display().to_string())
         .collect();
     match names.is_empty() {
         true => "its path is relative, and the folder of the robot's file is unknown".to_owned(),
@@ -101,7 +101,7 @@ fn looked(places: &[PathBuf]) -> String {
 }
 
 /// Tolerance of rigid rotations.
-const ROUNDING: f64 = 1e-6;
+const RIGIDITY_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn check(object: &CollisionObject) -> Result<(), CollisionModelError> {
     let name = || object.name.clone();
@@ -111,10 +111,10 @@ pub(super) fn check(object: &CollisionObject) -> Result<(), CollisionModelError>
     ) {
         return Err(CollisionModelError::Boundless { object: name() });
     }
-    let rigid = object.link_from_shape.check_rigid(ROUNDING);
+    let rigid = object.link_from_shape.check_rigid(RIGIDITY_TOLERANCE);
     rigid.map_err(|_| CollisionModelError::NotRigid { object: name() })?;
     match object.link_from_shape.translation.norm() {
-        metres if metres > LARGEST => Err(CollisionModelError::TooFar {
+        metres if metres > MAX_LENGTH => Err(CollisionModelError::TooFar {
             object: name(),
             metres,
         }),

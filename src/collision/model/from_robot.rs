@@ -18,21 +18,21 @@ pub struct CollisionModelBuilder<'r> {
     robot: &'r Robot,
     folders: MeshFolders,
     meshes: MeshUse,
-    leaves_out: bool,
+    skips_missing_meshes: bool,
     confined: bool,
 }
 
 impl<'r> CollisionModelBuilder<'r> {
     pub(super) fn new(robot: &'r Robot) -> Self {
-        let beside = robot.file().and_then(|file| file.parent());
+        let robot_folder = robot.file().and_then(|file| file.parent());
         Self {
             robot,
             folders: MeshFolders {
-                beside: beside.map(Into::into),
+                robot_folder: robot_folder.map(Into::into),
                 packages: Vec::new(),
             },
             meshes: MeshUse::default(),
-            leaves_out: false,
+            skips_missing_meshes: false,
             confined: robot.is_confined(),
         }
     }
@@ -50,7 +50,7 @@ impl<'r> CollisionModelBuilder<'r> {
         }
         /// Leaves out meshes that are not found, with a note each, instead of returning an error.
         pub fn leaving_out_missing_meshes(mut self) {
-            self.leaves_out = true;
+            self.skips_missing_meshes = true;
         }
         /// Restricts mesh files to the folder of the robot's file and the package folders, as for a
         /// [confined](Robot::confined) robot.
@@ -64,8 +64,8 @@ impl<'r> CollisionModelBuilder<'r> {
     /// # Errors
     /// As [`CollisionModel::of`].
     pub fn build(&self) -> Result<CollisionModel, CollisionModelError> {
-        if let MeshUse::Pieces(most) = self.meshes {
-            BadOption::check("pieces", most as f64, AT_LEAST_ONE)?;
+        if let MeshUse::Pieces(max_pieces) = self.meshes {
+            BadOption::check("pieces", max_pieces as f64, AT_LEAST_ONE)?;
         }
         let mut objects = Vec::new();
         let mut notes = Vec::new();
@@ -76,46 +76,53 @@ impl<'r> CollisionModelBuilder<'r> {
                 continue;
             };
             let name = &model.frames()[frame.index()].name;
-            let mut own = Vec::new();
+            let mut link_objects = Vec::new();
             for shape in &link.collisions {
                 let shapes = match self.shapes(name, shape, &mut meshes) {
-                    Err(error @ CollisionModelError::MeshNotFound { .. }) if self.leaves_out => {
+                    Err(error @ CollisionModelError::MeshNotFound { .. })
+                        if self.skips_missing_meshes =>
+                    {
                         notes.push(format!("left out: {error}"));
                         continue;
                     }
                     shapes => shapes?,
                 };
-                for made in shapes {
+                for collision_shape in shapes {
                     notes.extend(
-                        made.notes()
+                        collision_shape
+                            .notes()
                             .iter()
                             .map(|note| format!("link `{name}`: {note}")),
                     );
-                    own.push(CollisionObject {
+                    link_objects.push(CollisionObject {
                         name: shape.name.clone().unwrap_or_default(),
                         link: frame,
                         link_from_shape: shape.link_from_shape,
-                        shape: made,
+                        shape: collision_shape,
                     });
                 }
             }
-            let own = capsules::joined(own).into_iter().enumerate();
-            objects.extend(own.map(|(index, object)| match object.name.is_empty() {
-                true => CollisionObject {
-                    name: format!("{name}_{index}"),
-                    ..object
-                },
-                false => object,
-            }));
+            let named_objects = capsules::with_capsules(link_objects)
+                .into_iter()
+                .enumerate();
+            objects.extend(
+                named_objects.map(|(index, object)| match object.name.is_empty() {
+                    true => CollisionObject {
+                        name: format!("{name}_{index}"),
+                        ..object
+                    },
+                    false => object,
+                }),
+            );
         }
         let map = self.robot.map().clone();
-        let own = CollisionModel::assemble(model, map, objects, notes)?;
+        let collision_model = CollisionModel::assemble(model, map, objects, notes)?;
         #[cfg(feature = "mjcf")]
-        let own = match self.robot.contacts() {
-            Some(contacts) => own.with_contacts(contacts),
-            None => own,
+        let collision_model = match self.robot.contacts() {
+            Some(contacts) => collision_model.with_contacts(contacts),
+            None => collision_model,
         };
-        Ok(own)
+        Ok(collision_model)
     }
 
     fn shapes(
@@ -143,8 +150,8 @@ impl<'r> CollisionModelBuilder<'r> {
         };
         let path = match self.confined {
             true => {
-                let found = self.folders.find_allowed(file, &self.allowed());
-                found.map_err(|error| error.map_or_else(not_found, unreadable))?
+                let allowed_path = self.folders.find_allowed(file, &self.allowed_files());
+                allowed_path.map_err(|error| error.map_or_else(not_found, unreadable))?
             }
             false => self.folders.find(file).map_err(not_found)?,
         };
@@ -156,8 +163,12 @@ impl<'r> CollisionModelBuilder<'r> {
     }
 
     /// The folders whose files a confined robot may read.
-    fn allowed(&self) -> AllowedFiles {
-        let folders = self.folders.beside.iter().chain(&self.folders.packages);
+    fn allowed_files(&self) -> AllowedFiles {
+        let folders = self
+            .folders
+            .robot_folder
+            .iter()
+            .chain(&self.folders.packages);
         AllowedFiles::below(folders.map(PathBuf::as_path))
     }
 }

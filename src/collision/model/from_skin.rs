@@ -11,10 +11,10 @@ use crate::skinning::SkinWeights;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Smallest number of vertices for which a bone gets a shape.
-const LEAST_VERTICES: usize = 8;
+const MIN_VERTICES: usize = 8;
 /// Fraction of a bone's vertices that is cut off at each end of an extent, as blend weights reach into neighbouring
 /// bones.
-const BEYOND: f64 = 0.05;
+const TRIMMED_SHARE: f64 = 0.05;
 
 impl CollisionModel {
     /// Capsules along the bones of a skeleton, fitted to the skin.
@@ -49,11 +49,11 @@ impl CollisionModel {
     /// # Errors
     /// As [`of_skin`](Self::of_skin).
     pub fn of_ball_skin(
-        figure: &BallSkeleton,
+        skeleton: &BallSkeleton,
         mesh: &TriangleMesh,
         weights: &SkinWeights,
     ) -> Result<Self, CollisionModelError> {
-        of_skin(figure.skeleton(), figure.model(), mesh, weights)
+        of_skin(skeleton.skeleton(), skeleton.model(), mesh, weights)
     }
 }
 
@@ -70,30 +70,34 @@ fn of_skin(
     for (vertex, position) in positions.iter().enumerate() {
         let influences = weights.influences(vertex).iter();
         // Ties go to the first bone.
-        let most = influences.fold(None, |most: Option<(usize, f64)>, influence| {
+        let strongest = influences.fold(None, |strongest: Option<(usize, f64)>, influence| {
             let (bone, weight) = (influence.bone as usize, influence.weight);
-            let more = most.is_none_or(|(_, least)| weight > least);
-            if more { Some((bone, weight)) } else { most }
+            let is_stronger = strongest.is_none_or(|(_, max_weight)| weight > max_weight);
+            if is_stronger {
+                Some((bone, weight))
+            } else {
+                strongest
+            }
         });
-        if let Some((bone, _)) = most {
-            let at = Vector3::new(position.x.into(), position.y.into(), position.z.into());
-            skin[bone].push(bones[bone].model_from_rest.inverse().apply(at));
+        if let Some((bone, _)) = strongest {
+            let point = Vector3::new(position.x.into(), position.y.into(), position.z.into());
+            skin[bone].push(bones[bone].model_from_rest.inverse().apply(point));
         }
     }
     let mut objects = Vec::new();
-    for (index, (bone, own)) in bones.iter().zip(skin).enumerate() {
-        if own.len() < LEAST_VERTICES {
+    for (index, (bone, points)) in bones.iter().zip(skin).enumerate() {
+        if points.len() < MIN_VERTICES {
             continue;
         }
         let tail = skeleton.tail(BoneId::new(index));
-        for (k, (bone_from_shape, shape)) in capsules(&own).into_iter().enumerate() {
+        for (k, (bone_from_shape, shape)) in capsules(&points).into_iter().enumerate() {
             let name = format!("{}_{k}", bone.name);
             objects.push(CollisionObject::new(name, tail, bone_from_shape, shape));
         }
     }
     let map = ParameterMap::identity(model);
-    let own = CollisionModel::assemble(model, map, objects, Vec::new())?;
-    Ok(own.with_touching_ignored(&model.neutral())?)
+    let collision_model = CollisionModel::assemble(model, map, objects, Vec::new())?;
+    Ok(collision_model.with_touching_ignored(&model.neutral())?)
 }
 
 /// Capsules along x that cover most of the points. The points are in the bone's frame.
@@ -117,13 +121,13 @@ fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
         return Vec::new();
     }
     // The spacing of parallel capsules is at most their diameter, except beyond the limit of their number.
-    let room = half_wide - half_thin;
-    let gaps = (room / half_thin).ceil().min(16.0);
+    let max_offset = half_wide - half_thin;
+    let gaps = (max_offset / half_thin).ceil().min(16.0);
     let centre = Vector3::UNITS[0] * along.0 + wide * across.0 + thin * through.0;
     let length = 2.0 * (along.1 - half_thin);
     // Rotates the capsule's axis from z to x.
     let [x, y, z] = Vector3::UNITS;
-    let turned = Matrix3::from_columns(y, z, x);
+    let rotation = Matrix3::from_columns(y, z, x);
     let shape = match length > 0.0 {
         true => Shape::capsule(half_thin, length),
         false => Shape::sphere(half_thin.min(half_wide)),
@@ -132,16 +136,16 @@ fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
     let Ok(shape) = shape else {
         return Vec::new();
     };
-    let place = |k: usize| {
+    let placement = |k: usize| {
         let share = if gaps > 0.0 {
             2.0 * k as f64 / gaps - 1.0
         } else {
             0.0
         };
-        Placement::new(turned, centre + side * (room * share))
+        Placement::new(rotation, centre + side * (max_offset * share))
     };
     (0..=gaps as usize)
-        .map(|k| (place(k), shape.clone()))
+        .map(|k| (placement(k), shape.clone()))
         .collect()
 }
 
@@ -150,7 +154,7 @@ fn extent(points: &[Vector3<f64>], axis: Vector3<f64>) -> (f64, f64) {
     let mut values: Vec<f64> = points.iter().map(|p| p.dot(axis)).collect();
     values.sort_unstable_by(f64::total_cmp);
     let last = values.len() - 1;
-    let skipped = (BEYOND * last as f64).floor() as usize;
-    let (low, high) = (values[skipped], values[last - skipped]);
+    let trimmed = (TRIMMED_SHARE * last as f64).floor() as usize;
+    let (low, high) = (values[trimmed], values[last - trimmed]);
     (0.5 * (low + high), 0.5 * (high - low))
 }

@@ -15,17 +15,17 @@ pub(super) struct LinkShapes {
 }
 
 impl LinkShapes {
-    /// Separation from another link's shapes, if it is at most `within` metres. Both placements are in the world.
-    pub(super) fn apart(
+    /// Separation from another link's shapes, if it is at most `max_distance` metres. Both placements are in the world.
+    pub(super) fn separation(
         &self,
         world_from_link: &Placement<f64>,
         other: &Self,
         world_from_other: &Placement<f64>,
-        within: f64,
+        max_distance: f64,
     ) -> Option<Separation> {
         let [a, b] = [(self, world_from_link), (other, world_from_other)];
         let between = b.1.apply(b.0.ball.centre) - a.1.apply(a.0.ball.centre);
-        if between.norm() > a.0.ball.radius + b.0.ball.radius + within {
+        if between.norm() > a.0.ball.radius + b.0.ball.radius + max_distance {
             return None;
         }
         let mut nearest: Option<Separation> = None;
@@ -33,10 +33,11 @@ impl LinkShapes {
             let world_from_first = *world_from_link * *link_from_first;
             for (other_from_second, second) in &other.shapes {
                 let world_from_second = *world_from_other * *other_from_second;
-                let within = nearest.map_or(within, |nearest| nearest.distance);
-                let places = (&world_from_first, &world_from_second);
-                let found = separation_within(first, places.0, second, places.1, within);
-                nearest = found.or(nearest);
+                let max_distance = nearest.map_or(max_distance, |nearest| nearest.distance);
+                let placements = (&world_from_first, &world_from_second);
+                let separation =
+                    separation_within(first, placements.0, second, placements.1, max_distance);
+                nearest = separation.or(nearest);
             }
         }
         nearest
@@ -47,7 +48,7 @@ impl CollisionModel {
     /// Shapes of each link with shapes, in the order of [`links`](Self::links).
     pub(super) fn link_shapes(&self) -> Vec<LinkShapes> {
         let of_link = |link| {
-            let own = self.objects_of(link);
+            let objects = self.objects_of(link);
             let ball = |object: &super::CollisionObject| {
                 let Ball { centre, radius } = object.shape.bounding_sphere();
                 let centre = object.link_from_shape.apply(centre);
@@ -55,8 +56,8 @@ impl CollisionModel {
             };
             let balls: Vec<Ball> = self.objects_of(link).map(ball).collect();
             LinkShapes {
-                shapes: own
-                    .map(|own| (own.link_from_shape, own.shape.clone()))
+                shapes: objects
+                    .map(|object| (object.link_from_shape, object.shape.clone()))
                     .collect(),
                 ball: enclosing(&balls),
             }

@@ -26,7 +26,7 @@ pub enum MeshUse {
 /// Cache of the shapes of mesh files.
 #[derive(Debug, Default)]
 pub(super) struct Meshes {
-    made: HashMap<(PathBuf, [u64; 3]), Vec<Shape>>,
+    cache: HashMap<(PathBuf, [u64; 3]), Vec<Shape>>,
 }
 
 /// Reason why a mesh gives no shape.
@@ -44,12 +44,12 @@ impl Meshes {
         meshes: MeshUse,
     ) -> Result<&[Shape], MeshFault> {
         let key = (path.to_owned(), scale.map(f64::to_bits));
-        if !self.made.contains_key(&key) {
+        if !self.cache.contains_key(&key) {
             let mesh = MeshFile::read(path).map_err(MeshFault::File)?.scaled(scale);
             let shapes = shapes(mesh, meshes).map_err(MeshFault::Shape)?;
-            self.made.insert(key.clone(), shapes);
+            self.cache.insert(key.clone(), shapes);
         }
-        Ok(self.made.get(&key).map_or(&[], Vec::as_slice))
+        Ok(self.cache.get(&key).map_or(&[], Vec::as_slice))
     }
 }
 
@@ -68,7 +68,7 @@ fn shapes(mesh: MeshFile, meshes: MeshUse) -> Result<Vec<Shape>, ShapeError> {
                 .map(shape)
                 .collect::<Result<_, _>>()?
         }
-        MeshUse::Pieces(most) => pieces(&mesh, most)?,
+        MeshUse::Pieces(max_pieces) => pieces(&mesh, max_pieces)?,
         MeshUse::Triangles => vec![Shape::mesh(mesh.points, mesh.triangles)?],
     })
 }

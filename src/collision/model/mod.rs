@@ -19,7 +19,7 @@ mod sampling;
 mod serialised;
 mod srdf;
 
-pub(crate) use bodies::{Bodies, pairs_apart};
+pub(crate) use bodies::{Bodies, unconnected_pairs};
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;
@@ -139,7 +139,7 @@ impl CollisionModel {
         let mut links: Vec<FrameId> = objects.iter().map(|object| object.link).collect();
         links.sort_unstable();
         links.dedup();
-        let pairs = bodies::pairs_apart(model, &links);
+        let pairs = bodies::unconnected_pairs(model, &links);
         Ok(Self {
             model: model.clone(),
             map,
@@ -183,8 +183,8 @@ impl CollisionModel {
         match link {
             FrameRef::Name(name) => {
                 let mut links = self.links.iter().copied().chain(planes);
-                let found = links.find(|link| self.name_of(*link) == name);
-                found.ok_or_else(|| unknown(name))
+                let named_link = links.find(|link| self.name_of(*link) == name);
+                named_link.ok_or_else(|| unknown(name))
             }
             FrameRef::Id(id) if self.links.contains(&id) || planes.any(|link| link == id) => Ok(id),
             FrameRef::Id(id) => {

@@ -19,7 +19,7 @@ impl CollisionModel {
     ) -> Result<Self, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
         self.pairs.retain(|other| *other != pair);
-        self.pass_planes(pair, true);
+        self.allow_planes(pair, true);
         Ok(self)
     }
 
@@ -34,7 +34,7 @@ impl CollisionModel {
         b: impl Into<FrameRef<'a>>,
     ) -> Result<Self, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
-        self.pass_planes(pair, false);
+        self.allow_planes(pair, false);
         let have_shapes = pair.iter().all(|link| self.links.contains(link));
         let differ = pair[0] != pair[1] && have_shapes;
         if let (Err(at), true) = (self.pairs.binary_search(&pair), differ) {
@@ -50,7 +50,7 @@ impl CollisionModel {
         for disabled in &srdf.disabled_pairs {
             let pair = ordered(disabled.links);
             self.pairs.retain(|other| *other != pair);
-            self.pass_planes(pair, true);
+            self.allow_planes(pair, true);
         }
         self
     }
@@ -65,7 +65,7 @@ impl CollisionModel {
         b: impl Into<FrameRef<'a>>,
     ) -> Result<bool, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
-        Ok(self.pairs.binary_search(&pair).is_ok() || self.is_over_plane(pair))
+        Ok(self.pairs.binary_search(&pair).is_ok() || self.is_plane_checked(pair))
     }
 
     fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {

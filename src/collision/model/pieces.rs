@@ -10,9 +10,9 @@ use crate::collision::{BoundingBox, ConvexHull, Shape, ShapeError, ShapeKind};
 use crate::spatial::Vector3;
 
 /// Depth of the surface below its hull, relative to the mesh's diagonal, that ends the cuts.
-const FILLED: f64 = 0.01;
+const MAX_RELATIVE_HOLLOW: f64 = 0.01;
 /// Number of candidate planes along each axis.
-const PLANES: usize = 7;
+const PLANES_PER_AXIS: usize = 7;
 
 /// The part of a mesh in a box.
 struct Piece {
@@ -26,8 +26,8 @@ struct Piece {
     hollow: f64,
 }
 
-/// Hulls of at most `most` pieces and at least one. A nearly convex mesh gives one hull.
-pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeError> {
+/// Hulls of at most `max_pieces` pieces and at least one. A nearly convex mesh gives one hull.
+pub(super) fn pieces(mesh: &MeshFile, max_pieces: usize) -> Result<Vec<Shape>, ShapeError> {
     let solid = Shape::mesh(mesh.points.clone(), mesh.triangles.clone())?;
     let corner = |index: u32| mesh.points[index as usize];
     let polygons = mesh
@@ -37,10 +37,10 @@ pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeEr
     let cell = solid.bounding_box();
     let size = (cell.max - cell.min).norm();
     let mut pieces = vec![Piece::new(cell, polygons.collect(), Vec::new())?];
-    while pieces.len() < most {
+    while pieces.len() < max_pieces {
         let worst =
             (0..pieces.len()).max_by(|a, b| pieces[*a].hollow.total_cmp(&pieces[*b].hollow));
-        let Some(worst) = worst.filter(|at| pieces[*at].hollow > FILLED * size) else {
+        let Some(worst) = worst.filter(|at| pieces[*at].hollow > MAX_RELATIVE_HOLLOW * size) else {
             break;
         };
         match pieces[worst].halves(&solid) {
@@ -66,9 +66,9 @@ impl Piece {
         let hollow = hull(&shape).map_or(0.0, |hull| {
             let below = |polygon: &Vec<Vector3<f64>>| {
                 let sum = polygon.iter().fold(Vector3::zero(), |sum, p| sum + *p);
-                let middle = sum * (polygon.len() as f64).recip();
-                let each = polygon.iter().copied().chain([middle]);
-                each.map(|p| -hull.beyond(p).0).fold(0.0, f64::max)
+                let centre = sum * (polygon.len() as f64).recip();
+                let points = polygon.iter().copied().chain([centre]);
+                points.map(|p| -hull.farthest_face(p).0).fold(0.0, f64::max)
             };
             polygons.iter().map(below).fold(0.0, f64::max)
         });
@@ -88,14 +88,17 @@ impl Piece {
         let (low, high) = (bounds.min.to_array(), bounds.max.to_array());
         let mut best: Option<(f64, [Self; 2])> = None;
         for axis in 0..3 {
-            for plane in 1..=PLANES {
-                let share = plane as f64 / (PLANES + 1) as f64;
+            for plane in 1..=PLANES_PER_AXIS {
+                let share = plane as f64 / (PLANES_PER_AXIS + 1) as f64;
                 let at = low[axis] + share * (high[axis] - low[axis]);
                 let Some(halves) = self.cut(solid, axis, at) else {
                     continue;
                 };
                 let volume = halves.iter().map(|half| volume(&half.shape)).sum::<f64>();
-                if best.as_ref().is_none_or(|(least, _)| volume < *least) {
+                if best
+                    .as_ref()
+                    .is_none_or(|(min_volume, _)| volume < *min_volume)
+                {
                     best = Some((volume, halves));
                 }
             }
@@ -103,24 +106,24 @@ impl Piece {
         best.map(|(_, halves)| halves)
     }
 
-    fn cut(&self, solid: &Shape, axis: usize, at: f64) -> Option<[Self; 2]> {
+    fn cut(&self, solid: &Shape, axis: usize, position: f64) -> Option<[Self; 2]> {
         let coordinate = |p: &Vector3<f64>| p.to_array()[axis];
-        let on_plane = cell_corners(&self.cell, axis, at);
-        let within = on_plane
+        let on_plane = cell_corners(&self.cell, axis, position);
+        let inner = on_plane
             .into_iter()
             .filter(|p| solid.signed_distance(*p) < 0.0);
-        let within: Vec<_> = within.collect();
+        let inner: Vec<_> = inner.collect();
         let half = |side: f64| {
             let clipped = self
                 .polygons
                 .iter()
-                .map(|polygon| clip(polygon, axis, at, side));
+                .map(|polygon| clip(polygon, axis, position, side));
             let polygons = clipped.filter(|polygon| polygon.len() > 2).collect();
-            let kept = self
+            let half_corners = self
                 .corners
                 .iter()
-                .filter(|p| side * (coordinate(p) - at) >= 0.0);
-            let corners = kept.chain(&within).copied().collect();
+                .filter(|p| side * (coordinate(p) - position) >= 0.0);
+            let corners = half_corners.chain(&inner).copied().collect();
             let mut cell = self.cell;
             let bound = if side > 0.0 {
                 &mut cell.min
@@ -128,7 +131,7 @@ impl Piece {
                 &mut cell.max
             };
             let mut numbers = bound.to_array();
-            numbers[axis] = at;
+            numbers[axis] = position;
             *bound = numbers.into();
             Self::new(cell, polygons, corners).ok()
         };
@@ -137,10 +140,10 @@ impl Piece {
 }
 
 /// Corners of a box's cross-section with a plane.
-fn cell_corners(cell: &BoundingBox, axis: usize, at: f64) -> [Vector3<f64>; 4] {
+fn cell_corners(cell: &BoundingBox, axis: usize, position: f64) -> [Vector3<f64>; 4] {
     let ends = [cell.min.to_array(), cell.max.to_array()];
     [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(first, second)| {
-        let mut corner = [at; 3];
+        let mut corner = [position; 3];
         corner[(axis + 1) % 3] = ends[first][(axis + 1) % 3];
         corner[(axis + 2) % 3] = ends[second][(axis + 2) % 3];
         corner.into()
@@ -148,22 +151,22 @@ fn cell_corners(cell: &BoundingBox, axis: usize, at: f64) -> [Vector3<f64>; 4] {
 }
 
 /// The part of a polygon on one side of a plane (Sutherland & Hodgman 1974).
-fn clip(polygon: &[Vector3<f64>], axis: usize, at: f64, side: f64) -> Vec<Vector3<f64>> {
-    let height = |p: &Vector3<f64>| side * (p.to_array()[axis] - at);
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+fn clip(polygon: &[Vector3<f64>], axis: usize, position: f64, side: f64) -> Vec<Vector3<f64>> {
+    let height = |p: &Vector3<f64>| side * (p.to_array()[axis] - position);
+    let mut clipped = Vec::with_capacity(polygon.len() + 1);
     let next = polygon.iter().cycle().skip(1);
     for (from, to) in polygon.iter().zip(next) {
         let (before, after) = (height(from), height(to));
         if before >= 0.0 {
-            kept.push(*from);
+            clipped.push(*from);
         }
         if (before > 0.0 && after < 0.0) || (before < 0.0 && after > 0.0) {
             let mut numbers = (*from + (*to - *from) * (before / (before - after))).to_array();
-            numbers[axis] = at;
-            kept.push(numbers.into());
+            numbers[axis] = position;
+            clipped.push(numbers.into());
         }
     }
-    kept
+    clipped
 }
 
 fn hull(shape: &Shape) -> Option<&ConvexHull> {

@@ -38,13 +38,13 @@ impl Plane {
     }
 
     /// True if shapes on a link must stay above the plane. Never true for a fixed link.
-    pub(crate) fn holds(&self, model: &Model, link: FrameId) -> bool {
+    pub(crate) fn blocks(&self, model: &Model, link: FrameId) -> bool {
         carrier(model, link).is_some() && !self.passed.contains(&link)
     }
 }
 
 /// World placement of a link that no joint moves; `None` for a moving link.
-pub(super) fn standing(model: &Model, link: FrameId) -> Option<Placement<f64>> {
+pub(super) fn fixed_placement(model: &Model, link: FrameId) -> Option<Placement<f64>> {
     if carrier(model, link).is_some() {
         return None;
     }
@@ -60,7 +60,7 @@ impl CollisionModel {
     }
 
     /// Allows or forbids that one of two links penetrates the planes of the other.
-    pub(super) fn pass_planes(&mut self, [a, b]: [FrameId; 2], may: bool) {
+    pub(super) fn allow_planes(&mut self, [a, b]: [FrameId; 2], may: bool) {
         for plane in &mut self.planes {
             for (on, link) in [(a, b), (b, a)] {
                 if plane.link == on {
@@ -72,11 +72,11 @@ impl CollisionModel {
     }
 
     /// True if one of two links must stay above a plane of the other.
-    pub(super) fn is_over_plane(&self, [a, b]: [FrameId; 2]) -> bool {
+    pub(super) fn is_plane_checked(&self, [a, b]: [FrameId; 2]) -> bool {
         self.planes.iter().any(|plane| {
             [(a, b), (b, a)]
                 .iter()
-                .any(|(on, link)| plane.link == *on && plane.holds(&self.model, *link))
+                .any(|(on, link)| plane.link == *on && plane.blocks(&self.model, *link))
         })
     }
 }

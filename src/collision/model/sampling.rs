@@ -10,13 +10,13 @@ use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
 
 /// Share of samples in contact from which a pair counts as always in contact, as in MoveIt's setup assistant.
-const ALWAYS: f64 = 0.95;
+const ALWAYS_IN_CONTACT_SHARE: f64 = 0.95;
 /// Number of samples, those of least distance, from which a pair without contact is minimised.
-const NEAREST: usize = 3;
+const MAX_NEAREST_SAMPLES: usize = 3;
 
 /// Results of the samples for one pair.
 #[derive(Clone, Debug, Default)]
-struct Seen {
+struct PairSamples {
     touched: u64,
     /// Distance, metres, and index of the closest samples, in order. Only of pairs without contact.
     nearest: Vec<(f64, u64)>,
@@ -37,37 +37,42 @@ impl CollisionModel {
             return Ok(self);
         }
         let shapes: Vec<_> = self.link_shapes().into_iter().map(Arc::new).collect();
-        let mut seen = vec![Seen::default(); self.pairs.len()];
+        let mut pair_samples = vec![PairSamples::default(); self.pairs.len()];
         self.visit_samples(samples, seed, |sample, placed| {
-            for (pair, seen) in self.pairs.iter().zip(&mut seen) {
+            for (pair, pair_samples) in self.pairs.iter().zip(&mut pair_samples) {
                 let [a, b] = pair.map(|link| self.place_of(link));
-                let found = shapes[a].apart(&placed[a], &shapes[b], &placed[b], seen.asked());
-                if let Some(found) = found {
-                    seen.take(sample, found.distance);
+                let separation = shapes[a].separation(
+                    &placed[a],
+                    &shapes[b],
+                    &placed[b],
+                    pair_samples.max_distance(),
+                );
+                if let Some(separation) = separation {
+                    pair_samples.record(sample, separation.distance);
                 }
             }
         })?;
-        let always = ALWAYS * samples as f64;
-        let mut kept = Vec::new();
-        for (pair, seen) in self.pairs.iter().zip(&seen) {
+        let max_touched = ALWAYS_IN_CONTACT_SHARE * samples as f64;
+        let mut enabled = Vec::new();
+        for (pair, pair_samples) in self.pairs.iter().zip(&pair_samples) {
             if is_stopped() {
                 break;
             }
-            let keep = match seen.touched {
+            let is_enabled = match pair_samples.touched {
                 0 => {
-                    let own = pair.map(|link| Arc::clone(&shapes[self.place_of(link)]));
-                    let nearest = seen.nearest.iter().map(|(_, sample)| *sample);
-                    self.can_touch(*pair, own, seed, nearest)?
+                    let link_shapes = pair.map(|link| Arc::clone(&shapes[self.place_of(link)]));
+                    let nearest = pair_samples.nearest.iter().map(|(_, sample)| *sample);
+                    self.can_touch(*pair, link_shapes, seed, nearest)?
                 }
-                touched => (touched as f64) < always,
+                touched => (touched as f64) < max_touched,
             };
-            kept.extend(keep.then_some(*pair));
+            enabled.extend(is_enabled.then_some(*pair));
         }
-        self.pairs = kept;
+        self.pairs = enabled;
         Ok(self)
     }
 
-    /// Calls `each` with the number of a sample and the world placements of the links with shapes.
+    /// Calls `visitor` with the number of a sample and the world placements of the links with shapes.
     ///
     /// The random configurations are within all limits and satisfy the mimic joints.
     ///
@@ -77,7 +82,7 @@ impl CollisionModel {
         &self,
         samples: u64,
         seed: u64,
-        mut each: impl FnMut(u64, &[Placement<f64>]),
+        mut visitor: impl FnMut(u64, &[Placement<f64>]),
     ) -> Result<(), ModelError> {
         let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
         let mut x = vec![0.0; self.map.variables()];
@@ -85,10 +90,10 @@ impl CollisionModel {
             if is_stopped() {
                 break;
             }
-            let mut q = self.draw(seed, sample, &mut x)?;
+            let mut q = self.sample_configuration(seed, sample, &mut x)?;
             self.map.expand_within_limits(&x, &mut q)?;
             if let Ok(placed) = kinematics.place(&q) {
-                each(sample, placed);
+                visitor(sample, placed);
             }
         }
         Ok(())
@@ -98,7 +103,7 @@ impl CollisionModel {
     ///
     /// # Errors
     /// Returns an error if the sampled configuration contains NaN.
-    pub(super) fn draw(
+    pub(super) fn sample_configuration(
         &self,
         seed: u64,
         sample: u64,
@@ -119,8 +124,8 @@ impl CollisionModel {
         let shapes = self.link_shapes();
         let touch = |pair: &[FrameId; 2]| {
             let [a, b] = pair.map(|link| self.place_of(link));
-            let found = shapes[a].apart(&placed[a], &shapes[b], &placed[b], ROUNDING);
-            found.is_some()
+            let separation = shapes[a].separation(&placed[a], &shapes[b], &placed[b], ROUNDING);
+            separation.is_some()
         };
         self.pairs = (self.pairs.iter().copied())
             .filter(|pair| !touch(pair))
@@ -134,25 +139,25 @@ impl CollisionModel {
     }
 }
 
-impl Seen {
+impl PairSamples {
     /// Largest distance that still matters for the pair, metres.
-    fn asked(&self) -> f64 {
-        match self.nearest.get(NEAREST - 1) {
+    fn max_distance(&self) -> f64 {
+        match self.nearest.get(MAX_NEAREST_SAMPLES - 1) {
             _ if self.touched > 0 => ROUNDING,
             Some((farthest, _)) => *farthest,
             None => f64::INFINITY,
         }
     }
 
-    fn take(&mut self, sample: u64, distance: f64) {
+    fn record(&mut self, sample: u64, distance: f64) {
         if distance <= ROUNDING {
             self.touched += 1;
         } else if self.touched == 0 {
             let at = self
                 .nearest
-                .partition_point(|(known, _)| *known <= distance);
+                .partition_point(|(other, _)| *other <= distance);
             self.nearest.insert(at, (distance, sample));
-            self.nearest.truncate(NEAREST);
+            self.nearest.truncate(MAX_NEAREST_SAMPLES);
         }
     }
 }

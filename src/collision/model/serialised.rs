@@ -82,7 +82,7 @@ impl ShapeParts {
 }
 
 impl From<CollisionModel> for Parts {
-    fn from(own: CollisionModel) -> Self {
+    fn from(collision_model: CollisionModel) -> Self {
         let object = |object: CollisionObject| ObjectParts {
             shape: (&object.shape).into(),
             name: object.name,
@@ -95,12 +95,12 @@ impl From<CollisionModel> for Parts {
             passed: plane.passed,
         };
         Self {
-            planes: own.planes.into_iter().map(plane).collect(),
-            model: own.model,
-            map: own.map,
-            objects: own.objects.into_iter().map(object).collect(),
-            pairs: own.pairs,
-            notes: own.notes,
+            planes: collision_model.planes.into_iter().map(plane).collect(),
+            model: collision_model.model,
+            map: collision_model.map,
+            objects: collision_model.objects.into_iter().map(object).collect(),
+            pairs: collision_model.pairs,
+            notes: collision_model.notes,
         }
     }
 }
@@ -133,17 +133,18 @@ impl TryFrom<Parts> for CollisionModel {
             let (given, expected) = (parts.map.sources().len(), model.configuration_len());
             return Err(CollisionModelError::ForeignMap { given, expected });
         }
-        let mut own = Self::assemble(&model, parts.map, objects, parts.notes)?;
+        let mut collision_model = Self::assemble(&model, parts.map, objects, parts.notes)?;
         for plane in parts.planes {
             FrameRef::from(plane.link).resolve(&model)?;
             let at = plane.world_from_plane;
-            own.planes
+            collision_model
+                .planes
                 .push(Plane::new(&model, plane.link, at, plane.passed));
         }
-        own.pairs.clear();
+        collision_model.pairs.clear();
         for [a, b] in parts.pairs {
-            own = own.with_checked(a, b)?;
+            collision_model = collision_model.with_checked(a, b)?;
         }
-        Ok(own)
+        Ok(collision_model)
     }
 }

@@ -14,7 +14,7 @@ impl CollisionModel {
         let mut text = "<?xml version=\"1.0\"?>\n".to_owned();
         // Writing to a String cannot fail.
         let _ = writeln!(text, "<robot name=\"{}\">", escaped(self.model.name()));
-        let default = super::bodies::pairs_apart(&self.model, &self.links);
+        let default = super::bodies::unconnected_pairs(&self.model, &self.links);
         for (index, &a) in self.links.iter().enumerate() {
             for &b in &self.links[index + 1..] {
                 if self.pairs.binary_search(&[a, b]).is_ok() {

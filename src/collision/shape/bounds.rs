@@ -31,7 +31,7 @@ impl Shape {
             ShapeKind::Cuboid { size: [x, y, z] } => symmetric(0.5 * x, 0.5 * y, 0.5 * z),
             ShapeKind::HalfSpace => BoundingBox {
                 max: Vector3::new(f64::INFINITY, f64::INFINITY, 0.0),
-                ..BoundingBox::EVERYWHERE
+                ..BoundingBox::UNBOUNDED
             },
             ShapeKind::Convex(hull) => BoundingBox::around(hull.vertices().iter().copied()),
             ShapeKind::Mesh(mesh) => mesh.bounding_box(),
@@ -51,8 +51,13 @@ impl Shape {
         };
         let around = |points: &[Vector3<f64>], grown: f64| {
             let centre = BoundingBox::around(points.iter().copied()).centre();
-            let far = |p: &Vector3<f64>| (*p - centre).norm_squared();
-            let radius = points.iter().map(far).fold(0.0, f64::max).sqrt() + grown;
+            let squared_distance = |p: &Vector3<f64>| (*p - centre).norm_squared();
+            let radius = points
+                .iter()
+                .map(squared_distance)
+                .fold(0.0, f64::max)
+                .sqrt()
+                + grown;
             Ball { centre, radius }
         };
         match self.kind() {

@@ -7,7 +7,7 @@ use crate::collision::convex_surface::ConvexSurface;
 use crate::spatial::Vector3;
 
 /// Smallest thickness of the points, relative to their extent.
-const THICKNESS: f64 = 1e-10;
+const MIN_RELATIVE_THICKNESS: f64 = 1e-10;
 
 /// A convex hull: its vertices and triangles.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ impl ConvexHull {
             points: points.len(),
             thickness,
         };
-        if thickness <= THICKNESS * extent {
+        if thickness <= MIN_RELATIVE_THICKNESS * extent {
             return Err(flat);
         }
         let surface = grow(ConvexSurface::tetrahedron(corners).ok_or(flat)?, points);
@@ -46,22 +46,22 @@ impl ConvexHull {
     }
 
     fn of(surface: &ConvexSurface, extent: f64) -> Self {
-        let mut renamed = vec![u32::MAX; surface.points.len()];
+        let mut new_indices = vec![u32::MAX; surface.points.len()];
         let mut vertices = Vec::new();
         let mut triangles = Vec::new();
         let mut planes = Vec::new();
         for facet in surface.facets.iter().filter(|facet| facet.alive) {
             triangles.push(facet.corners.map(|corner| {
-                let name = &mut renamed[corner as usize];
-                if *name == u32::MAX {
-                    *name = vertices.len() as u32;
+                let index = &mut new_indices[corner as usize];
+                if *index == u32::MAX {
+                    *index = vertices.len() as u32;
                     vertices.push(surface.points[corner as usize]);
                 }
-                *name
+                *index
             }));
             let [a, b, c] = facet.corners.map(|corner| surface.points[corner as usize]);
             // A sliver's plane is dominated by rounding, and the planes of its neighbours are as close.
-            if let Some(normal) = unit_normal(a, b, c, THICKNESS * extent) {
+            if let Some(normal) = unit_normal(a, b, c, MIN_RELATIVE_THICKNESS * extent) {
                 planes.push((normal, normal.dot(a)));
             }
         }
@@ -100,16 +100,16 @@ impl ConvexHull {
     /// The first of the vertices that are farthest along a direction.
     pub(crate) fn farthest(&self, along: Vector3<f64>) -> Vector3<f64> {
         let climb = self.climb.as_ref();
-        let found = climb.and_then(|c| c.surely_farthest(&self.vertices, along, self.reach));
-        found.unwrap_or_else(|| self.farthest_of_all(along))
+        let vertex = climb.and_then(|c| c.try_farthest(&self.vertices, along, self.reach));
+        vertex.unwrap_or_else(|| self.farthest_of_all(along))
     }
 
     fn farthest_of_all(&self, along: Vector3<f64>) -> Vector3<f64> {
         let mut best = (f64::NEG_INFINITY, self.vertices[0]);
         for &corner in &self.vertices {
-            let far = along.dot(corner);
-            if far > best.0 {
-                best = (far, corner);
+            let projection = along.dot(corner);
+            if projection > best.0 {
+                best = (projection, corner);
             }
         }
         best.1
@@ -125,31 +125,31 @@ impl ConvexHull {
 
     /// The face plane with the largest signed distance to a point: that distance, negative inside, and the plane's
     /// normal.
-    pub(crate) fn beyond(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
+    pub(crate) fn farthest_face(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
         let start = (f64::NEG_INFINITY, Vector3::UNITS[2]);
-        self.planes.iter().fold(start, |most, &(normal, offset)| {
-            let beyond = normal.dot(point) - offset;
-            if beyond > most.0 {
-                (beyond, normal)
+        self.planes.iter().fold(start, |best, &(normal, offset)| {
+            let distance = normal.dot(point) - offset;
+            if distance > best.0 {
+                (distance, normal)
             } else {
-                most
+                best
             }
         })
     }
 }
 
-/// Unit normal of a triangle; `None` if its width is at most `least`.
+/// Unit normal of a triangle; `None` if its width is at most `min_width`.
 fn unit_normal(
     a: Vector3<f64>,
     b: Vector3<f64>,
     c: Vector3<f64>,
-    least: f64,
+    min_width: f64,
 ) -> Option<Vector3<f64>> {
     let sides = [b - a, c - b, a - c];
     let longest = sides.iter().map(|s| s.norm()).fold(0.0, f64::max);
     let normal = sides[0].cross(sides[1]);
     let area = normal.norm();
-    (area > least * longest).then(|| normal * area.recip())
+    (area > min_width * longest).then(|| normal * area.recip())
 }
 
 /// Four points of large span, their thickness across a plane and their length.
@@ -169,8 +169,12 @@ fn spanning(points: &[Vector3<f64>]) -> ([Vector3<f64>; 4], f64, f64) {
 fn farthest(points: &[Vector3<f64>], measure: impl Fn(Vector3<f64>) -> f64) -> Vector3<f64> {
     let start = (points[0], measure(points[0]));
     let best = points.iter().fold(start, |best, &p| {
-        let far = measure(p);
-        if far > best.1 { (p, far) } else { best }
+        let measured = measure(p);
+        if measured > best.1 {
+            (p, measured)
+        } else {
+            best
+        }
     });
     best.0
 }
@@ -180,8 +184,8 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
     // Points that see a facet, by facet. Each point is in the list of one facet only.
     let mut outside: Vec<Vec<u32>> = vec![Vec::new(); 4];
     let mut facets: Vec<u32> = (0..4).collect();
-    let mut loose: Vec<u32> = (0..points.len() as u32).collect();
-    assign(&surface, points, &mut loose, &facets, &mut outside);
+    let mut unassigned: Vec<u32> = (0..points.len() as u32).collect();
+    assign(&surface, points, &mut unassigned, &facets, &mut outside);
     while let Some(facet) = facets.pop() {
         let [a, b, c] = surface.corners(facet);
         let normal = (b - a).cross(c - a);
@@ -197,10 +201,16 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
         surface.insert(points[top as usize], facet);
         outside.resize(surface.facets.len(), Vec::new());
         for &hidden in &surface.hidden {
-            loose.append(&mut outside[hidden as usize]);
+            unassigned.append(&mut outside[hidden as usize]);
         }
-        assign(&surface, points, &mut loose, &surface.made, &mut outside);
-        facets.extend(&surface.made);
+        assign(
+            &surface,
+            points,
+            &mut unassigned,
+            &surface.new_facets,
+            &mut outside,
+        );
+        facets.extend(&surface.new_facets);
     }
     surface
 }
@@ -209,11 +219,11 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
 fn assign(
     surface: &ConvexSurface,
     points: &[Vector3<f64>],
-    loose: &mut Vec<u32>,
+    unassigned: &mut Vec<u32>,
     facets: &[u32],
     outside: &mut [Vec<u32>],
 ) {
-    for point in loose.drain(..) {
+    for point in unassigned.drain(..) {
         let sees = |&&facet: &&u32| surface.sees(facet, points[point as usize]);
         if let Some(&facet) = facets.iter().find(sees) {
             outside[facet as usize].push(point);

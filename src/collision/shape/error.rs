@@ -4,20 +4,20 @@ use crate::plural::counted;
 use crate::spatial::Vector3;
 
 /// Bounds of the lengths of shapes, metres, so that no square of a length over- or underflows.
-const SMALLEST: f64 = 1e-9;
-pub(in crate::collision) const LARGEST: f64 = 1e9;
+const MIN_LENGTH: f64 = 1e-9;
+pub(in crate::collision) const MAX_LENGTH: f64 = 1e9;
 /// Largest ratio of the lengths of one shape: rounding along the longest length is then at most a thousandth of the
 /// shortest.
-const SLENDEREST: f64 = 1e12;
+const MAX_LENGTH_RATIO: f64 = 1e12;
 /// Largest number of vertices, points or heights of one shape.
-const MOST: usize = 1 << 28;
+const MAX_ELEMENTS: usize = 1 << 28;
 
 /// Reason why a shape cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A length outside the allowed range.
-    #[error("the {what} is {value}, not a positive length from {SMALLEST:e} to {LARGEST:e}")]
+    #[error("the {what} is {value}, not a positive length from {MIN_LENGTH:e} to {MAX_LENGTH:e}")]
     Size {
         /// Name of the length, for instance `radius of the sphere`.
         what: &'static str,
@@ -26,7 +26,7 @@ pub enum ShapeError {
     },
     /// Two lengths whose ratio is so large that distances would be dominated by rounding.
     #[error(
-        "the {longest_name} is {longest:e} and the {shortest_name} {shortest:e}: more than {SLENDEREST:e} times"
+        "the {longest_name} is {longest:e} and the {shortest_name} {shortest:e}: more than {MAX_LENGTH_RATIO:e} times"
     )]
     Slender {
         /// Name of the longest length.
@@ -39,7 +39,7 @@ pub enum ShapeError {
         shortest: f64,
     },
     /// A coordinate that is NaN, infinite or beyond 10⁹.
-    #[error("{what} {index} has a coordinate that is not finite or beyond {LARGEST:e}")]
+    #[error("{what} {index} has a coordinate that is not finite or beyond {MAX_LENGTH:e}")]
     Coordinate {
         /// `vertex`, `point` or `height`.
         what: &'static str,
@@ -59,7 +59,7 @@ pub enum ShapeError {
         given: usize,
     },
     /// Too many vertices, points, heights or triangles.
-    #[error("{given} {what} are more than the {MOST} that a shape may have")]
+    #[error("{given} {what} are more than the {MAX_ELEMENTS} that a shape may have")]
     TooMany {
         /// Name of the elements.
         what: &'static str,
@@ -67,7 +67,7 @@ pub enum ShapeError {
         given: usize,
     },
     /// The points of a convex hull lie in one plane, on one line or at one point.
-    #[error("the {points} points of the convex hull lie in one plane{}", within(*.thickness))]
+    #[error("the {points} points of the convex hull lie in one plane{}", thickness_text(*.thickness))]
     Flat {
         /// Number of points.
         points: usize,
@@ -143,7 +143,7 @@ pub enum ShapeNote {
 }
 
 /// Text for a thickness, metres; empty for 0.
-fn within(thickness: f64) -> String {
+fn thickness_text(thickness: f64) -> String {
     match thickness == 0.0 {
         true => String::new(),
         false => format!(", within {thickness:e}"),
@@ -152,13 +152,13 @@ fn within(thickness: f64) -> String {
 
 /// Returns the length if it is in range.
 pub(super) fn size(what: &'static str, value: f64) -> Result<f64, ShapeError> {
-    match (SMALLEST..=LARGEST).contains(&value) {
+    match (MIN_LENGTH..=MAX_LENGTH).contains(&value) {
         true => Ok(value),
         false => Err(ShapeError::Size { what, value }),
     }
 }
 
-/// Returns the lengths of one shape if they are in range and their ratio is at most [`SLENDEREST`].
+/// Returns the lengths of one shape if they are in range and their ratio is at most [`MAX_LENGTH_RATIO`].
 pub(super) fn sizes<const N: usize>(
     named: [(&'static str, f64); N],
 ) -> Result<[f64; N], ShapeError> {
@@ -169,7 +169,7 @@ pub(super) fn sizes<const N: usize>(
     let longest = named.iter().max_by(by_length);
     let shortest = named.iter().min_by(by_length);
     if let (Some(&(longest_name, longest)), Some(&(shortest_name, shortest))) = (longest, shortest)
-        && longest > SLENDEREST * shortest
+        && longest > MAX_LENGTH_RATIO * shortest
     {
         return Err(ShapeError::Slender {
             longest_name,
@@ -181,23 +181,23 @@ pub(super) fn sizes<const N: usize>(
     Ok(named.map(|(_, value)| value))
 }
 
-/// Checks that all coordinates are in range and that the number of points is at most [`MOST`].
+/// Checks that all coordinates are in range and that the number of points is at most [`MAX_ELEMENTS`].
 pub(super) fn check_points(
     what: &'static str,
     plural: &'static str,
     points: &[Vector3<f64>],
 ) -> Result<(), ShapeError> {
     check_number(plural, points.len())?;
-    let fine = |p: &Vector3<f64>| p.to_array().iter().all(|x| x.abs() <= LARGEST);
-    match points.iter().position(|p| !fine(p)) {
+    let is_in_range = |p: &Vector3<f64>| p.to_array().iter().all(|x| x.abs() <= MAX_LENGTH);
+    match points.iter().position(|p| !is_in_range(p)) {
         Some(index) => Err(ShapeError::Coordinate { what, index }),
         None => Ok(()),
     }
 }
 
-/// Checks that the number of elements is at most [`MOST`].
+/// Checks that the number of elements is at most [`MAX_ELEMENTS`].
 pub(super) fn check_number(what: &'static str, given: usize) -> Result<(), ShapeError> {
-    match given <= MOST {
+    match given <= MAX_ELEMENTS {
         true => Ok(()),
         false => Err(ShapeError::TooMany { what, given }),
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::spatial::Vector3;
 
 /// Number of subdivisions of each triangle into four.
-const SPLITS: usize = 2;
+const SUBDIVISIONS: usize = 2;
 
 /// Vertices of a polyhedron that encloses the unit ball: an icosahedron, subdivided and projected onto the sphere
 /// (Fuller's geodesic dome), then scaled until its faces lie outside the ball.
@@ -25,14 +25,17 @@ pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
         ]);
     }
     // Adjacent corners are 2 apart, all other pairs are farther apart.
-    let near = |i: usize, j: usize, corners: &[Vector3<f64>]| {
+    let are_adjacent = |i: usize, j: usize, corners: &[Vector3<f64>]| {
         (corners[i] - corners[j]).norm_squared() < 4.5
     };
     let mut triangles = Vec::new();
     for i in 0..corners.len() {
         for j in i + 1..corners.len() {
             for k in j + 1..corners.len() {
-                if near(i, j, &corners) && near(j, k, &corners) && near(i, k, &corners) {
+                if are_adjacent(i, j, &corners)
+                    && are_adjacent(j, k, &corners)
+                    && are_adjacent(i, k, &corners)
+                {
                     triangles.push([i, j, k]);
                 }
             }
@@ -41,30 +44,30 @@ pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
     corners
         .iter_mut()
         .for_each(|corner| *corner = unit(*corner));
-    for _ in 0..SPLITS {
-        let mut middles: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-        let mut middle = |a: usize, b: usize| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+    for _ in 0..SUBDIVISIONS {
+        let mut midpoints: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let mut midpoint = |a: usize, b: usize| {
+            *midpoints.entry((a.min(b), a.max(b))).or_insert_with(|| {
                 corners.push(unit(corners[a] + corners[b]));
                 corners.len() - 1
             })
         };
         let mut split = Vec::with_capacity(4 * triangles.len());
         for &[a, b, c] in &triangles {
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            let (ab, bc, ca) = (midpoint(a, b), midpoint(b, c), midpoint(c, a));
             split.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
         }
         triangles = split;
     }
     // Smallest distance of a triangle's plane from the origin.
-    let inner = triangles.iter().map(|triangle| {
+    let inner_radius = triangles.iter().map(|triangle| {
         let [a, b, c] = triangle.map(|corner| corners[corner]);
         unit((b - a).cross(c - a)).dot(a).abs()
     });
-    let inner = inner.fold(1.0, f64::min);
+    let inner_radius = inner_radius.fold(1.0, f64::min);
     corners
         .iter()
-        .map(|corner| *corner * inner.recip())
+        .map(|corner| *corner * inner_radius.recip())
         .collect()
 }
 

@@ -2,7 +2,7 @@
 
 use super::ShapeError;
 use super::error::{check_number, size};
-use crate::collision::aabb_tree::BoxTree;
+use crate::collision::aabb_tree::AabbTree;
 use crate::collision::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 
@@ -15,7 +15,7 @@ pub struct HeightField {
     /// Triangles of the side walls and the floor.
     below: Vec<[Vector3<f64>; 3]>,
     /// AABB tree over the triangles: two a cell, then those in `below`.
-    tree: BoxTree,
+    tree: AabbTree,
 }
 
 impl HeightField {
@@ -57,10 +57,10 @@ impl HeightField {
             columns,
             spacing,
             below: Vec::new(),
-            tree: BoxTree::default(),
+            tree: AabbTree::default(),
         };
         field.below = field.walls_and_floor();
-        field.tree = BoxTree::new(field.triangle_count(), |i| {
+        field.tree = AabbTree::new(field.triangle_count(), |i| {
             BoundingBox::around(field.triangle(i))
         });
         Ok(field)
@@ -75,7 +75,7 @@ impl HeightField {
         pub fn rows(&self) -> usize = self.heights.len() / self.columns;
         /// Distances of neighbours along x and y, metres.
         pub fn spacing(&self) -> [f64; 2] = self.spacing;
-        pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
         /// Number of triangles of the surface, the walls and the floor.
         pub(crate) fn triangle_count(&self) -> usize = self.surface_count() + self.below.len();
         fn surface_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
@@ -101,25 +101,25 @@ impl HeightField {
 
     fn corner(&self, column: usize, row: usize) -> Vector3<f64> {
         let [x, y] = self.spacing;
-        let from_middle = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
+        let from_centre = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
         Vector3::new(
-            x * from_middle(column, self.columns),
-            y * from_middle(row, self.rows()),
+            x * from_centre(column, self.columns),
+            y * from_centre(row, self.rows()),
             self.heights[row * self.columns + column],
         )
     }
 
     /// Height of a point above the surface along z, metres; `None` outside the grid.
-    fn above(&self, place: Vector3<f64>) -> Option<f64> {
+    fn height_above(&self, point: Vector3<f64>) -> Option<f64> {
         let [dx, dy] = self.spacing;
         let cell = |x: f64, spacing: f64, n: usize| {
-            let at = x / spacing + 0.5 * (n - 1) as f64;
-            let inside = (0.0..=(n - 1) as f64).contains(&at);
-            let low = (at as usize).min(n - 2);
-            inside.then_some((low, at - low as f64))
+            let grid_position = x / spacing + 0.5 * (n - 1) as f64;
+            let inside = (0.0..=(n - 1) as f64).contains(&grid_position);
+            let low = (grid_position as usize).min(n - 2);
+            inside.then_some((low, grid_position - low as f64))
         };
-        let (column, u) = cell(place.x, dx, self.columns)?;
-        let (row, v) = cell(place.y, dy, self.rows())?;
+        let (column, u) = cell(point.x, dx, self.columns)?;
+        let (row, v) = cell(point.y, dy, self.rows())?;
         let height = |i: usize, j: usize| self.corner(column + i, row + j).z;
         let [low, high] = [height(0, 0), height(1, 1)];
         // Interpolates in the triangle of the cell that holds the point.
@@ -127,7 +127,7 @@ impl HeightField {
             true => low + u * (height(1, 0) - low) + v * (high - height(1, 0)),
             false => low + v * (height(0, 1) - low) + u * (high - height(0, 1)),
         };
-        Some(place.z - surface)
+        Some(point.z - surface)
     }
 
     fn walls_and_floor(&self) -> Vec<[Vector3<f64>; 3]> {
@@ -155,8 +155,11 @@ impl HeightField {
     }
 
     /// True if a point is below the surface and above the floor.
-    pub(crate) fn holds(&self, place: Vector3<f64>) -> bool {
-        let within = place.z > self.tree.bounds().min.z;
-        within && self.above(place).is_some_and(|above| above < 0.0)
+    pub(crate) fn contains(&self, point: Vector3<f64>) -> bool {
+        let is_above_floor = point.z > self.tree.bounds().min.z;
+        is_above_floor
+            && self
+                .height_above(point)
+                .is_some_and(|height_above| height_above < 0.0)
     }
 }

@@ -8,13 +8,13 @@
 use crate::spatial::Vector3;
 
 /// Number of vertices below which a linear search is faster.
-const MANY: usize = 32;
+const MIN_CLIMB_VERTICES: usize = 32;
 /// Tolerance relative to the hull's reach, far above the rounding of a projection onto a direction.
-const NEARLY: f64 = 1e-12;
+const RELATIVE_TOLERANCE: f64 = 1e-12;
 /// Largest number of vertices nearly as far as the farthest; with more, as on a wide face, a linear search follows.
-const AS_FAR: usize = 48;
+const MAX_CANDIDATES: usize = 48;
 /// Number of cells along an edge of the cube of directions.
-const CELLS: usize = 6;
+const CELLS_PER_EDGE: usize = 6;
 
 /// Adjacency of the vertices, and start vertices by direction.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(super) struct HullClimb {
 impl HullClimb {
     /// Adjacency of a closed surface; `None` for few vertices.
     pub(super) fn of(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Self> {
-        if vertices.len() < MANY {
+        if vertices.len() < MIN_CLIMB_VERTICES {
             return None;
         }
         let mut ends = vec![0_u32; vertices.len()];
@@ -53,11 +53,11 @@ impl HullClimb {
         let mut climb = Self {
             ends,
             neighbours,
-            starts: Vec::with_capacity(6 * CELLS * CELLS),
+            starts: Vec::with_capacity(6 * CELLS_PER_EDGE * CELLS_PER_EDGE),
         };
         let mut last = 0;
-        for cell in 0..6 * CELLS * CELLS {
-            last = climb.from(vertices, last, middle(cell));
+        for cell in 0..6 * CELLS_PER_EDGE * CELLS_PER_EDGE {
+            last = climb.climb_from(vertices, last, middle(cell));
             climb.starts.push(last);
         }
         Some(climb)
@@ -66,57 +66,58 @@ impl HullClimb {
     /// A vertex without a neighbour farther along a direction.
     pub(super) fn farthest(&self, vertices: &[Vector3<f64>], along: Vector3<f64>) -> Vector3<f64> {
         let start = self.starts[cell(along)];
-        vertices[self.from(vertices, start, along) as usize]
+        vertices[self.climb_from(vertices, start, along) as usize]
     }
 
     /// The first of the vertices that are farthest along a direction, for a hull of the given reach, metres.
     ///
     /// Returns `None` if too many vertices are nearly as far.
-    pub(super) fn surely_farthest(
+    pub(super) fn try_farthest(
         &self,
         vertices: &[Vector3<f64>],
         along: Vector3<f64>,
         reach: f64,
     ) -> Option<Vector3<f64>> {
-        let least = NEARLY * reach * along.to_array().map(f64::abs).iter().sum::<f64>();
-        let begin = self.from(vertices, self.starts[cell(along)], along);
+        let tolerance =
+            RELATIVE_TOLERANCE * reach * along.to_array().map(f64::abs).iter().sum::<f64>();
+        let begin = self.climb_from(vertices, self.starts[cell(along)], along);
         let mut best = (begin, along.dot(vertices[begin as usize]));
         if !best.1.is_finite() {
             return None;
         }
-        let mut near = [begin; AS_FAR];
-        let (mut looked_at, mut count) = (0, 1);
-        while looked_at < count {
-            for &other in self.beside(near[looked_at]) {
-                let far = along.dot(vertices[other as usize]);
-                if far < best.1 - least || near[..count].contains(&other) {
+        let mut candidates = [begin; MAX_CANDIDATES];
+        let (mut visited, mut count) = (0, 1);
+        while visited < count {
+            for &other in self.neighbours_of(candidates[visited]) {
+                let projection = along.dot(vertices[other as usize]);
+                if projection < best.1 - tolerance || candidates[..count].contains(&other) {
                     continue;
                 }
-                *near.get_mut(count)? = other;
+                *candidates.get_mut(count)? = other;
                 count += 1;
-                if far > best.1 || far == best.1 && other < best.0 {
-                    best = (other, far);
+                if projection > best.1 || projection == best.1 && other < best.0 {
+                    best = (other, projection);
                 }
             }
-            looked_at += 1;
+            visited += 1;
         }
         Some(vertices[best.0 as usize])
     }
 
-    fn beside(&self, corner: u32) -> &[u32] {
+    fn neighbours_of(&self, corner: u32) -> &[u32] {
         let corner = corner as usize;
         let begin = corner.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.neighbours[begin as usize..self.ends[corner] as usize]
     }
 
-    fn from(&self, vertices: &[Vector3<f64>], start: u32, along: Vector3<f64>) -> u32 {
+    fn climb_from(&self, vertices: &[Vector3<f64>], start: u32, along: Vector3<f64>) -> u32 {
         let mut best = (start, along.dot(vertices[start as usize]));
         loop {
             let corner = best.0;
-            for &other in self.beside(corner) {
-                let far = along.dot(vertices[other as usize]);
-                if far > best.1 {
-                    best = (other, far);
+            for &other in self.neighbours_of(corner) {
+                let projection = along.dot(vertices[other as usize]);
+                if projection > best.1 {
+                    best = (other, projection);
                 }
             }
             if best.0 == corner {
@@ -136,31 +137,36 @@ fn cell(along: Vector3<f64>) -> usize {
         _ => 2,
     };
     let scale = size[axis].recip();
-    let at = |value: f64| {
+    let cell_along = |value: f64| {
         // NaN for a zero direction gives the first cell.
-        let cell = (value * scale + 1.0) * (0.5 * CELLS as f64);
-        (cell as usize).min(CELLS - 1)
+        let cell = (value * scale + 1.0) * (0.5 * CELLS_PER_EDGE as f64);
+        (cell as usize).min(CELLS_PER_EDGE - 1)
     };
     let side = 2 * axis + usize::from(v[axis] < 0.0);
-    (side * CELLS + at(v[(axis + 1) % 3])) * CELLS + at(v[(axis + 2) % 3])
+    (side * CELLS_PER_EDGE + cell_along(v[(axis + 1) % 3])) * CELLS_PER_EDGE
+        + cell_along(v[(axis + 2) % 3])
 }
 
 /// Direction through the middle of a cell.
 fn middle(cell: usize) -> Vector3<f64> {
-    let at = |cell: usize| (cell as f64 + 0.5) * (2.0 / CELLS as f64) - 1.0;
-    let (side, row, column) = (cell / (CELLS * CELLS), cell / CELLS % CELLS, cell % CELLS);
+    let coordinate = |cell: usize| (cell as f64 + 0.5) * (2.0 / CELLS_PER_EDGE as f64) - 1.0;
+    let (side, row, column) = (
+        cell / (CELLS_PER_EDGE * CELLS_PER_EDGE),
+        cell / CELLS_PER_EDGE % CELLS_PER_EDGE,
+        cell % CELLS_PER_EDGE,
+    );
     let axis = side / 2;
     let mut v = [0.0; 3];
     v[axis] = if side % 2 == 0 { 1.0 } else { -1.0 };
-    v[(axis + 1) % 3] = at(row);
-    v[(axis + 2) % 3] = at(column);
+    v[(axis + 1) % 3] = coordinate(row);
+    v[(axis + 2) % 3] = coordinate(column);
     Vector3::from(v)
 }
 
 #[cfg(test)]
 #[allow(clippy::panic)]
 mod tests {
-    use super::AS_FAR;
+    use super::MAX_CANDIDATES;
     use crate::collision::{Shape, ShapeKind};
     use crate::random::RandomStream;
     use crate::spatial::Vector3;
@@ -192,9 +198,9 @@ mod tests {
     }
 
     #[test]
-    fn the_farthest_corner_is_that_of_all() {
+    fn hull_climb_finds_the_farthest_vertex() {
         let mut random = RandomStream::new(5, 0);
-        let (mut sooner, mut asked) = (0, 0);
+        let (mut by_climbing, mut queries) = (0, 0);
         for kind in 0..4 {
             let shape = Shape::convex(&points(kind, &mut random));
             let Ok(ShapeKind::Convex(hull)) = shape.as_ref().map(Shape::kind) else {
@@ -202,30 +208,33 @@ mod tests {
             };
             let faces = hull.planes().iter().map(|(normal, _)| *normal);
             let corners = hull.vertices().iter().copied();
-            let drawn = (0..2000).map(|_| {
+            let sampled = (0..2000).map(|_| {
                 let mut part = || random.unit() - 0.5;
                 Vector3::new(part(), part(), part())
             });
-            let drawn: Vec<_> = drawn.collect();
+            let sampled: Vec<_> = sampled.collect();
             let axes = Vector3::UNITS
                 .into_iter()
                 .flat_map(|axis| [axis, -axis, axis * 1e-30]);
-            for along in faces.chain(corners).chain(drawn).chain(axes) {
-                let mut all = (f64::NEG_INFINITY, hull.vertices()[0]);
+            for along in faces.chain(corners).chain(sampled).chain(axes) {
+                let mut expected = (f64::NEG_INFINITY, hull.vertices()[0]);
                 for &corner in hull.vertices() {
-                    let far = along.dot(corner);
-                    if far > all.0 {
-                        all = (far, corner);
+                    let projection = along.dot(corner);
+                    if projection > expected.0 {
+                        expected = (projection, corner);
                     }
                 }
-                assert_eq!(hull.farthest(along), all.1, "{kind}: {along:?}");
-                asked += 1;
+                assert_eq!(hull.farthest(along), expected.1, "{kind}: {along:?}");
+                queries += 1;
                 let climb = hull.climb();
-                let found =
-                    climb.and_then(|c| c.surely_farthest(hull.vertices(), along, hull.reach()));
-                sooner += u32::from(found.is_some());
+                let climbed =
+                    climb.and_then(|c| c.try_farthest(hull.vertices(), along, hull.reach()));
+                by_climbing += u32::from(climbed.is_some());
             }
         }
-        assert!(sooner > asked / 2 && AS_FAR > 8, "{sooner} of {asked}");
+        assert!(
+            by_climbing > queries / 2 && MAX_CANDIDATES > 8,
+            "{by_climbing} of {queries}"
+        );
     }
 }

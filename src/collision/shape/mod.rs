@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 pub use bounds::Ball;
 pub use convex_hull::ConvexHull;
-pub(in crate::collision) use error::LARGEST;
+pub(in crate::collision) use error::MAX_LENGTH;
 pub use error::{ShapeError, ShapeNote};
 pub use height_field::HeightField;
 pub use point_cloud::PointCloud;

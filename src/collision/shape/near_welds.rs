@@ -24,37 +24,40 @@ pub(super) struct Closed {
 pub(super) fn closed(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Closed> {
     let bounds = BoundingBox::around(vertices.iter().copied());
     let size = (bounds.max - bounds.min).norm();
-    let within = TOLERANCE * size;
+    let tolerance = TOLERANCE * size;
     let mut on_edges = open_corners(triangles);
     on_edges.sort_unstable();
     on_edges.dedup();
-    let cell = |place: Vector3<f64>| {
-        let from = (place - bounds.min).to_array();
-        from.map(|x| (x / within) as i64)
+    let cell = |position: Vector3<f64>| {
+        let from = (position - bounds.min).to_array();
+        from.map(|x| (x / tolerance) as i64)
     };
     // Unmerged vertices by cell. The cells are as wide as the tolerance.
     let mut first_in: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    let mut places = vertices.to_vec();
-    let mut made_one = false;
+    let mut positions = vertices.to_vec();
+    let mut has_merged = false;
     for corner in on_edges {
-        let place = vertices[corner as usize];
-        let own = cell(place);
-        let around =
-            (0..27).map(|k| [0, 1, 2].map(|axis| own[axis] + k / 3_i64.pow(axis as u32) % 3 - 1));
-        let known = around.filter_map(|cell| first_in.get(&cell)).flatten();
-        let near = known.filter(|known| (vertices[**known as usize] - place).norm() <= within);
-        match near.min() {
+        let position = vertices[corner as usize];
+        let vertex_cell = cell(position);
+        let neighbour_cells = (0..27)
+            .map(|k| [0, 1, 2].map(|axis| vertex_cell[axis] + k / 3_i64.pow(axis as u32) % 3 - 1));
+        let unmerged = neighbour_cells
+            .filter_map(|cell| first_in.get(&cell))
+            .flatten();
+        let close = unmerged
+            .filter(|unmerged| (vertices[**unmerged as usize] - position).norm() <= tolerance);
+        match close.min() {
             Some(first) => {
-                places[corner as usize] = vertices[*first as usize];
-                made_one = true;
+                positions[corner as usize] = vertices[*first as usize];
+                has_merged = true;
             }
-            None => first_in.entry(own).or_default().push(corner),
+            None => first_in.entry(vertex_cell).or_default().push(corner),
         }
     }
-    if !made_one {
+    if !has_merged {
         return None;
     }
-    let (vertices, triangles) = welded(&places, triangles);
+    let (vertices, triangles) = welded(&positions, triangles);
     let across = across(&triangles).ok()?;
     (!triangles.is_empty()).then_some(Closed {
         vertices,

@@ -2,7 +2,7 @@
 
 use super::ShapeError;
 use super::error::{check_points, size};
-use crate::collision::aabb_tree::BoxTree;
+use crate::collision::aabb_tree::AabbTree;
 use crate::collision::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 
@@ -11,7 +11,7 @@ use crate::spatial::Vector3;
 pub struct PointCloud {
     positions: Vec<Vector3<f64>>,
     radius: f64,
-    tree: BoxTree,
+    tree: AabbTree,
 }
 
 impl PointCloud {
@@ -27,7 +27,7 @@ impl PointCloud {
         }
         check_points("point", "points", &positions)?;
         Ok(Self {
-            tree: BoxTree::of_points(&positions),
+            tree: AabbTree::of_points(&positions),
             positions,
             radius,
         })
@@ -38,7 +38,7 @@ impl PointCloud {
         pub fn positions(&self) -> &[Vector3<f64>] = &self.positions;
         /// Radius of the sphere about each point, metres.
         pub fn radius(&self) -> f64 = self.radius;
-        pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
         pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds().grown(self.radius);
     }
 }

@@ -1,10 +1,10 @@
 //! Signed distances from points to shapes.
 
 use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
-use crate::collision::aabb_tree::BoxTree;
+use crate::collision::aabb_tree::AabbTree;
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::distance::{Core, Pair, convex_gap};
-use crate::collision::wide_aabb_tree::Met;
+use crate::collision::wide_aabb_tree::Predicate;
 use crate::spatial::{Placement, Vector3};
 
 /// Signed distance from a point to a surface, metres, negative inside, and the closest point on the surface.
@@ -25,18 +25,18 @@ impl Shape {
     pub(crate) fn is_within(&self, p: Vector3<f64>, reach: f64) -> bool {
         match self.kind() {
             ShapeKind::Mesh(mesh) => {
-                mesh.tree().any(p, reach, &OfMesh(mesh, p, reach))
+                mesh.tree().any(p, reach, &MeshQuery(mesh, p, reach))
                     || mesh.is_closed() && self.signed_distance(p) < reach
             }
             ShapeKind::HeightField(field) => {
-                field.tree().any(p, reach, &OfField(field, p, reach))
-                    || field.holds(p) && (reach > 0.0 || self.signed_distance(p) < reach)
+                field.tree().any(p, reach, &FieldQuery(field, p, reach))
+                    || field.contains(p) && (reach > 0.0 || self.signed_distance(p) < reach)
             }
             ShapeKind::Points(cloud) => {
-                let reach_of_middles = reach + cloud.radius();
+                let centre_reach = reach + cloud.radius();
                 cloud
                     .tree()
-                    .any(p, reach_of_middles, &OfCloud(cloud, p, reach))
+                    .any(p, centre_reach, &CloudQuery(cloud, p, reach))
             }
             _ => self.signed_distance(p) < reach,
         }
@@ -53,52 +53,52 @@ impl Shape {
             ShapeKind::Cylinder { radius, length } => nearest_on_cylinder(p, *radius, 0.5 * length),
             ShapeKind::Cuboid { size } => nearest_on_cuboid(p, Vector3::from(*size) * 0.5),
             ShapeKind::HalfSpace => (p.z, Vector3::new(p.x, p.y, 0.0)),
-            ShapeKind::Convex(hull) => convex(p, hull),
-            ShapeKind::Mesh(mesh) => of_mesh(p, mesh),
-            ShapeKind::HeightField(field) => of_field(p, field),
-            ShapeKind::Points(cloud) => of_cloud(p, cloud),
+            ShapeKind::Convex(hull) => nearest_on_convex(p, hull),
+            ShapeKind::Mesh(mesh) => nearest_on_mesh(p, mesh),
+            ShapeKind::HeightField(field) => nearest_on_field(p, field),
+            ShapeKind::Points(cloud) => nearest_on_cloud(p, cloud),
         }
     }
 }
 
-/// Predicates of [`BoxTree::any`]: an element is nearer to a point than a given distance. The element is a triangle of
+/// Predicates of [`AabbTree::any`]: an element is nearer to a point than a given distance. The element is a triangle of
 /// a mesh or height field, or a sphere of a cloud.
-struct OfMesh<'a>(&'a TriangleMesh, Vector3<f64>, f64);
-struct OfField<'a>(&'a HeightField, Vector3<f64>, f64);
-struct OfCloud<'a>(&'a PointCloud, Vector3<f64>, f64);
+struct MeshQuery<'a>(&'a TriangleMesh, Vector3<f64>, f64);
+struct FieldQuery<'a>(&'a HeightField, Vector3<f64>, f64);
+struct CloudQuery<'a>(&'a PointCloud, Vector3<f64>, f64);
 
-impl Met<u32> for OfMesh<'_> {
+impl Predicate<u32> for MeshQuery<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_met(&self, index: u32) -> bool {
-        far_from_triangle(self.1, self.0.triangle(index as usize)) < self.2
+        distance_to_triangle(self.1, self.0.triangle(index as usize)) < self.2
     }
 }
 
-impl Met<u32> for OfField<'_> {
+impl Predicate<u32> for FieldQuery<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_met(&self, index: u32) -> bool {
-        far_from_triangle(self.1, self.0.triangle(index as usize)) < self.2
+        distance_to_triangle(self.1, self.0.triangle(index as usize)) < self.2
     }
 }
 
-impl Met<u32> for OfCloud<'_> {
+impl Predicate<u32> for CloudQuery<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_met(&self, index: u32) -> bool {
-        let far = (self.1 - self.0.positions()[index as usize]).norm();
-        far - self.0.radius() < self.2
+        let distance = (self.1 - self.0.positions()[index as usize]).norm();
+        distance - self.0.radius() < self.2
     }
 }
 
 /// Nearest point on a sphere about `core`, the closest point of the shape's core.
 fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
     let offset = p - core;
-    let far = offset.norm();
+    let distance = offset.norm();
     // In the core all directions are equally short. For a capsule, x is perpendicular to the axis.
-    let way = match far > 0.0 {
-        true => offset * far.recip(),
+    let direction = match distance > 0.0 {
+        true => offset * distance.recip(),
         false => Vector3::UNITS[0],
     };
-    (far - radius, core + way * radius)
+    (distance - radius, core + direction * radius)
 }
 
 /// Nearest point on a cylinder along z, from its radius and half its length.
@@ -124,30 +124,30 @@ pub(crate) fn nearest_on_cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Ne
 
 /// Nearest point on a box, from half its lengths.
 pub(crate) fn nearest_on_cuboid(p: Vector3<f64>, half: Vector3<f64>) -> Nearest {
-    let beyond = [p.x.abs() - half.x, p.y.abs() - half.y, p.z.abs() - half.z];
-    let (place, half) = (p.to_array(), half.to_array());
-    let mut nearest = place;
-    if beyond.iter().any(|&b| b > 0.0) {
+    let excess = [p.x.abs() - half.x, p.y.abs() - half.y, p.z.abs() - half.z];
+    let (position, half) = (p.to_array(), half.to_array());
+    let mut nearest = position;
+    if excess.iter().any(|&b| b > 0.0) {
         for i in 0..3 {
-            nearest[i] = place[i].clamp(-half[i], half[i]);
+            nearest[i] = position[i].clamp(-half[i], half[i]);
         }
         let nearest = Vector3::from(nearest);
         return ((p - nearest).norm(), nearest);
     }
     let mut side = 0;
     for i in 1..3 {
-        if beyond[i] > beyond[side] {
+        if excess[i] > excess[side] {
             side = i;
         }
     }
-    nearest[side] = half[side].copysign(place[side]);
-    (beyond[side], nearest.into())
+    nearest[side] = half[side].copysign(position[side]);
+    (excess[side], nearest.into())
 }
 
-fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
-    let (beyond, normal) = hull.beyond(p);
-    if beyond <= 0.0 {
-        return (beyond, p - normal * beyond);
+fn nearest_on_convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
+    let (distance, normal) = hull.farthest_face(p);
+    if distance <= 0.0 {
+        return (distance, p - normal * distance);
     }
     let pair = Pair {
         a: Core::Hull(hull),
@@ -159,9 +159,9 @@ fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
 }
 
 /// AABB tree over the triangles of a hull, for [`nearest_on_hull`].
-pub(crate) fn hull_tree(hull: &ConvexHull) -> BoxTree {
+pub(crate) fn hull_tree(hull: &ConvexHull) -> AabbTree {
     let corners = |i: usize| hull_triangle(hull, i);
-    BoxTree::new(hull.triangles().len(), |i| BoundingBox::around(corners(i)))
+    AabbTree::new(hull.triangles().len(), |i| BoundingBox::around(corners(i)))
 }
 
 fn hull_triangle(hull: &ConvexHull, index: usize) -> [Vector3<f64>; 3] {
@@ -169,67 +169,68 @@ fn hull_triangle(hull: &ConvexHull, index: usize) -> [Vector3<f64>; 3] {
 }
 
 /// As [`Shape::nearest`] up to rounding. Faster for hulls with many triangles.
-pub(crate) fn nearest_on_hull(p: Vector3<f64>, hull: &ConvexHull, tree: &BoxTree) -> Nearest {
-    let (_, far, place, _) = nearest_triangle(p, tree, |i| hull_triangle(hull, i));
+pub(crate) fn nearest_on_hull(p: Vector3<f64>, hull: &ConvexHull, tree: &AabbTree) -> Nearest {
+    let (_, distance, nearest, _) = nearest_triangle(p, tree, |i| hull_triangle(hull, i));
     // A convex body lies on one side of the plane through the closest point, perpendicular to the offset. The point is
     // outside if it is on the other side.
-    match (hull.middle() - place).dot(p - place) > 0.0 {
-        true => (-far, place),
-        false => (far, place),
+    match (hull.middle() - nearest).dot(p - nearest) > 0.0 {
+        true => (-distance, nearest),
+        false => (distance, nearest),
     }
 }
 
 /// The nearest of many triangles: its index, its distance, the closest point and the feature that holds that point.
 fn nearest_triangle(
     p: Vector3<f64>,
-    tree: &BoxTree,
+    tree: &AabbTree,
     triangle: impl Fn(usize) -> [Vector3<f64>; 3],
 ) -> (usize, f64, Vector3<f64>, Feature) {
     let mut best = (0, f64::INFINITY, p, Feature::Face);
     tree.nearest(
         f64::INFINITY,
         |bounds| bounds.squared_distance(p).sqrt(),
-        |index, least| {
-            let (place, feature) = nearest_on_triangle(p, triangle(index as usize));
-            let far = (p - place).norm();
-            if far < least {
-                best = (index as usize, far, place, feature);
+        |index, min_distance| {
+            let (nearest, feature) = nearest_on_triangle(p, triangle(index as usize));
+            let distance = (p - nearest).norm();
+            if distance < min_distance {
+                best = (index as usize, distance, nearest, feature);
             }
-            far.min(least)
+            distance.min(min_distance)
         },
     );
     best
 }
 
-fn of_mesh(p: Vector3<f64>, mesh: &TriangleMesh) -> Nearest {
-    let (triangle, far, place, feature) = nearest_triangle(p, mesh.tree(), |i| mesh.triangle(i));
+fn nearest_on_mesh(p: Vector3<f64>, mesh: &TriangleMesh) -> Nearest {
+    let (triangle, distance, nearest, feature) =
+        nearest_triangle(p, mesh.tree(), |i| mesh.triangle(i));
     let outward = mesh.outward(triangle, feature);
-    match outward.is_some_and(|out| out.dot(p - place) < 0.0) {
-        true => (-far, place),
-        false => (far, place),
+    match outward.is_some_and(|out| out.dot(p - nearest) < 0.0) {
+        true => (-distance, nearest),
+        false => (distance, nearest),
     }
 }
 
-fn of_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
-    let (_, far, place, _) = nearest_triangle(p, field.tree(), |i| field.triangle(i));
-    match field.holds(p) {
-        true => (-far, place),
-        false => (far, place),
+fn nearest_on_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
+    let (_, distance, nearest, _) = nearest_triangle(p, field.tree(), |i| field.triangle(i));
+    match field.contains(p) {
+        true => (-distance, nearest),
+        false => (distance, nearest),
     }
 }
 
-fn of_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
+fn nearest_on_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
     let mut nearest = None;
     cloud.tree().nearest(
         f64::INFINITY,
         |bounds| bounds.squared_distance(p),
-        |index, least| {
+        |index, min_squared_distance| {
             let point = cloud.positions()[index as usize];
-            let far = (p - point).norm_squared();
-            if far < least {
+            let squared_distance = (p - point).norm_squared();
+            if squared_distance < min_squared_distance {
                 nearest = Some(point);
             }
-            far.min(least)
+            squared_distance.min(min_squared_distance)
         },
     );
     match nearest {
@@ -238,7 +239,7 @@ fn of_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
     }
 }
 
-fn far_from_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> f64 {
+fn distance_to_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> f64 {
     (p - nearest_on_triangle(p, corners).0).norm()
 }
 
@@ -259,14 +260,14 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
     for i in 0..3 {
         let (from, side) = (corners[i], sides[i]);
         let share = side.dot(p - from) / side.norm_squared();
-        let (place, feature) = match share {
+        let (nearest, feature) = match share {
             share if share > 0.0 && share < 1.0 => (from + side * share, Feature::Side(i)),
             share if share >= 1.0 => (corners[(i + 1) % 3], Feature::Corner((i + 1) % 3)),
             _ => (from, Feature::Corner(i)),
         };
-        let far = (p - place).norm_squared();
-        if far < best.0 {
-            best = (far, place, feature);
+        let squared_distance = (p - nearest).norm_squared();
+        if squared_distance < best.0 {
+            best = (squared_distance, nearest, feature);
         }
     }
     (best.1, best.2)
@@ -279,7 +280,7 @@ mod tests {
 
     /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its centre. Each is the nearest in its octant.
     #[test]
-    fn every_triangle_of_a_hull_is_in_its_tree() {
+    fn hull_tree_contains_every_triangle() {
         let corners = Vector3::UNITS.map(|unit| [unit, -unit]);
         let shape = Shape::convex(corners.as_flattened()).expect("points that span a volume");
         let ShapeKind::Convex(hull) = shape.kind() else {
@@ -290,16 +291,19 @@ mod tests {
             let sign = |axis: u32| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
             let out = Vector3::new(sign(0), sign(1), sign(2));
             for reach in [0.2, 0.4, 2.0] {
-                let (far, place) = nearest_on_hull(out * reach, hull, &tree);
+                let (distance, nearest) = nearest_on_hull(out * reach, hull, &tree);
                 let expected = (3.0 * reach - 1.0) / 3.0_f64.sqrt();
-                assert!((far - expected).abs() < 1e-12, "{out:?}: {far} {expected}");
-                assert!((place - out * (1.0 / 3.0)).norm() < 1e-12, "{place:?}");
+                assert!(
+                    (distance - expected).abs() < 1e-12,
+                    "{out:?}: {distance} {expected}"
+                );
+                assert!((nearest - out * (1.0 / 3.0)).norm() < 1e-12, "{nearest:?}");
             }
         }
     }
 
     #[test]
-    fn a_hull_is_as_near_by_its_tree_as_by_its_planes() {
+    fn hull_tree_distance_equals_plane_distance() {
         let number =
             |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
         let point =
@@ -312,11 +316,11 @@ mod tests {
         let tree = hull_tree(hull);
         for k in 1000..3000 {
             let p = point(k) * 1.6;
-            let (expected, place) = shape.nearest(p);
-            let (far, found) = nearest_on_hull(p, hull, &tree);
-            assert!((far - expected).abs() < 1e-12, "{far} {expected}");
+            let (expected, nearest) = shape.nearest(p);
+            let (distance, tree_nearest) = nearest_on_hull(p, hull, &tree);
+            assert!((distance - expected).abs() < 1e-12, "{distance} {expected}");
             // Inside, two faces may be equally near.
-            assert!(far < 0.0 || (found - place).norm() < 1e-6);
+            assert!(distance < 0.0 || (tree_nearest - nearest).norm() < 1e-6);
         }
     }
 }

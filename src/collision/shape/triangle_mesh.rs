@@ -3,7 +3,7 @@
 use super::error::check_points;
 use super::triangle_sides::{across, welded};
 use super::{ShapeError, ShapeNote, near_welds};
-use crate::collision::aabb_tree::BoxTree;
+use crate::collision::aabb_tree::AabbTree;
 use crate::collision::bounding_box::BoundingBox;
 use crate::scalar::elementary::atan2;
 use crate::spatial::Vector3;
@@ -16,7 +16,7 @@ pub struct TriangleMesh {
     notes: Vec<ShapeNote>,
     /// Present for closed meshes only.
     inside: Option<Inside>,
-    tree: BoxTree,
+    tree: AabbTree,
 }
 
 /// Pseudonormals that separate inside from outside (Bærentzen & Aanæs 2005, "Signed distance computation using the
@@ -72,39 +72,39 @@ impl TriangleMesh {
                 given: 0,
             });
         }
-        let mut beyond = across(&triangles);
-        if let Err(ShapeNote::Open { .. }) = beyond
+        let mut adjacent = across(&triangles);
+        if let Err(ShapeNote::Open { .. }) = adjacent
             && let Some(closed) = near_welds::closed(&vertices, &triangles)
         {
-            let within = near_welds::TOLERANCE * closed.size;
-            let made_one = vertices.len() - closed.vertices.len();
+            let tolerance = near_welds::TOLERANCE * closed.size;
+            let merged = vertices.len() - closed.vertices.len();
             notes.push(ShapeNote::Closed {
-                vertices: made_one,
-                within,
+                vertices: merged,
+                within: tolerance,
             });
             (vertices, triangles) = (closed.vertices, closed.triangles);
-            beyond = Ok(closed.across);
+            adjacent = Ok(closed.across);
         }
-        let inside = match beyond {
+        let inside = match adjacent {
             Err(note) => {
                 notes.push(note);
                 None
             }
-            Ok(mut beyond) => {
+            Ok(mut adjacent) => {
                 if volume(&vertices, &triangles) < 0.0 {
                     notes.push(ShapeNote::InsideOut);
                     triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
                     // Sides 01, 12, 20 become 02, 21, 10.
-                    beyond.iter_mut().for_each(|sides| sides.swap(0, 2));
+                    adjacent.iter_mut().for_each(|sides| sides.swap(0, 2));
                 }
                 Some(Inside {
-                    across: beyond,
+                    across: adjacent,
                     vertex_normals: vertex_normals(&vertices, &triangles),
                 })
             }
         };
         let corners = |i: usize| triangles[i].map(|v| vertices[v as usize]);
-        let tree = BoxTree::new(triangles.len(), |i| BoundingBox::around(corners(i)));
+        let tree = AabbTree::new(triangles.len(), |i| BoundingBox::around(corners(i)));
         Ok(Self {
             vertices,
             triangles,
@@ -123,7 +123,7 @@ impl TriangleMesh {
         pub fn is_closed(&self) -> bool = self.inside.is_some();
         pub(super) fn notes(&self) -> &[ShapeNote] = &self.notes;
         pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
-        pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
+        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
     }
 
     /// The corners of a triangle.
@@ -137,8 +137,8 @@ impl TriangleMesh {
         Some(match feature {
             Feature::Corner(i) => inside.vertex_normals[self.triangles[triangle][i] as usize],
             Feature::Side(i) => {
-                let beyond = inside.across[triangle][i] as usize;
-                unit_normal(self.triangle(triangle)) + unit_normal(self.triangle(beyond))
+                let adjacent = inside.across[triangle][i] as usize;
+                unit_normal(self.triangle(triangle)) + unit_normal(self.triangle(adjacent))
             }
             Feature::Face => unit_normal(self.triangle(triangle)),
         })
@@ -159,10 +159,10 @@ fn volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
 fn vertex_normals(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zero(); vertices.len()];
     for corners in triangles {
-        let places = corners.map(|v| vertices[v as usize]);
-        let normal = unit_normal(places);
+        let positions = corners.map(|v| vertices[v as usize]);
+        let normal = unit_normal(positions);
         for i in 0..3 {
-            let [a, b] = [1, 2].map(|j| places[(i + j) % 3] - places[i]);
+            let [a, b] = [1, 2].map(|j| positions[(i + j) % 3] - positions[i]);
             let angle = atan2(a.cross(b).norm(), a.dot(b));
             normals[corners[i] as usize] += normal * angle;
         }

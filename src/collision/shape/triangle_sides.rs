@@ -10,21 +10,21 @@ pub(super) fn welded(
     vertices: &[Vector3<f64>],
     triangles: &[[u32; 3]],
 ) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
-    let mut names: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut kept = Vec::new();
+    let mut indices: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut distinct = Vec::new();
     let mut weld = |vertex: u32| {
         // Makes −0 and +0 equal.
-        let place = vertices[vertex as usize] + Vector3::zero();
-        let bits = place.to_array().map(f64::to_bits);
-        *names.entry(bits).or_insert_with(|| {
-            kept.push(place);
-            kept.len() as u32 - 1
+        let position = vertices[vertex as usize] + Vector3::zero();
+        let bits = position.to_array().map(f64::to_bits);
+        *indices.entry(bits).or_insert_with(|| {
+            distinct.push(position);
+            distinct.len() as u32 - 1
         })
     };
     let triangles = triangles.iter().map(|corners| corners.map(&mut weld));
     let with_area = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
     let with_area = with_area.collect();
-    (kept, with_area)
+    (distinct, with_area)
 }
 
 /// The adjacent triangle across each side, if the mesh is closed and consistently wound.
@@ -38,20 +38,20 @@ pub(super) fn across(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ShapeNote>
         }
     }
     sides.sort_unstable();
-    let mut beyond = vec![[0; 3]; triangles.len()];
-    let (mut open, mut wound) = (0, 0);
+    let mut adjacent = vec![[0; 3]; triangles.len()];
+    let (mut open, mut misoriented) = (0, 0);
     for edge in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         match edge {
             [a, b] if a.2 != b.2 => {
-                beyond[a.3 as usize][a.4] = b.3;
-                beyond[b.3 as usize][b.4] = a.3;
+                adjacent[a.3 as usize][a.4] = b.3;
+                adjacent[b.3 as usize][b.4] = a.3;
             }
-            [_, _] => wound += 1,
+            [_, _] => misoriented += 1,
             _ => open += 1,
         }
     }
-    match (open, wound) {
-        (0, 0) => Ok(beyond),
+    match (open, misoriented) {
+        (0, 0) => Ok(adjacent),
         (0, edges) => Err(ShapeNote::Winding { edges }),
         (edges, _) => Err(ShapeNote::Open { edges }),
     }

@@ -42,10 +42,10 @@ impl BodyChain {
     ) -> Self {
         let links = Links::new(chain);
         let frames = links.frames(q);
-        let bodies = bodies.into_iter().map(|(mut body, base_from_own)| {
-            let frame_from_own = frames[body.joints].inverse() * base_from_own;
+        let bodies = bodies.into_iter().map(|(mut body, base_from_body)| {
+            let frame_from_body = frames[body.joints].inverse() * base_from_body;
             for ball in body.spheres.iter_mut().chain([&mut body.bound]) {
-                ball.centre = frame_from_own.apply(ball.centre);
+                ball.centre = frame_from_body.apply(ball.centre);
             }
             body
         });
@@ -68,27 +68,29 @@ impl BodyChain {
     }
 
     /// Balls in the base frame that contain the bodies' bounds at all joint values.
-    pub(crate) fn rooms(&self) -> Vec<Ball> {
+    pub(crate) fn reach_bounds(&self) -> Vec<Ball> {
         let links = &self.links;
-        let middle = links.base_from_first.translation * links.metres_per_length;
+        let centre = links.base_from_first.translation * links.metres_per_length;
         // Largest distance of the origin after each joint; unbounded after a prismatic joint.
         let mut reach = vec![0.0];
         for link in &links.links {
-            let way = Vector3::new(link.along_x, link.along_y, 0.0).norm();
-            let slides = if link.kind.turns() {
+            let link_offset = Vector3::new(link.along_x, link.along_y, 0.0).norm();
+            let prismatic_reach = if link.kind.turns() {
                 0.0
             } else {
                 f64::INFINITY
             };
-            reach.push(reach[reach.len() - 1] + way * links.metres_per_length + slides);
+            reach.push(
+                reach[reach.len() - 1] + link_offset * links.metres_per_length + prismatic_reach,
+            );
         }
-        let room = |body: &Body| match body.joints {
+        let reach_bound = |body: &Body| match body.joints {
             0 => body.bound,
             joints => Ball {
-                centre: middle,
+                centre,
                 radius: reach[joints] + body.bound.centre.norm() + body.bound.radius,
             },
         };
-        self.bodies.iter().map(room).collect()
+        self.bodies.iter().map(reach_bound).collect()
     }
 }

@@ -11,7 +11,7 @@ pub(crate) const CHECKED: usize = 8;
 /// Largest number of configurations for half the lanes, which take half the time. Most queries end with few
 /// configurations.
 #[cfg(target_arch = "x86_64")]
-const FEW: usize = 4;
+const HALF_CHECKED: usize = 4;
 
 /// Workspaces for checks, one for each instruction set.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +20,7 @@ pub(crate) struct SphereWorkspaces {
     #[cfg(target_arch = "x86_64")]
     fused: SphereWorkspace<Lanes<CHECKED, true>>,
     #[cfg(target_arch = "x86_64")]
-    fused_few: SphereWorkspace<Lanes<FEW, true>>,
+    fused_half: SphereWorkspace<Lanes<HALF_CHECKED, true>>,
 }
 
 /// Bit mask of the configurations in which a body is nearer than the margin to a solid or to another body.
@@ -30,7 +30,7 @@ pub(crate) fn near(
     chain: &BodyChain,
     solids: &Solids,
     q: &[f64],
-    rooms: &mut SphereWorkspaces,
+    workspaces: &mut SphereWorkspaces,
 ) -> u32 {
     #[cfg(target_arch = "x86_64")]
     if crate::processor::has_avx2_and_fma() {
@@ -38,13 +38,13 @@ pub(crate) fn near(
         // lanes.
         #[allow(unsafe_code)]
         return unsafe {
-            match q.len() > FEW * chain.links.links.len() {
-                true => near_fused(chain, solids, q, &mut rooms.fused),
-                false => near_fused(chain, solids, q, &mut rooms.fused_few),
+            match q.len() > HALF_CHECKED * chain.links.links.len() {
+                true => near_fused(chain, solids, q, &mut workspaces.fused),
+                false => near_fused(chain, solids, q, &mut workspaces.fused_half),
             }
         };
     }
-    near_any(chain, solids, q, &mut rooms.portable)
+    near_any(chain, solids, q, &mut workspaces.portable)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -53,9 +53,9 @@ fn near_fused<const L: usize>(
     chain: &BodyChain,
     solids: &Solids,
     q: &[f64],
-    room: &mut SphereWorkspace<Lanes<L, true>>,
+    workspace: &mut SphereWorkspace<Lanes<L, true>>,
 ) -> u32 {
-    near_any(chain, solids, q, room)
+    near_any(chain, solids, q, workspace)
 }
 
 /// Fills the lanes and runs the check. Surplus lanes repeat the last configuration.
@@ -64,20 +64,20 @@ fn near_any<V: LaneScalar>(
     chain: &BodyChain,
     solids: &Solids,
     q: &[f64],
-    room: &mut SphereWorkspace<V>,
+    workspace: &mut SphereWorkspace<V>,
 ) -> u32 {
     let joints = chain.links.links.len();
     let count = (q.len() / joints.max(1)).min(V::WIDTH);
     if count == 0 {
         return 0;
     }
-    room.q.resize(joints, V::zero());
+    workspace.q.resize(joints, V::zero());
     for lane in 0..V::WIDTH {
         let first = lane.min(count - 1) * joints;
-        for (lanes, &value) in room.q.iter_mut().zip(&q[first..first + joints]) {
+        for (lanes, &value) in workspace.q.iter_mut().zip(&q[first..first + joints]) {
             lanes.set_lane(lane, value);
         }
     }
-    room.asked = count;
-    near::near(chain, solids, room) & ((1u32 << count) - 1)
+    workspace.used_lanes = count;
+    near::near(chain, solids, workspace) & ((1u32 << count) - 1)
 }

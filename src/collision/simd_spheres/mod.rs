@@ -5,9 +5,9 @@
 
 mod bodies;
 mod instruction_set;
-mod many_solids;
 mod near;
 mod passed;
+mod solid_tree;
 mod solids;
 
 pub(crate) use bodies::{Body, BodyChain};

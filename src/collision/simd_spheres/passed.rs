@@ -25,8 +25,8 @@ impl Passed {
         self.all.binary_search(&number).is_ok()
     }
 
-    pub(super) fn is_passed(&self, body: usize, number: u64) -> bool {
-        let own = self.of_body.get(body);
-        own.is_some_and(|own| own.binary_search(&number).is_ok())
+    pub(super) fn is_allowed(&self, body: usize, number: u64) -> bool {
+        let allowed = self.of_body.get(body);
+        allowed.is_some_and(|allowed| allowed.binary_search(&number).is_ok())
     }
 }

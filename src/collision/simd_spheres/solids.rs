@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use super::bodies::{Body, BodyChain};
-use super::many_solids::{ManySolids, SolidChange};
 use super::passed::Passed;
+use super::solid_tree::{SolidChange, SolidTree};
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::simd_ik::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
 
 /// Largest number of solids that are searched linearly.
-const LISTED: usize = 512;
+const MAX_LISTED: usize = 512;
 /// Largest number of points or triangles of a shape that is searched linearly.
-const FEW: usize = 32;
+const MAX_SIMPLE_ELEMENTS: usize = 32;
 
 /// A shape with a closed-form distance in lanes, or any other shape. Lengths are in metres.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ enum Solid {
 
 /// A solid with its placement and bounds.
 #[derive(Clone, Debug)]
-struct Placed {
+struct PlacedSolid {
     /// Bounding sphere in the base frame.
     bound: Ball,
     bounds: BoundingBox,
@@ -45,8 +45,8 @@ struct Placed {
 pub(crate) struct Solids {
     listed: Arc<Listed>,
     /// Solids in an AABB tree, if any.
-    many: Option<ManySolids>,
-    passed: Passed,
+    solid_tree: Option<SolidTree>,
+    allowed: Passed,
     /// Number of [simple](is_simple) solids.
     simple: usize,
     /// Required distance of the bodies from solids and from each other, metres.
@@ -58,9 +58,9 @@ pub(crate) struct Solids {
 struct Listed {
     /// Sorted.
     numbers: Vec<u64>,
-    placed: Vec<Placed>,
+    placed: Vec<PlacedSolid>,
     /// Solids that each body can reach, by index, with their bounding spheres; in pairs.
-    within_reach: Vec<Vec<([u32; 2], [Reached; 2])>>,
+    within_reach: Vec<Vec<([u32; 2], [ReachableBound; 2])>>,
 }
 
 /// A difference between two worlds: a solid whose shape or placement in the chain's base frame changed.
@@ -75,42 +75,42 @@ pub(crate) struct SolidMoved<'a> {
 ///
 /// |c − s|² < r² is |c|² − (r² − |s|²) − 2 s·c < 0, which takes three products once |c|² is known.
 #[derive(Clone, Copy, Debug)]
-struct Reached {
+struct ReachableBound {
     /// −2 s.
     slope: Vector3<f64>,
     /// r² − |s|².
     below: f64,
 }
 
-impl Reached {
+impl ReachableBound {
     /// Rounding of the difference, relative to the squares in it.
     const ROUNDING: f64 = 1e-14;
 
     fn new(solid: &Ball, body: &Ball, margin: f64) -> Self {
-        let apart = body.radius + margin + solid.radius;
-        let (away, apart) = (solid.centre.norm_squared(), apart * apart);
+        let reach = body.radius + margin + solid.radius;
+        let (squared_distance, reach) = (solid.centre.norm_squared(), reach * reach);
         Self {
             slope: solid.centre * -2.0,
-            below: apart - away + Self::ROUNDING * (apart + away),
+            below: reach - squared_distance + Self::ROUNDING * (reach + squared_distance),
         }
     }
 
     /// Pairs of entries. An odd last entry is paired with one that never matches.
     fn paired(reached: &[(u32, Self)]) -> Vec<([u32; 2], [Self; 2])> {
-        let nowhere = Self {
+        let unreachable = Self {
             slope: Vector3::zero(),
             below: f64::NEG_INFINITY,
         };
         let paired = reached.chunks(2).map(|chunk| match *chunk {
             [(a, of_a), (b, of_b)] => ([a, b], [of_a, of_b]),
-            _ => ([chunk[0].0; 2], [chunk[0].1, nowhere]),
+            _ => ([chunk[0].0; 2], [chunk[0].1, unreachable]),
         });
         paired.collect()
     }
 
     /// Negative if the body's bounding sphere at `centre` meets it. `squared` is the squared norm of `centre`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn beyond<V: LaneScalar>(&self, centre: Vector3<V>, squared: V) -> V {
+    fn excess<V: LaneScalar>(&self, centre: Vector3<V>, squared: V) -> V {
         let side = squared - V::constant(self.below);
         let side = centre.x.mul_add(V::constant(self.slope.x), side);
         let side = centre.y.mul_add(V::constant(self.slope.y), side);
@@ -121,25 +121,25 @@ impl Reached {
 impl Solids {
     /// Prepares shapes, each with its number and its placement in the chain's base frame.
     ///
-    /// `margin` is the required distance in metres from all solids except the allowed ones in `passed`.
+    /// `margin` is the required distance in metres from all solids except the allowed ones in `allowed`.
     pub(crate) fn new<'a>(
         shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
         chain: &BodyChain,
-        passed: Passed,
+        allowed: Passed,
         margin: f64,
     ) -> Self {
         let all: Vec<_> = shapes.into_iter().collect();
         let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
-        let (listed, many): (Vec<_>, Vec<_>) = all
+        let (listed, solid_tree): (Vec<_>, Vec<_>) = all
             .into_iter()
-            .partition(|(number, shape, _)| is_listed(shape, simple) || passed.has(*number));
+            .partition(|(number, shape, _)| is_listed(shape, simple) || allowed.has(*number));
         let placed = listed
             .into_iter()
-            .map(|(number, shape, at)| (number, Placed::new(shape, at)));
+            .map(|(number, shape, at)| (number, PlacedSolid::new(shape, at)));
         Self {
-            listed: Arc::new(Listed::new(placed, chain, &passed, margin)),
-            many: (!many.is_empty()).then(|| ManySolids::new(many)),
-            passed,
+            listed: Arc::new(Listed::new(placed, chain, &allowed, margin)),
+            solid_tree: (!solid_tree.is_empty()).then(|| SolidTree::new(solid_tree)),
+            allowed,
             simple,
             margin,
         }
@@ -152,7 +152,7 @@ impl Solids {
         &self,
         changes: &[SolidMoved<'_>],
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
     ) -> Option<Self> {
         let count = |shapes: &mut dyn Iterator<Item = &Shape>| {
             shapes.filter(|shape| is_simple(shape)).count()
@@ -160,50 +160,52 @@ impl Solids {
         let before = count(&mut changes.iter().filter_map(|change| change.before));
         let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
         let simple = (self.simple + after).checked_sub(before)?;
-        if are_many(simple) != are_many(self.simple) || *passed != self.passed {
+        if needs_tree(simple) != needs_tree(self.simple) || *allowed != self.allowed {
             return None;
         }
-        let (mut listed, mut many): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
+        let (mut listed, mut solid_tree): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
             Default::default();
         for change in changes {
-            let is_passed = passed.has(change.number);
-            let is_listed = |shape: &&Shape| is_passed || is_listed(shape, simple);
-            let now = change.after.filter(|(shape, _)| is_listed(shape));
-            if now.is_some() || change.before.filter(is_listed).is_some() {
-                listed.push((change.number, now));
+            let is_allowed = allowed.has(change.number);
+            let is_listed = |shape: &&Shape| is_allowed || is_listed(shape, simple);
+            let after = change.after.filter(|(shape, _)| is_listed(shape));
+            if after.is_some() || change.before.filter(is_listed).is_some() {
+                listed.push((change.number, after));
             }
-            let now = change.after.filter(|(shape, _)| !is_listed(shape));
-            if now.is_some() || change.before.filter(|shape| !is_listed(shape)).is_some() {
-                many.push((change.number, now));
+            let after = change.after.filter(|(shape, _)| !is_listed(shape));
+            if after.is_some() || change.before.filter(|shape| !is_listed(shape)).is_some() {
+                solid_tree.push((change.number, after));
             }
         }
-        let many = match &self.many {
-            Some(known) => Some(known.changed(&many)).filter(|many| !many.is_empty()),
+        let solid_tree = match &self.solid_tree {
+            Some(current) => {
+                Some(current.changed(&solid_tree)).filter(|solid_tree| !solid_tree.is_empty())
+            }
             None => {
-                let added = many.into_iter().filter_map(|(number, now)| {
-                    let (shape, at) = now?;
+                let added = solid_tree.into_iter().filter_map(|(number, after)| {
+                    let (shape, at) = after?;
                     Some((number, shape, at))
                 });
                 let added: Vec<_> = added.collect();
-                (!added.is_empty()).then(|| ManySolids::new(added))
+                (!added.is_empty()).then(|| SolidTree::new(added))
             }
         };
         let listed = match listed.is_empty() {
             true => Arc::clone(&self.listed),
-            false => Arc::new(self.listed.changed(&listed, chain, passed, self.margin)),
+            false => Arc::new(self.listed.changed(&listed, chain, allowed, self.margin)),
         };
         Some(Self {
             listed,
-            many,
-            passed: passed.clone(),
+            solid_tree,
+            allowed: allowed.clone(),
             simple,
             margin: self.margin,
         })
     }
 
     /// Solids in an AABB tree.
-    pub(super) fn many(&self) -> Option<&ManySolids> {
-        self.many.as_ref()
+    pub(super) fn solid_tree(&self) -> Option<&SolidTree> {
+        self.solid_tree.as_ref()
     }
 
     /// Required distance of the bodies from solids and from each other, metres.
@@ -220,34 +222,34 @@ impl Solids {
         body: usize,
         centre: Vector3<V>,
         chain: &BodyChain,
-        found: &mut Vec<u32>,
+        near_solids: &mut Vec<u32>,
     ) {
         let reach = chain.bodies[body].bound.radius + self.margin;
-        found.clear();
+        near_solids.clear();
         let squared = centre.norm_squared();
         // Two at a time, as most are far away.
         for (numbers, [a, b]) in &self.listed.within_reach[body] {
-            let beyond = [a.beyond(centre, squared), b.beyond(centre, squared)];
+            let excess = [a.excess(centre, squared), b.excess(centre, squared)];
             // One comparison of the minimum: merging two masks is slower.
-            if !V::any(beyond[0].min(beyond[1]).less_than(V::zero())) {
+            if !V::any(excess[0].min(excess[1]).less_than(V::zero())) {
                 continue;
             }
-            for (&number, beyond) in numbers.iter().zip(beyond) {
-                if V::any(beyond.less_than(V::zero())) {
-                    found.push(number);
+            for (&number, excess) in numbers.iter().zip(excess) {
+                if V::any(excess.less_than(V::zero())) {
+                    near_solids.push(number);
                 }
             }
         }
         // A loop of its own, so that the first loop keeps the centre in registers.
-        let mut near = 0;
-        for place in 0..found.len() {
-            let number = found[place];
+        let mut near_count = 0;
+        for index in 0..near_solids.len() {
+            let number = near_solids[index];
             if V::any(self.is_near(number, centre, reach)) {
-                found[near] = number;
-                near += 1;
+                near_solids[near_count] = number;
+                near_count += 1;
             }
         }
-        found.truncate(near);
+        near_solids.truncate(near_count);
     }
 
     /// Mask of the lanes in which a point is in a solid or nearer than `reach`. The solid's bounding sphere comes
@@ -260,9 +262,11 @@ impl Solids {
         reach: f64,
     ) -> V::Mask {
         let bound = &self.listed.placed[number as usize].bound;
-        let around = reach + bound.radius;
-        let away = point - Vector3::constant(bound.centre);
-        let near = away.norm_squared().less_than(V::constant(around * around));
+        let max_distance = reach + bound.radius;
+        let offset = point - Vector3::constant(bound.centre);
+        let near = offset
+            .norm_squared()
+            .less_than(V::constant(max_distance * max_distance));
         match V::any(near) {
             true => self.is_near(number, point, reach),
             false => near,
@@ -277,16 +281,16 @@ impl Solids {
         let p = Placement::constant(&placed.solid_from_base).apply(point);
         match &placed.solid {
             Solid::Box([x, y, z]) => {
-                let gap = Vector3::new(beyond(p.x, *x), beyond(p.y, *y), beyond(p.z, *z));
+                let gap = Vector3::new(excess(p.x, *x), excess(p.y, *y), excess(p.z, *z));
                 gap.norm_squared().less_than(c(reach * reach))
             }
             Solid::Cylinder(radius, half) => {
                 let from_axis = p.x.mul_add(p.x, p.y * p.y).sqrt();
-                let (side, end) = (beyond(from_axis, *radius), beyond(p.z, *half));
+                let (side, end) = (excess(from_axis, *radius), excess(p.z, *half));
                 side.mul_add(side, end * end).less_than(c(reach * reach))
             }
             Solid::Capsule(radius, half) => {
-                let gap = Vector3::new(p.x, p.y, beyond(p.z, *half));
+                let gap = Vector3::new(p.x, p.y, excess(p.z, *half));
                 let reach = radius + reach;
                 gap.norm_squared().less_than(c(reach * reach))
             }
@@ -308,27 +312,28 @@ impl Solids {
 
 impl Listed {
     fn new(
-        solids: impl IntoIterator<Item = (u64, Placed)>,
+        solids: impl IntoIterator<Item = (u64, PlacedSolid)>,
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
         margin: f64,
     ) -> Self {
-        let (numbers, placed): (Vec<u64>, Vec<Placed>) = solids.into_iter().unzip();
-        let reached = |(index, (room, body)): (usize, (Ball, &Body))| {
-            let reach = room.radius + margin;
-            let kept = (0..).zip(&placed).zip(&numbers);
-            let kept = kept.filter(|(_, number)| !passed.is_passed(index, **number));
-            let near = kept.map(|(solid, _)| solid).filter(|(_, solid)| {
-                let apart = solid.bounds.squared_distance(room.centre);
+        let (numbers, placed): (Vec<u64>, Vec<PlacedSolid>) = solids.into_iter().unzip();
+        let reached = |(index, (reach_bound, body)): (usize, (Ball, &Body))| {
+            let reach = reach_bound.radius + margin;
+            let checked = (0..).zip(&placed).zip(&numbers);
+            let checked = checked.filter(|(_, number)| !allowed.is_allowed(index, **number));
+            let near = checked.map(|(solid, _)| solid).filter(|(_, solid)| {
+                let squared_distance = solid.bounds.squared_distance(reach_bound.centre);
                 // NaN at a half-space's corner at infinity.
-                apart.is_nan() || apart <= reach * reach
+                squared_distance.is_nan() || squared_distance <= reach * reach
             });
-            let near = near.map(|(n, solid)| (n, Reached::new(&solid.bound, &body.bound, margin)));
-            Reached::paired(&near.collect::<Vec<_>>())
+            let near =
+                near.map(|(n, solid)| (n, ReachableBound::new(&solid.bound, &body.bound, margin)));
+            ReachableBound::paired(&near.collect::<Vec<_>>())
         };
         Self {
             within_reach: chain
-                .rooms()
+                .reach_bounds()
                 .into_iter()
                 .zip(&chain.bodies)
                 .enumerate()
@@ -344,36 +349,36 @@ impl Listed {
         &self,
         changes: &[SolidChange<'_>],
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
         margin: f64,
     ) -> Self {
-        let stays = |(number, _): &(u64, Placed)| {
+        let is_unchanged = |(number, _): &(u64, PlacedSolid)| {
             changes
                 .binary_search_by_key(number, |(changed, _)| *changed)
                 .is_err()
         };
-        let known = self
+        let previous = self
             .numbers
             .iter()
             .copied()
             .zip(self.placed.iter().cloned());
-        let mut all: Vec<_> = known.filter(stays).collect();
-        all.extend(changes.iter().filter_map(|(number, now)| {
-            let (shape, at) = (*now)?;
-            Some((*number, Placed::new(shape, at)))
+        let mut all: Vec<_> = previous.filter(is_unchanged).collect();
+        all.extend(changes.iter().filter_map(|(number, after)| {
+            let (shape, at) = (*after)?;
+            Some((*number, PlacedSolid::new(shape, at)))
         }));
         all.sort_by_key(|(number, _)| *number);
-        Self::new(all, chain, passed, margin)
+        Self::new(all, chain, allowed, margin)
     }
 }
 
-impl Placed {
+impl PlacedSolid {
     fn new(shape: &Shape, base_from_solid: Placement<f64>) -> Self {
-        let own = shape.bounding_sphere();
+        let local_bound = shape.bounding_sphere();
         Self {
             bound: Ball {
-                centre: base_from_solid.apply(own.centre),
-                radius: own.radius,
+                centre: base_from_solid.apply(local_bound.centre),
+                radius: local_bound.radius,
             },
             bounds: shape.bounding_box().placed(&base_from_solid),
             solid_from_base: base_from_solid.inverse(),
@@ -383,20 +388,20 @@ impl Placed {
 }
 
 /// True if the number of simple solids requires a tree.
-fn are_many(simple: usize) -> bool {
-    simple > LISTED
+fn needs_tree(simple: usize) -> bool {
+    simple > MAX_LISTED
 }
 
 /// True if a shape is searched linearly, given the number of simple solids. Unbounded half-spaces always are.
 fn is_listed(shape: &Shape, simple: usize) -> bool {
-    shape.is_half_space() || is_simple(shape) && !are_many(simple)
+    shape.is_half_space() || is_simple(shape) && !needs_tree(simple)
 }
 
 /// True if the distance to a shape is cheap without a tree.
 fn is_simple(shape: &Shape) -> bool {
     match shape.kind() {
-        ShapeKind::Mesh(mesh) => mesh.triangles().len() <= FEW,
-        ShapeKind::Points(cloud) => cloud.positions().len() <= FEW,
+        ShapeKind::Mesh(mesh) => mesh.triangles().len() <= MAX_SIMPLE_ELEMENTS,
+        ShapeKind::Points(cloud) => cloud.positions().len() <= MAX_SIMPLE_ELEMENTS,
         ShapeKind::HeightField(_) => false,
         _ => true,
     }
@@ -417,7 +422,7 @@ impl Solid {
 
 /// Excess of the absolute value over `half`, at least 0.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn beyond<V: LaneScalar>(value: V, half: f64) -> V {
+fn excess<V: LaneScalar>(value: V, half: f64) -> V {
     (value.abs() - V::constant(half)).max(V::zero())
 }
 

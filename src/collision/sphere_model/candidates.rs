@@ -8,7 +8,7 @@ use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
 /// Number of candidates for a link.
-const TRIED: usize = 400;
+const MAX_CANDIDATES: usize = 400;
 /// Bisection steps for the largest ball that touches the surface at a point.
 const HALVINGS: usize = 24;
 
@@ -22,16 +22,18 @@ pub(super) fn candidates(
 ) -> Vec<Ball> {
     let largest = solid.bounds().half_diagonal();
     let mut balls = Vec::new();
-    for cell in spread(surface, 3 * TRIED / 4) {
+    for cell in spread(surface, 3 * MAX_CANDIDATES / 4) {
         if is_stopped() {
             return balls;
         }
-        let centre = medial(solid, cell, largest).unwrap_or(cell.heart);
+        let centre = medial_centre(solid, cell, largest).unwrap_or(cell.anchor);
         balls.push(grown(solid, centre, max_protrusion));
     }
-    let within = surface.iter().chain(inner).filter(|cell| cell.depth > 0.0);
-    let within: Vec<Cell> = within.copied().collect();
-    balls.extend(spread(&within, TRIED / 4).map(|cell| grown(solid, cell.centre, max_protrusion)));
+    let inside = surface.iter().chain(inner).filter(|cell| cell.depth > 0.0);
+    let inside: Vec<Cell> = inside.copied().collect();
+    balls.extend(
+        spread(&inside, MAX_CANDIDATES / 4).map(|cell| grown(solid, cell.centre, max_protrusion)),
+    );
     balls
 }
 
@@ -47,18 +49,18 @@ pub(super) fn grown(solid: &Solid<'_>, centre: Vector3<f64>, max_protrusion: f64
 }
 
 /// Centre of the largest inscribed ball that touches the surface next to a cell.
-fn medial(solid: &Solid<'_>, cell: &Cell, largest: f64) -> Option<Vector3<f64>> {
-    let foot = solid.nearest(cell.centre);
-    let way = match cell.depth > 0.0 {
-        true => cell.centre - foot,
-        false => foot - cell.centre,
+fn medial_centre(solid: &Solid<'_>, cell: &Cell, largest: f64) -> Option<Vector3<f64>> {
+    let surface_point = solid.nearest(cell.centre);
+    let offset = match cell.depth > 0.0 {
+        true => cell.centre - surface_point,
+        false => surface_point - cell.centre,
     };
-    let length = way.norm();
+    let length = offset.norm();
     if length < 1e-9 * largest {
         return None;
     }
-    let inward = way * length.recip();
-    let at = |t: f64| foot + inward * t;
-    let touches = |t: f64| -solid.signed_distance(at(t)) >= t * (1.0 - 1e-3);
-    Some(at(bisect(0.0, largest, HALVINGS, touches)))
+    let inward = offset * length.recip();
+    let ball_centre = |t: f64| surface_point + inward * t;
+    let is_inscribed = |t: f64| -solid.signed_distance(ball_centre(t)) >= t * (1.0 - 1e-3);
+    Some(ball_centre(bisect(0.0, largest, HALVINGS, is_inscribed)))
 }

@@ -12,7 +12,7 @@ pub(super) struct Cell {
     /// Half the length of a side, metres.
     pub(super) half: f64,
     /// A point whose distance to all points of the part is at most the cube's half diagonal.
-    pub(super) heart: Vector3<f64>,
+    pub(super) anchor: Vector3<f64>,
     /// Depth of the centre in the solid, metres; negative outside.
     pub(super) depth: f64,
 }
@@ -23,14 +23,14 @@ impl Cell {
         let probe = solid.probe(centre, half * SQRT_3)?;
         let depth = -probe.distance;
         // All points of a convex body are nearer to its closest point than to a point outside.
-        let heart = match depth < 0.0 && probe.is_convex {
+        let anchor = match depth < 0.0 && probe.is_convex {
             true => probe.nearest,
             false => centre,
         };
         Some(Self {
             centre,
             half,
-            heart,
+            anchor,
             depth,
         })
     }
@@ -40,30 +40,30 @@ impl Cell {
     }
 
     /// Radius of a ball about a point that contains the part for certain.
-    pub(super) fn needs(&self, about: Vector3<f64>) -> f64 {
-        let away = self.centre - about;
+    pub(super) fn required_radius(&self, centre: Vector3<f64>) -> f64 {
+        let offset = self.centre - centre;
         let corner = Vector3::new(
-            away.x.abs() + self.half,
-            away.y.abs() + self.half,
-            away.z.abs() + self.half,
+            offset.x.abs() + self.half,
+            offset.y.abs() + self.half,
+            offset.z.abs() + self.half,
         );
         corner
             .norm()
-            .min((self.heart - about).norm() + self.reach())
+            .min((self.anchor - centre).norm() + self.reach())
     }
 
     /// True if a ball contains the part for certain.
     pub(super) fn is_in(&self, ball: &Ball) -> bool {
         // The required radius is at least the distance of the centres. That test needs no square root and rejects most.
-        let away = (self.centre - ball.centre).norm_squared();
-        away <= ball.radius * ball.radius * (1.0 + ROUNDING)
-            && self.needs(ball.centre) <= ball.radius
+        let squared_distance = (self.centre - ball.centre).norm_squared();
+        squared_distance <= ball.radius * ball.radius * (1.0 + ROUNDING)
+            && self.required_radius(ball.centre) <= ball.radius
     }
 
     /// A point of the solid, if one is known.
     pub(super) fn point(&self) -> Option<Vector3<f64>> {
         // For a centre outside, it is the closest point of a convex shape.
-        (self.depth >= 0.0 || self.heart != self.centre).then_some(self.heart)
+        (self.depth >= 0.0 || self.anchor != self.centre).then_some(self.anchor)
     }
 
     /// True if it is well inside the solid, so that it may stay large.
@@ -75,8 +75,12 @@ impl Cell {
     pub(super) fn split(&self, solid: &Solid<'_>) -> impl Iterator<Item = Self> {
         let (half, centre) = (self.half / 2.0, self.centre);
         (0..8).filter_map(move |corner: u8| {
-            let to = |bit: u8| if corner & bit == 0 { -half } else { half };
-            Self::new(solid, centre + Vector3::new(to(1), to(2), to(4)), half)
+            let along = |bit: u8| if corner & bit == 0 { -half } else { half };
+            Self::new(
+                solid,
+                centre + Vector3::new(along(1), along(2), along(4)),
+                half,
+            )
         })
     }
 }
@@ -85,29 +89,29 @@ impl Cell {
 const ROUNDING: f64 = 1e-12;
 const SQRT_3: f64 = 1.732_050_807_568_877_4;
 /// Largest number of cells of a link.
-const MOST: usize = 4_000_000;
+const MAX_CELLS: usize = 4_000_000;
 
 /// The cell that contains the whole solid.
-pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
+pub(super) fn root_cell(solid: &Solid<'_>) -> Option<Cell> {
     let bounds = solid.bounds();
     let size = bounds.max - bounds.min;
     let half = 0.5 * size.x.max(size.y).max(size.z) * (1.0 + 1e-12);
     Cell::new(solid, bounds.centre(), half)
 }
 
-/// Surface cells no wider than `finest`, and larger inner cells; `None` above the largest number of cells.
-pub(super) fn cells(solid: &Solid<'_>, finest: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
-    let mut rest: Vec<Cell> = whole(solid).into_iter().collect();
+/// Surface cells no wider than `max_width`, and larger inner cells; `None` above the largest number of cells.
+pub(super) fn cells(solid: &Solid<'_>, max_width: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
+    let mut pending: Vec<Cell> = root_cell(solid).into_iter().collect();
     let (mut surface, mut inner) = (Vec::new(), Vec::new());
-    while let Some(cell) = rest.pop() {
+    while let Some(cell) = pending.pop() {
         if cell.is_inner() {
             inner.push(cell);
-        } else if 2.0 * cell.half <= finest {
+        } else if 2.0 * cell.half <= max_width {
             surface.push(cell);
         } else {
-            rest.extend(cell.split(solid));
+            pending.extend(cell.split(solid));
         }
-        if surface.len() + inner.len() + rest.len() > MOST || is_stopped() {
+        if surface.len() + inner.len() + pending.len() > MAX_CELLS || is_stopped() {
             return None;
         }
     }

@@ -29,21 +29,21 @@ pub(super) fn cover(
         if is_stopped() {
             return Cover::default();
         }
-        if !holds(&chosen, cell) {
-            chosen.push(grown(solid, cell.heart, max_protrusion));
+        if !is_covered(&chosen, cell) {
+            chosen.push(grown(solid, cell.anchor, max_protrusion));
         }
     }
     let mut cells = surface;
-    let mut rest = inner;
-    while let Some(cell) = rest.pop() {
+    let mut pending = inner;
+    while let Some(cell) = pending.pop() {
         if is_stopped() {
             return Cover::default();
         }
         // A large cell may be covered by several balls that each contain a part.
-        if holds(&chosen, &cell) {
+        if is_covered(&chosen, &cell) {
             cells.push(cell);
         } else if cell.half > max_protrusion / 4.0 {
-            rest.extend(cell.split(solid));
+            pending.extend(cell.split(solid));
         } else {
             chosen.push(grown(solid, cell.centre, max_protrusion));
             cells.push(cell);
@@ -52,52 +52,62 @@ pub(super) fn cover(
     assign(chosen, cells)
 }
 
-pub(super) fn holds(balls: &[Ball], cell: &Cell) -> bool {
+pub(super) fn is_covered(balls: &[Ball], cell: &Cell) -> bool {
     balls.iter().any(|ball| cell.is_in(ball))
 }
 
 fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
-    let held = |ball: &Ball| -> Vec<u32> {
+    let contained = |ball: &Ball| -> Vec<u32> {
         if is_stopped() {
             return Vec::new();
         }
         let holds = |(index, cell): (usize, &Cell)| cell.is_in(ball).then_some(index as u32);
         cells.iter().enumerate().filter_map(holds).collect()
     };
-    let held: Vec<Vec<u32>> = candidates.iter().map(held).collect();
+    let contained: Vec<Vec<u32>> = candidates.iter().map(contained).collect();
     let mut covered = vec![false; cells.len()];
     // The gain of a ball never increases, so an old value is an upper bound. Ties go to the first candidate.
-    let first = held.iter().enumerate();
+    let first = contained.iter().enumerate();
     let mut heap: BinaryHeap<(usize, std::cmp::Reverse<usize>)> = first
-        .map(|(k, held)| (held.len(), std::cmp::Reverse(k)))
+        .map(|(k, contained)| (contained.len(), std::cmp::Reverse(k)))
         .collect();
     let mut chosen = Vec::new();
     while let Some((bound, std::cmp::Reverse(k))) = heap.pop() {
-        let left = held[k]
+        let gain = contained[k]
             .iter()
             .filter(|cell| !covered[**cell as usize])
             .count();
-        if left == 0 {
+        if gain == 0 {
             continue;
         }
-        if left < bound && heap.peek().is_some_and(|(next, _)| *next > left) {
-            heap.push((left, std::cmp::Reverse(k)));
+        if gain < bound
+            && heap
+                .peek()
+                .is_some_and(|(next_bound, _)| *next_bound > gain)
+        {
+            heap.push((gain, std::cmp::Reverse(k)));
             continue;
         }
-        held[k]
+        contained[k]
             .iter()
             .for_each(|cell| covered[*cell as usize] = true);
         chosen.push(k);
     }
     // Drops balls that later ones made redundant.
-    let mut times = vec![0_u32; cells.len()];
+    let mut cover_counts = vec![0_u32; cells.len()];
     for &k in &chosen {
-        held[k].iter().for_each(|cell| times[*cell as usize] += 1);
+        contained[k]
+            .iter()
+            .for_each(|cell| cover_counts[*cell as usize] += 1);
     }
     chosen.retain(|&k| {
-        let needed = held[k].iter().any(|cell| times[*cell as usize] == 1);
+        let needed = contained[k]
+            .iter()
+            .any(|cell| cover_counts[*cell as usize] == 1);
         if !needed {
-            held[k].iter().for_each(|cell| times[*cell as usize] -= 1);
+            contained[k]
+                .iter()
+                .for_each(|cell| cover_counts[*cell as usize] -= 1);
         }
         needed
     });
@@ -106,17 +116,17 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
 
 /// Assigns each cell to the ball that contains it with the least increase of the ball's required radius.
 fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
-    let holders = |cell: &Cell| {
+    let cover_count = |cell: &Cell| {
         if is_stopped() {
             return 0;
         }
-        let holding = |ball: &&Ball| cell.is_in(ball);
-        balls.iter().filter(holding).count()
+        let contains = |ball: &&Ball| cell.is_in(ball);
+        balls.iter().filter(contains).count()
     };
     // Cells with the fewest choices first.
-    cells.sort_by_cached_key(holders);
+    cells.sort_by_cached_key(cover_count);
     let mut needed = vec![0.0_f64; balls.len()];
-    let mut own: Vec<Vec<Cell>> = vec![Vec::new(); balls.len()];
+    let mut assigned: Vec<Vec<Cell>> = vec![Vec::new(); balls.len()];
     for cell in cells {
         if is_stopped() {
             return Cover::default();
@@ -126,21 +136,21 @@ fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
             if !cell.is_in(ball) {
                 continue;
             }
-            let needs = cell.needs(ball.centre);
-            let more = (needs - needed[k]).max(0.0);
-            if best.is_none_or(|(least, ..)| more < least) {
-                best = Some((more, k, needs));
+            let required = cell.required_radius(ball.centre);
+            let increase = (required - needed[k]).max(0.0);
+            if best.is_none_or(|(min_increase, ..)| increase < min_increase) {
+                best = Some((increase, k, required));
             }
         }
-        if let Some((_, k, needs)) = best {
-            needed[k] = needed[k].max(needs);
-            own[k].push(cell);
+        if let Some((_, k, required)) = best {
+            needed[k] = needed[k].max(required);
+            assigned[k].push(cell);
         }
     }
-    let kept = balls
+    let used = balls
         .into_iter()
-        .zip(own)
-        .filter(|(_, own)| !own.is_empty());
-    let (balls, cells) = kept.unzip();
+        .zip(assigned)
+        .filter(|(_, assigned)| !assigned.is_empty());
+    let (balls, cells) = used.unzip();
     Cover { balls, cells }
 }

@@ -22,17 +22,17 @@ pub(crate) fn enclosing(balls: &[Ball]) -> Ball {
         let Some(farthest) = farthest else {
             break;
         };
-        let way = farthest.centre - centre;
-        let length = way.norm();
+        let offset = farthest.centre - centre;
+        let length = offset.norm();
         // Aims at the far side of that ball.
         let target = match length > 0.0 {
-            true => way * (1.0 + farthest.radius / length),
+            true => offset * (1.0 + farthest.radius / length),
             false => Vector3::zero(),
         };
         centre += target * f64::from(step + 1).recip();
-        let here = around(balls, centre);
-        if here.radius < best.radius {
-            best = here;
+        let candidate = around(balls, centre);
+        if candidate.radius < best.radius {
+            best = candidate;
         }
     }
     best

@@ -107,18 +107,18 @@ impl SphereModel {
     /// # Errors
     /// Returns an error if the protrusion or the number of spheres is not positive. Returns an error if the protrusion
     /// is so small that a link would need millions of cells.
-    pub fn of(model: &CollisionModel, fineness: Resolution) -> Result<Self, BadOption> {
-        let value = match fineness {
+    pub fn of(model: &CollisionModel, resolution: Resolution) -> Result<Self, BadOption> {
+        let value = match resolution {
             Resolution::MaxProtrusion(max_protrusion) => max_protrusion,
             Resolution::PerLink(count) => count as f64,
         };
-        BadOption::check(fineness.name(), value, POSITIVE)?;
+        BadOption::check(resolution.name(), value, POSITIVE)?;
         let mut groups = Vec::with_capacity(model.links().len());
         let mut max_protrusion: f64 = 0.0;
         for &link in model.links() {
             let objects: Vec<_> = model.objects_of(link).collect();
-            let (spheres, out) = link_cover::cover(&objects, fineness)?;
-            max_protrusion = max_protrusion.max(out);
+            let (spheres, protrusion) = link_cover::cover(&objects, resolution)?;
+            max_protrusion = max_protrusion.max(protrusion);
             groups.push(SphereGroup::new(link, model.name_of(link), spheres));
         }
         Ok(Self::assemble(model, groups, max_protrusion))
@@ -145,11 +145,11 @@ impl SphereModel {
     }
 
     fn assemble(model: &CollisionModel, groups: Vec<SphereGroup>, max_protrusion: f64) -> Self {
-        let at = |link| groups.iter().position(|group| group.link == link);
+        let group_index = |link| groups.iter().position(|group| group.link == link);
         let pairs = model
             .pairs()
             .iter()
-            .filter_map(|[a, b]| Some([at(*a)?, at(*b)?]));
+            .filter_map(|[a, b]| Some([group_index(*a)?, group_index(*b)?]));
         Self {
             pairs: pairs.collect(),
             groups,
@@ -160,15 +160,15 @@ impl SphereModel {
 
     /// The model with each group's spheres enlarged by its gap, so that they cover the shapes.
     pub(super) fn grown_to_cover(mut self) -> Self {
-        let mut most: f64 = 0.0;
+        let mut max_gap: f64 = 0.0;
         for group in &mut self.groups {
             let gap = std::mem::take(&mut group.gap);
             for ball in group.spheres.iter_mut().chain([&mut group.bound]) {
                 ball.radius += gap;
             }
-            most = most.max(gap);
+            max_gap = max_gap.max(gap);
         }
-        self.max_protrusion += most;
+        self.max_protrusion += max_gap;
         self
     }
 
@@ -180,7 +180,7 @@ impl SphereModel {
         /// Maximum protrusion of a sphere from the shapes of its link, metres.
         pub fn max_protrusion(&self) -> f64 = self.max_protrusion;
         /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
-        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
+        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |max, group| group.gap.max(max));
         /// Messages about parts of the file that were left out.
         pub fn notes(&self) -> &[String] = &self.notes;
         /// Number of spheres.

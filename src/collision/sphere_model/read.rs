@@ -8,8 +8,8 @@ use super::solid::Solid;
 use super::{SphereGroup, SphereModel, gap, yaml};
 #[cfg(feature = "urdf")]
 use crate::collision::ShapeKind;
-use crate::collision::model::pairs_apart;
-use crate::collision::shape::LARGEST;
+use crate::collision::model::unconnected_pairs;
+use crate::collision::shape::MAX_LENGTH;
 use crate::collision::{Ball, CollisionModel};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::FrameId;
@@ -58,13 +58,13 @@ impl SphereModel {
             }
         };
         for (name, spheres) in &named {
-            let fine = |ball: &Ball| {
+            let is_in_range = |ball: &Ball| {
                 let numbers = ball.centre.to_array().into_iter().chain([ball.radius]);
-                numbers.into_iter().all(|x| x.abs() <= LARGEST)
+                numbers.into_iter().all(|x| x.abs() <= MAX_LENGTH)
             };
-            if let Some(index) = spheres.iter().position(|ball| !fine(ball)) {
+            if let Some(index) = spheres.iter().position(|ball| !is_in_range(ball)) {
                 let problem =
-                    format!("link `{name}`: sphere {index} has a number beyond {LARGEST:e} m");
+                    format!("link `{name}`: sphere {index} has a number beyond {MAX_LENGTH:e} m");
                 return Err(ReadError::of_file(file, problem));
             }
         }
@@ -74,23 +74,26 @@ impl SphereModel {
             if spheres.is_empty() {
                 continue;
             }
-            let found = model.model().frame(&name);
-            let link = found.map_err(|error| invalid(file, error))?;
+            let frame = model.model().frame(&name);
+            let link = frame.map_err(|error| invalid(file, error))?;
             let objects: Vec<_> = model.objects_of(link).collect();
             let solid = Solid::new(objects.iter().copied());
             let mut uncovered = 0.0;
             if !solid.is_empty() {
                 uncovered = gap::gap(&objects, &spheres);
-                let out = spheres
+                let protrusions = spheres
                     .iter()
                     .map(|s| s.radius + solid.signed_distance(s.centre));
-                max_protrusion = out.fold(max_protrusion, f64::max);
+                max_protrusion = protrusions.fold(max_protrusion, f64::max);
             }
             groups.push(SphereGroup::new(link, &name, spheres).with_gap(uncovered));
         }
         groups.sort_by_key(|group| group.link);
-        if let Some(twice) = groups.windows(2).find(|two| two[0].link == two[1].link) {
-            let problem = format!("has the link `{}` twice", twice[0].name);
+        if let Some(duplicate) = groups
+            .windows(2)
+            .find(|neighbours| neighbours[0].link == neighbours[1].link)
+        {
+            let problem = format!("has the link `{}` twice", duplicate[0].name);
             return Err(ReadError::of_file(file, problem));
         }
         Ok(Self {
@@ -105,15 +108,15 @@ impl SphereModel {
 /// Enabled pairs of groups, as indices.
 fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
     let links: Vec<FrameId> = groups.iter().map(|group| group.link).collect();
-    let apart = pairs_apart(model.model(), &links);
-    let known = |link: &FrameId| model.links().binary_search(link).is_ok();
+    let unconnected = unconnected_pairs(model.model(), &links);
+    let has_shapes = |link: &FrameId| model.links().binary_search(link).is_ok();
     let mut pairs = Vec::new();
     for a in 0..links.len() {
         for b in a + 1..links.len() {
             let pair = [links[a], links[b]];
-            let checked = match pair.iter().all(known) {
+            let checked = match pair.iter().all(has_shapes) {
                 true => model.pairs().binary_search(&pair).is_ok(),
-                false => apart.binary_search(&pair).is_ok(),
+                false => unconnected.binary_search(&pair).is_ok(),
             };
             if checked {
                 pairs.push([a, b]);

@@ -29,7 +29,7 @@ struct Group {
 }
 
 impl From<SphereModel> for Parts {
-    fn from(own: SphereModel) -> Self {
+    fn from(model: SphereModel) -> Self {
         let numbers = |Ball { centre, radius }: &Ball| [centre.x, centre.y, centre.z, *radius];
         let group = |group: SphereGroup| Group {
             link: group.link,
@@ -38,10 +38,10 @@ impl From<SphereModel> for Parts {
             name: group.name,
         };
         Self {
-            groups: own.groups.into_iter().map(group).collect(),
-            pairs: own.pairs,
-            max_protrusion: own.max_protrusion,
-            notes: own.notes,
+            groups: model.groups.into_iter().map(group).collect(),
+            pairs: model.pairs,
+            max_protrusion: model.max_protrusion,
+            notes: model.notes,
         }
     }
 }
@@ -64,10 +64,14 @@ impl TryFrom<Parts> for SphereModel {
         };
         let groups = parts.groups.into_iter().map(group);
         let groups: Vec<_> = groups.collect::<Result<_, BadOption>>()?;
-        for at in parts.pairs.iter().flatten() {
-            let known: fn(f64) -> bool = |at| at < 0.0;
-            if *at >= groups.len() {
-                BadOption::check("group of a pair", *at as f64, (known, "one of the groups"))?;
+        for index in parts.pairs.iter().flatten() {
+            let never: fn(f64) -> bool = |index| index < 0.0;
+            if *index >= groups.len() {
+                BadOption::check(
+                    "group of a pair",
+                    *index as f64,
+                    (never, "one of the groups"),
+                )?;
             }
         }
         Ok(Self {

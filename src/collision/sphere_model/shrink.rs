@@ -10,9 +10,9 @@ use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
 /// Number of subdivisions of the cells that need the largest radius.
-const SPLITS: u32 = 3;
+const MAX_LEVEL: u32 = 3;
 /// Rounds of coordinate search.
-const ROUNDS: u32 = 12;
+const SEARCH_ROUNDS: u32 = 12;
 /// Relative rounding of a radius.
 const ROUNDING: f64 = 1e-12;
 
@@ -24,45 +24,45 @@ pub(super) fn shrunk(
     max_protrusion: f64,
 ) -> (Ball, f64) {
     let needed = |centre: Vector3<f64>| {
-        let needs = cells.iter().map(|cell| cell.needs(centre));
+        let needs = cells.iter().map(|cell| cell.required_radius(centre));
         needs.fold(0.0, f64::max)
     };
-    let out = |centre: Vector3<f64>| needed(centre) + solid.signed_distance(centre);
-    let (mut centre, mut least) = (ball.centre, out(ball.centre));
+    let protrusion = |centre: Vector3<f64>| needed(centre) + solid.signed_distance(centre);
+    let (mut centre, mut min_protrusion) = (ball.centre, protrusion(ball.centre));
     let mut step = max_protrusion / 2.0;
-    for _ in 0..ROUNDS {
+    for _ in 0..SEARCH_ROUNDS {
         if is_stopped() {
             break;
         }
-        let before = least;
+        let previous = min_protrusion;
         for axis in Vector3::UNITS {
-            for way in [step, -step] {
-                let there = centre + axis * way;
-                let found = out(there);
-                if found < least {
-                    (centre, least) = (there, found);
+            for offset in [step, -step] {
+                let candidate = centre + axis * offset;
+                let candidate_protrusion = protrusion(candidate);
+                if candidate_protrusion < min_protrusion {
+                    (centre, min_protrusion) = (candidate, candidate_protrusion);
                 }
             }
         }
-        if least >= before {
+        if min_protrusion >= previous {
             step /= 2.0;
         }
     }
-    let radius = tight(solid, centre, cells);
+    let radius = tight_radius(solid, centre, cells);
     let radius = radius + ROUNDING * (radius + centre.norm());
-    let out = radius + solid.signed_distance(centre);
-    (Ball { centre, radius }, out.max(0.0))
+    let protrusion = radius + solid.signed_distance(centre);
+    (Ball { centre, radius }, protrusion.max(0.0))
 }
 
 /// The radius that the cells need. The cells that need the largest radius are subdivided first.
-fn tight(solid: &Solid<'_>, centre: Vector3<f64>, cells: &[Cell]) -> f64 {
-    let asking = |times: u32| move |cell: Cell| Ranked(cell.needs(centre), (times, cell));
-    let mut heap: BinaryHeap<Ranked<(u32, Cell)>> = cells.iter().copied().map(asking(0)).collect();
-    while let Some(Ranked(needs, (times, cell))) = heap.pop() {
-        if times == SPLITS {
-            return needs;
+fn tight_radius(solid: &Solid<'_>, centre: Vector3<f64>, cells: &[Cell]) -> f64 {
+    let ranked = |level: u32| move |cell: Cell| Ranked(cell.required_radius(centre), (level, cell));
+    let mut heap: BinaryHeap<Ranked<(u32, Cell)>> = cells.iter().copied().map(ranked(0)).collect();
+    while let Some(Ranked(radius, (level, cell))) = heap.pop() {
+        if level == MAX_LEVEL {
+            return radius;
         }
-        heap.extend(cell.split(solid).map(asking(times + 1)));
+        heap.extend(cell.split(solid).map(ranked(level + 1)));
     }
     0.0
 }

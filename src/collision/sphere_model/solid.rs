@@ -1,22 +1,22 @@
 //! The shapes of a link as one solid, for signed distance queries.
 
-use crate::collision::aabb_tree::BoxTree;
+use crate::collision::aabb_tree::AabbTree;
 use crate::collision::shape::{Nearest, hull_tree, nearest_on_hull};
 use crate::collision::{BoundingBox, CollisionObject, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 
 /// Shapes in the frame of their link.
 pub(super) struct Solid<'a> {
-    shapes: Vec<Placed<'a>>,
+    shapes: Vec<PlacedObject<'a>>,
 }
 
 /// A shape with its inverse placement and its bounding box in its own frame.
-struct Placed<'a> {
+struct PlacedObject<'a> {
     object: &'a CollisionObject,
     shape_from_link: Placement<f64>,
     bounds: BoundingBox,
     /// AABB tree over the triangles of a hull: a linear search is too slow for the number of queries.
-    tree: Option<BoxTree>,
+    tree: Option<AabbTree>,
 }
 
 /// Data of a point that is inside or near the solid.
@@ -32,7 +32,7 @@ pub(super) struct Probe {
     pub(super) is_convex: bool,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedObject<'a> {
     fn new(object: &'a CollisionObject) -> Self {
         let tree = match object.shape.kind() {
             ShapeKind::Convex(hull) => Some(hull_tree(hull)),
@@ -65,7 +65,7 @@ impl<'a> Placed<'a> {
 impl<'a> Solid<'a> {
     pub(super) fn new(objects: impl IntoIterator<Item = &'a CollisionObject>) -> Self {
         Self {
-            shapes: objects.into_iter().map(Placed::new).collect(),
+            shapes: objects.into_iter().map(PlacedObject::new).collect(),
         }
     }
 
@@ -75,13 +75,15 @@ impl<'a> Solid<'a> {
 
     /// Distance to the nearest shape, or minus the depth in the deepest, metres. Never exceeds the true depth.
     pub(super) fn signed_distance(&self, point: Vector3<f64>) -> f64 {
-        let each = self.shapes.iter();
-        each.fold(f64::INFINITY, |least, shape| {
+        let shapes = self.shapes.iter();
+        shapes.fold(f64::INFINITY, |min_distance, shape| {
             let local = shape.shape_from_link.apply(point);
             // Skips shapes whose bounding box is already too far.
-            match least > 0.0 && shape.bounds.squared_distance(local) >= least * least {
-                true => least,
-                false => least.min(shape.nearest(local).0),
+            match min_distance > 0.0
+                && shape.bounds.squared_distance(local) >= min_distance * min_distance
+            {
+                true => min_distance,
+                false => min_distance.min(shape.nearest(local).0),
             }
         })
     }
@@ -92,26 +94,27 @@ impl<'a> Solid<'a> {
         probe.map_or(point, |probe| probe.nearest)
     }
 
-    /// Data of a point; `None` if it is at least `within` metres outside.
-    pub(super) fn probe(&self, point: Vector3<f64>, within: f64) -> Option<Probe> {
-        let mut found: Option<(Nearest, &Placed<'_>)> = None;
-        let mut near = 0;
+    /// Data of a point; `None` if it is at least `max_distance` metres outside.
+    pub(super) fn probe(&self, point: Vector3<f64>, max_distance: f64) -> Option<Probe> {
+        let mut best: Option<(Nearest, &PlacedObject<'_>)> = None;
+        let mut in_range = 0;
         for shape in &self.shapes {
             let local = shape.shape_from_link.apply(point);
-            if shape.bounds.squared_distance(local) > within * within {
+            if shape.bounds.squared_distance(local) > max_distance * max_distance {
                 continue;
             }
             let nearest = shape.nearest(local);
-            near += usize::from(nearest.0 <= within);
-            if found.is_none_or(|((least, _), _)| nearest.0 < least) {
-                found = Some((nearest, shape));
+            in_range += usize::from(nearest.0 <= max_distance);
+            if best.is_none_or(|((min_distance, _), _)| nearest.0 < min_distance) {
+                best = Some((nearest, shape));
             }
         }
-        let ((distance, place), shape) = found.filter(|((least, _), _)| *least < within)?;
+        let ((distance, nearest), shape) =
+            best.filter(|((min_distance, _), _)| *min_distance < max_distance)?;
         Some(Probe {
             distance,
-            nearest: shape.object.link_from_shape.apply(place),
-            is_convex: near == 1 && !shape.is_hollow(),
+            nearest: shape.object.link_from_shape.apply(nearest),
+            is_convex: in_range == 1 && !shape.is_hollow(),
         })
     }
 

@@ -16,8 +16,8 @@ impl SphereModel {
     /// Returns an error if the text is not XML with a `<robot>`. The error reports `file` as its name.
     pub fn spherised(&self, urdf: &str, file: &str) -> Result<String, ReadError> {
         let document = Document::parse(urdf).map_err(|error| {
-            let place = Place::Line(error.pos().row as usize);
-            ReadError::malformed(file, place, error.to_string())
+            let location = Place::Line(error.pos().row as usize);
+            ReadError::malformed(file, location, error.to_string())
         })?;
         let robot = document.root_element();
         if robot.tag_name().name() != "robot" {
@@ -27,7 +27,7 @@ impl SphereModel {
             ));
         }
         let mut text = String::with_capacity(urdf.len());
-        let mut at = 0;
+        let mut copied_end = 0;
         for link in robot.children().filter(|node| node.has_tag_name("link")) {
             for collision in link
                 .children()
@@ -35,40 +35,44 @@ impl SphereModel {
             {
                 // Removes the preceding blanks too, so that no empty lines remain.
                 let range = collision.range();
-                text.push_str(urdf.get(at..range.start).unwrap_or_default().trim_end());
-                at = range.end;
+                text.push_str(
+                    urdf.get(copied_end..range.start)
+                        .unwrap_or_default()
+                        .trim_end(),
+                );
+                copied_end = range.end;
             }
             let spheres = self.elements(link);
             if spheres.is_empty() {
                 continue;
             }
             let end = link.range().end;
-            let own = urdf.get(at..end).unwrap_or_default();
-            if let Some(open) = own.strip_suffix("/>") {
+            let element = urdf.get(copied_end..end).unwrap_or_default();
+            if let Some(open) = element.strip_suffix("/>") {
                 text.push_str(open.trim_end());
                 text.push('>');
                 text.push_str(&spheres);
                 text.push_str("\n  </link>");
             } else {
-                let close = own.rfind("</").unwrap_or(own.len());
-                text.push_str(own[..close].trim_end());
+                let close = element.rfind("</").unwrap_or(element.len());
+                text.push_str(element[..close].trim_end());
                 text.push_str(&spheres);
                 text.push_str("\n  ");
-                text.push_str(&own[close..]);
+                text.push_str(&element[close..]);
             }
-            at = end;
+            copied_end = end;
         }
-        text.push_str(urdf.get(at..).unwrap_or_default());
+        text.push_str(urdf.get(copied_end..).unwrap_or_default());
         Ok(text)
     }
 
     fn elements(&self, link: Node<'_, '_>) -> String {
         let mut text = String::new();
-        let own = self
+        let group = self
             .groups
             .iter()
             .find(|group| Some(group.name.as_str()) == link.attribute("name"));
-        for Ball { centre, radius } in own.map_or(&[][..], |group| &group.spheres) {
+        for Ball { centre, radius } in group.map_or(&[][..], |group| &group.spheres) {
             let Vector3 { x, y, z } = centre;
             // Writing to a String cannot fail.
             let _ = write!(

@@ -53,10 +53,10 @@ pub(super) fn parse(
         ReadError::malformed(file, Place::Line(node.line), problem)
     };
     let missing = || ReadError::of_file(file, "has no `collision_spheres`");
-    let found = find(&root).ok_or_else(missing)?;
-    let Value::Map(links) = &found.value else {
+    let spheres_node = find(&root).ok_or_else(missing)?;
+    let Value::Map(links) = &spheres_node.value else {
         let problem = "`collision_spheres` must be a map of links or the name of a file";
-        return Err(fail(found, problem));
+        return Err(fail(spheres_node, problem));
     };
     let mut named = Vec::new();
     for (link, list) in links {
@@ -83,9 +83,9 @@ pub(super) fn parse(
                 spheres.push(Ball { centre, radius });
             }
         }
-        let off = list.len() - spheres.len();
-        if off > 0 {
-            let spheres = counted(off, "sphere");
+        let disabled = list.len() - spheres.len();
+        if disabled > 0 {
+            let spheres = counted(disabled, "sphere");
             notes.push(format!(
                 "link `{name}`: {spheres} of a radius of 0 or less left out: cuRobo switches them off so"
             ));

@@ -2,7 +2,7 @@
 
 use super::Obstacle;
 use crate::bad_option::BadOption;
-use crate::collision::shape::{LARGEST, ShapeError};
+use crate::collision::shape::{MAX_LENGTH, ShapeError};
 use crate::spatial::RigidDefect;
 
 /// Reason why a world cannot be changed.
@@ -47,7 +47,7 @@ pub enum WorldError {
     },
     /// A placement so far from the origin that distances would be inaccurate.
     #[error(
-        "obstacle {name:?} is placed {metres:e} m from the origin, which is more than {LARGEST:e}"
+        "obstacle {name:?} is placed {metres:e} m from the origin, which is more than {MAX_LENGTH:e}"
     )]
     TooFar {
         /// Name of the obstacle.
@@ -90,8 +90,8 @@ impl WorldError {
 
 fn first_names<'a>(all: impl Iterator<Item = &'a Obstacle>) -> Vec<String> {
     // Limits the length of the message for worlds with thousands of obstacles.
-    const LISTED: usize = 30;
-    all.take(LISTED).map(|o| o.name.clone()).collect()
+    const MAX_NAMES: usize = 30;
+    all.take(MAX_NAMES).map(|o| o.name.clone()).collect()
 }
 
 fn listed(names: &[String]) -> String {

@@ -92,8 +92,8 @@ impl World {
         let path = path.as_ref();
         let end = path.extension().and_then(|end| end.to_str());
         if !end.is_some_and(|end| end.eq_ignore_ascii_case("json")) {
-            let told = "a world is written as JSON: its name must end in .json";
-            let problem = std::io::Error::new(std::io::ErrorKind::InvalidInput, told);
+            let message = "a world is written as JSON: its name must end in .json";
+            let problem = std::io::Error::new(std::io::ErrorKind::InvalidInput, message);
             return Err(WriteError::new(path, problem));
         }
         write_file(path, self.to_json().as_bytes())

@@ -7,7 +7,7 @@ use crate::collision::shape::{Shape, ShapeKind};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Radius of the probe line, relative to the height of all obstacles.
-const LINE: f64 = 1e-9;
+const RELATIVE_LINE_RADIUS: f64 = 1e-9;
 /// Number of bisections of that height: to full precision.
 const HALVINGS: usize = 60;
 
@@ -20,12 +20,12 @@ impl World {
     #[must_use]
     pub fn height_at(&self, at: Vector3<f64>, up: Vector3<f64>) -> Option<f64> {
         let foot = at - up * at.dot(up);
-        let standing = || {
+        let fixed_obstacles = || {
             self.obstacles()
                 .filter(|obstacle| obstacle.attached.is_none())
         };
         let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for obstacle in standing() {
+        for obstacle in fixed_obstacles() {
             if let Some([low, high]) = heights(obstacle, foot, up) {
                 (lowest, highest) = (lowest.min(low), highest.max(high));
             }
@@ -35,41 +35,46 @@ impl World {
             return None;
         }
         // Bisects the lowest end of a collision-free line from above.
-        let turned = turned_to(up);
+        let rotation = rotation_with_z(up);
         let is_free = |from: f64, to: f64| {
-            let Ok(line) = Shape::capsule(LINE * range, (to - from).max(LINE * range)) else {
+            let Ok(line) = Shape::capsule(
+                RELATIVE_LINE_RADIUS * range,
+                (to - from).max(RELATIVE_LINE_RADIUS * range),
+            ) else {
                 return false;
             };
-            let place = Placement::new(turned, foot + up * (0.5 * (from + to)));
-            !standing().any(|obstacle| {
-                let (shape, stands) = (&obstacle.shape, &obstacle.placement);
-                separation_within(&line, &place, shape, stands, 0.0).is_some()
+            let placement = Placement::new(rotation, foot + up * (0.5 * (from + to)));
+            !fixed_obstacles().any(|obstacle| {
+                let (shape, obstacle_placement) = (&obstacle.shape, &obstacle.placement);
+                separation_within(&line, &placement, shape, obstacle_placement, 0.0).is_some()
             })
         };
-        let (bottom, above) = (lowest - range, highest + range);
-        if is_free(bottom, above) || !is_free(highest + 0.5 * range, above) {
+        let (bottom, top) = (lowest - range, highest + range);
+        if is_free(bottom, top) || !is_free(highest + 0.5 * range, top) {
             return None;
         }
-        let free = highest + 0.5 * range;
-        Some(bisect(free, bottom, HALVINGS, |from| is_free(from, above)))
+        let highest_free = highest + 0.5 * range;
+        Some(bisect(highest_free, bottom, HALVINGS, |from| {
+            is_free(from, top)
+        }))
     }
 }
 
 /// Bounds of an obstacle's height. For a half-space, both are the height at which the line meets it.
 fn heights(obstacle: &Obstacle, foot: Vector3<f64>, up: Vector3<f64>) -> Option<[f64; 2]> {
-    let stands = &obstacle.placement;
+    let placement = &obstacle.placement;
     if let ShapeKind::HalfSpace = obstacle.shape.kind() {
-        let normal = stands.rotation * Vector3::UNITS[2];
-        let height = (stands.translation - foot).dot(normal) / normal.dot(up);
+        let normal = placement.rotation * Vector3::UNITS[2];
+        let height = (placement.translation - foot).dot(normal) / normal.dot(up);
         return height.is_finite().then_some([height; 2]);
     }
     let ball = obstacle.shape.bounding_sphere();
-    let middle = stands.apply(ball.centre).dot(up);
-    Some([middle - ball.radius, middle + ball.radius])
+    let centre_height = placement.apply(ball.centre).dot(up);
+    Some([centre_height - ball.radius, centre_height + ball.radius])
 }
 
 /// A rotation whose z axis is `up`.
-fn turned_to(up: Vector3<f64>) -> Matrix3<f64> {
+fn rotation_with_z(up: Vector3<f64>) -> Matrix3<f64> {
     let [x, y, _] = Vector3::UNITS;
     let across = if up.x.abs() < 0.9 { x } else { y };
     let second = up.cross(across);

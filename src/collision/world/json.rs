@@ -53,26 +53,26 @@ macro_rules! kinds {
             let mut world = World::new();
             world.may_be_missing = contents.may_be_missing;
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
-                let place = || Place::Json(format!("{}[{index}]", stringify!($list)));
+                let location = || Place::Json(format!("{}[{index}]", stringify!($list)));
                 let pose = Pose {
                     position: entry.position,
                     quaternion: entry.quaternion,
                     rotation: entry.rotation,
                 };
-                let placement = pose.placement().map_err(|problem| reader.fail(place(), problem))?;
-                let measures = $kind::shape(reader, place(), $(entry.$measure),*)?;
+                let placement = pose.placement().map_err(|problem| reader.fail(location(), problem))?;
+                let measures = $kind::shape(reader, location(), $(entry.$measure),*)?;
                 let shape = measures.map_err(|error| {
-                    reader.invalid(place(), WorldError::Shape { name: entry.name.clone(), error })
+                    reader.invalid(location(), WorldError::Shape { name: entry.name.clone(), error })
                 })?;
                 let added = world.add(&entry.name, shape, placement);
                 let attached = added.and_then(|()| match &entry.attached {
                     Some(frame) => world.attach(&entry.name, frame, placement),
                     None => Ok(()),
                 });
-                let touches = attached.and_then(|()| {
+                let allowed = attached.and_then(|()| {
                     entry.may_touch.iter().try_for_each(|with| world.allow_collision(&entry.name, with))
                 });
-                touches.map_err(|error| reader.invalid(place(), error))?;
+                allowed.map_err(|error| reader.invalid(location(), error))?;
             })*
             Ok(world)
         }
@@ -147,23 +147,23 @@ struct Reader<'f> {
 }
 
 impl Reader<'_> {
-    fn fail(&self, place: Place, problem: String) -> ReadError {
-        ReadError::malformed(self.file, place, problem)
+    fn fail(&self, location: Place, problem: String) -> ReadError {
+        ReadError::malformed(self.file, location, problem)
     }
 
-    fn invalid(&self, place: Place, error: WorldError) -> ReadError {
-        ReadError::new(self.file, place, ReadProblem::invalid(error))
+    fn invalid(&self, location: Place, error: WorldError) -> ReadError {
+        ReadError::new(self.file, location, ReadProblem::invalid(error))
     }
 }
 
 /// A shape or its error. The outer error is a read error of its file.
-type Made = Result<Result<Shape, ShapeError>, ReadError>;
+type ShapeResult = Result<Result<Shape, ShapeError>, ReadError>;
 
 /// Defines the shape of each kind from its dimensions.
 macro_rules! shapes {
     ($($kind:ident($($measure:ident: $type:ty),*) = $shape:expr;)*) => {
         $(impl $kind {
-            fn shape(_: &Reader<'_>, _: Place, $($measure: $type),*) -> Made {
+            fn shape(_: &Reader<'_>, _: Place, $($measure: $type),*) -> ShapeResult {
                 Ok($shape)
             }
         })*
@@ -185,30 +185,30 @@ shapes! {
 impl Mesh {
     fn shape(
         reader: &Reader<'_>,
-        place: Place,
+        location: Place,
         file: Option<String>,
         scale: Option<[f64; 3]>,
         vertices: Vec<[f64; 3]>,
         triangles: Vec<[u32; 3]>,
-    ) -> Made {
+    ) -> ShapeResult {
         let scale = scale.unwrap_or([1.0; 3]);
         let mesh = match (file, vertices.is_empty() && triangles.is_empty()) {
             (Some(_), false) => {
                 let problem = "has both a `file` and triangles; only one is allowed";
-                return Err(reader.fail(place, problem.to_owned()));
+                return Err(reader.fail(location, problem.to_owned()));
             }
             (Some(file), true) => {
                 let Some(allowed) = reader.allowed else {
                     let problem = format!(
                         "names the file {file:?}; files are opened only for a world that is read from a file"
                     );
-                    return Err(reader.fail(place, problem));
+                    return Err(reader.fail(location, problem));
                 };
                 let parse = |bytes: Vec<u8>| MeshFile::parse(&bytes, &file);
                 let read = allowed
                     .open(&file)
                     .and_then(|bytes| parse(bytes).map_err(ReadError::without_contents));
-                read.map_err(|error| ReadError::referred(reader.file, place, error))?
+                read.map_err(|error| ReadError::referred(reader.file, location, error))?
             }
             (None, _) => MeshFile {
                 points: vectors(vertices),

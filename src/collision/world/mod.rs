@@ -1,6 +1,7 @@
 //! Worlds of named obstacles, each with a shape and a placement.
 
 mod add;
+mod allowed_collisions;
 mod error;
 mod file;
 mod height_at;
@@ -12,7 +13,6 @@ mod names;
 mod numbered;
 mod pose;
 mod scaled;
-mod touch;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub(crate) use numbered::Change;
 
 use self::names::Names;
 use self::numbered::Numbered;
-use super::shape::{LARGEST, Shape};
+use super::shape::{MAX_LENGTH, Shape};
 use crate::spatial::Placement;
 
 /// An obstacle of a [`World`].
@@ -71,7 +71,7 @@ pub struct World {
     /// Sorted numbers of the obstacles that are attached to frames.
     attached: Vec<u64>,
     /// Sorted numbers of the obstacles with allowed collisions.
-    touching: Vec<u64>,
+    with_allowed_collisions: Vec<u64>,
     /// Number of the next obstacle.
     next: u64,
     revision: u64,
@@ -123,8 +123,8 @@ impl World {
     /// Returns an error if there is no obstacle of that name. The error lists the names of obstacles.
     pub fn obstacle(&self, name: &str) -> Result<&Obstacle, WorldError> {
         let number = self.number(name)?;
-        let found = self.obstacles.get(number);
-        found.map_or_else(|| Err(self.unknown(name)), |obstacle| Ok(&**obstacle))
+        let obstacle = self.obstacles.get(number);
+        obstacle.map_or_else(|| Err(self.unknown(name)), |obstacle| Ok(&**obstacle))
     }
 
     fn find(&self, name: &str) -> Option<u64> {
@@ -177,7 +177,7 @@ impl World {
             self.attached.push(number);
         }
         if !obstacle.allowed_collisions.is_empty() {
-            self.touching.push(number);
+            self.with_allowed_collisions.push(number);
         }
         self.obstacles.push(number, obstacle);
         self.next += 1;
@@ -206,7 +206,7 @@ impl World {
         self.names.remove(name, number);
         self.obstacles.remove(number);
         self.attached.retain(|attached| *attached != number);
-        self.forget_touch_of(name, number);
+        self.remove_allowed_collisions_of(name, number);
         self.revision += 1;
         Ok(())
     }
@@ -252,14 +252,14 @@ impl World {
 
     fn edit(&mut self, name: &str, change: impl FnOnce(&mut Obstacle)) -> Result<(), WorldError> {
         let number = self.number(name)?;
-        if let Some(own) = self.obstacles.get_mut(number) {
-            let own = Arc::make_mut(own);
-            change(own);
-            keep_number(&mut self.attached, number, own.attached.is_some());
-            keep_number(
-                &mut self.touching,
+        if let Some(obstacle) = self.obstacles.get_mut(number) {
+            let obstacle = Arc::make_mut(obstacle);
+            change(obstacle);
+            set_contained(&mut self.attached, number, obstacle.attached.is_some());
+            set_contained(
+                &mut self.with_allowed_collisions,
                 number,
-                !own.allowed_collisions.is_empty(),
+                !obstacle.allowed_collisions.is_empty(),
             );
         }
         self.revision += 1;
@@ -268,11 +268,11 @@ impl World {
 }
 
 /// Inserts a number into a sorted list, or removes it.
-fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
-    match (numbers.binary_search(&number), keep) {
-        (Err(at), true) => numbers.insert(at, number),
-        (Ok(at), false) => {
-            numbers.remove(at);
+fn set_contained(numbers: &mut Vec<u64>, number: u64, is_contained: bool) {
+    match (numbers.binary_search(&number), is_contained) {
+        (Err(index), true) => numbers.insert(index, number),
+        (Ok(index), false) => {
+            numbers.remove(index);
         }
         _ => {}
     }
@@ -281,7 +281,7 @@ fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
 /// The placement, made exactly rigid. Deviations up to 1e-6, as from rounding in files, are accepted.
 fn rigid(name: &str, placement: Placement<f64>) -> Result<Placement<f64>, WorldError> {
     match placement.check_rigid(1e-6) {
-        Ok(()) if placement.translation.norm() > LARGEST => Err(WorldError::TooFar {
+        Ok(()) if placement.translation.norm() > MAX_LENGTH => Err(WorldError::TooFar {
             name: name.to_owned(),
             metres: placement.translation.norm(),
         }),

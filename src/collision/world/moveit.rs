@@ -36,20 +36,20 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
     let world = root
         .get("world")
         .ok_or_else(|| scene.fail(&root, "is not a MoveIt planning scene: it has no `world`"))?;
-    scene.no_octomap(world)?;
+    scene.reject_octomap(world)?;
     if let Some(objects) = world.get("collision_objects") {
         for object in scene.list(objects, "collision_objects")? {
             scene.object(object, None)?;
         }
     }
     let state = root.get("robot_state");
-    if let Some(held) = state.and_then(|state| state.get("attached_collision_objects")) {
-        for held in scene.list(held, "attached_collision_objects")? {
-            let link = scene.named(held, "link_name")?;
+    if let Some(attached) = state.and_then(|state| state.get("attached_collision_objects")) {
+        for attached in scene.list(attached, "attached_collision_objects")? {
+            let link = scene.named(attached, "link_name")?;
             let link = scene.text(link, "link_name")?;
-            let object = scene.named(held, "object")?;
+            let object = scene.named(attached, "object")?;
             scene.object(object, Some(link))?;
-            if let Some(links) = held.get("touch_links") {
+            if let Some(links) = attached.get("touch_links") {
                 let id = scene.text(scene.named(object, "id")?, "id")?;
                 for link in scene.list(links, "touch_links")? {
                     scene.allow(link, id, scene.text(link, "touch_links")?)?;
@@ -58,7 +58,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
         }
     }
     if let Some(matrix) = root.get("allowed_collision_matrix") {
-        scene.allowed(matrix)?;
+        scene.apply_allowed_matrix(matrix)?;
     }
     Ok(scene.world)
 }
@@ -99,8 +99,8 @@ impl Scene<'_> {
     fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> Result<Vec<f64>, ReadError> {
         let nodes: Vec<&Node<'_>> = match (&node.value, keys) {
             (Value::Map(_), [_, ..]) => {
-                let under = keys.iter().map(|key| self.named(node, key));
-                under.collect::<Result<_, _>>()?
+                let values = keys.iter().map(|key| self.named(node, key));
+                values.collect::<Result<_, _>>()?
             }
             _ => self.list(node, what)?.iter().collect(),
         };
@@ -128,11 +128,11 @@ impl Scene<'_> {
     /// Frames of the scene: its planning frame, and frames with a known transform to it.
     fn frames(&self, root: &Node<'_>) -> Result<Frames, ReadError> {
         let mut frames = Frames::of_state(root);
-        if let Some(given) = root.get("fixed_frame_transforms") {
-            for given in self.list(given, "fixed_frame_transforms")? {
-                let transform = self.named(given, "transform")?;
+        if let Some(transforms) = root.get("fixed_frame_transforms") {
+            for entry in self.list(transforms, "fixed_frame_transforms")? {
+                let transform = self.named(entry, "transform")?;
                 let placed = self.placed(transform, ["translation", "rotation"])?;
-                frames.add(given, placed);
+                frames.add(entry, placed);
             }
         }
         Ok(frames)
@@ -148,20 +148,20 @@ impl Scene<'_> {
         let Some(frame) = frame_of(object) else {
             return Ok(Placement::identity());
         };
-        let (placed, own) = match link {
+        let (placed, planning_frame) = match link {
             Some(link) => ((frame == link).then(Placement::identity), link),
-            None => (self.frames.placement(frame), self.frames.own()),
+            None => (self.frames.placement(frame), self.frames.planning_frame()),
         };
         placed.ok_or_else(|| {
             let problem = format!(
-                "object {name:?} is in frame {frame:?}, whose transform to {own:?} is missing from `fixed_frame_transforms`"
+                "object {name:?} is in frame {frame:?}, whose transform to {planning_frame:?} is missing from `fixed_frame_transforms`"
             );
             self.fail(object, &problem)
         })
     }
 
     /// Rejects octomaps with cells, since their obstacles would be missing.
-    fn no_octomap(&self, world: &Node<'_>) -> Result<(), ReadError> {
+    fn reject_octomap(&self, world: &Node<'_>) -> Result<(), ReadError> {
         let map = world.get("octomap").and_then(|map| map.get("octomap"));
         let Some(data) = map.and_then(|map| map.get("data")) else {
             return Ok(());
@@ -207,8 +207,8 @@ impl Scene<'_> {
         let pose = pose.transpose()?.unwrap_or_else(Placement::identity);
         let pose = self.base_of(object, name, link)? * pose;
         for other in ["meshes", "planes"] {
-            let given = object.get(other).and_then(Node::list);
-            if given.is_some_and(|list| !list.is_empty()) {
+            let list = object.get(other).and_then(Node::list);
+            if list.is_some_and(|list| !list.is_empty()) {
                 let problem = format!("object {name:?} has `{other}`, which are not supported");
                 return Err(self.fail(object, &problem));
             }
@@ -226,20 +226,20 @@ impl Scene<'_> {
             return Err(self.fail(object, &problem));
         }
         let mut obstacles = Vec::new();
-        for (i, (primitive, at)) in primitives.iter().zip(poses).enumerate() {
-            let own = match primitives.len() {
+        for (i, (primitive, placement)) in primitives.iter().zip(poses).enumerate() {
+            let obstacle_name = match primitives.len() {
                 1 => name.to_owned(),
                 _ => format!("{name}/{i}"),
             };
-            let at = pose * self.pose(at)?;
+            let placement = pose * self.pose(placement)?;
             let shape = self.shape(primitive)?;
-            let added = self.world.add(&own, shape, at);
+            let added = self.world.add(&obstacle_name, shape, placement);
             let placed = added.and_then(|()| match link {
-                Some(link) => self.world.attach(&own, link, at),
+                Some(link) => self.world.attach(&obstacle_name, link, placement),
                 None => Ok(()),
             });
             placed.map_err(|error| self.invalid(primitive, error))?;
-            obstacles.push(own);
+            obstacles.push(obstacle_name);
         }
         self.objects.push((name.to_owned(), obstacles));
         Ok(())

@@ -11,7 +11,7 @@ const MATRIX: &str = "allowed_collision_matrix";
 
 impl Scene<'_> {
     /// Applies the allowed pairs of the matrix.
-    pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> Result<(), ReadError> {
+    pub(super) fn apply_allowed_matrix(&mut self, matrix: &Node<'_>) -> Result<(), ReadError> {
         let none = [];
         let part = |key: &str| matrix.get(key).map(|node| self.list(node, key)).transpose();
         let names = part("entry_names")?.unwrap_or(&none);
@@ -23,14 +23,14 @@ impl Scene<'_> {
                 format!("`{MATRIX}` has {names} `entry_names`, but {rows} rows of values");
             return Err(self.fail(matrix, &problem));
         }
-        let mut known = BTreeSet::new();
+        let mut seen = BTreeSet::new();
         for name in names {
-            if !known.insert(self.text(name, "entry_names")?) {
+            if !seen.insert(self.text(name, "entry_names")?) {
                 return Err(self.fail(name, "`entry_names` has a name twice"));
             }
         }
-        let mut of_links = false;
-        for (at, (name, row)) in names.iter().zip(rows).enumerate() {
+        let mut has_link_pairs = false;
+        for (index, (name, row)) in names.iter().zip(rows).enumerate() {
             let first = self.text(name, "entry_names")?;
             // Rows of the message type, or plain lists.
             let row = row.get("enabled").unwrap_or(row);
@@ -41,7 +41,7 @@ impl Scene<'_> {
                 return Err(self.fail(row, &problem));
             }
             // The matrix is symmetric. MoveIt reads the part above its diagonal.
-            for (value, other) in values.iter().zip(names).skip(at + 1) {
+            for (value, other) in values.iter().zip(names).skip(index + 1) {
                 let allowed = match value.text() {
                     Some("true" | "True" | "1") => true,
                     Some("false" | "False" | "0") => false,
@@ -54,11 +54,11 @@ impl Scene<'_> {
                 };
                 if allowed {
                     let second = self.text(other, "entry_names")?;
-                    of_links |= !self.allow(value, first, second)?;
+                    has_link_pairs |= !self.allow(value, first, second)?;
                 }
             }
         }
-        if of_links {
+        if has_link_pairs {
             let note = "link pairs of `allowed_collision_matrix` are ignored: an SRDF file or the robot defines them";
             self.world.notes.push(note.to_owned());
         }
@@ -78,11 +78,11 @@ impl Scene<'_> {
         one: &str,
         other: &str,
     ) -> Result<bool, ReadError> {
-        let of = |id: &str| {
-            let known = self.objects.iter().find(|(own, _)| own == id);
-            known.map(|(_, obstacles)| obstacles.clone())
+        let obstacles_of = |id: &str| {
+            let entry = self.objects.iter().find(|(object, _)| object == id);
+            entry.map(|(_, obstacles)| obstacles.clone())
         };
-        let (first, second) = (of(one), of(other));
+        let (first, second) = (obstacles_of(one), obstacles_of(other));
         let is_of_object = first.is_some() || second.is_some();
         let first = first.unwrap_or_else(|| vec![one.to_owned()]);
         let second = second.unwrap_or_else(|| vec![other.to_owned()]);

@@ -10,7 +10,7 @@ const WORLD: &str = "world";
 /// reads them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frames {
-    own: Option<String>,
+    planning_frame: Option<String>,
     /// Frames in which the state of the robot is given.
     of_state: Vec<String>,
     others: Vec<(String, Placement<f64>)>,
@@ -31,38 +31,45 @@ impl Frames {
     /// Adds a fixed transform: the placement of its header's frame in its child frame.
     pub(super) fn add(&mut self, transform: &Node<'_>, child_from_header: Placement<f64>) {
         let child = transform.get("child_frame_id").and_then(Node::text);
-        let Some(child) = child.map(bare).filter(|child| !child.is_empty()) else {
+        let Some(child) = child.map(without_slash).filter(|child| !child.is_empty()) else {
             return;
         };
-        let own = self.own.get_or_insert_with(|| child.to_owned());
-        if let (Some(header), true) = (frame_of(transform), own == child) {
+        let planning_frame = self.planning_frame.get_or_insert_with(|| child.to_owned());
+        if let (Some(header), true) = (frame_of(transform), planning_frame == child) {
             self.others.push((header.to_owned(), child_from_header));
         }
     }
 
     /// Name of the planning frame.
-    pub(super) fn own(&self) -> &str {
-        self.own.as_deref().unwrap_or(WORLD)
+    pub(super) fn planning_frame(&self) -> &str {
+        self.planning_frame.as_deref().unwrap_or(WORLD)
     }
 
     /// Placement of a frame in the planning frame; `None` if it is unknown.
     pub(super) fn placement(&self, frame: &str) -> Option<Placement<f64>> {
-        let is_own = frame == self.own() || self.of_state.iter().any(|own| own == frame);
-        if is_own {
+        let is_planning_frame = frame == self.planning_frame()
+            || self.of_state.iter().any(|state_frame| state_frame == frame);
+        if is_planning_frame {
             return Some(Placement::identity());
         }
         let mut others = self.others.iter();
-        others.find(|(name, _)| name == frame).map(|(_, at)| *at)
+        others
+            .find(|(name, _)| name == frame)
+            .map(|(_, placement)| *placement)
     }
 }
 
 /// The frame in a node's header, if it names one.
 pub(super) fn frame_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
-    let frame = node.get("header")?.get("frame_id")?.text().map(bare);
+    let frame = node
+        .get("header")?
+        .get("frame_id")?
+        .text()
+        .map(without_slash);
     frame.filter(|frame| !matches!(*frame, "" | "~" | "null"))
 }
 
 /// Removes the leading slash of frame names in older files.
-fn bare(name: &str) -> &str {
+fn without_slash(name: &str) -> &str {
     name.strip_prefix('/').unwrap_or(name)
 }

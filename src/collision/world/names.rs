@@ -35,17 +35,17 @@ impl Names {
         if shards.is_empty() {
             shards.resize_with(SHARDS, Arc::default);
         }
-        let own = Arc::make_mut(&mut shards[shard(hash)]);
-        let at = own.partition_point(|known| *known < (hash, number));
-        own.insert(at, (hash, number));
+        let shard_entries = Arc::make_mut(&mut shards[shard(hash)]);
+        let index = shard_entries.partition_point(|known| *known < (hash, number));
+        shard_entries.insert(index, (hash, number));
     }
 
     /// Removes a name.
     pub(super) fn remove(&mut self, name: &str, number: u64) {
         let hash = hash(name);
         let shards = Arc::make_mut(&mut self.shards);
-        if let Some(own) = shards.get_mut(shard(hash)) {
-            Arc::make_mut(own).retain(|known| *known != (hash, number));
+        if let Some(shard_entries) = shards.get_mut(shard(hash)) {
+            Arc::make_mut(shard_entries).retain(|known| *known != (hash, number));
         }
     }
 }

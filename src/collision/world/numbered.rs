@@ -52,26 +52,26 @@ impl Numbered {
         pub(super) fn len(&self) -> usize = self.len;
         pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = Counted {
             inner: self.chunks.iter().flat_map(|chunk| chunk.iter()).map(|(number, obstacle)| (*number, obstacle)),
-            left: self.len,
+            remaining: self.len,
         };
     }
 
     pub(super) fn get(&self, number: u64) -> Option<&Arc<Obstacle>> {
-        let (chunk, at) = self.find(number)?;
-        Some(&self.chunks[chunk][at].1)
+        let (chunk, index) = self.find(number)?;
+        Some(&self.chunks[chunk][index].1)
     }
 
     pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut Arc<Obstacle>> {
-        let (chunk, at) = self.find(number)?;
-        Some(&mut Arc::make_mut(&mut self.chunks[chunk])[at].1)
+        let (chunk, index) = self.find(number)?;
+        Some(&mut Arc::make_mut(&mut self.chunks[chunk])[index].1)
     }
 
     /// Index of the chunk, and the index in it.
     fn find(&self, number: u64) -> Option<(usize, usize)> {
         let after = self.chunks.partition_point(|chunk| chunk[0].0 <= number);
         let chunk = after.checked_sub(1)?;
-        let at = self.chunks[chunk].binary_search_by_key(&number, |(number, _)| *number);
-        Some((chunk, at.ok()?))
+        let index = self.chunks[chunk].binary_search_by_key(&number, |(number, _)| *number);
+        Some((chunk, index.ok()?))
     }
 
     /// Adds an obstacle with a number above all others.
@@ -84,19 +84,19 @@ impl Numbered {
     }
 
     pub(super) fn remove(&mut self, number: u64) {
-        let Some((chunk, at)) = self.find(number) else {
+        let Some((chunk, index)) = self.find(number) else {
             return;
         };
         self.len -= 1;
-        let own = Arc::make_mut(&mut self.chunks[chunk]);
-        own.remove(at);
-        let left = own.len();
-        if left == 0 {
+        let chunk_entries = Arc::make_mut(&mut self.chunks[chunk]);
+        chunk_entries.remove(index);
+        let remaining = chunk_entries.len();
+        if remaining == 0 {
             self.chunks.remove(chunk);
         } else if self
             .chunks
             .get(chunk + 1)
-            .is_some_and(|next| next.len() + left <= CHUNK / 2)
+            .is_some_and(|next| next.len() + remaining <= CHUNK / 2)
         {
             // Merges small chunks, so that their number remains small.
             let next = self.chunks.remove(chunk + 1);
@@ -112,8 +112,8 @@ impl Numbered {
             if let (Some(one), Some(other)) = (before.at_chunk(), after.at_chunk())
                 && Arc::ptr_eq(one, other)
             {
-                before.pass_chunk();
-                after.pass_chunk();
+                before.skip_chunk();
+                after.skip_chunk();
                 continue;
             }
             let (one, other) = (before.entry(), after.entry());
@@ -123,21 +123,21 @@ impl Numbered {
                 (Some((one, _)), None) => *one,
                 (None, Some((other, _))) => *other,
             };
-            let own = |entry: Option<&'a (u64, Arc<Obstacle>)>| {
+            let with_number = |entry: Option<&'a (u64, Arc<Obstacle>)>| {
                 entry
-                    .filter(|(own, _)| *own == number)
+                    .filter(|(entry_number, _)| *entry_number == number)
                     .map(|(_, obstacle)| obstacle)
             };
             let change = Change {
                 number,
-                before: own(one),
-                after: own(other),
+                before: with_number(one),
+                after: with_number(other),
             };
             if change.before.is_some() {
-                before.pass_entry();
+                before.skip_entry();
             }
             if change.after.is_some() {
-                after.pass_entry();
+                after.skip_entry();
             }
             match (change.before, change.after) {
                 (Some(one), Some(other)) if Arc::ptr_eq(one, other) => {}
@@ -165,7 +165,7 @@ impl<'a> Cursor<'a> {
         self.all.chunks.get(self.chunk).filter(|_| self.at == 0)
     }
 
-    fn pass_chunk(&mut self) {
+    fn skip_chunk(&mut self) {
         self.chunk += 1;
         self.at = 0;
     }
@@ -174,7 +174,7 @@ impl<'a> Cursor<'a> {
         self.all.chunks.get(self.chunk)?.get(self.at)
     }
 
-    fn pass_entry(&mut self) {
+    fn skip_entry(&mut self) {
         self.at += 1;
         if self
             .all
@@ -182,7 +182,7 @@ impl<'a> Cursor<'a> {
             .get(self.chunk)
             .is_none_or(|chunk| self.at == chunk.len())
         {
-            self.pass_chunk();
+            self.skip_chunk();
         }
     }
 }
@@ -190,7 +190,7 @@ impl<'a> Cursor<'a> {
 /// An iterator with a known remaining length.
 struct Counted<I> {
     inner: I,
-    left: usize,
+    remaining: usize,
 }
 
 impl<I: Iterator> Iterator for Counted<I> {
@@ -198,12 +198,12 @@ impl<I: Iterator> Iterator for Counted<I> {
 
     fn next(&mut self) -> Option<I::Item> {
         let next = self.inner.next()?;
-        self.left -= 1;
+        self.remaining -= 1;
         Some(next)
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        (self.left, Some(self.left))
+        (self.remaining, Some(self.remaining))
     }
 }
 

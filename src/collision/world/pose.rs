@@ -3,13 +3,13 @@
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// Tolerance of a quaternion's length, for quaternions written with four digits.
-const OFF: f64 = 1e-3;
+const LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// Normalises a quaternion. The error describes a length that is off by more than [`OFF`].
+/// Normalises a quaternion. The error describes a length that is off by more than [`LENGTH_TOLERANCE`].
 pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>, String> {
     let Quaternion { w, v } = given;
     let length = (w * w + v.norm_squared()).sqrt();
-    if (length - 1.0).abs() <= OFF {
+    if (length - 1.0).abs() <= LENGTH_TOLERANCE {
         let scale = length.recip();
         return Ok(Quaternion {
             w: w * scale,
@@ -17,7 +17,7 @@ pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>,
         });
     }
     Err(format!(
-        "the quaternion's length is {length}, not 1 within {OFF}"
+        "the quaternion's length is {length}, not 1 within {LENGTH_TOLERANCE}"
     ))
 }
 

@@ -5,16 +5,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, DVec3};
 
 use crate::animation::rotation::EulerOrder;
-use crate::animation::rotation::exponential::turn_about_exactly;
+use crate::animation::rotation::exponential::rotation_about_f64;
 use crate::scalar::elementary;
 
 /// Axes of the rotation channels that are written without given channels: z, x, y.
 const DEFAULT_AXES: [usize; 3] = [2, 0, 1];
 /// Distance of the middle angle from gimbal lock, in radians, below which its rounding in single precision determines the
 /// outer angles.
-const LOCKED: f64 = 1e-6;
+const GIMBAL_LOCK_TOLERANCE: f64 = 1e-6;
 /// Rotation angle, in radians, that counts as rounding of single precision.
-pub(super) const STILL: f64 = 1e-6;
+pub(super) const ROTATION_TOLERANCE: f64 = 1e-6;
 
 /// Rotation axes in their order; x is 0, y 1, z 2.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,9 @@ impl Axes {
             [axis] => Self::One(axis),
             [first, second] => Self::Two([first, second]),
             _ => {
-                let order = EulerOrder::ALL.into_iter().find(|own| own.axes() == axes);
+                let order = EulerOrder::ALL
+                    .into_iter()
+                    .find(|candidate| candidate.axes() == axes);
                 Self::Three(order.unwrap_or(EulerOrder::Zxy))
             }
         }
@@ -59,19 +61,19 @@ impl Axes {
     }
 
     /// Returns true if angles about these axes reproduce a unit quaternion.
-    pub(super) fn reproduce(&self, rotation: DQuat) -> bool {
+    pub(super) fn can_represent(&self, rotation: DQuat) -> bool {
         let angles = self.nearest(rotation, [0.0; 3]);
-        let own = self.to_vec().into_iter().zip(angles);
-        let reproduced = own.fold(DQuat::IDENTITY, |turned, (axis, angle)| {
-            turned * turn_about_exactly(DVec3::AXES[axis], angle)
+        let axes_and_angles = self.to_vec().into_iter().zip(angles);
+        let reproduced = axes_and_angles.fold(DQuat::IDENTITY, |product, (axis, angle)| {
+            product * rotation_about_f64(DVec3::AXES[axis], angle)
         });
         // Half of the sine of the angle between both.
-        (reproduced.conjugate() * rotation).xyz().length() <= 0.5 * STILL
+        (reproduced.conjugate() * rotation).xyz().length() <= 0.5 * ROTATION_TOLERANCE
     }
 
     /// The angles of a unit quaternion, in radians, nearest to those of the previous frame, for interpolation by other
     /// programs. Missing axes have zeros.
-    pub(super) fn nearest(&self, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
+    pub(super) fn nearest(&self, rotation: DQuat, previous: [f64; 3]) -> [f64; 3] {
         let angles = match *self {
             Self::Fixed => [0.0; 3],
             Self::One(axis) => [angle_about(rotation, axis), 0.0, 0.0],
@@ -80,12 +82,12 @@ impl Axes {
                 let [a, b] = [first, second].map(|axis| DVec3::AXES[axis]);
                 let moved = rotation * b;
                 let angle = elementary::atan2(moved.dot(a.cross(b)), moved.dot(b));
-                let left = turn_about_exactly(a, -angle) * rotation;
-                [angle, angle_about(left, second), 0.0]
+                let remainder = rotation_about_f64(a, -angle) * rotation;
+                [angle, angle_about(remainder, second), 0.0]
             }
-            Self::Three(order) => return of_order(order, rotation, before),
+            Self::Three(order) => return angles_of_order(order, rotation, previous),
         };
-        near(angles, before)
+        nearest_turns(angles, previous)
     }
 }
 
@@ -94,12 +96,12 @@ fn angle_about(rotation: DQuat, axis: usize) -> f64 {
     2.0 * elementary::atan2(rotation.xyz()[axis], rotation.w)
 }
 
-fn of_order(order: EulerOrder, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
+fn angles_of_order(order: EulerOrder, rotation: DQuat, previous: [f64; 3]) -> [f64; 3] {
     let [mut first, middle, mut last] = order.from_quaternion(rotation).angles;
     let [i, j, _] = order.axes();
     let is_proper = order.is_proper();
     // In gimbal lock the last rotation is about the first axis or its opposite.
-    let (to_lock, direction) = if is_proper {
+    let (lock_distance, direction) = if is_proper {
         let sign = if middle < FRAC_PI_2 { 1.0 } else { -1.0 };
         (middle.min(PI - middle), sign)
     } else {
@@ -107,25 +109,25 @@ fn of_order(order: EulerOrder, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
         let parity = if is_even { 1.0 } else { -1.0 };
         (FRAC_PI_2 - middle.abs(), middle.signum() * parity)
     };
-    if to_lock < LOCKED {
-        first += (last - before[2]) * direction;
-        last = before[2];
+    if lock_distance < GIMBAL_LOCK_TOLERANCE {
+        first += (last - previous[2]) * direction;
+        last = previous[2];
     }
     // The two angle triples of a rotation, each up to full turns.
     let other_middle = if is_proper { -middle } else { PI - middle };
-    let both = [[first, middle, last], [first + PI, other_middle, last + PI]];
-    let [one, other] = both.map(|angles| near(angles, before));
-    if distance(one, before) <= distance(other, before) {
+    let candidates = [[first, middle, last], [first + PI, other_middle, last + PI]];
+    let [one, other] = candidates.map(|angles| nearest_turns(angles, previous));
+    if distance(one, previous) <= distance(other, previous) {
         one
     } else {
         other
     }
 }
 
-/// The angles plus full turns, each at most half a turn from the angle in `before`; radians.
-fn near(mut angles: [f64; 3], before: [f64; 3]) -> [f64; 3] {
-    for (angle, before) in angles.iter_mut().zip(before) {
-        *angle -= TAU * ((*angle - before) / TAU).round();
+/// The angles plus full turns, each at most half a turn from the angle in `previous`; radians.
+fn nearest_turns(mut angles: [f64; 3], previous: [f64; 3]) -> [f64; 3] {
+    for (angle, previous) in angles.iter_mut().zip(previous) {
+        *angle -= TAU * ((*angle - previous) / TAU).round();
     }
     angles
 }

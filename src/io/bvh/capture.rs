@@ -11,7 +11,7 @@ use super::motion::Motion;
 use super::note::BvhNote;
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
-use crate::animation::rotation::exponential::turn_about_exactly;
+use crate::animation::rotation::exponential::rotation_about_f64;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
 use crate::io::ReadError;
 
@@ -67,9 +67,12 @@ fn clip(
     let times: Vec<f32> = (0..motion.frames).map(time).collect();
     let mut first = 0;
     for (index, joint) in joints.iter().enumerate() {
-        let own = first..first + joint.channels.len();
-        first = own.end;
-        let frames = motion.values.chunks_exact(row).map(|row| &row[own.clone()]);
+        let columns = first..first + joint.channels.len();
+        first = columns.end;
+        let frames = motion
+            .values
+            .chunks_exact(row)
+            .map(|row| &row[columns.clone()]);
         let Some(bone) = armature.bone_at(index) else {
             continue;
         };
@@ -101,13 +104,13 @@ fn position(joint: &Joint, frame: &[f64]) -> Vec3A {
 
 /// Rotation of a joint in its parent in one frame.
 fn rotation(joint: &Joint, frame: &[f64]) -> Quat {
-    let turns = joint.channels.iter().zip(frame);
-    let turns = turns.filter(|(channel, _)| channel.is_rotation());
-    let turned = turns.fold(DQuat::IDENTITY, |turned, (channel, degrees)| {
+    let rotations = joint.channels.iter().zip(frame);
+    let rotations = rotations.filter(|(channel, _)| channel.is_rotation());
+    let product = rotations.fold(DQuat::IDENTITY, |product, (channel, degrees)| {
         let axis = DVec3::AXES[channel.axis()];
-        turned * turn_about_exactly(axis, degrees.to_radians())
+        product * rotation_about_f64(axis, degrees.to_radians())
     });
-    turned.as_quat()
+    product.as_quat()
 }
 
 fn vector(numbers: [f64; 3]) -> Vec3 {

@@ -67,19 +67,19 @@ impl BvhChannel {
 
 /// First fault of a joint's channels: a repeated channel, or more than three rotations. A rotation axis may be repeated
 /// with another one between, as in proper Euler angles.
-pub(super) fn fault(channels: &[BvhChannel]) -> Option<String> {
-    let mut turns: Vec<BvhChannel> = Vec::new();
+pub(super) fn channel_error(channels: &[BvhChannel]) -> Option<String> {
+    let mut rotations: Vec<BvhChannel> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
-        let is_taken = if channel.is_rotation() {
-            let follows_itself = turns.last() == Some(channel);
-            turns.push(*channel);
-            follows_itself
+        let is_duplicate = if channel.is_rotation() {
+            let is_repeated = rotations.last() == Some(channel);
+            rotations.push(*channel);
+            is_repeated
         } else {
             channels[..index].contains(channel)
         };
-        if is_taken {
+        if is_duplicate {
             return Some(format!("{} twice", channel.name()));
         }
     }
-    (turns.len() > 3).then(|| "more than three rotations".to_owned())
+    (rotations.len() > 3).then(|| "more than three rotations".to_owned())
 }

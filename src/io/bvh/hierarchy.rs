@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::LONGEST;
+use super::MAX_COORDINATE;
 use super::channel::{self, BvhChannel};
 use super::lexer::{Lexer, Word};
 use super::note::BvhNote;
@@ -25,7 +25,7 @@ pub(super) struct Joint {
 
 /// Block with an open brace.
 #[derive(Debug)]
-struct Open {
+struct OpenBlock {
     joint: usize,
     is_end_site: bool,
     has_offset: bool,
@@ -45,7 +45,7 @@ pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), Read
                 Some(word) if word.is("ROOT") => reader.joint(lexer, word)?,
                 Some(word) if word.is("MOTION") && !reader.joints.is_empty() => {
                     let mut joints = reader.joints;
-                    let notes = name_apart(&mut joints);
+                    let notes = make_names_unique(&mut joints);
                     return Ok((joints, notes));
                 }
                 _ if reader.joints.is_empty() => return Err(lexer.unexpected("`ROOT`", word)),
@@ -56,12 +56,12 @@ pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), Read
         let joint = &mut reader.joints[open.joint];
         match word {
             Some(word) if word.is("OFFSET") => {
-                once(lexer, word, open, open.has_offset)?;
+                check_once(lexer, word, open, open.has_offset)?;
                 open.has_offset = true;
                 joint.offset = offset(lexer, &joint.name)?;
             }
             Some(word) if word.is("CHANNELS") && !open.is_end_site => {
-                once(lexer, word, open, open.has_channels)?;
+                check_once(lexer, word, open, open.has_channels)?;
                 open.has_channels = true;
                 joint.channels = channels(lexer, &joint.name)?;
             }
@@ -91,8 +91,8 @@ pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), Read
 #[derive(Debug, Default)]
 struct Reader {
     joints: Vec<Joint>,
-    /// Open blocks, from a root inwards.
-    open: Vec<Open>,
+    /// OpenBlock blocks, from a root inwards.
+    open: Vec<OpenBlock>,
 }
 
 impl Reader {
@@ -121,7 +121,7 @@ impl Reader {
     ) -> Result<(), ReadError> {
         lexer.expect("{")?;
         let parent = self.open.last().map(|open| open.joint);
-        self.open.push(Open {
+        self.open.push(OpenBlock {
             joint: self.joints.len(),
             is_end_site: end_site.is_some(),
             has_offset: false,
@@ -143,33 +143,33 @@ impl Reader {
 
 /// Names End Sites after their joints, and renames joints with a name already taken. A unique name in the file does not
 /// change.
-fn name_apart(joints: &mut [Joint]) -> Vec<BvhNote> {
-    let in_file: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
-    let mut taken: BTreeSet<String> = BTreeSet::new();
+fn make_names_unique(joints: &mut [Joint]) -> Vec<BvhNote> {
+    let file_names: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+    let mut used_names: BTreeSet<String> = BTreeSet::new();
     let mut notes = Vec::new();
     for index in 0..joints.len() {
         let joint = &joints[index];
         let parent = joint.parent.map(|parent| joints[parent].name.as_str());
-        let own = match (joint.end_site, parent) {
+        let name = match (joint.end_site, parent) {
             (Some(number), Some(parent)) => end_site_name(parent, number),
             _ => joint.name.clone(),
         };
-        let is_free = |name: &String| !taken.contains(name) && !in_file.contains(name);
-        let is_first = !taken.contains(&own) && (own == joint.name || is_free(&own));
+        let is_free = |name: &String| !used_names.contains(name) && !file_names.contains(name);
+        let is_first = !used_names.contains(&name) && (name == joint.name || is_free(&name));
         let bone = match is_first {
-            true => own,
+            true => name,
             false => {
-                let mut others = (2..).map(|number: usize| format!("{own}_{number}"));
-                let bone = others.find(is_free).unwrap_or_default();
+                let mut candidates = (2..).map(|number: usize| format!("{name}_{number}"));
+                let bone = candidates.find(is_free).unwrap_or_default();
                 notes.push(BvhNote::Renamed {
                     line: joint.line,
-                    name: own,
+                    name,
                     bone: bone.clone(),
                 });
                 bone
             }
         };
-        taken.insert(bone.clone());
+        used_names.insert(bone.clone());
         joints[index].name = bone;
     }
     notes
@@ -185,7 +185,12 @@ pub(super) fn end_site_name(joint: &str, number: usize) -> String {
 
 /// Checks that a line occurs once in its block and before the children of the joint. The order of the channels is that
 /// of the joints.
-fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), ReadError> {
+fn check_once(
+    lexer: &Lexer,
+    word: Word,
+    open: &OpenBlock,
+    is_second: bool,
+) -> Result<(), ReadError> {
     let problem = match (is_second, open.joints + open.end_sites) {
         (false, 0) => return Ok(()),
         (true, _) => format!("a second `{}` of one joint", word.text),
@@ -198,8 +203,8 @@ fn offset(lexer: &mut Lexer, joint: &str) -> Result<[f64; 3], ReadError> {
     let mut offset = [0.0; 3];
     for (number, axis) in offset.iter_mut().zip(["x", "y", "z"]) {
         *number = lexer.number(|| format!("{axis} of the OFFSET of `{joint}`"))?;
-        if number.abs() > LONGEST {
-            let problem = format!("an OFFSET must be within ±{LONGEST:e}, not {number:e}");
+        if number.abs() > MAX_COORDINATE {
+            let problem = format!("an OFFSET must be within ±{MAX_COORDINATE:e}, not {number:e}");
             return Err(lexer.error(lexer.line(), problem));
         }
     }
@@ -222,7 +227,7 @@ fn channels(lexer: &mut Lexer, joint: &str) -> Result<Vec<BvhChannel>, ReadError
             return Err(lexer.unexpected(expected, word));
         };
         channels.push(channel);
-        if let Some(fault) = channel::fault(&channels) {
+        if let Some(fault) = channel::channel_error(&channels) {
             return Err(lexer.error(lexer.line(), format!("`{joint}` has {fault}")));
         }
     }

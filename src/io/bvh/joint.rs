@@ -6,14 +6,14 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3A};
 
-use super::angles::{Axes, STILL};
+use super::angles::{Axes, ROTATION_TOLERANCE};
 use super::hierarchy::end_site_name;
-use super::{BvhChannel, BvhError, BvhFormat, LONGEST, channel};
+use super::{BvhChannel, BvhError, BvhFormat, MAX_COORDINATE, channel};
 use crate::animation::{Armature, LocalTransform, Pose, SizeMismatch};
 use crate::skeleton::BoneId;
 
 /// Deviation of a scale from one that counts as rounding.
-const UNSCALED: f32 = 1e-5;
+const SCALE_TOLERANCE: f32 = 1e-5;
 
 /// A bone as it is written.
 #[derive(Debug)]
@@ -27,49 +27,57 @@ pub(super) struct Joint {
     /// Axes of the rotation channels.
     pub(super) axes: Axes,
     /// Rest rotation A_p of the parent in the model.
-    parent_at_rest: DQuat,
+    parent_rest_rotation: DQuat,
     /// Rest rotation A_j in the model.
-    at_rest: DQuat,
+    rest_rotation: DQuat,
 }
 
 impl Joint {
     /// Position of the joint in its parent.
     pub(super) fn position(&self, local: &LocalTransform) -> Vec3A {
-        turned(self.parent_at_rest, local.translation)
+        rotate(self.parent_rest_rotation, local.translation)
     }
 
     /// Rotation of the joint in its parent.
     pub(super) fn rotation(&self, local: &LocalTransform) -> DQuat {
-        let turn = self.parent_at_rest * local.rotation.as_dquat() * self.at_rest.conjugate();
-        turn.normalize()
+        let rotation =
+            self.parent_rest_rotation * local.rotation.as_dquat() * self.rest_rotation.conjugate();
+        rotation.normalize()
     }
 
     /// Returns true if a position without a channel differs from the offset.
     fn lacks_position(
         &self,
-        own: &[BvhChannel],
+        given_channels: &[BvhChannel],
         axis: usize,
         mut locals: impl Iterator<Item = LocalTransform>,
     ) -> bool {
         let offset = self.offset.as_dvec3();
-        let leaves = |local: LocalTransform| {
+        let differs = |local: LocalTransform| {
             let position = self.position(&local).as_dvec3();
-            (position[axis] - offset[axis]).abs() > STILL * offset.length()
+            (position[axis] - offset[axis]).abs() > ROTATION_TOLERANCE * offset.length()
         };
-        !own.contains(&BvhChannel::of_axis(axis, false)) && locals.any(leaves)
+        !given_channels.contains(&BvhChannel::of_axis(axis, false)) && locals.any(differs)
     }
 
     /// Sets the channels: missing positions, the given channels, then missing rotations.
-    fn set_channels(&mut self, own: &[BvhChannel], positions: Vec<usize>, complete: bool) {
-        let turns = own.iter().filter(|channel| channel.is_rotation());
-        let given: Vec<usize> = turns.map(|channel| channel.axis()).collect();
-        let axes = Axes::new(&given);
+    fn set_channels(
+        &mut self,
+        given_channels: &[BvhChannel],
+        positions: Vec<usize>,
+        complete: bool,
+    ) {
+        let rotations = given_channels
+            .iter()
+            .filter(|channel| channel.is_rotation());
+        let given_axes: Vec<usize> = rotations.map(|channel| channel.axis()).collect();
+        let axes = Axes::new(&given_axes);
         self.axes = if complete { axes.completed() } else { axes };
         let positions = positions.into_iter();
-        let added = self.axes.to_vec().into_iter().skip(given.len());
+        let added = self.axes.to_vec().into_iter().skip(given_axes.len());
         self.channels = positions
             .map(|axis| BvhChannel::of_axis(axis, false))
-            .chain(own.iter().copied())
+            .chain(given_channels.iter().copied())
             .chain(added.map(|axis| BvhChannel::of_axis(axis, true)))
             .collect();
     }
@@ -102,42 +110,52 @@ pub(super) fn joints(
             check_local(name, &pose.local_of(bone), Some(frame))?;
         }
         let parent = armature.parent(bone).map(BoneId::index);
-        let parent_at_rest = match parent.and_then(|parent| joints.get_mut(parent)) {
+        let parent_rest_rotation = match parent.and_then(|parent| joints.get_mut(parent)) {
             Some(parent) => {
                 parent.children.push(bone.index());
-                parent.at_rest
+                parent.rest_rotation
             }
             None => DQuat::IDENTITY,
         };
         let mut joint = Joint {
             children: Vec::new(),
             is_end_site: false,
-            offset: turned(parent_at_rest, rest.translation),
+            offset: rotate(parent_rest_rotation, rest.translation),
             channels: Vec::new(),
             axes: Axes::new(&[]),
-            parent_at_rest,
-            at_rest: (parent_at_rest * rest.rotation.as_dquat()).normalize(),
+            parent_rest_rotation,
+            rest_rotation: (parent_rest_rotation * rest.rotation.as_dquat()).normalize(),
         };
         let locals = poses.iter().map(|pose| pose.local_of(bone));
-        match format.channels().map(|all| all[bone.index()].as_slice()) {
+        match format
+            .channels()
+            .map(|lists| lists[bone.index()].as_slice())
+        {
             None => {
-                let moves = parent.is_none() || locals.clone().any(|own| is_moved(&rest, &own));
-                joint.set_channels(&[], if moves { vec![0, 1, 2] } else { Vec::new() }, true);
+                let is_moving =
+                    parent.is_none() || locals.clone().any(|local| is_moved(&rest, &local));
+                joint.set_channels(
+                    &[],
+                    if is_moving { vec![0, 1, 2] } else { Vec::new() },
+                    true,
+                );
             }
-            Some(own) => {
-                if let Some(fault) = channel::fault(own) {
+            Some(given_channels) => {
+                if let Some(fault) = channel::channel_error(given_channels) {
                     let bone = name.clone();
                     return Err(BvhError::Channels { bone, fault });
                 }
-                let missing =
-                    (0..3).filter(|axis| joint.lacks_position(own, *axis, locals.clone()));
-                let missing: Vec<usize> = missing.collect();
-                let axes = own.iter().filter(|channel| channel.is_rotation());
+                let missing_axes = (0..3)
+                    .filter(|axis| joint.lacks_position(given_channels, *axis, locals.clone()));
+                let missing_axes: Vec<usize> = missing_axes.collect();
+                let axes = given_channels
+                    .iter()
+                    .filter(|channel| channel.is_rotation());
                 joint.axes = Axes::new(&axes.map(|channel| channel.axis()).collect::<Vec<_>>());
-                let reproduces =
-                    |local: LocalTransform| joint.axes.reproduce(joint.rotation(&local));
-                let is_complete = locals.clone().all(reproduces);
-                joint.set_channels(own, missing, !is_complete);
+                let is_representable =
+                    |local: LocalTransform| joint.axes.can_represent(joint.rotation(&local));
+                let is_complete = locals.clone().all(is_representable);
+                joint.set_channels(given_channels, missing_axes, !is_complete);
             }
         }
         joints.push(joint);
@@ -148,17 +166,17 @@ pub(super) fn joints(
             continue;
         };
         let names = armature.names();
-        let own = end_site_name(&names[parent], end_sites[parent] + 1);
+        let tip_name = end_site_name(&names[parent], end_sites[parent] + 1);
         let rest = armature.rest().local_of(bone);
         let joint = &mut joints[bone.index()];
         let is_still = match format.channels() {
             Some(_) => joint.channels.is_empty(),
             None => poses.iter().all(|pose| {
                 let local = pose.local_of(bone);
-                !is_moved(&rest, &local) && !is_turned(rest.rotation, local.rotation)
+                !is_moved(&rest, &local) && !is_rotated(rest.rotation, local.rotation)
             }),
         };
-        if own == names[bone.index()] && joint.children.is_empty() && is_still {
+        if tip_name == names[bone.index()] && joint.children.is_empty() && is_still {
             joint.is_end_site = true;
             joint.channels.clear();
             end_sites[parent] += 1;
@@ -180,11 +198,12 @@ fn check_local(name: &str, local: &LocalTransform, frame: Option<usize>) -> Resu
     let bone = || name.to_owned();
     let longest = f64::from(local.translation.abs().max_element());
     let is_finite = local.translation.is_finite() && local.rotation.is_finite();
-    if !is_finite || longest > LONGEST {
+    if !is_finite || longest > MAX_COORDINATE {
         let bone = bone();
         return Err(BvhError::OutOfRange { bone, frame });
     }
-    if !local.scale.is_finite() || (local.scale - Vec3A::ONE).abs().max_element() > UNSCALED {
+    if !local.scale.is_finite() || (local.scale - Vec3A::ONE).abs().max_element() > SCALE_TOLERANCE
+    {
         let bone = bone();
         return Err(BvhError::Scaled { bone, frame });
     }
@@ -193,17 +212,17 @@ fn check_local(name: &str, local: &LocalTransform, frame: Option<usize>) -> Resu
 
 fn is_moved(rest: &LocalTransform, local: &LocalTransform) -> bool {
     let [rest, local] = [rest, local].map(|local| local.translation.as_dvec3());
-    (local - rest).length() > STILL * rest.length()
+    (local - rest).length() > ROTATION_TOLERANCE * rest.length()
 }
 
-fn is_turned(rest: Quat, rotation: Quat) -> bool {
+fn is_rotated(rest: Quat, rotation: Quat) -> bool {
     let [rest, rotation] = [rest, rotation].map(|rotation| rotation.as_dquat().normalize());
     // Half of the sine of the angle.
-    (rest.conjugate() * rotation).xyz().length() > 0.5 * STILL
+    (rest.conjugate() * rotation).xyz().length() > 0.5 * ROTATION_TOLERANCE
 }
 
 /// The rotated vector; exactly the vector for the identity.
-fn turned(by: DQuat, vector: Vec3A) -> Vec3A {
-    let turned: DVec3 = by * vector.as_dvec3();
-    turned.as_vec3a()
+fn rotate(rotation: DQuat, vector: Vec3A) -> Vec3A {
+    let rotated: DVec3 = rotation * vector.as_dvec3();
+    rotated.as_vec3a()
 }

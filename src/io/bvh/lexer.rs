@@ -6,7 +6,7 @@ use super::note::BvhNote;
 use crate::io::{Place, ReadError};
 
 /// Length in characters above which messages shorten a word.
-const SHOWN: usize = 40;
+const MAX_SHOWN_CHARS: usize = 40;
 
 /// Lexer of a text.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ impl<'a> Lexer<'a> {
     getters! {
         pub(super) fn file(&self) -> &'a str = self.file;
         /// Number of remaining bytes.
-        pub(super) fn left(&self) -> usize = self.rest.len();
+        pub(super) fn remaining_bytes(&self) -> usize = self.rest.len();
         /// Remaining text.
         pub(super) fn rest(&self) -> &'a str = self.rest;
         /// Line of the last word.
@@ -96,8 +96,8 @@ impl<'a> Lexer<'a> {
             self.skip_space();
             let start = self.rest.get(..keyword.len());
             if !start.is_some_and(|start| start.eq_ignore_ascii_case(keyword)) {
-                let found = self.word();
-                return Err(self.unexpected(&format!("`{}:`", words.join(" ")), found));
+                let word = self.word();
+                return Err(self.unexpected(&format!("`{}:`", words.join(" ")), word));
             }
             self.rest = &self.rest[keyword.len()..];
         }
@@ -123,13 +123,16 @@ impl<'a> Lexer<'a> {
     }
 
     /// Error of an unexpected word.
-    pub(super) fn unexpected(&self, expected: &str, found: Option<Word>) -> ReadError {
-        let Some(Word { text, line }) = found else {
+    pub(super) fn unexpected(&self, expected: &str, word: Option<Word>) -> ReadError {
+        let Some(Word { text, line }) = word else {
             return self.error(self.line, format!("expected {expected}, but the file ends"));
         };
-        let shown: String = text.chars().take(SHOWN).collect();
-        let more = if shown.len() < text.len() { "…" } else { "" };
-        self.error(line, format!("expected {expected}, found `{shown}{more}`"))
+        let shown: String = text.chars().take(MAX_SHOWN_CHARS).collect();
+        let ellipsis = if shown.len() < text.len() { "…" } else { "" };
+        self.error(
+            line,
+            format!("expected {expected}, found `{shown}{ellipsis}`"),
+        )
     }
 
     pub(super) fn error(&self, line: usize, problem: impl Into<String>) -> ReadError {

@@ -55,7 +55,7 @@ use crate::skeleton::BoneId;
 
 /// Largest offset and position that is read and written, in the file's unit. Sums over all joints of a file, and their
 /// squares, remain finite in double precision.
-const LONGEST: f64 = 1e30;
+const MAX_COORDINATE: f64 = 1e30;
 
 /// Contents of a BVH file.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,9 +79,10 @@ impl MotionCapture {
     #[must_use]
     pub fn turning_bones(&self) -> BTreeSet<BoneId> {
         let bones = self.armature.bone_ids().zip(&self.channels);
-        let turns = |own: &Vec<BvhChannel>| own.iter().any(|channel| channel.is_rotation());
+        let has_rotation =
+            |channels: &Vec<BvhChannel>| channels.iter().any(|channel| channel.is_rotation());
         let turning: BTreeSet<BoneId> = bones
-            .filter_map(|(bone, own)| turns(own).then_some(bone))
+            .filter_map(|(bone, channels)| has_rotation(channels).then_some(bone))
             .collect();
         match turning.is_empty() {
             true => self.armature.bone_ids().collect(),

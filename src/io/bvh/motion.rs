@@ -1,6 +1,6 @@
 //! MOTION section of a BVH file: a number for each channel and frame.
 
-use super::LONGEST;
+use super::MAX_COORDINATE;
 use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
@@ -40,9 +40,9 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         .iter()
         .flat_map(|joint| joint.channels.iter().map(move |channel| (joint, *channel)))
         .collect();
-    let (values, missing) = values(lexer, frames, &channels)?;
+    let (values, whole_frames) = values(lexer, frames, &channels)?;
     let width = channels.len();
-    let note = match missing {
+    let note = match whole_frames {
         Some(0) => {
             let problem = format!(
                 "{frames} frames of {width} numbers are announced, but the file ends in the first"
@@ -57,7 +57,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         None => surplus(lexer, frames, width)?,
     };
     Ok(Motion {
-        frames: missing.unwrap_or(frames),
+        frames: whole_frames.unwrap_or(frames),
         frame_time,
         frame_time_line,
         values,
@@ -74,14 +74,14 @@ fn values(
 ) -> Result<(Vec<f64>, Option<usize>), ReadError> {
     let width = channels.len();
     // Without channels there are no numbers, for any number of frames.
-    let Some(room) = (lexer.left() / NUMBER_WIDTH).checked_div(width) else {
+    let Some(max_frames) = (lexer.remaining_bytes() / NUMBER_WIDTH).checked_div(width) else {
         return Ok((Vec::new(), None));
     };
-    let mut values = Vec::with_capacity(room.min(frames) * width);
+    let mut values = Vec::with_capacity(max_frames.min(frames) * width);
     for frame in 1..=frames {
         let start = values.len();
         for &(joint, channel) in channels {
-            if is_cut(lexer) {
+            if is_truncated(lexer) {
                 lexer.skip_space();
                 values.truncate(start);
                 return Ok((values, Some(frame - 1)));
@@ -93,7 +93,7 @@ fn values(
 }
 
 /// Returns true if the file ends before the next number or within it.
-fn is_cut(lexer: &Lexer) -> bool {
+fn is_truncated(lexer: &Lexer) -> bool {
     let rest = lexer.rest().trim_ascii_start();
     let is_of_number = |byte: u8| byte.is_ascii_digit() || b"+-.eE".contains(&byte);
     rest.is_empty() || rest.bytes().all(is_of_number) && rest.parse::<f64>().is_err()
@@ -139,8 +139,11 @@ fn value(
         format!("{channel} of `{name}` in frame {frame}")
     };
     let value = lexer.number(what)?;
-    if !channel.is_rotation() && value.abs() > LONGEST {
-        let problem = format!("{} must be within ±{LONGEST:e}, not {value:e}", what());
+    if !channel.is_rotation() && value.abs() > MAX_COORDINATE {
+        let problem = format!(
+            "{} must be within ±{MAX_COORDINATE:e}, not {value:e}",
+            what()
+        );
         return Err(lexer.error(lexer.line(), problem));
     }
     Ok(value)

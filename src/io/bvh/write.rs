@@ -11,9 +11,9 @@ use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
 use crate::io::write_file;
 
 /// Largest number of frames; above it, key times in single precision may coincide.
-const MOST_FRAMES: f64 = 16_777_216.0;
+const MAX_FRAMES: f64 = 16_777_216.0;
 /// Fraction of a frame by which a clip may end before its last frame; the span is in single precision.
-const ROUNDING: f64 = 1e-3;
+const LAST_FRAME_TOLERANCE: f64 = 1e-3;
 
 /// A clip as BVH text, from its start to its last whole frame. `format` is a number of frames per second or a
 /// [`BvhFormat`].
@@ -72,7 +72,7 @@ pub fn poses_to_text<'a>(
     // Writing to a `String` cannot fail; the results here and below are ignored.
     let _ = writeln!(text, "MOTION\nFrames: {}", poses.len());
     let _ = writeln!(text, "Frame Time: {frame_time}");
-    let mut before = vec![[0.0; 3]; joints.len()];
+    let mut previous_angles = vec![[0.0; 3]; joints.len()];
     for pose in poses {
         for &index in &order {
             let (joint, Some(bone)) = (&joints[index], armature.bone_at(index)) else {
@@ -80,8 +80,10 @@ pub fn poses_to_text<'a>(
             };
             let local = pose.local_of(bone);
             let position = joint.position(&local);
-            let angles = joint.axes.nearest(joint.rotation(&local), before[index]);
-            before[index] = angles;
+            let angles = joint
+                .axes
+                .nearest(joint.rotation(&local), previous_angles[index]);
+            previous_angles[index] = angles;
             let mut angles = angles.into_iter();
             for channel in &joint.channels {
                 let _ = if channel.is_rotation() {
@@ -157,9 +159,9 @@ fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Po
     }
     let duration = clip.duration();
     let (rate, frame_time) = (format.rate(), format.frame_time());
-    let last = (duration * rate + ROUNDING).floor();
-    if last >= MOST_FRAMES {
-        let most = MOST_FRAMES as usize;
+    let last = (duration * rate + LAST_FRAME_TOLERANCE).floor();
+    if last >= MAX_FRAMES {
+        let most = MAX_FRAMES as usize;
         return Err(BvhError::TooManyFrames {
             duration,
             rate,

@@ -17,7 +17,7 @@ pub(super) struct AccessorView<'a> {
 
 impl Source<'_> {
     /// A view of `count` entries of `N` numbers each.
-    pub(super) fn run<const N: usize>(
+    pub(super) fn accessor_view<const N: usize>(
         &self,
         view: Index<View>,
         offset: u64,
@@ -27,37 +27,41 @@ impl Source<'_> {
         user: &str,
     ) -> Result<AccessorView<'_>, ReadError> {
         let views = &self.root.buffer_views;
-        let own = views.get(view.value()).ok_or_else(|| {
+        let buffer_view = views.get(view.value()).ok_or_else(|| {
             let (view, views) = (view.value(), views.len());
             self.fail(
                 path,
                 format!("{user}: view {view} of {views} does not exist"),
             )
         })?;
-        let at = |key: &str| format!("bufferViews[{}].{key}", view.value());
-        let buffer = self.buffers.get(own.buffer.value()).ok_or_else(|| {
-            let (buffer, buffers) = (own.buffer.value(), self.buffers.len());
-            let problem = format!("{user}: buffer {buffer} of {buffers} does not exist");
-            self.fail(at("buffer"), problem)
-        })?;
-        let start = own.byte_offset.map_or(0, |offset| offset.0);
-        let viewed = slice(buffer, start, u128::from(own.byte_length.0)).ok_or_else(|| {
-            let needed = u128::from(start) + u128::from(own.byte_length.0);
-            let what = format!("{user}: the view's bytes");
-            let place = Place::Json(at("byteLength"));
-            ReadError::truncated(self.name, place, what, needed, buffer.len())
-        })?;
+        let key_path = |key: &str| format!("bufferViews[{}].{key}", view.value());
+        let buffer = self
+            .buffers
+            .get(buffer_view.buffer.value())
+            .ok_or_else(|| {
+                let (buffer, buffers) = (buffer_view.buffer.value(), self.buffers.len());
+                let problem = format!("{user}: buffer {buffer} of {buffers} does not exist");
+                self.fail(key_path("buffer"), problem)
+            })?;
+        let start = buffer_view.byte_offset.map_or(0, |offset| offset.0);
+        let view_bytes =
+            slice(buffer, start, u128::from(buffer_view.byte_length.0)).ok_or_else(|| {
+                let needed = u128::from(start) + u128::from(buffer_view.byte_length.0);
+                let what = format!("{user}: the view's bytes");
+                let location = Place::Json(key_path("byteLength"));
+                ReadError::truncated(self.name, location, what, needed, buffer.len())
+            })?;
         let size = N * component.size();
-        let stride = own.byte_stride.map_or(size, |stride| stride.0);
+        let stride = buffer_view.byte_stride.map_or(size, |stride| stride.0);
         if stride < size {
             let problem = format!("{user}: {stride} is less than the {size} bytes of an entry");
-            return Err(self.fail(at("byteStride"), problem));
+            return Err(self.fail(key_path("byteStride"), problem));
         }
         let needed = (count as u128 - 1) * stride as u128 + size as u128;
-        let bytes = slice(viewed, offset, needed).ok_or_else(|| {
+        let bytes = slice(view_bytes, offset, needed).ok_or_else(|| {
             let what = format!("{user}: {count} entries from byte {offset} of the view");
-            let place = Place::Json(path.into());
-            ReadError::truncated(self.name, place, what, needed, viewed.len())
+            let location = Place::Json(path.into());
+            ReadError::truncated(self.name, location, what, needed, view_bytes.len())
         })?;
         Ok(AccessorView {
             bytes,
@@ -76,17 +80,17 @@ fn slice(bytes: &[u8], start: u64, length: u128) -> Option<&[u8]> {
 impl AccessorView<'_> {
     pub(super) fn entry<const N: usize>(&self, index: usize) -> [f64; N] {
         let size = self.component.size();
-        std::array::from_fn(|place| {
-            let start = index * self.stride + place * size;
+        std::array::from_fn(|component| {
+            let start = index * self.stride + component * size;
             let bytes = self.bytes.get(start..start + size).unwrap_or(&[0; 4]);
             self.number(bytes)
         })
     }
 
     fn number(&self, bytes: &[u8]) -> f64 {
-        let [a, b, c, d] = std::array::from_fn(|at| bytes.get(at).copied().unwrap_or(0));
+        let [a, b, c, d] = std::array::from_fn(|byte| bytes.get(byte).copied().unwrap_or(0));
         let (short, word) = ([a, b], [a, b, c, d]);
-        let (number, most) = match self.component {
+        let (number, max) = match self.component {
             ComponentType::I8 => (f64::from(a as i8), 127.0),
             ComponentType::U8 => (f64::from(a), 255.0),
             ComponentType::I16 => (f64::from(i16::from_le_bytes(short)), 32767.0),
@@ -96,7 +100,7 @@ impl AccessorView<'_> {
         };
         match self.normalized {
             // Section 3.6.2.2: the lowest signed integer is −1 as well.
-            true => (number / most).max(-1.0),
+            true => (number / max).max(-1.0),
             false => number,
         }
     }

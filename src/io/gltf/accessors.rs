@@ -31,20 +31,20 @@ impl<'a> Source<'a> {
         &self,
         index: Index<Accessor>,
         user: &str,
-        of: impl Fn([f64; N]) -> T,
+        convert: impl Fn([f64; N]) -> T,
     ) -> Result<Vec<T>, ReadError> {
         let count = self.count(index, user)?;
         let path = format!("accessors[{}]", index.value());
         self.charge::<T>(count, &path)?;
         let mut values = match self.base::<N>(index, count, user)? {
-            Some(run) => (0..count).map(|entry| of(run.entry(entry))).collect(),
-            None => vec![of([0.0; N]); count],
+            Some(view) => (0..count).map(|entry| convert(view.entry(entry))).collect(),
+            None => vec![convert([0.0; N]); count],
         };
         if let Some(sparse) = self.sparse::<N>(index, user)? {
-            let places = self.places(&sparse, count, &path, user)?;
-            for (place, entry) in places.into_iter().zip(0..) {
-                if let Some(value) = values.get_mut(place as usize) {
-                    *value = of(sparse.values.entry(entry));
+            let indices = self.sparse_indices(&sparse, count, &path, user)?;
+            for (entry_index, entry) in indices.into_iter().zip(0..) {
+                if let Some(value) = values.get_mut(entry_index as usize) {
+                    *value = convert(sparse.values.entry(entry));
                 }
             }
         }
@@ -58,12 +58,12 @@ impl<'a> Source<'a> {
         user: &str,
     ) -> Result<Vec<[u32; N]>, ReadError> {
         let accessor = self.accessor(index, user)?;
-        let whole = matches!(
+        let is_unsigned = matches!(
             accessor.component_type,
             Checked::Valid(kind)
                 if matches!(kind.0, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
         );
-        if !whole || accessor.normalized {
+        if !is_unsigned || accessor.normalized {
             let path = format!("accessors[{}].componentType", index.value());
             return Err(self.fail(path, format!("{user}: these are not unsigned integers")));
         }
@@ -92,7 +92,7 @@ impl<'a> Source<'a> {
         user: &str,
     ) -> Result<Option<AccessorView<'_>>, ReadError> {
         let accessor = self.accessor(index, user)?;
-        let at = |key: &str| format!("accessors[{}].{key}", index.value());
+        let key_path = |key: &str| format!("accessors[{}].{key}", index.value());
         let fits = match accessor.type_ {
             Checked::Valid(Type::Scalar) => N == 1,
             Checked::Valid(Type::Vec2) => N == 2,
@@ -103,16 +103,23 @@ impl<'a> Source<'a> {
         };
         if !fits {
             let problem = format!("{user}: needs {N} numbers in each entry");
-            return Err(self.fail(at("type"), problem));
+            return Err(self.fail(key_path("type"), problem));
         }
         let component = self.component(accessor, index, user)?;
         let Some(view) = accessor.buffer_view else {
             return Ok(None);
         };
         let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
-        let mut run = self.run::<N>(view, offset, count, component, &at("bufferView"), user)?;
-        run.normalized = accessor.normalized;
-        Ok(Some(run))
+        let mut accessor_view = self.accessor_view::<N>(
+            view,
+            offset,
+            count,
+            component,
+            &key_path("bufferView"),
+            user,
+        )?;
+        accessor_view.normalized = accessor.normalized;
+        Ok(Some(accessor_view))
     }
 
     pub(super) fn component(

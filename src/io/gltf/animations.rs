@@ -50,9 +50,9 @@ pub(super) fn read(
         let mut builder = Clip::builder(name, armature);
         for channel in 0..animation.channels.len() {
             if nodeless.contains(&(index, channel)) {
-                let place = format!("{}.channels[{channel}].target", context.path);
+                let path = format!("{}.channels[{channel}].target", context.path);
                 let what = format!("{}: a channel without a node", context.title);
-                notes.push(Note::left_out(place, what));
+                notes.push(Note::left_out(path, what));
                 continue;
             }
             context.channel(channel, &mut builder, notes)?;
@@ -76,39 +76,41 @@ impl Context<'_, '_> {
         let Some(&bone) = self.nodes.bone_of.get(node) else {
             return Err(missing_node(source, format!("{path}.target.node"), node));
         };
-        let of = format!("of {}", node_label(&source.root.nodes, node));
+        let of_node = format!("of {}", node_label(&source.root.nodes, node));
         let samplers = &self.animation.samplers;
         let sampler = samplers.get(channel.sampler.value()).ok_or_else(|| {
-            let (title, own, all) = (&self.title, channel.sampler.value(), samplers.len());
-            let problem = format!("{title}: sampler {own} does not exist; there are {all}");
+            let (title, sampler_index, count) =
+                (&self.title, channel.sampler.value(), samplers.len());
+            let problem =
+                format!("{title}: sampler {sampler_index} does not exist; there are {count}");
             source.fail(format!("{path}.sampler"), problem)
         })?;
         let Checked::Valid(property) = channel.target.path else {
             let none = "not one of translation, rotation, scale, weights";
-            let what = format!("{}: a channel {of} that is {none}", self.title);
+            let what = format!("{}: a channel {of_node} that is {none}", self.title);
             notes.push(Note::left_out(format!("{path}.target.path"), what));
             return Ok(());
         };
-        let (what, at) = (property_name(property), channel.sampler.value());
-        let user = format!("{}, {what} {of}", self.title);
-        let at = format!("{}.samplers[{at}]", self.path);
+        let (what, sampler_index) = (property_name(property), channel.sampler.value());
+        let user = format!("{}, {what} {of_node}", self.title);
+        let sampler_path = format!("{}.samplers[{sampler_index}]", self.path);
         let vec3 = |v: [f64; 3]| Vec3A::from_array(v.map(|number| number as f32));
         let read = match property {
             Property::Translation => {
-                let keys = self.keys(sampler, at, user.clone(), vec3)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec3)?;
                 Channel::Translation(curve(source, keys, 1)?.swap_remove(0))
             }
             Property::Scale => {
-                let keys = self.keys(sampler, at, user.clone(), vec3)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec3)?;
                 Channel::Scale(curve(source, keys, 1)?.swap_remove(0))
             }
             Property::Rotation => {
                 let vec4 = |v: [f64; 4]| Vec4::from_array(v.map(|number| number as f32));
-                let keys = self.keys(sampler, at, user.clone(), vec4)?;
+                let keys = self.keys(sampler, sampler_path, user.clone(), vec4)?;
                 Channel::Rotation(rotation(source, keys)?)
             }
             Property::MorphTargetWeights => {
-                return self.weights(sampler, at, user, node, builder, notes);
+                return self.weights(sampler, sampler_path, user, node, builder, notes);
             }
         };
         let added = builder.channel(bone, read);
@@ -125,7 +127,7 @@ impl Context<'_, '_> {
         builder: &mut ClipBuilder<'_>,
         notes: &mut Vec<Note>,
     ) -> Result<(), ReadError> {
-        let mesh = self.meshes.of_node.get(&node);
+        let mesh = self.meshes.index_of_node.get(&node);
         let Some(mesh) = mesh.and_then(|&mesh| self.meshes.meshes.get(mesh)) else {
             notes.push(Note::left_out(path, format!("{user}, which has no mesh")));
             return Ok(());
@@ -151,7 +153,7 @@ impl Context<'_, '_> {
         sampler: &Sampler,
         path: String,
         user: String,
-        of: impl Fn([f64; N]) -> T,
+        convert: impl Fn([f64; N]) -> T,
     ) -> Result<Keys<T>, ReadError> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
             let problem = format!("{user}: must be one of STEP, LINEAR, CUBICSPLINE");
@@ -162,7 +164,7 @@ impl Context<'_, '_> {
             times: self
                 .source
                 .read(sampler.input, &input, |[time]: [f64; 1]| time as f32)?,
-            outputs: self.source.read(sampler.output, &user, of)?,
+            outputs: self.source.read(sampler.output, &user, convert)?,
             interpolation,
             user,
             path,

@@ -23,44 +23,46 @@ pub(super) fn load<'a>(
     mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
-        let place = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
-        let wrong = |problem: String| ReadError::malformed(name, place("uri"), problem);
+        let location = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
+        let malformed = |problem: String| ReadError::malformed(name, location("uri"), problem);
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => {
                 let problem = "the buffer has neither a URI nor a binary chunk";
-                return Err(wrong(problem.into()));
+                return Err(malformed(problem.into()));
             }
             (Some(uri), _) => match data(uri) {
-                Some(data) => data.map_err(wrong)?.into(),
+                Some(data) => data.map_err(malformed)?.into(),
                 None => {
-                    let opened = open(&path(uri).map_err(wrong)?);
-                    let refer = |error| ReadError::referred(name, place("uri"), error);
-                    opened.map_err(refer)?.into()
+                    let opened = open(&path(uri).map_err(malformed)?);
+                    let referred = |error| ReadError::referred(name, location("uri"), error);
+                    opened.map_err(referred)?.into()
                 }
             },
         };
         let announced = buffer.byte_length.0;
         if announced > bytes.len() as u64 {
-            let (what, place) = ("the buffer's bytes".to_owned(), place("byteLength"));
-            let (needed, left) = (u128::from(announced), bytes.len());
-            return Err(ReadError::truncated(name, place, what, needed, left));
+            let (what, location) = ("the buffer's bytes".to_owned(), location("byteLength"));
+            let (needed, available) = (u128::from(announced), bytes.len());
+            return Err(ReadError::truncated(
+                name, location, what, needed, available,
+            ));
         }
         Ok(bytes)
     });
     buffers.collect()
 }
 
-const DATA: &str = "data:";
+const DATA_PREFIX: &str = "data:";
 
 /// Reports whether a URI contains its data.
 pub(super) fn is_data(uri: &str) -> bool {
-    uri.starts_with(DATA)
+    uri.starts_with(DATA_PREFIX)
 }
 
 /// The decoded data of a data URI; `None` for other URIs.
 fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
-    let (heading, data) = match uri.strip_prefix(DATA)?.split_once(',') {
+    let (heading, data) = match uri.strip_prefix(DATA_PREFIX)?.split_once(',') {
         Some(parts) => parts,
         None => return Some(Err("the data URI has no comma before its data".into())),
     };

@@ -8,7 +8,7 @@ use crate::io::json::parse;
 use crate::io::{Place, ReadError};
 
 /// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
-const HARMLESS: [&str; 7] = [
+const SUPPORTED_EXTENSIONS: [&str; 7] = [
     "KHR_materials_",
     "KHR_texture_",
     "EXT_texture_",
@@ -22,7 +22,7 @@ pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// The part of a document that is read if parsing the whole fails.
 #[derive(Deserialize)]
-struct Heading {
+struct DocumentHeader {
     asset: Asset,
     #[serde(default, rename = "extensionsRequired")]
     required: Vec<String>,
@@ -47,40 +47,47 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
     }
     // A document of another version may differ in structure, so its version is checked first.
     let object = json.trim_ascii_start().starts_with(b"{");
-    let heading: Result<Heading, _> = match object {
+    let header: Result<DocumentHeader, _> = match object {
         true => parse(json, name),
         false => Err(ReadError::of_file(
             name,
             "it begins with no JSON object, as a .gltf does, nor with `glTF` and a chunk that does, as a .glb",
         )),
     };
-    let heading = heading.map_err(|error| {
+    let header = header.map_err(|error| {
         let problem = format!("not a glTF file: {}", error.problem);
         ReadError::malformed(name, error.place, problem)
     })?;
-    check(&heading.asset, &heading.required, name)?;
+    check(&header.asset, &header.required, name)?;
     parse_with_omissions(json, name)
 }
 
 /// Returns an error for other versions and for unsupported required extensions.
 fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
-    let wrong_minor = asset.min_version.is_some() && needed != "2.0";
-    if needed.split('.').next() != Some("2") || wrong_minor {
+    let is_wrong_minor = asset.min_version.is_some() && needed != "2.0";
+    if needed.split('.').next() != Some("2") || is_wrong_minor {
         let problem = format!("is glTF of version {needed}; version 2.0 is read");
-        let place = Place::Json("asset".into());
-        return Err(ReadError::malformed(name, place, problem));
+        let location = Place::Json("asset".into());
+        return Err(ReadError::malformed(name, location, problem));
     }
-    let harmless = |required: &str| HARMLESS.iter().any(|known| required.starts_with(known));
+    let is_supported = |required: &str| {
+        SUPPORTED_EXTENSIONS
+            .iter()
+            .any(|known| required.starts_with(known))
+    };
     for (index, required) in required.iter().enumerate() {
-        if !harmless(required) {
-            let place = Place::Json(format!("extensionsRequired[{index}]"));
-            let known: Vec<String> = HARMLESS.iter().map(|known| known_name(known)).collect();
+        if !is_supported(required) {
+            let location = Place::Json(format!("extensionsRequired[{index}]"));
+            let known: Vec<String> = SUPPORTED_EXTENSIONS
+                .iter()
+                .map(|known| known_name(known))
+                .collect();
             let problem = format!(
                 "`{required}` is required and not supported; those that may be are {}",
                 known.join(", ")
             );
-            return Err(ReadError::malformed(name, place, problem));
+            return Err(ReadError::malformed(name, location, problem));
         }
     }
     Ok(())

@@ -24,17 +24,17 @@ impl<T: Clone> Keys<T> {
         source.fail(self.path.as_str(), format!("{}: {error}", self.user))
     }
 
-    /// The outputs of curve `place` of `width` curves with common keys. `side` selects in-tangents, values or
+    /// The outputs of curve `index` of `width` curves with common keys. `side` selects in-tangents, values or
     /// out-tangents of cubic splines. For each key the file lists the in-tangents of all curves, then their values,
     /// then the out-tangents (section 3.11).
-    fn of(&self, place: usize, width: usize, side: usize) -> Vec<T> {
+    fn outputs_of(&self, index: usize, width: usize, side: usize) -> Vec<T> {
         let sides = self.sides();
-        let own = self
+        let curve_outputs = self
             .outputs
             .iter()
-            .skip(side * width + place)
+            .skip(side * width + index)
             .step_by(sides * width);
-        own.cloned().collect()
+        curve_outputs.cloned().collect()
     }
 
     fn sides(&self) -> usize {
@@ -50,9 +50,9 @@ impl<T: Clone> Keys<T> {
         if needed == Some(given) {
             return Ok(());
         }
-        let each = self.sides() * width;
+        let values_per_key = self.sides() * width;
         let problem = format!(
-            "{}: {given} values for {keys} keys of {each} each",
+            "{}: {given} values for {keys} keys of {values_per_key} each",
             self.user
         );
         Err(source.fail(self.path.as_str(), problem))
@@ -70,9 +70,9 @@ where
 {
     keys.check(source, width)?;
     source.charge::<f32>(keys.times.len().saturating_mul(width), &keys.path)?;
-    let curves = (0..width).map(|place| {
+    let curves = (0..width).map(|index| {
         let times = keys.times.clone();
-        let side = |side| keys.of(place, width, side);
+        let side = |side| keys.outputs_of(index, width, side);
         let curve = match keys.interpolation {
             Interpolation::Step => KeyedCurve::step(times, side(0)),
             Interpolation::Linear => KeyedCurve::linear(times, side(0)),
@@ -90,7 +90,7 @@ pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<Rotation
     keys.check(source, 1)?;
     let times = keys.times.clone();
     let rotations = |side| {
-        keys.of(0, 1, side)
+        keys.outputs_of(0, 1, side)
             .into_iter()
             .map(Quat::from_vec4)
             .collect()
@@ -99,7 +99,10 @@ pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<Rotation
         Interpolation::Step => RotationCurve::step(times, rotations(0)),
         Interpolation::Linear => RotationCurve::slerp(times, rotations(0)),
         Interpolation::CubicSpline => {
-            let tangents = keys.of(0, 1, 0).into_iter().zip(keys.of(0, 1, 2));
+            let tangents = keys
+                .outputs_of(0, 1, 0)
+                .into_iter()
+                .zip(keys.outputs_of(0, 1, 2));
             let tangents = tangents.map(|(a, b)| [a, b]).collect();
             RotationCurve::cubic(times, rotations(1), tangents)
         }

@@ -23,7 +23,7 @@ pub(super) struct Meshes {
     /// Weights of all morph targets at rest.
     pub(super) target_weights: Vec<f32>,
     /// Index of the mesh of each node in `meshes`.
-    pub(super) of_node: BTreeMap<usize, usize>,
+    pub(super) index_of_node: BTreeMap<usize, usize>,
 }
 
 pub(super) fn read(
@@ -31,9 +31,10 @@ pub(super) fn read(
     nodes: &Nodes,
     notes: &mut Vec<Note>,
 ) -> Result<Meshes, ReadError> {
-    let mut own = Meshes::default();
-    let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
-    let (mut taken, mut left_out, mut used) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+    let mut meshes = Meshes::default();
+    let mut raw_meshes: BTreeMap<usize, RawMesh> = BTreeMap::new();
+    let (mut used_names, mut left_out, mut used_skins) =
+        (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     // In the order of the bones, so that a scene keeps its order when it is written and read.
     let mut order: Vec<usize> = (0..source.root.nodes.len()).collect();
     order.sort_by_key(|&node| nodes.bone_of[node]);
@@ -48,7 +49,7 @@ pub(super) fn read(
             notes.push(Note::left_out(format!("nodes[{index}].mesh"), what));
             continue;
         }
-        let raw = match raws.get(&mesh) {
+        let raw = match raw_meshes.get(&mesh) {
             Some(raw) => {
                 charge_again(source, raw, index)?;
                 raw
@@ -57,32 +58,37 @@ pub(super) fn read(
                 let raw = primitives::read(source, mesh)?;
                 left_out.extend(raw.left_out.iter().cloned());
                 for (primitive, mode) in &raw.without_triangles {
-                    let place = format!("meshes[{mesh}].primitives[{primitive}]");
-                    notes.push(Note::left_out(
-                        place,
-                        format!("a primitive drawn as {mode}"),
-                    ));
+                    let path = format!("meshes[{mesh}].primitives[{primitive}]");
+                    notes.push(Note::left_out(path, format!("a primitive drawn as {mode}")));
                 }
-                raws.entry(mesh).or_insert(raw)
+                raw_meshes.entry(mesh).or_insert(raw)
             }
         };
         // A mesh without triangles is left out.
         if raw.positions.is_empty() && !raw.without_triangles.is_empty() {
             continue;
         }
-        used.extend(node.skin.map(|skin| skin.value()));
-        own.of_node.insert(index, own.meshes.len());
-        let which = (index, mesh);
-        add(source, which, raw, nodes, &mut own, &mut taken, notes)?;
+        used_skins.extend(node.skin.map(|skin| skin.value()));
+        meshes.index_of_node.insert(index, meshes.meshes.len());
+        let indices = (index, mesh);
+        add(
+            source,
+            indices,
+            raw,
+            nodes,
+            &mut meshes,
+            &mut used_names,
+            notes,
+        )?;
     }
-    for skin in (0..source.root.skins.len()).filter(|skin| !used.contains(skin)) {
+    for skin in (0..source.root.skins.len()).filter(|skin| !used_skins.contains(skin)) {
         skins::check(source, skin, notes)?;
     }
     if !left_out.is_empty() {
         let names: Vec<String> = left_out.into_iter().collect();
         notes.push(Note::left_out("meshes", names.join(", ")));
     }
-    Ok(own)
+    Ok(meshes)
 }
 
 /// Charges the memory limit for a mesh that another node has as well.
@@ -98,8 +104,8 @@ fn add(
     (node_index, mesh_index): (usize, usize),
     raw: &RawMesh,
     nodes: &Nodes,
-    own: &mut Meshes,
-    taken: &mut BTreeSet<String>,
+    meshes: &mut Meshes,
+    used_names: &mut BTreeSet<String>,
     notes: &mut Vec<Note>,
 ) -> Result<(), ReadError> {
     let root = source.root;
@@ -117,32 +123,32 @@ fn add(
         _ => format!("mesh/{mesh_index}"),
     };
     let bone = nodes.bone_of[node_index];
-    let first_morph_weight = own.target_names.len();
+    let first_morph_weight = meshes.target_names.len();
     let mut targets = Vec::with_capacity(raw.targets.len());
     let names = morph_targets::names(entry, raw.targets.len());
     for (deltas, plain) in raw.targets.iter().zip(names) {
         // Another mesh, or this one on another node, may have a target of the name.
-        let unique = match taken.contains(&plain) {
+        let unique = match used_names.contains(&plain) {
             true => {
                 let node = &nodes.bones[bone.index()].name;
-                free_name(format!("{node}/{plain}"), taken)
+                free_name(format!("{node}/{plain}"), used_names)
             }
-            false => free_name(plain, taken),
+            false => free_name(plain, used_names),
         };
         targets.push(deltas.target(&unique).map_err(|error| fail(&error))?);
-        own.target_names.push(unique);
+        meshes.target_names.push(unique);
     }
     let path = || match node.weights {
         Some(_) => format!("nodes[{node_index}].weights"),
         None => format!("meshes[{mesh_index}].weights"),
     };
     match node.weights.as_ref().or(entry.weights.as_ref()) {
-        None => own.target_weights.resize(own.target_names.len(), 0.0),
+        None => meshes.target_weights.resize(meshes.target_names.len(), 0.0),
         Some(weights) if weights.len() == targets.len() => {
             if weights.iter().any(|weight| !weight.is_finite()) {
                 return Err(source.fail(path(), format!("{title}: a weight is not finite")));
             }
-            own.target_weights.extend_from_slice(weights);
+            meshes.target_weights.extend_from_slice(weights);
         }
         Some(weights) => {
             let (given, targets) = (weights.len(), targets.len());
@@ -161,7 +167,7 @@ fn add(
         let what = format!("{title} has joints, but the node has no skin: its weights");
         notes.push(Note::left_out(format!("nodes[{node_index}]"), what));
     }
-    own.meshes.push(SceneMesh {
+    meshes.meshes.push(SceneMesh {
         name,
         bone,
         mesh,

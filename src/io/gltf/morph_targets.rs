@@ -43,15 +43,15 @@ pub(super) fn append(
     ];
     deltas.has_normals |= target.normals.is_some();
     deltas.has_tangents |= target.tangents.is_some();
-    for (place, (what, index)) in parts.into_iter().enumerate() {
+    for (attribute, (what, index)) in parts.into_iter().enumerate() {
         let Some(index) = index else {
             continue;
         };
         let user = format!("{user}, {what}");
         let vec3 = |[x, y, z]: [f64; 3]| Vec3::new(x as f32, y as f32, z as f32);
         for (vertex, delta) in source.deltas(index, count, &user, vec3)? {
-            let own = deltas.vertices.entry(first as u32 + vertex).or_default();
-            if let Some(part) = own.get_mut(place) {
+            let vertex_deltas = deltas.vertices.entry(first as u32 + vertex).or_default();
+            if let Some(part) = vertex_deltas.get_mut(attribute) {
                 *part = delta;
             }
         }

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 
 use gltf_json::Node;
 
-use super::node_transform::{Local, local};
+use super::node_transform::{NodeRest, local};
 use super::note::Note;
 use super::source::Source;
 use crate::animation::ArmatureBone;
@@ -42,27 +42,27 @@ pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, 
     let parents = parents(source)?;
     let order = order(source, &parents)?;
     let names = names(source, notes);
-    let mut place = vec![0; nodes.len()];
+    let mut bone_index = vec![0; nodes.len()];
     let mut bones = Vec::with_capacity(nodes.len());
-    for (at, &index) in order.iter().enumerate() {
-        place[index] = at;
+    for (position, &index) in order.iter().enumerate() {
+        bone_index[index] = position;
         let rest = local(&nodes[index]).map_err(|(key, problem)| {
             let problem = format!("{}: {problem}", node_label(nodes, index));
             source.fail(format!("nodes[{index}].{key}"), problem)
         })?;
-        let Local { rest, repair } = rest;
+        let NodeRest { rest, repair } = rest;
         if let Some(repair) = repair {
             notes.push(Note::repaired(format!("nodes[{index}].rotation"), repair));
         }
         bones.push(ArmatureBone {
             name: names[index].clone(),
-            parent: parents[index].map(|parent| place[parent]),
+            parent: parents[index].map(|parent| bone_index[parent]),
             rest,
         });
     }
     Ok(Nodes {
         bones,
-        bone_of: place.into_iter().map(BoneId::new).collect(),
+        bone_of: bone_index.into_iter().map(BoneId::new).collect(),
         in_scene: in_scene(source)?,
     })
 }
@@ -72,15 +72,15 @@ fn parents(source: &Source<'_>) -> Result<Vec<Option<usize>>, ReadError> {
     let nodes = &source.root.nodes;
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
-        for (at, child) in node.children.iter().flatten().enumerate() {
-            let path = || format!("nodes[{index}].children[{at}]");
+        for (child_index, child) in node.children.iter().flatten().enumerate() {
+            let path = || format!("nodes[{index}].children[{child_index}]");
             let Some(parent) = parents.get_mut(child.value()) else {
                 return Err(missing_node(source, path(), child.value()));
             };
             if let Some(other) = parent.replace(index) {
-                let [child, other, own] =
+                let [child, other, second_parent] =
                     [child.value(), other, index].map(|index| node_label(nodes, index));
-                let problem = format!("{child} is a child of {other} and of {own}");
+                let problem = format!("{child} is a child of {other} and of {second_parent}");
                 return Err(source.fail(path(), problem));
             }
         }
@@ -123,20 +123,20 @@ fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, R
 fn names(source: &Source<'_>, notes: &mut Vec<Note>) -> Vec<String> {
     let nodes = &source.root.nodes;
     let given = |node: &Node| node.name.clone().filter(|name| !name.is_empty());
-    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut used_names: BTreeSet<String> = BTreeSet::new();
     let mut order: Vec<usize> = (0..nodes.len()).collect();
     let ranks = ranks(source);
     order.sort_by_key(|&index| Reverse(ranks[index]));
-    let mut keeps = vec![None; nodes.len()];
+    let mut kept_names = vec![None; nodes.len()];
     for index in order {
-        keeps[index] = given(&nodes[index]).filter(|name| taken.insert(name.clone()));
+        kept_names[index] = given(&nodes[index]).filter(|name| used_names.insert(name.clone()));
     }
-    let named = keeps.into_iter().zip(nodes).enumerate();
+    let named = kept_names.into_iter().zip(nodes).enumerate();
     named
-        .map(|(index, (kept, node))| {
-            kept.unwrap_or_else(|| {
+        .map(|(index, (kept_name, node))| {
+            kept_name.unwrap_or_else(|| {
                 let stem = given(node).unwrap_or_else(|| "node".into());
-                let name = free_name(format!("{stem}/{index}"), &mut taken);
+                let name = free_name(format!("{stem}/{index}"), &mut used_names);
                 notes.push(Note::Named {
                     node: index,
                     name: name.clone(),
@@ -162,7 +162,12 @@ fn ranks(source: &Source<'_>) -> Vec<Rank> {
             *rank = to.max(*rank);
         }
     };
-    for channel in source.root.animations.iter().flat_map(|own| &own.channels) {
+    for channel in source
+        .root
+        .animations
+        .iter()
+        .flat_map(|animation| &animation.channels)
+    {
         raise(channel.target.node.value(), Rank::Animated);
     }
     for joint in source.root.skins.iter().flat_map(|skin| &skin.joints) {
@@ -172,8 +177,8 @@ fn ranks(source: &Source<'_>) -> Vec<Rank> {
 }
 
 /// Appends marks to a name until it is unused, and reserves it.
-pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> String {
-    while !taken.insert(name.clone()) {
+pub(super) fn free_name(mut name: String, used_names: &mut BTreeSet<String>) -> String {
+    while !used_names.insert(name.clone()) {
         name.push('\'');
     }
     name
@@ -182,19 +187,22 @@ pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> Strin
 /// The nodes of the displayed scene: the scene that the file names, or else the first, or else all nodes.
 fn in_scene(source: &Source<'_>) -> Result<Vec<bool>, ReadError> {
     let (nodes, scenes) = (&source.root.nodes, &source.root.scenes);
-    let shown = source.root.scene.map_or(0, |scene| scene.value());
-    let Some(scene) = scenes.get(shown) else {
+    let scene_index = source.root.scene.map_or(0, |scene| scene.value());
+    let Some(scene) = scenes.get(scene_index) else {
         if source.root.scene.is_some() {
-            let problem = format!("scene {shown} does not exist; there are {}", scenes.len());
+            let problem = format!(
+                "scene {scene_index} does not exist; there are {}",
+                scenes.len()
+            );
             return Err(source.fail("scene", problem));
         }
         return Ok(vec![true; nodes.len()]);
     };
     let mut seen = vec![false; nodes.len()];
     let mut stack = Vec::new();
-    for (at, root) in scene.nodes.iter().enumerate() {
+    for (root_index, root) in scene.nodes.iter().enumerate() {
         if root.value() >= nodes.len() {
-            let path = format!("scenes[{shown}].nodes[{at}]");
+            let path = format!("scenes[{scene_index}].nodes[{root_index}]");
             return Err(missing_node(source, path, root.value()));
         }
         stack.push(root.value());

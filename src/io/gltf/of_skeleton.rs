@@ -34,16 +34,18 @@ impl Scene {
         skeleton: &Skeleton,
         skin: Option<(&TriangleMesh, &SkinWeights)>,
     ) -> Result<Self, SceneError> {
-        let bare = Armature::of_skeleton(skeleton);
+        let skeleton_armature = Armature::of_skeleton(skeleton);
         let Some((mesh, weights)) = skin else {
-            return Ok(Self::bare(bare));
+            return Ok(Self::without_meshes(skeleton_armature));
         };
-        let (joints, joint_from_mesh) =
-            (bare.bone_ids().collect(), bare.rest_from_model().to_vec());
+        let (joints, joint_from_mesh) = (
+            skeleton_armature.bone_ids().collect(),
+            skeleton_armature.rest_from_model().to_vec(),
+        );
         // On a root of its own: a skinned node ignores its parents (section 3.7.3.3).
-        let (armature, bone) = bare.with_root("mesh");
+        let (armature, bone) = skeleton_armature.with_root("mesh");
         let vertices = mesh.positions().len();
-        let own = SceneMesh {
+        let scene_mesh = SceneMesh {
             name: "mesh".into(),
             bone,
             mesh: mesh.clone(),
@@ -57,13 +59,13 @@ impl Scene {
                 weights: weights.clone(),
             }),
         };
-        own.check(&armature)?;
-        let mut scene = Self::bare(armature);
-        scene.meshes.push(own);
+        scene_mesh.check(&armature)?;
+        let mut scene = Self::without_meshes(armature);
+        scene.meshes.push(scene_mesh);
         Ok(scene)
     }
 
-    fn bare(armature: Armature) -> Self {
+    fn without_meshes(armature: Armature) -> Self {
         Self {
             armature,
             meshes: Vec::new(),

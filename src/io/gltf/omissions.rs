@@ -55,12 +55,15 @@ pub(super) type Nodeless = BTreeSet<(usize, usize)>;
 pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     // If this fails, parsing the whole document reports the error.
     let outline: Option<Outline> = serde_json::from_slice(json).ok();
-    let omits = outline.is_some_and(|outline| {
-        let channels = outline.animations.iter().flat_map(|own| &own.channels);
+    let has_omissions = outline.is_some_and(|outline| {
+        let channels = outline
+            .animations
+            .iter()
+            .flat_map(|animation| &animation.channels);
         outline.scenes.iter().any(|scene| scene.nodes.is_none())
             || channels.into_iter().any(Channel::has_no_node)
     });
-    if !omits {
+    if !has_omissions {
         return Ok((parse_by(Root::from_slice, json, name)?, Nodeless::new()));
     }
     let mut document: Map<String, Value> = parse(json, name)?;
@@ -69,8 +72,8 @@ pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nod
     }
     let mut nodeless = Nodeless::new();
     for (number, animation) in objects(&mut document, "animations").enumerate() {
-        for (channel, own) in objects(animation, "channels").enumerate() {
-            let target = own.get_mut("target").and_then(Value::as_object_mut);
+        for (channel, object) in objects(animation, "channels").enumerate() {
+            let target = object.get_mut("target").and_then(Value::as_object_mut);
             let Some(target) = target.filter(|target| !target.contains_key("node")) else {
                 continue;
             };

@@ -117,7 +117,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     /// The pose belongs to another armature, or a number is not finite. With dual quaternions also a joint that mirrors
     /// or is singular.
     pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
-        self.place(pose)?;
+        self.update_placements(pose)?;
         let meshes = 0..self.scene.borrow().meshes.len();
         meshes.map(|index| self.posed(index, pose)).collect()
     }
@@ -128,43 +128,43 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     /// # Errors
     /// As [`meshes`](Self::meshes), or a buffer without one entry for each vertex or normal of all meshes.
     pub fn deform(&mut self, pose: &Pose, posed: PosedVertices<'_>) -> Result<(), PosingError> {
-        self.place(pose)?;
+        self.update_placements(pose)?;
         let meshes = &self.scene.borrow().meshes;
-        let all = |of: fn(&TriangleMesh) -> usize| meshes.iter().map(|m| of(&m.mesh)).sum();
-        let sized = |what, given: usize, all: usize| match given {
+        let total = |count: fn(&TriangleMesh) -> usize| meshes.iter().map(|m| count(&m.mesh)).sum();
+        let sized = |what, given: usize, expected: usize| match given {
             0 => Ok(()),
-            _ => SizeMismatch::check(what, given, all),
+            _ => SizeMismatch::check(what, given, expected),
         };
-        let points = all(|mesh| mesh.positions().len());
+        let points = total(|mesh| mesh.positions().len());
         sized("posed positions", posed.positions.len(), points)?;
-        let directions = all(|mesh| mesh.normals().len());
+        let directions = total(|mesh| mesh.normals().len());
         sized("posed normals", posed.normals.len(), directions)?;
         let (mut positions, mut normals) = (posed.positions, posed.normals);
         for index in 0..meshes.len() {
             let mesh = &self.scene.borrow().meshes[index];
             let morphed = morphed(mesh, pose)?;
             let morphed = morphed.as_ref().unwrap_or(&mesh.mesh);
-            let (own_positions, positions_after) =
+            let (mesh_positions, positions_after) =
                 positions.split_at_mut(morphed.positions().len().min(positions.len()));
-            let (own_normals, normals_after) =
+            let (mesh_normals, normals_after) =
                 normals.split_at_mut(morphed.normals().len().min(normals.len()));
-            let own = PosedVertices {
-                positions: own_positions,
-                normals: own_normals,
+            let mesh_vertices = PosedVertices {
+                positions: mesh_positions,
+                normals: mesh_normals,
                 tangents: &mut [],
             };
-            let rest = own.wanted_of(morphed);
+            let rest = mesh_vertices.rest_of(morphed);
             let method = self.method_of(mesh);
-            move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
+            update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
             self.weights[index]
-                .deform(method, &self.posed_from_mesh, rest, own)
+                .deform(method, &self.posed_from_mesh, rest, mesh_vertices)
                 .map_err(PosingError::skinning(mesh))?;
             (positions, normals) = (positions_after, normals_after);
         }
         Ok(())
     }
 
-    fn place(&mut self, pose: &Pose) -> Result<(), PosingError> {
+    fn update_placements(&mut self, pose: &Pose) -> Result<(), PosingError> {
         let armature = &self.scene.borrow().armature;
         armature.rest().check_same_size(pose)?;
         armature.local_to_model(pose, &mut self.model_from_bone)?;
@@ -209,7 +209,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, PosingError> {
         let mesh = &self.scene.borrow().meshes[index];
         let method = self.method_of(mesh);
-        move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
+        update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
         let morphed = morphed(mesh, pose)?;
         let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
         let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
@@ -218,24 +218,28 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
         if mesh.skin.is_some() || !self.posed_from_mesh.iter().any(mirrors) {
             return Ok(moved);
         }
-        let turned = moved.triangles().iter().map(|&[a, b, c]| [a, c, b]);
+        let flipped = moved.triangles().iter().map(|&[a, b, c]| [a, c, b]);
         let (positions, normals) = (moved.positions().to_vec(), moved.normals().to_vec());
-        let turned = TriangleMesh::new(positions, normals, turned.collect());
-        turned.map_err(PosingError::mesh(&mesh.name))
+        let flipped = TriangleMesh::new(positions, normals, flipped.collect());
+        flipped.map_err(PosingError::mesh(&mesh.name))
     }
 }
 
 /// The transforms from the mesh to the pose, of the mesh's joints or of its bone.
-fn move_with(mesh: &SceneMesh, model_from_bone: &[Affine3A], posed_from_mesh: &mut Vec<Affine3A>) {
-    let place = |bone: usize| model_from_bone.get(bone).copied().unwrap_or_default();
+fn update_mesh_transforms(
+    mesh: &SceneMesh,
+    model_from_bone: &[Affine3A],
+    posed_from_mesh: &mut Vec<Affine3A>,
+) {
+    let placement = |bone: usize| model_from_bone.get(bone).copied().unwrap_or_default();
     posed_from_mesh.clear();
     match &mesh.skin {
         Some(skin) => {
             let joints = skin.joints.iter().zip(&skin.joint_from_mesh);
-            let moved = joints.map(|(joint, bound)| place(joint.index()) * *bound);
+            let moved = joints.map(|(joint, bound)| placement(joint.index()) * *bound);
             posed_from_mesh.extend(moved);
         }
-        None => posed_from_mesh.push(place(mesh.bone.index())),
+        None => posed_from_mesh.push(placement(mesh.bone.index())),
     }
 }
 

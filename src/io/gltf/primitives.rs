@@ -29,7 +29,7 @@ struct Attributes {
 
 /// Number of vertex blocks with each attribute that is kept only if all blocks have it.
 #[derive(Default)]
-struct Having {
+struct AttributeCounts {
     normals: usize,
     tangents: usize,
     joints: usize,
@@ -40,19 +40,21 @@ pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadErr
     let mesh = source.entry(&source.root.meshes, ("meshes", index), None)?;
     let name = label("mesh", index, mesh.name.as_ref());
     let mut raw = RawMesh::default();
-    let mut having = Having::default();
+    let mut counts = AttributeCounts::default();
     let mut blocks: BTreeMap<VertexKey, (u32, usize)> = BTreeMap::new();
     let target_count = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
-    let mut solid = Vec::with_capacity(mesh.primitives.len());
+    let mut with_triangles = Vec::with_capacity(mesh.primitives.len());
     for (number, primitive) in mesh.primitives.iter().enumerate() {
         match triangles::without_triangles(primitive) {
-            None => solid.push((number, primitive)),
+            None => with_triangles.push((number, primitive)),
             Some(mode) => raw.without_triangles.push((number, format!("{mode:?}"))),
         }
     }
-    let targets = solid.first().map_or(0, |(_, first)| target_count(first));
+    let targets = with_triangles
+        .first()
+        .map_or(0, |(_, first)| target_count(first));
     raw.targets = vec![Deltas::default(); targets];
-    for (number, primitive) in solid {
+    for (number, primitive) in with_triangles {
         let path = format!("meshes[{index}].primitives[{number}]");
         let user = format!("{name}, primitive {number}");
         if target_count(primitive) != targets {
@@ -67,7 +69,7 @@ pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadErr
             Some(block) => *block,
             None => {
                 let first = raw.positions.len() as u32;
-                let count = vertices(source, primitive, &path, &user, &mut raw, &mut having)?;
+                let count = vertices(source, primitive, &path, &user, &mut raw, &mut counts)?;
                 blocks.insert(key, (first, count));
                 (first, count)
             }
@@ -75,7 +77,7 @@ pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadErr
         let block = [first as usize, count];
         triangles::append(source, primitive, &path, &user, block, &mut raw)?;
     }
-    keep_what_all_have(&having, &mut raw);
+    keep_common_attributes(&counts, &mut raw);
     Ok(raw)
 }
 
@@ -96,39 +98,40 @@ fn vertices(
     path: &str,
     user: &str,
     raw: &mut RawMesh,
-    having: &mut Having,
+    counts: &mut AttributeCounts,
 ) -> Result<usize, ReadError> {
     let attributes = attributes(primitive, &mut raw.left_out);
-    let of = |what: &str| format!("{user}, {what}");
+    let attribute_user = |what: &str| format!("{user}, {what}");
     let Some(positions) = attributes.positions else {
         let path = format!("{path}.attributes");
         return Err(source.fail(path, format!("{user}: has no POSITION")));
     };
-    let count = source.count(positions, &of("POSITION"))?;
+    let count = source.count(positions, &attribute_user("POSITION"))?;
     let first = raw.positions.len();
     let end = first.checked_add(count);
     if end.is_none_or(|end| u32::try_from(end).is_err()) {
         let problem = format!("{user}: has more vertices than can be counted");
         return Err(source.fail(path, problem));
     }
-    let same = |index: Index<Accessor>, what: &str| match source.count(index, &of(what))? {
-        given if given == count => Ok(of(what)),
-        given => {
-            let problem = format!("{user}: {given} entries for {count} vertices");
-            Err(source.fail(format!("{path}.attributes.{what}"), problem))
-        }
-    };
+    let check_count =
+        |index: Index<Accessor>, what: &str| match source.count(index, &attribute_user(what))? {
+            given if given == count => Ok(attribute_user(what)),
+            given => {
+                let problem = format!("{user}: {given} entries for {count} vertices");
+                Err(source.fail(format!("{path}.attributes.{what}"), problem))
+            }
+        };
     let vec3 = |[x, y, z]: [f64; 3]| Vec3::new(x as f32, y as f32, z as f32);
     raw.positions
-        .extend(source.read(positions, &of("POSITION"), vec3)?);
-    having.blocks += 1;
+        .extend(source.read(positions, &attribute_user("POSITION"), vec3)?);
+    counts.blocks += 1;
     if let Some(normals) = attributes.normals {
-        let user = same(normals, "NORMAL")?;
+        let user = check_count(normals, "NORMAL")?;
         raw.normals.extend(source.read(normals, &user, vec3)?);
-        having.normals += 1;
+        counts.normals += 1;
     }
     if let Some(tangents) = attributes.tangents {
-        let user = same(tangents, "TANGENT")?;
+        let user = check_count(tangents, "TANGENT")?;
         let vec4 = |v: [f64; 4]| Vec4::from_array(v.map(|number| number as f32));
         let read = source.read(tangents, &user, vec4)?;
         if let Some(vertex) = read.iter().position(|tangent| !tangent.is_finite()) {
@@ -136,20 +139,20 @@ fn vertices(
             return Err(source.fail(format!("{path}.attributes.TANGENT"), problem));
         }
         raw.tangents.extend(read);
-        having.tangents += 1;
+        counts.tangents += 1;
     }
     if !attributes.joints.keys().eq(attributes.weights.keys()) {
         let problem = format!("{user}: there must be as many JOINTS_n as WEIGHTS_n");
         return Err(source.fail(format!("{path}.attributes"), problem));
     }
-    having.joints += usize::from(!attributes.joints.is_empty());
+    counts.joints += usize::from(!attributes.joints.is_empty());
     for (set, joints) in &attributes.joints {
-        let user = same(*joints, &format!("JOINTS_{set}"))?;
+        let user = check_count(*joints, &format!("JOINTS_{set}"))?;
         let joints: Vec<[u32; 4]> = source.read_indices(*joints, &user)?;
         let Some(weights) = attributes.weights.get(set) else {
             continue;
         };
-        let user = same(*weights, &format!("WEIGHTS_{set}"))?;
+        let user = check_count(*weights, &format!("WEIGHTS_{set}"))?;
         let weights = source.read(*weights, &user, |weights: [f64; 4]| weights)?;
         source.charge::<JointWeight>(4 * count, path)?;
         for (vertex, (joints, weights)) in (first as u32..).zip(joints.iter().zip(&weights)) {
@@ -178,41 +181,41 @@ fn vertices(
 }
 
 fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attributes {
-    let mut own = Attributes::default();
+    let mut attributes = Attributes::default();
     for (semantic, &index) in &primitive.attributes {
         match semantic {
-            Checked::Valid(Semantic::Positions) => own.positions = Some(index),
-            Checked::Valid(Semantic::Normals) => own.normals = Some(index),
-            Checked::Valid(Semantic::Tangents) => own.tangents = Some(index),
+            Checked::Valid(Semantic::Positions) => attributes.positions = Some(index),
+            Checked::Valid(Semantic::Normals) => attributes.normals = Some(index),
+            Checked::Valid(Semantic::Tangents) => attributes.tangents = Some(index),
             Checked::Valid(Semantic::Joints(set)) => {
-                own.joints.insert(*set, index);
+                attributes.joints.insert(*set, index);
             }
             Checked::Valid(Semantic::Weights(set)) => {
-                own.weights.insert(*set, index);
+                attributes.weights.insert(*set, index);
             }
             other => {
                 left_out.insert(other.to_string());
             }
         }
     }
-    own
+    attributes
 }
 
 /// Removes normals and tangents that only some primitives have.
-fn keep_what_all_have(having: &Having, raw: &mut RawMesh) {
-    let mut keep = |what: &str, given: usize, had: bool| {
-        let keeps = given == having.blocks;
-        if !keeps && had {
+fn keep_common_attributes(counts: &AttributeCounts, raw: &mut RawMesh) {
+    let mut keep_if_common = |what: &str, count: usize, exists: bool| {
+        let is_common = count == counts.blocks;
+        if !is_common && exists {
             let left_out = format!("{what}, as not every primitive has it");
             raw.left_out.insert(left_out);
         }
-        keeps
+        is_common
     };
-    if !keep("NORMAL", having.normals, !raw.normals.is_empty()) {
+    if !keep_if_common("NORMAL", counts.normals, !raw.normals.is_empty()) {
         raw.normals.clear();
     }
-    if !keep("TANGENT", having.tangents, !raw.tangents.is_empty()) {
+    if !keep_if_common("TANGENT", counts.tangents, !raw.tangents.is_empty()) {
         raw.tangents.clear();
     }
-    raw.is_skinned = having.blocks > 0 && having.joints == having.blocks;
+    raw.is_skinned = counts.blocks > 0 && counts.joints == counts.blocks;
 }

@@ -93,7 +93,7 @@ impl SceneMesh {
 
     /// Checks that its parts match in size and exist in the armature.
     pub(super) fn check(&self, armature: &Armature) -> Result<(), SceneError> {
-        let same = |what, given, expected| {
+        let check_count = |what, given, expected| {
             let mesh = || self.name.clone();
             let checked = SizeMismatch::check(what, given, expected);
             checked.map_err(|problem| SceneError {
@@ -101,16 +101,21 @@ impl SceneMesh {
                 problem,
             })
         };
-        let exists = |bone: BoneId| same("bones at least", armature.bones(), bone.index() + 1);
+        let exists =
+            |bone: BoneId| check_count("bones at least", armature.bones(), bone.index() + 1);
         let vertices = self.mesh.positions().len();
         if !self.tangents.is_empty() {
-            same("tangents", self.tangents.len(), vertices)?;
+            check_count("tangents", self.tangents.len(), vertices)?;
         }
         if !self.morph_targets.targets().is_empty() {
-            let own = self.morph_targets.vertex_count();
-            same("vertices of morph targets", own, vertices)?;
-            let (last, all) = (self.morph_weights().end, armature.morph_targets().len());
-            same("morph targets in the armature", all, last.max(all))?;
+            let target_vertices = self.morph_targets.vertex_count();
+            check_count("vertices of morph targets", target_vertices, vertices)?;
+            let (last, target_count) = (self.morph_weights().end, armature.morph_targets().len());
+            check_count(
+                "morph targets in the armature",
+                target_count,
+                last.max(target_count),
+            )?;
         }
         if armature.bone_at(self.bone.index()).is_none() {
             exists(self.bone)?;
@@ -118,17 +123,21 @@ impl SceneMesh {
         let Some(skin) = &self.skin else {
             return Ok(());
         };
-        let (joints, bound) = (skin.joints.len(), &skin.joint_from_mesh);
-        same("inverse bind matrices", bound.len(), joints)?;
-        let finite = bound.iter().filter(|m| m.is_finite()).count();
-        same("finite inverse bind matrices", finite, bound.len())?;
+        let (joints, joint_from_mesh) = (skin.joints.len(), &skin.joint_from_mesh);
+        check_count("inverse bind matrices", joint_from_mesh.len(), joints)?;
+        let finite = joint_from_mesh.iter().filter(|m| m.is_finite()).count();
+        check_count(
+            "finite inverse bind matrices",
+            finite,
+            joint_from_mesh.len(),
+        )?;
         let weights = &skin.weights;
-        same("bones in the weights", weights.bone_count(), joints)?;
-        same("vertices with weights", weights.vertex_count(), vertices)?;
-        let beyond = skin
+        check_count("bones in the weights", weights.bone_count(), joints)?;
+        check_count("vertices with weights", weights.vertex_count(), vertices)?;
+        let unknown_joint = skin
             .joints
             .iter()
             .find(|joint| armature.bone_at(joint.index()).is_none());
-        beyond.map_or(Ok(()), |joint| exists(*joint))
+        unknown_joint.map_or(Ok(()), |joint| exists(*joint))
     }
 }

@@ -24,9 +24,9 @@ pub(super) fn read(
     let entry = source.entry(&source.root.skins, ("skins", index), None)?;
     let user = label("skin", index, entry.name.as_ref());
     let mut joints = Vec::with_capacity(entry.joints.len());
-    for (at, joint) in entry.joints.iter().enumerate() {
+    for (joint_index, joint) in entry.joints.iter().enumerate() {
         let bone = bone_of.get(joint.value()).ok_or_else(|| {
-            let path = format!("skins[{index}].joints[{at}]");
+            let path = format!("skins[{index}].joints[{joint_index}]");
             missing_node(source, path, joint.value())
         })?;
         joints.push(*bone);
@@ -37,7 +37,7 @@ pub(super) fn read(
     }
     Ok(Skin {
         name: entry.name.clone().unwrap_or_default(),
-        joint_from_mesh: bound(source, entry, (index, &user), notes)?,
+        joint_from_mesh: read_inverse_bind_matrices(source, entry, (index, &user), notes)?,
         weights: weights(source, mesh, joints.len(), notes)?,
         joints,
     })
@@ -52,12 +52,12 @@ pub(super) fn check(
     let entry = source.root.skins.get(index);
     entry.map_or(Ok(()), |entry| {
         let user = label("skin", index, entry.name.as_ref());
-        bound(source, entry, (index, &user), notes).map(|_| ())
+        read_inverse_bind_matrices(source, entry, (index, &user), notes).map(|_| ())
     })
 }
 
 /// Inverse bind matrices, one per joint; identities if the file has none.
-fn bound(
+fn read_inverse_bind_matrices(
     source: &Source<'_>,
     entry: &Entry,
     (index, user): (usize, &str),
@@ -87,7 +87,8 @@ fn bound(
             if let Some(repair) = repair {
                 notes.push(Note::repaired(format!("{path}[{joint}]"), repair));
             }
-            let column = |at: usize| Vec3A::new(matrix[at], matrix[at + 1], matrix[at + 2]);
+            let column =
+                |first: usize| Vec3A::new(matrix[first], matrix[first + 1], matrix[first + 2]);
             Ok(Affine3A {
                 matrix3: Mat3A::from_cols(column(0), column(4), column(8)),
                 translation: column(12),
@@ -110,21 +111,21 @@ fn weights(
         let problem = "it has a skin, but not every primitive has JOINTS_0 and WEIGHTS_0";
         return Err(fail(problem.into()));
     }
-    let mut shares = raw.joints.clone();
-    shares.sort_by_key(|share| (share.vertex, share.joint));
-    let given = shares.len();
-    shares.dedup_by(|second, first| {
-        let same = (second.vertex, second.joint) == (first.vertex, first.joint);
-        if same {
+    let mut joint_weights = raw.joints.clone();
+    joint_weights.sort_by_key(|entry| (entry.vertex, entry.joint));
+    let given = joint_weights.len();
+    joint_weights.dedup_by(|second, first| {
+        let is_duplicate = (second.vertex, second.joint) == (first.vertex, first.joint);
+        if is_duplicate {
             first.weight += second.weight;
         }
-        same
+        is_duplicate
     });
-    let merged = given - shares.len();
-    let unweighted = bind_unweighted(&mut shares, joints);
+    let merged = given - joint_weights.len();
+    let unweighted = bind_unweighted(&mut joint_weights, joints);
     let mut builder = SkinWeights::builder(raw.positions.len(), joints);
-    for share in shares {
-        let added = builder.add(share.vertex as usize, share.joint as usize, share.weight);
+    for entry in joint_weights {
+        let added = builder.add(entry.vertex as usize, entry.joint as usize, entry.weight);
         added.map_err(|error| fail(error.to_string()))?;
     }
     let (weights, repair) = builder
@@ -142,12 +143,12 @@ fn weights(
 }
 
 /// Gives each vertex whose weights are all 0 the weight 1 at its first joint, as three.js does. Joint 0 is used if the
-/// skin has no such joint. `shares` are sorted by vertex. Returns the number of these vertices.
-fn bind_unweighted(shares: &mut [JointWeight], joints: usize) -> usize {
+/// skin has no such joint. `joint_weights` are sorted by vertex. Returns the number of these vertices.
+fn bind_unweighted(joint_weights: &mut [JointWeight], joints: usize) -> usize {
     let mut count = 0;
-    for of_vertex in shares.chunk_by_mut(|a, b| a.vertex == b.vertex) {
-        let weighted = of_vertex.iter().any(|share| share.weight != 0.0);
-        if let Some(first) = of_vertex.first_mut().filter(|_| !weighted) {
+    for vertex_weights in joint_weights.chunk_by_mut(|a, b| a.vertex == b.vertex) {
+        let has_weight = vertex_weights.iter().any(|entry| entry.weight != 0.0);
+        if let Some(first) = vertex_weights.first_mut().filter(|_| !has_weight) {
             first.weight = 1.0;
             if first.joint as usize >= joints {
                 first.joint = 0;

@@ -9,16 +9,16 @@ use crate::io::{Place, ReadError};
 
 /// Largest decoded size per byte of the file. Accessors may share bytes or have none, so a short file could otherwise
 /// need any amount of memory.
-const GROWTH: usize = 256;
+const MAX_BYTES_PER_FILE_BYTE: usize = 256;
 /// Smallest limit of the decoded size, bytes.
-const LEAST_ROOM: usize = 1 << 18;
+const MIN_MEMORY_LIMIT: usize = 1 << 18;
 
 /// A document with its buffers.
 pub(super) struct Source<'a> {
     pub(super) name: &'a str,
     pub(super) root: &'a Root,
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
-    room: Cell<usize>,
+    memory_left: Cell<usize>,
 }
 
 impl<'a> Source<'a> {
@@ -29,12 +29,14 @@ impl<'a> Source<'a> {
         buffers: Vec<Cow<'a, [u8]>>,
     ) -> Self {
         let bytes = buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
-        let room = bytes.saturating_add(json_length).saturating_mul(GROWTH);
+        let limit = bytes
+            .saturating_add(json_length)
+            .saturating_mul(MAX_BYTES_PER_FILE_BYTE);
         Self {
             name,
             root,
             buffers,
-            room: Cell::new(room.saturating_add(LEAST_ROOM)),
+            memory_left: Cell::new(limit.saturating_add(MIN_MEMORY_LIMIT)),
         }
     }
 
@@ -59,10 +61,12 @@ impl<'a> Source<'a> {
     /// Subtracts `count` entries of type `T` from the remaining decoded size.
     pub(super) fn charge<T>(&self, count: usize, path: &str) -> Result<(), ReadError> {
         let bytes = count.checked_mul(size_of::<T>());
-        let left = bytes.and_then(|bytes| self.room.get().checked_sub(bytes));
-        left.map(|left| self.room.set(left)).ok_or_else(|| {
-            let problem = "it would take memory out of proportion to the file";
-            self.fail(path, problem)
-        })
+        let remaining = bytes.and_then(|bytes| self.memory_left.get().checked_sub(bytes));
+        remaining
+            .map(|remaining| self.memory_left.set(remaining))
+            .ok_or_else(|| {
+                let problem = "it would take memory out of proportion to the file";
+                self.fail(path, problem)
+            })
     }
 }

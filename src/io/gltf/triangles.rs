@@ -52,28 +52,28 @@ pub(super) fn append(
         return Err(source.fail(format!("{path}.indices"), problem));
     }
     source.charge::<[u32; 3]>(indices.len(), path)?;
-    let moved = |triangle: [u32; 3]| triangle.map(|index| index + first as u32);
+    let offset = |triangle: [u32; 3]| triangle.map(|index| index + first as u32);
     let corners = |window: &[u32]| <[u32; 3]>::try_from(window).unwrap_or_default();
     match mode {
         Mode::Triangles => {
             raw.triangles
-                .extend(indices.chunks_exact(3).map(corners).map(moved));
+                .extend(indices.chunks_exact(3).map(corners).map(offset));
         }
         // Section 3.7.2.1. Degenerate triangles only stitch strips together.
         Mode::TriangleStrip => {
             let windows = indices.windows(3).map(corners).enumerate();
-            let turned = windows.map(|(number, [a, b, c])| match number % 2 {
+            let oriented = windows.map(|(number, [a, b, c])| match number % 2 {
                 0 => [a, b, c],
                 _ => [a, c, b],
             });
-            let solid = turned.filter(|[a, b, c]| a != b && b != c && c != a);
-            raw.triangles.extend(solid.map(moved));
+            let nondegenerate = oriented.filter(|[a, b, c]| a != b && b != c && c != a);
+            raw.triangles.extend(nondegenerate.map(offset));
         }
         _ => {
             let hub = indices.first().copied().unwrap_or(0);
             let rim = indices.get(1..).unwrap_or(&[]).windows(2);
             let fan = rim.filter_map(|pair| Some([*pair.first()?, *pair.last()?, hub]));
-            raw.triangles.extend(fan.map(moved));
+            raw.triangles.extend(fan.map(offset));
         }
     }
     Ok(())

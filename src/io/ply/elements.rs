@@ -22,7 +22,7 @@ impl Vertex {
 
     fn set(&mut self, name: &str, value: Option<f64>) -> PropertyAccessResult {
         let [x, y, z, nx, ny, nz] = &mut self.0;
-        let place = match name {
+        let component = match name {
             "x" => x,
             "y" => y,
             "z" => z,
@@ -33,7 +33,7 @@ impl Vertex {
         };
         match value {
             Some(value) => {
-                *place = value;
+                *component = value;
                 PropertyAccessResult::Set
             }
             None => PropertyAccessResult::UnsupportedType,

@@ -141,12 +141,16 @@ fn put_entry<T: Copy + std::fmt::Display>(
     bytes: &mut Vec<u8>,
     values: impl Iterator<Item = T>,
     encoding: PlyEncoding,
-    little: impl Fn(T) -> [u8; 4],
-    big: impl Fn(T) -> [u8; 4],
+    to_little_endian: impl Fn(T) -> [u8; 4],
+    to_big_endian: impl Fn(T) -> [u8; 4],
 ) {
     match encoding {
-        PlyEncoding::BinaryLittleEndian => values.for_each(|v| bytes.extend_from_slice(&little(v))),
-        PlyEncoding::BinaryBigEndian => values.for_each(|v| bytes.extend_from_slice(&big(v))),
+        PlyEncoding::BinaryLittleEndian => {
+            values.for_each(|v| bytes.extend_from_slice(&to_little_endian(v)))
+        }
+        PlyEncoding::BinaryBigEndian => {
+            values.for_each(|v| bytes.extend_from_slice(&to_big_endian(v)))
+        }
         PlyEncoding::Ascii => {
             let words: Vec<String> = values.map(|v| v.to_string()).collect();
             bytes.extend_from_slice(words.join(" ").as_bytes());
@@ -208,12 +212,12 @@ impl Source<'_> {
             return Ok(());
         }
         let problem = format!("{} bytes are left after the last entry", rest.len());
-        let place = Place::Byte(self.offset());
-        Err(ReadError::malformed(self.name, place, problem))
+        let location = Place::Byte(self.offset());
+        Err(ReadError::malformed(self.name, location, problem))
     }
 
     fn fail(&self, error: &ParseError) -> ReadError {
-        let place = match error.line() {
+        let location = match error.line() {
             // The parser counts binary entries as lines, which is no useful position.
             Some(line) if !self.binary => Place::Line(line),
             _ => Place::Byte(self.offset()),
@@ -227,6 +231,6 @@ impl Source<'_> {
             .map_or(text, |t| t.1);
         let words: Vec<&str> = text.split_whitespace().collect();
         let short: String = words.join(" ").chars().take(200).collect();
-        ReadError::malformed(self.name, place, short)
+        ReadError::malformed(self.name, location, short)
     }
 }

@@ -13,36 +13,41 @@ use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
-const RIGID_WITHIN: f64 = 1e-6;
+const RIGID_TOLERANCE: f64 = 1e-6;
 
-pub(super) fn at(name: &str, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
+pub(super) fn error_at(
+    name: &str,
+    path: impl Into<String>,
+    problem: impl Into<String>,
+) -> ReadError {
     ReadError::malformed(name, Place::Json(path.into()), problem)
 }
 
 pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError> {
     if file.bones.is_empty() {
-        return Err(at(name, "bones", "there are no bones"));
+        return Err(error_at(name, "bones", "there are no bones"));
     }
     let mut bones = Vec::with_capacity(file.bones.len());
     for (index, entry) in file.bones.iter().enumerate() {
-        let fail =
-            |(key, problem): (String, String)| at(name, format!("bones[{index}].{key}"), problem);
+        let fail = |(key, problem): (String, String)| {
+            error_at(name, format!("bones[{index}].{key}"), problem)
+        };
         bones.push(bone(index, entry).map_err(fail)?);
     }
-    let second_of = |wanted: &str| {
+    let second_path = |repeated: &str| {
         let named = file.bones.iter().enumerate();
-        let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(wanted));
+        let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(repeated));
         same.nth(1).map(|(index, _)| format!("bones[{index}].name"))
     };
     // The skeleton has the name of the file without its folder.
-    let own = Path::new(name).file_stem().and_then(OsStr::to_str);
-    Skeleton::new(own.unwrap_or(name), bones).map_err(|error| {
+    let stem = Path::new(name).file_stem().and_then(OsStr::to_str);
+    Skeleton::new(stem.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
-            SkeletonError::DuplicateName { name } => second_of(name),
+            SkeletonError::DuplicateName { name } => second_path(name),
             _ => None,
         };
         let path = path.unwrap_or_else(|| "bones".into());
-        at(name, path, error.to_string())
+        error_at(name, path, error.to_string())
     })
 }
 
@@ -118,11 +123,11 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
         })?;
     }
     let [x, y, z, last] = matrix;
-    let mut off = last
+    let mut errors = last
         .iter()
         .zip([0.0, 0.0, 0.0, 1.0])
         .map(|(a, b)| (a - b).abs());
-    if off.any(|error| error.is_nan() || error > RIGID_WITHIN) {
+    if errors.any(|error| error.is_nan() || error > RIGID_TOLERANCE) {
         return fail(
             "rest_T[3]",
             format!("the last row is {last:?}, not 0 0 0 1"),
@@ -131,9 +136,9 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
     let column = |j: usize| Vector3::new(x[j], y[j], z[j]);
     let rotation = Matrix3::from_columns(column(0), column(1), column(2));
     let placement = Placement::new(rotation, column(3));
-    match placement.check_rigid(RIGID_WITHIN) {
+    match placement.check_rigid(RIGID_TOLERANCE) {
         Ok(()) => Ok(placement),
-        Err(why) => fail("rest_T", format!("is not a rigid motion: {why}")),
+        Err(reason) => fail("rest_T", format!("is not a rigid motion: {reason}")),
     }
 }
 
@@ -154,15 +159,15 @@ pub(super) fn clip(
     name: &str,
 ) -> Result<EulerClip, ReadError> {
     let mut tracks = Vec::with_capacity(file.fk_animation.len());
-    let mut between = BTreeMap::new();
+    let mut interpolations = BTreeMap::new();
     for (index, entry) in file.fk_animation.iter().enumerate() {
         let path = |rest: String| format!("fk_animation[{index}].{rest}");
         let bone = bone_id(entry.bone_id, skeleton)
-            .map_err(|problem| at(name, path("bone_id".into()), problem))?;
+            .map_err(|problem| error_at(name, path("bone_id".into()), problem))?;
         let mut keys = Vec::with_capacity(entry.keys.len());
         for (index, key) in entry.keys.iter().enumerate() {
             let degrees = triple(&format!("keys[{index}].xzx"), Some(&key.xzx), 0.0)
-                .map_err(|(key, problem)| at(name, path(key), problem))?;
+                .map_err(|(key, problem)| error_at(name, path(key), problem))?;
             keys.push(EulerKey {
                 time: key.t,
                 angles: degrees.map(f64::to_radians),
@@ -170,11 +175,11 @@ pub(super) fn clip(
         }
         tracks.push(EulerTrack { bone, keys });
         let read = interpolation::read(entry);
-        let read = read.map_err(|(key, problem)| at(name, path(key), problem))?;
-        between.insert(bone, read);
+        let read = read.map_err(|(key, problem)| error_at(name, path(key), problem))?;
+        interpolations.insert(bone, read);
     }
     let clip = EulerClip::new(tracks).and_then(|clip| {
-        clip.interpolated(|track| between.get(&track.bone).cloned().unwrap_or_default())
+        clip.interpolated(|track| interpolations.get(&track.bone).cloned().unwrap_or_default())
     });
     clip.map_err(|error| {
         let path = match error {
@@ -191,7 +196,7 @@ pub(super) fn clip(
             | ClipError::NonFiniteControls { .. }
             | ClipError::Curve { .. } => "fk_animation".into(),
         };
-        at(name, path, error.to_string())
+        error_at(name, path, error.to_string())
     })
 }
 
@@ -200,7 +205,7 @@ pub(super) fn constrained(
     skeleton: &Skeleton,
     name: &str,
 ) -> Result<Vec<BoneId>, ReadError> {
-    let fail = |path: String| move |problem: String| at(name, path, problem);
+    let fail = |path: String| move |problem: String| error_at(name, path, problem);
     match &file.ik_constraints {
         None => Ok(skeleton.bone_ids().last().into_iter().collect()),
         Some(Constraints::One(bone)) => {

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::check::at;
+use super::check::error_at;
 use super::json::RigFile;
 use crate::io::{Place, ReadError};
 use crate::mesh::TriangleMesh;
@@ -18,10 +18,10 @@ pub(super) fn weights(
     let (rows, columns) = table.shape();
     if let Some(vertices) = mesh
         .map(|mesh| mesh.positions().len())
-        .filter(|own| *own != rows)
+        .filter(|count| *count != rows)
     {
         let problem = format!("has weights for {rows} vertices, but the mesh has {vertices}");
-        return Err(at(name, "weights.file", problem));
+        return Err(error_at(name, "weights.file", problem));
     }
     let mut owners = vec![None; columns];
     for (bone, entry) in file.bones.iter().enumerate() {
@@ -34,11 +34,11 @@ pub(super) fn weights(
         let Some(owner) = column.and_then(|column| owners.get_mut(column)) else {
             let problem =
                 format!("{id} is neither -1 nor one of the {columns} columns of the weights");
-            return Err(at(name, path(), problem));
+            return Err(error_at(name, path(), problem));
         };
         if let Some(other) = owner.replace(bone) {
             let problem = format!("column {id} is bone {other}'s already");
-            return Err(at(name, path(), problem));
+            return Err(error_at(name, path(), problem));
         }
     }
     let fail = |error: WeightsError| {
@@ -57,7 +57,7 @@ pub(super) fn weights(
             None if column.iter().any(|&weight| weight != 0.0) => {
                 let problem =
                     format!("column {index} has weights, but no bone has the weight_id {index}");
-                return Err(at(name, "weights.file", problem));
+                return Err(error_at(name, "weights.file", problem));
             }
             None => {}
         }

@@ -53,12 +53,12 @@ fn controls(track: &TrackEntry, key: usize) -> Result<TensionContinuityBias, (St
 }
 
 /// Writes the name of the interpolation and the controls of the keys; nothing for Catmull-Rom.
-pub(super) fn write(between: &EulerInterpolation, track: &mut TrackEntry) {
-    if *between == EulerInterpolation::CatmullRom {
+pub(super) fn write(interpolation: &EulerInterpolation, track: &mut TrackEntry) {
+    if *interpolation == EulerInterpolation::CatmullRom {
         return;
     }
-    track.interpolation = Some(between.name().into());
-    if let EulerInterpolation::KochanekBartels(controls) = between {
+    track.interpolation = Some(interpolation.name().into());
+    if let EulerInterpolation::KochanekBartels(controls) = interpolation {
         for (key, c) in track.keys.iter_mut().zip(controls) {
             key.tcb = Some(vec![c.tension, c.continuity, c.bias]);
         }

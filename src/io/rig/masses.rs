@@ -13,16 +13,16 @@ impl Rig {
     /// # Errors
     /// No mesh, or a mesh that does not enclose a volume. Also a density that is negative, 0 or not finite.
     pub fn masses(&self, density: f64) -> Result<Masses, MassError> {
-        let no_volume = |why: &dyn std::fmt::Display| MassError::NoVolume(why.to_string());
+        let no_volume = |reason: &dyn std::fmt::Display| MassError::NoVolume(reason.to_string());
         let mesh = self.mesh.as_ref();
         let mesh = mesh.ok_or_else(|| no_volume(&"the rig has no mesh"))?;
-        let made;
+        let computed;
         let weights = match &self.weights {
             Some(weights) => weights,
             None => {
                 let automatic = AutomaticWeights::default().for_skeleton(mesh, &self.skeleton);
-                made = automatic.map_err(|error| no_volume(&error))?;
-                &made
+                computed = automatic.map_err(|error| no_volume(&error))?;
+                &computed
             }
         };
         let volumes = bone_volumes(mesh, weights).map_err(|error| no_volume(&error))?;

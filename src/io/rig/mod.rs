@@ -105,7 +105,7 @@ impl Rig {
         let constrained = check::constrained(&file, &skeleton, name)?;
 
         let referred =
-            |place: &str, error| ReadError::referred(name, Place::Json(place.into()), error);
+            |path: &str, error| ReadError::referred(name, Place::Json(path.into()), error);
         let mut mesh = None;
         if let Some(part) = &file.model {
             let parse = |bytes: Vec<u8>| ply::from_bytes(&bytes, &part.file);

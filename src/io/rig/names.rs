@@ -11,9 +11,9 @@ pub(super) fn problem(name: &str, index: usize) -> Option<String> {
         return Some("the name is empty; leave the key out instead".into());
     }
     if name.contains('/') && name != default_name(index) {
-        let own = default_name(index);
+        let default = default_name(index);
         return Some(format!(
-            "the name `{name}` contains a slash; only `{own}` may, this bone's default name"
+            "the name `{name}` contains a slash; only `{default}` may, this bone's default name"
         ));
     }
     None

@@ -118,7 +118,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     /// # Errors
     /// A different number of angles, or a number that is not finite.
     pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, RigPosingError> {
-        self.place(q)?;
+        self.update_transforms(q)?;
         self.skin()
     }
 
@@ -128,7 +128,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     /// # Errors
     /// As [`mesh`](Self::mesh), or a buffer without one entry per vertex.
     pub fn deform(&mut self, q: &[f64], posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
-        self.place(q)?;
+        self.update_transforms(q)?;
         self.skin_into(posed)
     }
 
@@ -137,7 +137,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     /// # Errors
     /// A pose of another armature, or a number that is not finite.
     pub fn mesh_of_pose(&mut self, pose: &Pose) -> Result<TriangleMesh, RigPosingError> {
-        self.place_pose(pose)?;
+        self.update_transforms_of_pose(pose)?;
         self.skin()
     }
 
@@ -150,12 +150,12 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         pose: &Pose,
         posed: PosedVertices<'_>,
     ) -> Result<(), RigPosingError> {
-        self.place_pose(pose)?;
+        self.update_transforms_of_pose(pose)?;
         self.skin_into(posed)
     }
 
     /// Computes the transform of each bone for `q`, rest → posed.
-    fn place(&mut self, q: &[f64]) -> Result<(), RigPosingError> {
+    fn update_transforms(&mut self, q: &[f64]) -> Result<(), RigPosingError> {
         let pose = self.posing.pose(q)?;
         self.posed_from_rest.clear();
         let transforms = pose.skinning_transforms(&self.rig.borrow().skeleton);
@@ -165,7 +165,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     }
 
     /// Computes the transform of each bone in a pose, rest → posed.
-    fn place_pose(&mut self, pose: &Pose) -> Result<(), RigPosingError> {
+    fn update_transforms_of_pose(&mut self, pose: &Pose) -> Result<(), RigPosingError> {
         let placed = &mut self.model_from_bone;
         self.armature.local_to_model(pose, placed)?;
         self.armature
@@ -181,7 +181,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
 
     fn skin_into(&self, posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
         let mesh = self.rest()?;
-        let rest = posed.wanted_of(mesh);
+        let rest = posed.rest_of(mesh);
         let transforms = &self.posed_from_rest;
         Ok(self.weights.deform(self.method, transforms, rest, posed)?)
     }

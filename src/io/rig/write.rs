@@ -30,13 +30,13 @@ impl Rig {
     /// number of vertices or bones.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
-        let refuse = |problem: &str| {
+        let invalid_input = |problem: &str| {
             let problem = Error::new(ErrorKind::InvalidInput, problem);
             Err(WriteError::new(path, problem))
         };
         let (mesh_path, weights_path) = (path.with_extension("ply"), path.with_extension("dmat"));
         if path == mesh_path || path == weights_path {
-            return refuse("a rig file may not end in .ply or .dmat");
+            return invalid_input("a rig file may not end in .ply or .dmat");
         }
         if let Some(weights) = &self.weights {
             let bones = self.skeleton.bones().len();
@@ -44,19 +44,19 @@ impl Rig {
             if weights.bone_count() != bones
                 || vertices.is_some_and(|n| n != weights.vertex_count())
             {
-                return refuse("its weights are for another number of vertices or bones");
+                return invalid_input("its weights are for another number of vertices or bones");
             }
         }
         for (index, bone) in self.skeleton.bones().iter().enumerate() {
             if let Some(problem) = names::problem(&bone.name, index) {
-                return refuse(&format!("bone {index}: {problem}"));
+                return invalid_input(&format!("bone {index}: {problem}"));
             }
         }
         let file_name = |path: &Path| Some(path.file_name()?.to_str()?.to_owned());
         let (Some(mesh_name), Some(weights_name)) =
             (file_name(&mesh_path), file_name(&weights_path))
         else {
-            return refuse("its name is not Unicode");
+            return invalid_input("its name is not Unicode");
         };
         let json = self.to_json(&mesh_name, &weights_name);
         let mesh =
@@ -124,12 +124,12 @@ fn columns(weights: &SkinWeights) -> (Vec<i64>, DMatrix<f64>) {
             *id = 0;
         }
     }
-    let mut kept = Vec::new();
+    let mut weighted_bones = Vec::new();
     for (bone, id) in ids.iter_mut().enumerate().filter(|(_, id)| **id == 0) {
-        *id = kept.len() as i64;
-        kept.push(bone);
+        *id = weighted_bones.len() as i64;
+        weighted_bones.push(bone);
     }
-    (ids, weights.to_table().select_columns(&kept))
+    (ids, weights.to_table().select_columns(&weighted_bones))
 }
 
 /// Serialises a value to one line. Strings, numbers and arrays of them always serialise.

@@ -14,14 +14,18 @@ pub(super) struct Attributes<'a> {
 
 impl<'a> Attributes<'a> {
     /// Attributes of an element without default classes.
-    pub(super) fn own(tag: Tag<'a>) -> Self {
+    pub(super) fn without_defaults(tag: Tag<'a>) -> Self {
         let layers = vec![tag];
         Self { tag, layers }
     }
 
     /// Attributes of an element with the class that it names, or else the `childclass` of the enclosing bodies.
-    pub(super) fn of(tag: Tag<'a>, defaults: &Defaults<'a>, around: Option<&str>) -> Read<Self> {
-        Self::named(tag, tag.name(), defaults, around)
+    pub(super) fn of(
+        tag: Tag<'a>,
+        defaults: &Defaults<'a>,
+        enclosing_class: Option<&str>,
+    ) -> Read<Self> {
+        Self::named(tag, tag.name(), defaults, enclosing_class)
     }
 
     /// As [`of`](Self::of), for an element that classes list under another tag name.
@@ -29,9 +33,9 @@ impl<'a> Attributes<'a> {
         tag: Tag<'a>,
         name: &str,
         defaults: &Defaults<'a>,
-        around: Option<&str>,
+        enclosing_class: Option<&str>,
     ) -> Read<Self> {
-        let class = defaults.class(tag, tag.text("class").or(around))?;
+        let class = defaults.class(tag, tag.text("class").or(enclosing_class))?;
         let mut layers = vec![tag];
         defaults.add_layers(class, name, &mut layers);
         Ok(Self { tag, layers })
@@ -92,7 +96,7 @@ impl<'a> Attributes<'a> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
-        let place = words.iter().position(|word| *word == text);
+        let index = words.iter().position(|word| *word == text);
         let unknown = || {
             self.fault(ParseIssue::UnknownWord {
                 attribute,
@@ -100,7 +104,7 @@ impl<'a> Attributes<'a> {
                 valid: words,
             })
         };
-        Ok(Some(place.ok_or_else(unknown)?))
+        Ok(Some(index.ok_or_else(unknown)?))
     }
 
     /// An attribute that is `true` or `false`.

@@ -49,20 +49,20 @@ pub(super) struct BodyReader<'r, 'a> {
 }
 
 /// An element whose contents belong to a body, its pose in the body, and the default class that applies in it.
-type Waiting<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
+type PendingElement<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
 
 impl<'a> BodyReader<'_, 'a> {
     /// All bodies in MuJoCo's order: the world first, parents before children.
     pub(super) fn read(&mut self, root: Tag<'a>) -> Read<Vec<Body<'a>>> {
-        let mut worlds: Vec<Waiting<'a>> = Vec::new();
+        let mut worlds: Vec<PendingElement<'a>> = Vec::new();
         for world in root.children_named("worldbody") {
             worlds.push((world, Placement::identity(), world.text("childclass")));
         }
         let first = worlds.first().map_or(root, |(world, ..)| *world);
         let mut bodies = Vec::new();
         // Body element, its contents, index of the parent, pose in the parent.
-        let mut waiting = vec![(first, worlds, None, Placement::identity())];
-        while let Some((tag, contents, parent, parent_from_body)) = waiting.pop() {
+        let mut pending = vec![(first, worlds, None, Placement::identity())];
+        while let Some((tag, contents, parent, parent_from_body)) = pending.pop() {
             let index = bodies.len();
             let mut body = Body {
                 tag,
@@ -78,9 +78,11 @@ impl<'a> BodyReader<'_, 'a> {
             check_free(&body)?;
             bodies.push(body);
             let children = children.into_iter().rev();
-            waiting.extend(children.map(|(contents, at): (Waiting<'a>, _)| {
-                (contents.0, vec![contents], Some(index), at)
-            }));
+            pending.extend(children.map(
+                |(contents, parent_from_child): (PendingElement<'a>, _)| {
+                    (contents.0, vec![contents], Some(index), parent_from_child)
+                },
+            ));
         }
         Ok(bodies)
     }
@@ -89,20 +91,25 @@ impl<'a> BodyReader<'_, 'a> {
     fn fill(
         &mut self,
         body: &mut Body<'a>,
-        mut contents: Vec<Waiting<'a>>,
-        children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
+        mut contents: Vec<PendingElement<'a>>,
+        children: &mut Vec<(PendingElement<'a>, Placement<f64>)>,
     ) -> Read<()> {
         contents.reverse();
-        let mut waiting: Vec<(Tag<'a>, Placement<f64>, Option<&'a str>)> = Vec::new();
-        while let Some((holder, body_from_holder, class)) = contents.pop() {
-            waiting.extend(
-                holder
+        let mut pending: Vec<(Tag<'a>, Placement<f64>, Option<&'a str>)> = Vec::new();
+        while let Some((container, body_from_container, class)) = contents.pop() {
+            pending.extend(
+                container
                     .children()
                     .rev()
-                    .map(|child| (child, body_from_holder, class)),
+                    .map(|child| (child, body_from_container, class)),
             );
-            while let Some((child, at, class)) = waiting.pop() {
-                self.child(body, (child, at, class), &mut waiting, children)?;
+            while let Some((child, body_from_child, class)) = pending.pop() {
+                self.child(
+                    body,
+                    (child, body_from_child, class),
+                    &mut pending,
+                    children,
+                )?;
             }
         }
         Ok(())
@@ -111,42 +118,50 @@ impl<'a> BodyReader<'_, 'a> {
     fn child(
         &mut self,
         body: &mut Body<'a>,
-        (child, at, class): Waiting<'a>,
-        waiting: &mut Vec<Waiting<'a>>,
-        children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
+        (child, body_from_frame, class): PendingElement<'a>,
+        pending: &mut Vec<PendingElement<'a>>,
+        children: &mut Vec<(PendingElement<'a>, Placement<f64>)>,
     ) -> Read<()> {
         match child.name() {
             "body" => {
-                let own = at * placement(&Attributes::own(child), self.compiler)?;
+                let body_from_child = body_from_frame
+                    * placement(&Attributes::without_defaults(child), self.compiler)?;
                 let class = child.text("childclass").or(class);
                 self.defaults.class(child, class)?;
-                children.push(((child, Placement::identity(), class), own));
+                children.push(((child, Placement::identity(), class), body_from_child));
             }
             "frame" => {
-                let own = at * placement(&Attributes::own(child), self.compiler)?;
+                let body_from_child = body_from_frame
+                    * placement(&Attributes::without_defaults(child), self.compiler)?;
                 let class = child.text("childclass").or(class);
                 self.defaults.class(child, class)?;
-                waiting.extend(child.children().rev().map(|inner| (inner, own, class)));
+                pending.extend(
+                    child
+                        .children()
+                        .rev()
+                        .map(|inner| (inner, body_from_child, class)),
+                );
             }
             "joint" | "freejoint" => {
-                let joint = joint::read(child, self.compiler, self.defaults, class, &at)?;
+                let joint =
+                    joint::read(child, self.compiler, self.defaults, class, &body_from_frame)?;
                 body.joints.push(joint);
             }
             "site" => {
                 let site = Attributes::of(child, self.defaults, class)?;
-                let own = match segment::read(&site)? {
+                let frame_from_site = match segment::read(&site)? {
                     Some(segment) => segment.placement,
                     None => placement(&site, self.compiler)?,
                 };
-                let body_from_site = at * own;
+                let body_from_site = body_from_frame * frame_from_site;
                 body.sites.push(Site {
                     tag: child,
                     body_from_site,
                 });
             }
             "geom" => {
-                let with = (self.compiler, self.defaults, self.meshes);
-                match geom::read(child, with, class, &at) {
+                let context = (self.compiler, self.defaults, self.meshes);
+                match geom::read(child, context, class, &body_from_frame) {
                     Ok(geom) => {
                         self.left_out.extend(geom.missing_shape());
                         body.geoms.push(geom);

@@ -19,7 +19,7 @@ pub(super) struct Build<'a> {
     pub(super) builder: ModelBuilder,
     pub(super) names: ElementNames<'a>,
     /// MuJoCo's `qpos0`: the configuration in which the body poses are those of the file.
-    pub(super) drawn: Vec<f64>,
+    pub(super) reference_configuration: Vec<f64>,
     pub(super) drives: Vec<Drive>,
     /// Notes on attributes that are read differently from what they seem to state.
     pub(super) notes: Vec<Repair>,
@@ -28,17 +28,17 @@ pub(super) struct Build<'a> {
 }
 
 /// Angle π rounded up as in files, radians.
-const HALF_A_TURN_ROUNDED: f64 = PI + 1e-3;
+const ROUNDED_PI: f64 = PI + 1e-3;
 
 /// The carrying joint, and a pose in its frame.
-type Stand = (Option<JointId>, Placement<f64>);
+type CarriedPose = (Option<JointId>, Placement<f64>);
 
 impl<'a> Build<'a> {
     pub(super) fn new(name: &str) -> Self {
         Self {
             builder: Model::builder(name),
             names: ElementNames::default(),
-            drawn: Vec::new(),
+            reference_configuration: Vec::new(),
             drives: Vec::new(),
             notes: Vec::new(),
             couplings: Vec::new(),
@@ -47,39 +47,45 @@ impl<'a> Build<'a> {
 
     /// Adds bodies, their joints and their sites. Frames of bodies come first because link indices equal body indices.
     pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Read<()> {
-        let [mut joint_names, mut frame_names] = names::given(bodies)?;
-        let mut stands: Vec<Stand> = Vec::with_capacity(bodies.len());
-        let mut called: Vec<String> = Vec::with_capacity(bodies.len());
+        let [mut joint_names, mut frame_names] = names::file_names(bodies)?;
+        let mut carried_poses: Vec<CarriedPose> = Vec::with_capacity(bodies.len());
+        let mut body_names: Vec<String> = Vec::with_capacity(bodies.len());
         for (index, body) in bodies.iter().enumerate() {
-            let parent = body.parent.and_then(|parent| stands.get(parent).copied());
-            let (carrier, at) = parent.unwrap_or((None, Placement::identity()));
+            let parent = body
+                .parent
+                .and_then(|parent| carried_poses.get(parent).copied());
+            let (carrier, carrier_from_parent) = parent.unwrap_or((None, Placement::identity()));
             let name = match (index, body.tag.text("name")) {
                 (0, _) => WORLD.to_owned(),
                 (_, Some(name)) => name.to_owned(),
                 (index, None) => frame_names.fresh(format!("body/{index}")),
             };
-            let mut stand = (carrier, at * body.parent_from_body);
+            let mut carried_pose = (carrier, carrier_from_parent * body.parent_from_body);
             for joint in &body.joints {
-                stand = self.joint(joint, stand, &name, &mut joint_names);
+                carried_pose = self.joint(joint, carried_pose, &name, &mut joint_names);
             }
-            let frame = self.builder.frame(name.as_str(), stand.0, stand.1);
+            let frame = self
+                .builder
+                .frame(name.as_str(), carried_pose.0, carried_pose.1);
             self.names.add_body(body.tag, frame);
-            stands.push(stand);
-            called.push(name);
+            carried_poses.push(carried_pose);
+            body_names.push(name);
         }
-        let of_bodies: HashSet<&str> = called.iter().map(String::as_str).collect();
-        for ((body, (carrier, at)), on) in bodies.iter().zip(&stands).zip(&called) {
+        let body_name_set: HashSet<&str> = body_names.iter().map(String::as_str).collect();
+        for ((body, (carrier, carrier_from_parent)), body_name) in
+            bodies.iter().zip(&carried_poses).zip(&body_names)
+        {
             for site in &body.sites {
                 let name = match site.tag.text("name") {
-                    Some(name) if of_bodies.contains(name) => {
+                    Some(name) if body_name_set.contains(name) => {
                         frame_names.fresh(format!("site/{name}"))
                     }
                     Some(name) => name.to_owned(),
-                    None => frame_names.fresh(format!("{on}/site")),
+                    None => frame_names.fresh(format!("{body_name}/site")),
                 };
-                let frame: FrameId = self
-                    .builder
-                    .frame(name, *carrier, *at * site.body_from_site);
+                let frame: FrameId =
+                    self.builder
+                        .frame(name, *carrier, *carrier_from_parent * site.body_from_site);
                 self.names.add_site(site.tag, frame);
             }
         }
@@ -90,10 +96,10 @@ impl<'a> Build<'a> {
     fn joint(
         &mut self,
         element: &JointElement<'a>,
-        (carrier, at): Stand,
+        (carrier, at): CarriedPose,
         body: &str,
         joint_names: &mut FreshNames,
-    ) -> Stand {
+    ) -> CarriedPose {
         let name = match element.tag.text("name") {
             Some(name) => name.to_owned(),
             None => joint_names.fresh(format!("{body}/{}", element.kind.name())),
@@ -105,17 +111,18 @@ impl<'a> Build<'a> {
             Kind::Free => {
                 let Vector3 { x, y, z } = at.translation;
                 let Quaternion { w, v } = Quaternion::from_matrix(&at.rotation);
-                self.drawn.extend([x, y, z, w, v.x, v.y, v.z]);
-                let room = [Limits::UNBOUNDED; 3];
-                self.builder.free(name, None, Placement::identity(), room)
+                self.reference_configuration
+                    .extend([x, y, z, w, v.x, v.y, v.z]);
+                let bounds = [Limits::UNBOUNDED; 3];
+                self.builder.free(name, None, Placement::identity(), bounds)
             }
             Kind::Ball => {
-                self.drawn.extend([1.0, 0.0, 0.0, 0.0]);
+                self.reference_configuration.extend([1.0, 0.0, 0.0, 0.0]);
                 let angle = element.range.map(|range| range.upper);
-                let beyond = angle.filter(|angle| *angle > HALF_A_TURN_ROUNDED);
-                self.notes.extend(beyond.map(|angle| Repair {
+                let oversized = angle.filter(|angle| *angle > ROUNDED_PI);
+                self.notes.extend(oversized.map(|angle| Repair {
                     line: element.tag.line(),
-                    element: element.tag.called(),
+                    element: element.tag.label(),
                     mended: RepairKind::StopsNothing { angle },
                 }));
                 let limits = angle
@@ -124,16 +131,16 @@ impl<'a> Build<'a> {
                 self.builder.ball(name, carrier, anchored, axis, limits)
             }
             Kind::Slide | Kind::Hinge => {
-                self.drawn.push(element.reference);
-                let slides = element.kind == Kind::Slide;
+                self.reference_configuration.push(element.reference);
+                let is_prismatic = element.kind == Kind::Slide;
                 let unit = direction(axis).unwrap_or(axis);
-                let turn = clean_sin_cos(-element.reference);
-                let back = match slides {
+                let sin_cos = clean_sin_cos(-element.reference);
+                let reference_motion = match is_prismatic {
                     true => Placement::translation(unit * -element.reference),
-                    false => Placement::new(Matrix3::rotation(unit, turn), Vector3::zero()),
+                    false => Placement::new(Matrix3::rotation(unit, sin_cos), Vector3::zero()),
                 };
-                let at = anchored * back;
-                match (slides, element.range) {
+                let at = anchored * reference_motion;
+                match (is_prismatic, element.range) {
                     (true, range) => {
                         let limits = range.unwrap_or(Limits::UNBOUNDED);
                         self.builder.prismatic(name, carrier, at, axis, limits)
@@ -173,19 +180,19 @@ impl<'a> Build<'a> {
                 }
             }
             let coupling: Result<Coupling, _> = equality::coupling(equality, &self.names);
-            let taken = coupling.and_then(|coupling| {
+            let result = coupling.and_then(|coupling| {
                 equality::take(equality, coupling, &mut mimics, &mut self.builder)
             });
-            match taken {
+            match result {
                 Err(RobotFileError::Element {
                     fault: ParseIssue::NotLinear | ParseIssue::FollowsAlready { .. },
                     ..
-                }) => left_out.extend(taken.err()),
+                }) => left_out.extend(result.err()),
                 other => other?,
             }
             if mimics.len() > self.couplings.len() {
                 let tag = equality.tag;
-                self.couplings.push((tag.line(), tag.called()));
+                self.couplings.push((tag.line(), tag.label()));
             }
         }
         Ok(mimics)

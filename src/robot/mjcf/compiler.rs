@@ -20,30 +20,30 @@ pub(super) struct Compiler {
     /// Source of inertias: never from geoms, from geoms for bodies without `inertial` (`None`), or always.
     pub(super) inertia_from_geom: Option<bool>,
     /// First and last group of the geoms that have mass.
-    weighing_groups: [f64; 2],
+    mass_groups: [f64; 2],
     /// Prescribed total mass of all bodies, kilograms.
     pub(super) total_mass: Option<f64>,
 }
 
 impl Compiler {
     pub(super) fn read(root: Tag<'_>) -> Read<Self> {
-        let mut own = Self {
+        let mut settings = Self {
             angle: std::f64::consts::PI / 180.0,
             euler: [(0, false), (1, false), (2, false)],
             auto_limits: true,
             mesh_folder: String::new(),
             strip_path: false,
             inertia_from_geom: None,
-            weighing_groups: [0.0, 5.0],
+            mass_groups: [0.0, 5.0],
             total_mass: None,
         };
         for tag in root.children_named("compiler") {
-            own.take(&Attributes::own(tag))?;
+            settings.apply(&Attributes::without_defaults(tag))?;
         }
-        Ok(own)
+        Ok(settings)
     }
 
-    fn take(&mut self, compiler: &Attributes<'_>) -> Read<()> {
+    fn apply(&mut self, compiler: &Attributes<'_>) -> Read<()> {
         match compiler.word("angle", &["radian", "degree"])? {
             Some(0) => self.angle = 1.0,
             Some(_) => self.angle = std::f64::consts::PI / 180.0,
@@ -58,8 +58,8 @@ impl Compiler {
                 })
             })?;
         }
-        let flag = |attribute, own: &mut bool| -> Read<()> {
-            *own = compiler.flag(attribute)?.unwrap_or(*own);
+        let flag = |attribute, setting: &mut bool| -> Read<()> {
+            *setting = compiler.flag(attribute)?.unwrap_or(*setting);
             Ok(())
         };
         flag("autolimits", &mut self.auto_limits)?;
@@ -68,7 +68,7 @@ impl Compiler {
             self.inertia_from_geom = [Some(false), Some(true), None][word];
         }
         if let Some(groups) = compiler.numbers("inertiagrouprange")? {
-            self.weighing_groups = groups;
+            self.mass_groups = groups;
         }
         // A value that is not above 0, such as the default, means no scaling.
         if let Some(total) = compiler.number("settotalmass")? {
@@ -82,8 +82,8 @@ impl Compiler {
     }
 
     /// Reports whether geoms of a group contribute to the inertia of bodies.
-    pub(super) fn weighs_group(&self, group: f64) -> bool {
-        let [first, last] = self.weighing_groups;
+    pub(super) fn counts_group_mass(&self, group: f64) -> bool {
+        let [first, last] = self.mass_groups;
         (first..=last).contains(&group)
     }
 

@@ -19,18 +19,18 @@ pub(super) fn read(
 ) -> Contacts {
     let mut contacts = Contacts {
         bodies: Vec::with_capacity(bodies.len()),
-        parents_count: parents_count(root),
+        includes_parents: includes_parents(root),
         ..Contacts::default()
     };
     for (index, body) in bodies.iter().enumerate() {
-        let weld_of = |at: usize| contacts.bodies.get(at).map_or(0, |body| body.weld);
-        let on = body.parent.map_or(0, weld_of);
+        let weld_of = |index: usize| contacts.bodies.get(index).map_or(0, |body| body.weld);
+        let parent_weld = body.parent.map_or(0, weld_of);
         let (weld, weld_parent) = match (body.parent, body.joints.is_empty()) {
             (Some(parent), true) => {
-                let of = contacts.bodies.get(parent);
-                (on, of.map_or(0, |body| body.weld_parent))
+                let parent_body = contacts.bodies.get(parent);
+                (parent_weld, parent_body.map_or(0, |body| body.weld_parent))
             }
-            _ => (index, on),
+            _ => (index, parent_weld),
         };
         let shapes = body.geoms.iter().filter(|geom| geom.is_collision());
         contacts.bodies.push(ContactBody {
@@ -41,7 +41,7 @@ pub(super) fn read(
         for geom in &body.geoms {
             if let (Some(body_from_plane), true) = (geom.body_from_plane, geom.collides) {
                 contacts.planes.push(ContactPlane {
-                    name: geom.tag.called().replacen("geom", "plane", 1),
+                    name: geom.tag.label().replacen("geom", "plane", 1),
                     body: index,
                     body_from_plane,
                     bits: geom.bits,
@@ -53,18 +53,18 @@ pub(super) fn read(
     let (body_names, geom_names) = (body_names(bodies), geom_names(bodies));
     let sections = root.children_named("contact");
     for tag in sections.flat_map(|section| section.children()) {
-        let taken = match tag.name() {
+        let result = match tag.name() {
             "exclude" => exclude(tag, &body_names, &mut contacts),
             "pair" => pair(tag, &geom_names, &mut contacts),
             _ => Ok(()),
         };
-        left_out.extend(taken.err());
+        left_out.extend(result.err());
     }
     contacts
 }
 
 /// Reads `<option><flag filterparent="disable"/></option>`.
-fn parents_count(root: Tag<'_>) -> bool {
+fn includes_parents(root: Tag<'_>) -> bool {
     let options = root.children_named("option");
     let mut flags = options.flat_map(|option| option.children_named("flag"));
     flags.any(|flag| flag.text("filterparent") == Some("disable"))
@@ -110,22 +110,23 @@ fn pair(
         named(tag, "geom1", "geom", geoms)?,
         named(tag, "geom2", "geom", geoms)?,
     ];
-    let not_kept = |why| Err(tag.fault(ParseIssue::PairNotKept { why }));
+    let ignored = |why| Err(tag.fault(ParseIssue::PairNotKept { why }));
     if contacts.bodies[a.0].weld == contacts.bodies[b.0].weld {
-        return not_kept("the two bodies are rigidly connected");
+        return ignored("the two bodies are rigidly connected");
     }
-    for ((at, geom), (other, against)) in [(a, b), (b, a)] {
-        if geom.body_from_plane.is_some() && against.is_collision() {
-            let called = geom.tag.called().replacen("geom", "plane", 1);
+    for ((body, geom), (other, other_geom)) in [(a, b), (b, a)] {
+        if geom.body_from_plane.is_some() && other_geom.is_collision() {
+            let plane_name = geom.tag.label().replacen("geom", "plane", 1);
             let mut planes = contacts.planes.iter_mut();
-            if let Some(plane) = planes.find(|own| own.body == at && own.name == called) {
+            if let Some(plane) = planes.find(|plane| plane.body == body && plane.name == plane_name)
+            {
                 plane.paired.push(other);
                 return Ok(());
             }
         }
     }
     if !a.1.is_collision() || !b.1.is_collision() {
-        return not_kept("one of the two has no contact bits, or no shape");
+        return ignored("one of the two has no contact bits, or no shape");
     }
     contacts.paired.push([a.0.min(b.0), a.0.max(b.0)]);
     Ok(())
@@ -135,13 +136,13 @@ fn named<T: Copy>(
     tag: Tag<'_>,
     attribute: &'static str,
     kind: &'static str,
-    known: &HashMap<&str, T>,
+    by_name: &HashMap<&str, T>,
 ) -> Read<T> {
     let name = tag.text(attribute);
     let name = name.ok_or_else(|| tag.fault(ParseIssue::MissingAttribute { attribute }))?;
-    known.get(name).copied().ok_or_else(|| {
-        let mut valid: Vec<&str> = known.keys().copied().collect();
+    by_name.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = by_name.keys().copied().collect();
         valid.sort_unstable();
-        Attributes::own(tag).fault(UnknownName::new(kind, name, valid).into())
+        Attributes::without_defaults(tag).fault(UnknownName::new(kind, name, valid).into())
     })
 }

@@ -18,14 +18,14 @@ pub(super) struct Defaults<'a> {
 
 #[derive(Clone, Debug, Default)]
 struct Class<'a> {
-    around: Option<usize>,
+    enclosing: Option<usize>,
     /// Elements in the order of the file; later ones override earlier ones.
     tags: Vec<Tag<'a>>,
 }
 
 impl<'a> Defaults<'a> {
     pub(super) fn read(root: Tag<'a>) -> Read<Self> {
-        let mut own = Self {
+        let mut defaults = Self {
             classes: vec![Class::default()],
             by_name: HashMap::from([(MAIN, 0)]),
         };
@@ -33,29 +33,29 @@ impl<'a> Defaults<'a> {
         for outermost in root.children_named("default") {
             // Each file of a document may have one; all of them are the outermost class.
             if let Some(name) = outermost.text("class") {
-                own.name(outermost, name, 0, &mut lines)?;
+                defaults.name(outermost, name, 0, &mut lines)?;
             }
-            let mut waiting = vec![(outermost, 0)];
-            while let Some((tag, class)) = waiting.pop() {
+            let mut pending = vec![(outermost, 0)];
+            while let Some((tag, class)) = pending.pop() {
                 for child in tag.children() {
                     if child.name() != "default" {
-                        own.classes[class].tags.push(child);
+                        defaults.classes[class].tags.push(child);
                         continue;
                     }
                     let attribute = "class";
                     let unnamed = || child.fault(ParseIssue::MissingAttribute { attribute });
                     let name = child.text(attribute).filter(|name| !name.is_empty());
-                    let inner = own.classes.len();
-                    own.name(child, name.ok_or_else(unnamed)?, inner, &mut lines)?;
-                    own.classes.push(Class {
-                        around: Some(class),
+                    let inner = defaults.classes.len();
+                    defaults.name(child, name.ok_or_else(unnamed)?, inner, &mut lines)?;
+                    defaults.classes.push(Class {
+                        enclosing: Some(class),
                         tags: Vec::new(),
                     });
-                    waiting.push((child, inner));
+                    pending.push((child, inner));
                 }
             }
         }
-        Ok(own)
+        Ok(defaults)
     }
 
     /// Names a class. Names are unique, so no class can contain itself.
@@ -66,9 +66,9 @@ impl<'a> Defaults<'a> {
         class: usize,
         lines: &mut HashMap<&'a str, u32>,
     ) -> Read<()> {
-        let known = self.by_name.insert(name, class);
+        let previous_class = self.by_name.insert(name, class);
         let first_line = lines.insert(name, tag.line());
-        match known {
+        match previous_class {
             Some(other) if other != class => Err(tag.fault(ParseIssue::RepeatedClass {
                 class: name.to_owned(),
                 first_line: first_line.unwrap_or(0),
@@ -89,11 +89,11 @@ impl<'a> Defaults<'a> {
 
     /// Appends the tags of the elements `element` in a class and in the enclosing classes, highest priority first.
     pub(super) fn add_layers(&self, class: usize, element: &str, layers: &mut Vec<Tag<'a>>) {
-        let mut at = Some(class);
-        while let Some(class) = at.and_then(|class| self.classes.get(class)) {
-            let own = class.tags.iter().rev();
-            layers.extend(own.filter(|tag| tag.name() == element));
-            at = class.around;
+        let mut current = Some(class);
+        while let Some(class) = current.and_then(|class| self.classes.get(class)) {
+            let tags = class.tags.iter().rev();
+            layers.extend(tags.filter(|tag| tag.name() == element));
+            current = class.enclosing;
         }
     }
 }

@@ -25,9 +25,9 @@ pub(super) fn read_all<'a>(root: Tag<'a>, defaults: &Defaults<'a>) -> Read<Vec<A
 /// Meaning of a `<joint>` equality.
 pub(super) enum Coupling {
     /// A mimic joint.
-    Follows(Mimic),
+    MimicJoint(Mimic),
     /// A joint locked at a value, in radians or metres.
-    Stands(JointId, f64),
+    Locked(JointId, f64),
 }
 
 /// Reads a `<joint>` equality: a linear relation of two joints, or the value of one joint.
@@ -47,16 +47,16 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
     };
     let (joint, y) = at(&first)?;
     let Some(second) = equality.text("joint2") else {
-        return Ok(Coupling::Stands(joint, y + constant));
+        return Ok(Coupling::Locked(joint, y + constant));
     };
-    let (master, x) = at(&names.joint(equality, second)?)?;
+    let (source, x) = at(&names.joint(equality, second)?)?;
     if higher != [0.0; 3] {
         return Err(equality.fault(ParseIssue::NotLinear));
     }
     let offset = y + constant - ratio * x;
-    Ok(Coupling::Follows(Mimic {
+    Ok(Coupling::MimicJoint(Mimic {
         joint,
-        master,
+        master: source,
         ratio,
         offset,
     }))
@@ -64,15 +64,18 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
 
 /// Adds a relation to the mimic joints or locks a joint. Returns an error if it contradicts an earlier relation or a
 /// limit.
-pub(super) fn take(
+pub(super) fn add_coupling(
     equality: &Attributes<'_>,
     coupling: Coupling,
     mimics: &mut Vec<Mimic>,
     builder: &mut ModelBuilder,
 ) -> Read<()> {
     match coupling {
-        Coupling::Stands(joint, value) => {
-            if let Some(limits) = builder.limits(joint).filter(|own| !own.contains(value)) {
+        Coupling::Locked(joint, value) => {
+            if let Some(limits) = builder
+                .limits(joint)
+                .filter(|limits| !limits.contains(value))
+            {
                 let joint = equality.text("joint1").unwrap_or_default().to_owned();
                 let Limits { lower, upper } = limits;
                 return Err(equality.fault(ParseIssue::StandsOutside {
@@ -84,18 +87,18 @@ pub(super) fn take(
             }
             builder.narrow(joint, Limits::new(value, value));
         }
-        Coupling::Follows(mimic) => {
-            let master_of = |joint| {
+        Coupling::MimicJoint(mimic) => {
+            let source_of = |joint| {
                 let mut mimics = mimics.iter();
                 mimics
                     .find(|other: &&Mimic| other.joint == joint)
                     .map(|other| other.master)
             };
-            let mut above = Some(mimic.master);
-            while let Some(joint) = above.filter(|joint| *joint != mimic.joint) {
-                above = master_of(joint);
+            let mut ancestor = Some(mimic.master);
+            while let Some(joint) = ancestor.filter(|joint| *joint != mimic.joint) {
+                ancestor = source_of(joint);
             }
-            if above.is_some() || master_of(mimic.joint).is_some() {
+            if ancestor.is_some() || source_of(mimic.joint).is_some() {
                 let joint = equality.text("joint1").unwrap_or_default().to_owned();
                 return Err(equality.fault(ParseIssue::FollowsAlready { joint }));
             }

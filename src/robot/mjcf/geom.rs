@@ -29,9 +29,9 @@ const TYPES: [&str; 9] = [
 ];
 const SPHERE: usize = 2;
 /// Geoms of groups below this number are visuals: MuJoCo displays groups 0 to 2 by default.
-const SHOWN_GROUPS: f64 = 3.0;
+const FIRST_HIDDEN_GROUP: f64 = 3.0;
 /// Default density, kg/m³: that of water.
-const DENSITY: f64 = 1000.0;
+const DEFAULT_DENSITY: f64 = 1000.0;
 
 /// A geom of a body.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ pub(super) struct Geom<'a> {
     pub(super) bits: ContactBits,
     /// Pose in the body if the geom is a plane.
     pub(super) body_from_plane: Option<Placement<f64>>,
-    pub(super) weight: Weight,
+    pub(super) mass: GeomMass,
 }
 
 impl Geom<'_> {
@@ -64,12 +64,12 @@ impl Geom<'_> {
 
 /// Contribution of a geom to the mass of its body.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Weight {
+pub(super) enum GeomMass {
     Nothing,
     /// Mass in kilograms, solid, and pose of the solid in the body.
     Known(f64, Solid, Placement<f64>),
     /// Mass in kilograms. The centre is unknown: it depends on a mesh file, or the geom is a shell.
-    Somewhere(f64),
+    UnknownCentre(f64),
     /// Unknown mass: it depends on a mesh file, or the geom is a shell.
     Unknown,
 }
@@ -78,19 +78,19 @@ pub(super) enum Weight {
 pub(super) fn read<'a>(
     tag: Tag<'a>,
     (compiler, defaults, meshes): (&Compiler, &Defaults<'a>, &HashMap<String, Mesh>),
-    around: Option<&str>,
+    enclosing_class: Option<&str>,
     body_from_frame: &Placement<f64>,
 ) -> Read<Geom<'a>> {
-    let geom = Attributes::of(tag, defaults, around)?;
+    let geom = Attributes::of(tag, defaults, enclosing_class)?;
     let kind = geom.word("type", &TYPES)?.unwrap_or(SPHERE);
     let segment = segment::read(&geom)?;
-    let own = match &segment {
+    let frame_from_geom = match &segment {
         Some(segment) => segment.placement,
         None => placement(&geom, compiler)?,
     };
-    let body_from_geom = *body_from_frame * own;
+    let body_from_geom = *body_from_frame * frame_from_geom;
     let length = segment.map(|segment| segment.length);
-    let (solid, geometry, own) = match TYPES[kind] {
+    let (solid, geometry, shape_from_file) = match TYPES[kind] {
         "plane" | "hfield" => (None, None, None),
         "mesh" | "sdf" => {
             let mesh = mesh(&geom, meshes)?;
@@ -109,35 +109,36 @@ pub(super) fn read<'a>(
     };
     let shape = geometry.map(|geometry| Shape {
         name: tag.text("name").map(str::to_owned),
-        link_from_shape: match own {
+        link_from_shape: match shape_from_file {
             Some(shape_from_file) => body_from_geom * shape_from_file,
             None => body_from_geom,
         },
         geometry,
     });
-    let bits = |attribute, usual: u32| {
+    let bits = |attribute, default: u32| {
         // MuJoCo's contact bits are 32-bit integers.
-        let taken = |bits: f64| bits as i64 as u32;
+        let as_bits = |bits: f64| bits as i64 as u32;
         geom.number(attribute)
-            .map(|given| given.map_or(usual, taken))
+            .map(|given| given.map_or(default, as_bits))
     };
     let bits = ContactBits {
-        own: bits("contype", ContactBits::USUAL.own)?,
-        of_others: bits("conaffinity", ContactBits::USUAL.of_others)?,
+        contype: bits("contype", ContactBits::DEFAULT.contype)?,
+        conaffinity: bits("conaffinity", ContactBits::DEFAULT.conaffinity)?,
     };
     let group = geom.number("group")?.unwrap_or(0.0);
-    let weighs_nothing = matches!(TYPES[kind], "plane" | "hfield") || !compiler.weighs_group(group);
+    let is_massless =
+        matches!(TYPES[kind], "plane" | "hfield") || !compiler.counts_group_mass(group);
     Ok(Geom {
         tag,
         kind: TYPES[kind],
         shape,
-        is_visual: group < SHOWN_GROUPS,
-        collides: bits.own != 0 || bits.of_others != 0,
+        is_visual: group < FIRST_HIDDEN_GROUP,
+        collides: bits.contype != 0 || bits.conaffinity != 0,
         bits,
         body_from_plane: (TYPES[kind] == "plane").then_some(body_from_geom),
-        weight: match weighs_nothing {
-            true => Weight::Nothing,
-            false => weight(&geom, solid, body_from_geom)?,
+        mass: match is_massless {
+            true => GeomMass::Nothing,
+            false => geom_mass(&geom, solid, body_from_geom)?,
         },
     })
 }
@@ -218,11 +219,11 @@ fn solid(
     })
 }
 
-fn weight(
+fn geom_mass(
     geom: &Attributes<'_>,
     solid: Option<Solid>,
     body_from_geom: Placement<f64>,
-) -> Read<Weight> {
+) -> Read<GeomMass> {
     let not_negative = |attribute| match geom.number(attribute)? {
         Some(value) if value < 0.0 => {
             Err(geom.fault(ParseIssue::NegativeMass { attribute, value }))
@@ -232,15 +233,15 @@ fn weight(
     let (mass, density) = (not_negative("mass")?, not_negative("density")?);
     let is_shell = geom.flag("shellinertia")? == Some(true);
     Ok(match (mass, density, solid) {
-        (Some(0.0), ..) | (None, Some(0.0), _) => Weight::Nothing,
-        (Some(mass), _, None) => Weight::Somewhere(mass),
-        (Some(mass), ..) if is_shell => Weight::Somewhere(mass),
-        (None, ..) if is_shell => Weight::Unknown,
-        (None, _, None) => Weight::Unknown,
-        (Some(mass), _, Some(solid)) => Weight::Known(mass, solid, body_from_geom),
+        (Some(0.0), ..) | (None, Some(0.0), _) => GeomMass::Nothing,
+        (Some(mass), _, None) => GeomMass::UnknownCentre(mass),
+        (Some(mass), ..) if is_shell => GeomMass::UnknownCentre(mass),
+        (None, ..) if is_shell => GeomMass::Unknown,
+        (None, _, None) => GeomMass::Unknown,
+        (Some(mass), _, Some(solid)) => GeomMass::Known(mass, solid, body_from_geom),
         (None, density, Some(solid)) => {
-            let mass = density.unwrap_or(DENSITY) * solid.volume();
-            Weight::Known(mass, solid, body_from_geom)
+            let mass = density.unwrap_or(DEFAULT_DENSITY) * solid.volume();
+            GeomMass::Known(mass, solid, body_from_geom)
         }
     })
 }

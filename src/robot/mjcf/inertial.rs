@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
-use super::geom::{Geom, Weight};
+use super::geom::{Geom, GeomMass};
 use super::orientation::placement;
 use super::tree::Tag;
 use crate::robot::xml::{ParseIssue, Read};
@@ -11,14 +11,14 @@ use crate::spatial::{Placement, Vector3};
 
 /// Inertia of a body.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Weighed {
+pub(super) enum BodyInertia {
     Nothing,
     Known(Inertial),
-    Left(MissingInertia),
+    Missing(MissingInertia),
 }
 
 pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Read<Inertial> {
-    let inertial = Attributes::own(tag);
+    let inertial = Attributes::without_defaults(tag);
     let missing = |attribute| tag.fault(ParseIssue::MissingAttribute { attribute });
     let mass = inertial.number("mass")?.ok_or_else(|| missing("mass"))?;
     if inertial.text("pos").is_none() {
@@ -39,48 +39,55 @@ pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Read<Inertial> {
 }
 
 /// Combined inertia of all geoms in the axes of the body, or the part of it that depends on mesh files.
-pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
+pub(super) fn of_geoms(geoms: &[Geom]) -> BodyInertia {
     let (mut mass, mut moment) = (0.0, Vector3::zero());
     let mut has_centre = true;
     let mut parts = Vec::new();
     for geom in geoms {
-        match geom.weight {
-            Weight::Nothing => {}
-            Weight::Unknown => return Weighed::Left(MissingInertia::Mass),
-            Weight::Somewhere(own) => {
-                mass += own;
+        match geom.mass {
+            GeomMass::Nothing => {}
+            GeomMass::Unknown => return BodyInertia::Missing(MissingInertia::Mass),
+            GeomMass::UnknownCentre(geom_mass) => {
+                mass += geom_mass;
                 has_centre = false;
             }
-            Weight::Known(own, solid, at) => {
-                mass += own;
-                moment += at.translation * own;
-                parts.push((own, solid, at));
+            GeomMass::Known(geom_mass, solid, body_from_solid) => {
+                mass += geom_mass;
+                moment += body_from_solid.translation * geom_mass;
+                parts.push((geom_mass, solid, body_from_solid));
             }
         }
     }
     if mass <= 0.0 || !mass.is_finite() {
-        return Weighed::Nothing;
+        return BodyInertia::Nothing;
     }
     if !has_centre {
-        return Weighed::Left(MissingInertia::Centre { mass });
+        return BodyInertia::Missing(MissingInertia::Centre { mass });
     }
     let centre = moment * (1.0 / mass);
     let mut moments = [[0.0; 3]; 3];
-    for (own, solid, at) in parts {
-        let axes = [at.rotation.x, at.rotation.y, at.rotation.z].map(Vector3::to_array);
-        let about = solid.moments();
-        let away = (at.translation - centre).to_array();
-        let squared: f64 = away.iter().map(|c| c * c).sum();
+    for (geom_mass, solid, body_from_solid) in parts {
+        let axes = [
+            body_from_solid.rotation.x,
+            body_from_solid.rotation.y,
+            body_from_solid.rotation.z,
+        ]
+        .map(Vector3::to_array);
+        let solid_moments = solid.moments();
+        let offset = (body_from_solid.translation - centre).to_array();
+        let squared: f64 = offset.iter().map(|c| c * c).sum();
         for (i, row) in moments.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 // Rotated moments R diag(I) Rᵀ plus the parallel axis theorem.
-                let turned: f64 = (0..3).map(|k| axes[k][i] * about[k] * axes[k][j]).sum();
-                let moved = if i == j { squared } else { 0.0 } - away[i] * away[j];
-                *entry += own * (turned + moved);
+                let rotated: f64 = (0..3)
+                    .map(|k| axes[k][i] * solid_moments[k] * axes[k][j])
+                    .sum();
+                let shifted = if i == j { squared } else { 0.0 } - offset[i] * offset[j];
+                *entry += geom_mass * (rotated + shifted);
             }
         }
     }
-    Weighed::Known(Inertial {
+    BodyInertia::Known(Inertial {
         mass,
         link_from_inertia: Placement::translation(centre),
         moments,

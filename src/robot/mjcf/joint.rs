@@ -50,13 +50,13 @@ pub(super) fn read<'a>(
     tag: Tag<'a>,
     compiler: &Compiler,
     defaults: &Defaults<'a>,
-    around: Option<&str>,
+    enclosing_class: Option<&str>,
     body_from_frame: &Placement<f64>,
 ) -> Read<JointElement<'a>> {
     if tag.name() == "freejoint" {
         return Ok(free(tag));
     }
-    let joint = Attributes::of(tag, defaults, around)?;
+    let joint = Attributes::of(tag, defaults, enclosing_class)?;
     let kind = match joint.word("type", &KINDS)? {
         Some(0) => return Ok(free(tag)),
         Some(1) => Kind::Ball,
@@ -135,6 +135,6 @@ fn range(
 fn effort(joint: &Attributes<'_>) -> Read<Option<f64>> {
     let range = joint.numbers::<2>("actuatorfrcrange")?;
     let limited = joint.word("actuatorfrclimited", &["false", "true", "auto"])?;
-    let most = range.map(|[lower, upper]| lower.abs().max(upper.abs()));
-    Ok(most.filter(|most| *most > 0.0 && limited != Some(0)))
+    let max_effort = range.map(|[lower, upper]| lower.abs().max(upper.abs()));
+    Ok(max_effort.filter(|max_effort| *max_effort > 0.0 && limited != Some(0)))
 }

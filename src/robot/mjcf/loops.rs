@@ -8,14 +8,14 @@ use crate::model::{FrameId, Loop, LoopKind, Model};
 use crate::robot::xml::{ParseIssue, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Placement, Vector3};
 
-/// Reads the loop closures of `connect` and `weld`. `drawn` is the configuration in which the body poses are those of
-/// the file.
+/// Reads the loop closures of `connect` and `weld`. `reference_configuration` is the configuration in which the body
+/// poses are those of the file.
 pub(super) fn read_all(
     equalities: &[Attributes<'_>],
     bodies: &[Body<'_>],
     names: &ElementNames<'_>,
     model: &Model,
-    drawn: &[f64],
+    reference_configuration: &[f64],
     left_out: &mut Vec<RobotFileError>,
 ) -> Read<Vec<Loop>> {
     let kinds = [LoopKind::Connect, LoopKind::Weld];
@@ -27,29 +27,32 @@ pub(super) fn read_all(
     if closing.is_empty() {
         return Ok(Vec::new());
     }
-    let mut called = FreshNames::default();
-    for name in closing.iter().filter_map(|(own, _)| own.tag.text("name")) {
-        called.take(name);
+    let mut loop_names = FreshNames::default();
+    for name in closing
+        .iter()
+        .filter_map(|(closed, _)| closed.tag.text("name"))
+    {
+        loop_names.reserve(name);
     }
-    let placements = as_drawn(model, drawn);
+    let placements = placements_at(model, reference_configuration);
     let mocap = mocap_frames(bodies, names);
     let mut loops = Vec::with_capacity(closing.len());
     for (equality, kind) in closing {
-        let (frames, places) = joined(equality, kind, names, &placements)?;
+        let (frames, anchors) = frames_and_anchors(equality, kind, names, &placements)?;
         if frames.iter().any(|frame| mocap.contains(frame)) {
             left_out.push(equality.fault(ParseIssue::HeldFromOutside));
             continue;
         }
         let name = equality.tag.text("name").map(str::to_owned);
         let name = name.unwrap_or_else(|| {
-            let on = &model.frames()[frames[0].index()].name;
-            called.fresh(format!("{on}/{}", kind.name()))
+            let frame_name = &model.frames()[frames[0].index()].name;
+            loop_names.fresh(format!("{frame_name}/{}", kind.name()))
         });
-        let own = match kind {
+        let closed = match kind {
             LoopKind::Connect => Loop::connect(name, frames),
             LoopKind::Weld => Loop::weld(name, frames),
         };
-        loops.push(own.at(places));
+        loops.push(closed.at(anchors));
     }
     Ok(loops)
 }
@@ -57,14 +60,16 @@ pub(super) fn read_all(
 /// Frames of mocap bodies, which a program moves, and of their sites. A constraint to such a body is a target and no
 /// loop.
 fn mocap_frames(bodies: &[Body<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
-    let moved = bodies
+    let mocap_bodies = bodies
         .iter()
         .filter(|body| body.tag.text("mocap") == Some("true"));
-    moved.flat_map(|body| names.frames_of(body)).collect()
+    mocap_bodies
+        .flat_map(|body| names.frames_of(body))
+        .collect()
 }
 
 /// Frame poses at a configuration.
-fn as_drawn(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
+fn placements_at(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
     let mut kinematics = ForwardKinematics::new(model);
     match kinematics.place(q) {
         Ok(placements) => placements.to_vec(),
@@ -74,22 +79,22 @@ fn as_drawn(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
 }
 
 /// The two frames of a `connect` or `weld`, and the closure pose in each frame.
-fn joined(
+fn frames_and_anchors(
     equality: &Attributes<'_>,
     kind: LoopKind,
     names: &ElementNames<'_>,
-    drawn: &[Placement<f64>],
+    placements: &[Placement<f64>],
 ) -> Read<([FrameId; 2], [Placement<f64>; 2])> {
-    let at = |frame: FrameId| {
-        drawn
+    let placement = |frame: FrameId| {
+        placements
             .get(frame.index())
             .copied()
             .unwrap_or(Placement::identity())
     };
-    let same = Placement::identity();
+    let identity = Placement::identity();
     if let (Some(first), Some(second)) = (equality.text("site1"), equality.text("site2")) {
         let frames = [names.site(equality, first)?, names.site(equality, second)?];
-        return Ok((frames, [same; 2]));
+        return Ok((frames, [identity; 2]));
     }
     let attribute = "body1";
     let missing = || equality.fault(ParseIssue::MissingAttribute { attribute });
@@ -97,15 +102,15 @@ fn joined(
     let second = names.body(equality, equality.text("body2").unwrap_or("world"))?;
     let frames = [first, second];
     let anchor = equality.numbers::<3>("anchor")?;
-    let second_from_first = at(second).inverse() * at(first);
+    let second_from_first = placement(second).inverse() * placement(first);
     match kind {
         LoopKind::Connect => {
             let attribute = "anchor";
             let missing = || equality.fault(ParseIssue::MissingAttribute { attribute });
             let anchor = Vector3::from(anchor.ok_or_else(missing)?);
-            let here = Placement::translation(anchor);
-            let there = Placement::translation(second_from_first.apply(anchor));
-            Ok((frames, [here, there]))
+            let anchor_in_first = Placement::translation(anchor);
+            let anchor_in_second = Placement::translation(second_from_first.apply(anchor));
+            Ok((frames, [anchor_in_first, anchor_in_second]))
         }
         LoopKind::Weld => {
             let anchor = Placement::translation(Vector3::from(anchor.unwrap_or_default()));

@@ -55,26 +55,30 @@ fn read(
     let name = tag.text("name").unwrap_or(stem).to_owned();
     let scale = mesh.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
     let origin = mesh.numbers::<3>("refpos")?.unwrap_or_default();
-    let turn = match mesh.numbers::<4>("refquat")? {
+    let rotation = match mesh.numbers::<4>("refquat")? {
         None => Matrix3::identity(),
         Some(wxyz) => rotation_of_wxyz(wxyz).ok_or_else(|| {
             let attribute = "refquat";
             tag.fault(ParseIssue::ZeroLength { attribute })
         })?,
     };
-    let even = scale[0] == scale[1] && scale[1] == scale[2];
-    if turn != Matrix3::identity() && !even {
+    let is_uniform = scale[0] == scale[1] && scale[1] == scale[2];
+    if rotation != Matrix3::identity() && !is_uniform {
         return Err(tag.fault(ParseIssue::UnsupportedMesh));
     }
     // MuJoCo translates points of the file by -refpos, rotates them by the inverse of refquat, then scales them.
-    let back = turn.transpose();
-    let moved = back * -Vector3::from(origin);
-    let moved = Vector3::new(moved.x * scale[0], moved.y * scale[1], moved.z * scale[2]);
+    let inverse_rotation = rotation.transpose();
+    let offset = inverse_rotation * -Vector3::from(origin);
+    let offset = Vector3::new(
+        offset.x * scale[0],
+        offset.y * scale[1],
+        offset.z * scale[2],
+    );
     let geometry = Geometry::Mesh {
         file: compiler.mesh_file(file),
         scale,
     };
-    let shape_from_file = Placement::new(back, moved);
+    let shape_from_file = Placement::new(inverse_rotation, offset);
     Ok(Some((
         name,
         Mesh {

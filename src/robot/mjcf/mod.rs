@@ -14,6 +14,7 @@ mod defaults;
 mod equality;
 mod geom;
 mod inertial;
+mod inertias;
 mod joint;
 mod loops;
 mod mesh;
@@ -24,6 +25,5 @@ mod reader;
 mod segment;
 mod solid;
 mod tree;
-mod weights;
 
 pub use reader::MjcfReader;

@@ -62,33 +62,33 @@ impl<'a> ElementNames<'a> {
     pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
         let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));
         let sites = sites.filter_map(|name| self.sites.get(name));
-        let own = body.tag.text("name").and_then(|name| self.bodies.get(name));
-        own.into_iter().chain(sites).copied().collect()
+        let body_frame = body.tag.text("name").and_then(|name| self.bodies.get(name));
+        body_frame.into_iter().chain(sites).copied().collect()
     }
 
-    pub(super) fn joint(&self, by: &Attributes<'_>, name: &str) -> Read<NamedJoint> {
-        look_up(&self.joints, "joint", by, name)
+    pub(super) fn joint(&self, element: &Attributes<'_>, name: &str) -> Read<NamedJoint> {
+        look_up(&self.joints, "joint", element, name)
     }
 
-    pub(super) fn body(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
-        look_up(&self.bodies, "body", by, name)
+    pub(super) fn body(&self, element: &Attributes<'_>, name: &str) -> Read<FrameId> {
+        look_up(&self.bodies, "body", element, name)
     }
 
-    pub(super) fn site(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
-        look_up(&self.sites, "site", by, name)
+    pub(super) fn site(&self, element: &Attributes<'_>, name: &str) -> Read<FrameId> {
+        look_up(&self.sites, "site", element, name)
     }
 }
 
 fn look_up<T: Copy>(
-    known: &HashMap<&str, T>,
+    by_name: &HashMap<&str, T>,
     kind: &'static str,
-    by: &Attributes<'_>,
+    element: &Attributes<'_>,
     name: &str,
 ) -> Read<T> {
-    known.get(name).copied().ok_or_else(|| {
-        let mut valid: Vec<&str> = known.keys().copied().collect();
+    by_name.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = by_name.keys().copied().collect();
         valid.sort_unstable();
-        by.fault(UnknownName::new(kind, name, valid).into())
+        element.fault(UnknownName::new(kind, name, valid).into())
     })
 }
 
@@ -96,31 +96,31 @@ fn look_up<T: Copy>(
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreshNames {
     /// Names in use, each with the last number that was appended to it.
-    taken: HashMap<String, usize>,
+    used: HashMap<String, usize>,
 }
 
 impl FreshNames {
     /// Returns the name, or the first of NAME/2, NAME/3, … that is not in use.
     pub(super) fn fresh(&mut self, name: String) -> String {
-        let mut number = self.taken.get(&name).copied().unwrap_or(0);
+        let mut number = self.used.get(&name).copied().unwrap_or(0);
         let mut fresh = name.clone();
-        while self.taken.contains_key(&fresh) {
+        while self.used.contains_key(&fresh) {
             number += 1;
             fresh = format!("{name}/{}", number + 1);
         }
-        self.taken.insert(name, number);
-        self.taken.insert(fresh.clone(), number);
+        self.used.insert(name, number);
+        self.used.insert(fresh.clone(), number);
         fresh
     }
 
     /// Marks a name as used.
-    pub(super) fn take(&mut self, name: &str) {
-        self.taken.insert(name.to_owned(), 0);
+    pub(super) fn reserve(&mut self, name: &str) {
+        self.used.insert(name.to_owned(), 0);
     }
 }
 
 /// The names that the file gives to joints, and to bodies and sites. Returns an error for a repeated name.
-pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
+pub(super) fn file_names(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
     let joint_tags = bodies
         .iter()
@@ -129,15 +129,15 @@ pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let site_tags = bodies
         .iter()
         .flat_map(|body| body.sites.iter().map(|site| site.tag));
-    once(joint_tags, &mut joints, None)?;
-    once(body_tags.skip(1), &mut frames, Some(WORLD))?;
-    once(site_tags, &mut frames, None)?;
+    check_unique(joint_tags, &mut joints, None)?;
+    check_unique(body_tags.skip(1), &mut frames, Some(WORLD))?;
+    check_unique(site_tags, &mut frames, None)?;
     Ok([joints, frames])
 }
 
-fn once<'a>(
+fn check_unique<'a>(
     tags: impl Iterator<Item = Tag<'a>>,
-    taken: &mut FreshNames,
+    names: &mut FreshNames,
     reserved: Option<&'a str>,
 ) -> Read<()> {
     let mut lines: HashMap<&str, u32> = reserved.into_iter().map(|name| (name, 1)).collect();
@@ -148,7 +148,7 @@ fn once<'a>(
         if let Some(first_line) = lines.insert(name, tag.line()) {
             return Err(tag.fault(ParseIssue::DuplicateName { first_line }));
         }
-        taken.take(name);
+        names.reserve(name);
     }
     Ok(())
 }

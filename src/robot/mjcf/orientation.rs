@@ -7,9 +7,9 @@ use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
 /// Notations of a rotation that override a `quat` of a default class.
-const FORMS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
+const ORIENTATION_ATTRIBUTES: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
 /// Largest sine of the angle between z and a z axis at which the rotation axis is taken as x.
-const ALONG_Z: f64 = 1e-10;
+const PARALLEL_TOLERANCE: f64 = 1e-10;
 
 /// Pose from `pos` and an orientation; identity by default.
 pub(super) fn placement(element: &Attributes<'_>, compiler: &Compiler) -> Read<Placement<f64>> {
@@ -19,21 +19,23 @@ pub(super) fn placement(element: &Attributes<'_>, compiler: &Compiler) -> Read<P
 }
 
 fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Read<Matrix3<f64>> {
-    let mut form = None;
+    let mut notation = None;
     for layer in element.layers() {
-        let mut given = FORMS.into_iter().filter(|form| layer.text(form).is_some());
+        let mut given = ORIENTATION_ATTRIBUTES
+            .into_iter()
+            .filter(|notation| layer.text(notation).is_some());
         let first = given.next();
         if given.next().is_some() || first.is_some() && layer.text("quat").is_some() {
             return Err(layer.fault(ParseIssue::SeveralOrientations));
         }
-        form = form.or(first);
+        notation = notation.or(first);
     }
     let zero = |attribute| element.fault(ParseIssue::ZeroLength { attribute });
     let unit = |numbers: &[f64], attribute| {
         let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
         direction(Vector3::new(x, y, z)).ok_or_else(|| zero(attribute))
     };
-    Ok(match form {
+    Ok(match notation {
         None => match element.numbers::<4>("quat")? {
             None => Matrix3::identity(),
             Some(wxyz) => rotation_of_wxyz(wxyz).ok_or_else(|| zero("quat"))?,
@@ -52,7 +54,7 @@ fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Read<Matrix3<f64>>
         }
         Some("zaxis") => {
             let numbers = element.numbers::<3>("zaxis")?.unwrap_or_default();
-            turn_of_z_to(unit(&numbers, "zaxis")?)
+            rotation_of_z_to(unit(&numbers, "zaxis")?)
         }
         _ => {
             let angles = element.numbers::<3>("euler")?.unwrap_or_default();
@@ -62,23 +64,23 @@ fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Read<Matrix3<f64>>
 }
 
 fn of_euler(angles: [f64; 3], compiler: &Compiler) -> Matrix3<f64> {
-    let turns = angles.into_iter().zip(compiler.euler);
-    turns.fold(Matrix3::identity(), |rotation, (angle, (axis, fixed))| {
-        let turn = Matrix3::rotation(Vector3::UNITS[axis], clean_sin_cos(angle));
+    let rotations = angles.into_iter().zip(compiler.euler);
+    rotations.fold(Matrix3::identity(), |rotation, (angle, (axis, fixed))| {
+        let factor = Matrix3::rotation(Vector3::UNITS[axis], clean_sin_cos(angle));
         match fixed {
-            true => turn * rotation,
-            false => rotation * turn,
+            true => factor * rotation,
+            false => rotation * factor,
         }
     })
 }
 
 /// The smallest rotation from z to a unit vector; π about x for the opposite of z.
-pub(super) fn turn_of_z_to(to: Vector3<f64>) -> Matrix3<f64> {
-    let across = Vector3::UNITS[2].cross(to);
-    let sin = across.norm();
-    let axis = match sin < ALONG_Z {
+pub(super) fn rotation_of_z_to(to: Vector3<f64>) -> Matrix3<f64> {
+    let perpendicular = Vector3::UNITS[2].cross(to);
+    let sin = perpendicular.norm();
+    let axis = match sin < PARALLEL_TOLERANCE {
         true => Vector3::UNITS[0],
-        false => across * (1.0 / sin),
+        false => perpendicular * (1.0 / sin),
     };
     Quaternion::exp(axis * elementary::atan2(sin, to.z)).to_matrix()
 }

@@ -16,14 +16,17 @@ pub(super) fn joints(root: Tag<'_>, names: &ElementNames<'_>, robot: &Robot) -> 
         return Vec::new();
     }
     let mut driven: HashSet<&str> = HashSet::new();
-    let mut pulled: HashSet<&str> = HashSet::new();
+    let mut driven_tendons: HashSet<&str> = HashSet::new();
     for actuator in &actuators {
         driven.extend(actuator.text("joint"));
         driven.extend(actuator.text("jointinparent"));
-        pulled.extend(actuator.text("tendon"));
+        driven_tendons.extend(actuator.text("tendon"));
     }
     let tendons = sections("tendon").flat_map(|section| section.children_named("fixed"));
-    for tendon in tendons.filter(|tag| tag.text("name").is_some_and(|name| pulled.contains(name))) {
+    for tendon in tendons.filter(|tag| {
+        tag.text("name")
+            .is_some_and(|name| driven_tendons.contains(name))
+    }) {
         driven.extend(
             tendon
                 .children_named("joint")
@@ -34,9 +37,9 @@ pub(super) fn joints(root: Tag<'_>, names: &ElementNames<'_>, robot: &Robot) -> 
         .iter()
         .filter_map(|name| names.joint_named(name))
         .collect();
-    let follows = |id: JointId| robot.mimics().iter().any(|mimic| mimic.joint == id);
+    let is_mimic = |id: JointId| robot.mimics().iter().any(|mimic| mimic.joint == id);
     let mut moving = robot.model().moving_joints().to_vec();
     moving.dedup();
-    moving.retain(|id| !driven.contains(id) && !follows(*id));
+    moving.retain(|id| !driven.contains(id) && !is_mimic(*id));
     moving
 }

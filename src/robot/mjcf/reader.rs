@@ -8,18 +8,18 @@ use super::compiler::Compiler;
 use super::contact;
 use super::defaults::Defaults;
 use super::equality;
-use super::inertial::Weighed;
+use super::inertial::BodyInertia;
+use super::inertias;
 use super::loops;
 use super::mesh;
 use super::passive;
 use super::tree::Tree;
-use super::weights;
 use crate::model::ModelBuilder;
 use crate::robot::xml::{ParseIssue, Read, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 
 /// MuJoCo's default name of a model.
-const NAMELESS: &str = "MuJoCo Model";
+const DEFAULT_NAME: &str = "MuJoCo Model";
 
 impl Robot {
     /// Reads an MJCF file, the format of MuJoCo's models, with the files that it includes.
@@ -173,52 +173,59 @@ fn robot(tree: &Tree) -> Read<Robot> {
     let mut left_out = reader.left_out;
     let equalities = equality::read_all(root, &defaults)?;
 
-    let mut build = Build::new(root.text("model").unwrap_or(NAMELESS));
+    let mut build = Build::new(root.text("model").unwrap_or(DEFAULT_NAME));
     build.add(&bodies)?;
     let mimics = build.couple(&equalities, &mut left_out)?;
-    let unsound = |source| RobotFileError::Model {
+    let model_error = |source| RobotFileError::Model {
         file: tree.file().to_owned(),
         source,
     };
-    let mut model = build.builder.build().map_err(unsound)?;
-    let (names, drawn) = (&build.names, &build.drawn);
-    let loops = loops::read_all(&equalities, &bodies, names, &model, drawn, &mut left_out)?;
+    let mut model = build.builder.build().map_err(model_error)?;
+    let (names, reference_configuration) = (&build.names, &build.reference_configuration);
+    let loops = loops::read_all(
+        &equalities,
+        &bodies,
+        names,
+        &model,
+        reference_configuration,
+        &mut left_out,
+    )?;
     if !loops.is_empty() {
         let mut builder = ModelBuilder::from_model(&model);
         loops.into_iter().for_each(|closed| builder.close(closed));
-        model = builder.build().map_err(unsound)?;
+        model = builder.build().map_err(model_error)?;
     }
-    let mut robot = Robot::new(model, mimics).map_err(unsound)?;
+    let mut robot = Robot::new(model, mimics).map_err(model_error)?;
     robot.passive = passive::joints(root, names, &robot);
     robot.drives = build.drives;
-    let mut ranges = build.notes;
-    for (mimic, mended) in robot.mimics_beyond_range() {
-        let at = (robot.mimics().iter()).position(|own| own.joint == mimic);
-        if let Some((line, element)) = at.and_then(|at| build.couplings.get(at)) {
-            ranges.push(Repair {
+    let mut range_notes = build.notes;
+    for (mimic, kind) in robot.mimics_beyond_range() {
+        let index = (robot.mimics().iter()).position(|other| other.joint == mimic);
+        if let Some((line, element)) = index.and_then(|index| build.couplings.get(index)) {
+            range_notes.push(Repair {
                 line: *line,
                 element: element.clone(),
-                mended,
+                mended: kind,
             });
         }
     }
     robot.contacts = Some(contact::read(root, &bodies, &mut left_out));
-    let (weights, notes) = weights::weigh(&bodies, &compiler);
-    let bodies = bodies.into_iter().zip(weights);
-    robot.links = bodies.map(|(body, weight)| link(body, weight)).collect();
+    let (inertias, notes) = inertias::compute_inertias(&bodies, &compiler);
+    let bodies = bodies.into_iter().zip(inertias);
+    robot.links = bodies.map(|(body, inertia)| link(body, inertia)).collect();
     let repairs = left_out.into_iter().filter_map(Repair::left_out);
-    robot.repairs = repairs.chain(notes).chain(ranges).collect();
+    robot.repairs = repairs.chain(notes).chain(range_notes).collect();
     robot.repairs.sort_by_key(|repair| repair.line);
     Ok(robot)
 }
 
 /// Shapes and inertia of a body.
-fn link(body: Body<'_>, weight: Weighed) -> Link {
+fn link(body: Body<'_>, inertia: BodyInertia) -> Link {
     let mut link = Link::default();
-    match weight {
-        Weighed::Nothing => {}
-        Weighed::Known(inertial) => link.inertial = Some(inertial),
-        Weighed::Left(left) => link.left_to_meshes = Some(left),
+    match inertia {
+        BodyInertia::Nothing => {}
+        BodyInertia::Known(inertial) => link.inertial = Some(inertial),
+        BodyInertia::Missing(missing) => link.left_to_meshes = Some(missing),
     }
     for geom in body.geoms {
         let Some(shape) = geom.shape else { continue };

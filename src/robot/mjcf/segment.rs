@@ -1,7 +1,7 @@
 //! `fromto`: a shape given by its two end points.
 
 use super::attributes::Attributes;
-use super::orientation::{direction, turn_of_z_to};
+use super::orientation::{direction, rotation_of_z_to};
 use crate::robot::xml::{ParseIssue, Read};
 use crate::spatial::{Placement, Vector3};
 
@@ -22,7 +22,7 @@ pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
     // As in MuJoCo, z points from `to` to `from`.
     let along = from - to;
     let zero = || element.fault(ParseIssue::ZeroLength { attribute });
-    let rotation = turn_of_z_to(direction(along).ok_or_else(zero)?);
+    let rotation = rotation_of_z_to(direction(along).ok_or_else(zero)?);
     Ok(Some(Segment {
         placement: Placement::new(rotation, (from + to) * 0.5),
         length: along.norm(),

@@ -11,15 +11,15 @@ use crate::robot::xml::{ParseIssue, Read, RobotFileError, parse};
 /// Largest file size that is read, bytes; robot files stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
 /// Largest nesting depth of elements; robot files stay below 60.
-const MOST_LEVELS: usize = 1000;
+const MAX_LEVELS: usize = 1000;
 /// Largest nesting depth of includes.
-const MOST_NESTED: usize = 32;
+const MAX_INCLUDE_DEPTH: usize = 32;
 
 /// The elements of a file and of its includes.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     /// Elements; the first is the root, and parents come before children.
-    nodes: Vec<Stored>,
+    nodes: Vec<StoredElement>,
     /// Files; the main one comes first.
     files: Vec<Source>,
     /// The files below the folder of the main file.
@@ -37,7 +37,7 @@ struct Source {
 }
 
 #[derive(Clone, Debug)]
-struct Stored {
+struct StoredElement {
     name: String,
     attributes: Vec<(String, String)>,
     children: Vec<usize>,
@@ -101,8 +101,8 @@ impl Tree {
             End(&'a str),
         }
         let mut text = String::new();
-        let mut waiting = vec![Part::Element(self.root())];
-        while let Some(part) = waiting.pop() {
+        let mut pending = vec![Part::Element(self.root())];
+        while let Some(part) = pending.pop() {
             match part {
                 Part::End(name) => text.extend(["</", name, ">\n"]),
                 Part::Element(tag) => {
@@ -111,8 +111,8 @@ impl Tree {
                         text.extend([" ", name, "=\"", &escaped(value), "\""]);
                     }
                     text.push_str(">\n");
-                    waiting.push(Part::End(tag.name()));
-                    waiting.extend(tag.children().rev().map(Part::Element));
+                    pending.push(Part::End(tag.name()));
+                    pending.extend(tag.children().rev().map(Part::Element));
                 }
             }
         }
@@ -124,16 +124,16 @@ impl Tree {
         self.files.first().map_or("", |source| &source.name)
     }
 
-    /// Adds the elements of a file as a document, or the children of its root to the element `within`.
+    /// Adds the elements of a file as a document, or the children of its root to the element `include_parent`.
     fn add(
         &mut self,
         text: &str,
         source: Source,
-        within: Option<usize>,
-        (folder, nested): (&Path, usize),
+        include_parent: Option<usize>,
+        (folder, include_depth): (&Path, usize),
     ) -> Read<()> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let document = match within {
+        let document = match include_parent {
             None => parse(&source.name, text)?,
             // The parser's message quotes the file.
             Some(_) => Document::parse(text).map_err(|error| {
@@ -145,17 +145,19 @@ impl Tree {
         self.files.push(source);
         let mut lines = Lines {
             text,
-            at: 0,
+            offset: 0,
             line: 1,
         };
         let root = document.root_element();
-        let mut waiting: Vec<(Node<'_, '_>, Option<usize>, usize)> = match within {
+        let mut pending: Vec<(Node<'_, '_>, Option<usize>, usize)> = match include_parent {
             None => vec![(root, None, 0)],
-            Some(_) => elements(root).map(|child| (child, within, 1)).collect(),
+            Some(_) => elements(root)
+                .map(|child| (child, include_parent, 1))
+                .collect(),
         };
-        waiting.reverse();
-        while let Some((node, parent, level)) = waiting.pop() {
-            let stored = Stored {
+        pending.reverse();
+        while let Some((node, parent, level)) = pending.pop() {
+            let stored = StoredElement {
                 name: node.tag_name().name().to_owned(),
                 attributes: node
                     .attributes()
@@ -163,10 +165,10 @@ impl Tree {
                     .collect(),
                 children: Vec::new(),
                 file,
-                line: lines.of(node.range().start),
+                line: lines.line_at(node.range().start),
             };
             if stored.name == "include" {
-                self.include(&stored, parent, (folder, nested))?;
+                self.include(&stored, parent, (folder, include_depth))?;
                 continue;
             }
             let index = self.nodes.len();
@@ -174,14 +176,14 @@ impl Tree {
             if let Some(parent) = parent.and_then(|parent| self.nodes.get_mut(parent)) {
                 parent.children.push(index);
             }
-            if level > MOST_LEVELS {
+            if level > MAX_LEVELS {
                 return Err(self
                     .tag(index)
-                    .fault(ParseIssue::TooDeep { limit: MOST_LEVELS }));
+                    .fault(ParseIssue::TooDeep { limit: MAX_LEVELS }));
             }
-            let before = waiting.len();
-            waiting.extend(elements(node).map(|child| (child, Some(index), level + 1)));
-            waiting[before..].reverse();
+            let first_new = pending.len();
+            pending.extend(elements(node).map(|child| (child, Some(index), level + 1)));
+            pending[first_new..].reverse();
         }
         Ok(())
     }
@@ -189,9 +191,9 @@ impl Tree {
     /// Replaces an `<include>` by the elements of its file.
     fn include(
         &mut self,
-        include: &Stored,
+        include: &StoredElement,
         parent: Option<usize>,
-        (folder, nested): (&Path, usize),
+        (folder, include_depth): (&Path, usize),
     ) -> Read<()> {
         let fault = |fault| RobotFileError::Element {
             file: self.files[include.file].name.clone(),
@@ -209,12 +211,18 @@ impl Tree {
         if self.files.iter().any(|source| source.name == name) {
             return Err(fault(ParseIssue::IncludedTwice { file: name }));
         }
-        if nested >= MOST_NESTED {
-            return Err(fault(ParseIssue::TooDeep { limit: MOST_NESTED }));
+        if include_depth >= MAX_INCLUDE_DEPTH {
+            return Err(fault(ParseIssue::TooDeep {
+                limit: MAX_INCLUDE_DEPTH,
+            }));
         }
         let referred = |error: ReadError| {
-            let at = Place::Line(include.line as usize);
-            ReadError::referred(&self.files[include.file].name, at, error.without_contents())
+            let location = Place::Line(include.line as usize);
+            ReadError::referred(
+                &self.files[include.file].name,
+                location,
+                error.without_contents(),
+            )
         };
         let real = self.allowed.resolve(&path);
         let outside = real.is_err();
@@ -225,7 +233,7 @@ impl Tree {
         };
         let text = text_of(&path).map_err(referred)?;
         let source = Source { name, outside };
-        self.add(&text, source, Some(parent), (folder, nested + 1))
+        self.add(&text, source, Some(parent), (folder, include_depth + 1))
     }
 
     fn tag(&self, index: usize) -> Tag<'_> {
@@ -234,7 +242,7 @@ impl Tree {
 }
 
 impl<'a> Tag<'a> {
-    fn stored(&self) -> &'a Stored {
+    fn stored(&self) -> &'a StoredElement {
         &self.tree.nodes[self.index]
     }
 
@@ -245,9 +253,9 @@ impl<'a> Tag<'a> {
 
     /// Value of an attribute.
     pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
-        let mut own = self.stored().attributes.iter();
-        let found = own.find(|(name, _)| name == attribute)?;
-        Some(&found.1)
+        let mut attributes = self.stored().attributes.iter();
+        let attribute_pair = attributes.find(|(name, _)| name == attribute)?;
+        Some(&attribute_pair.1)
     }
 
     /// Child elements in document order.
@@ -277,13 +285,13 @@ impl<'a> Tag<'a> {
         RobotFileError::Element {
             file: source.name.clone(),
             line: self.line(),
-            element: self.called(),
+            element: self.label(),
             fault,
         }
     }
 
     /// Name of the element in messages.
-    pub(super) fn called(&self) -> String {
+    pub(super) fn label(&self) -> String {
         let name = self.name();
         let named = self.text("name");
         named.map_or_else(|| format!("<{name}>"), |it| format!("{name} `{it}`"))
@@ -301,9 +309,9 @@ fn escaped(value: &str) -> String {
 fn text_of(path: &Path) -> Result<String, ReadError> {
     let bytes = read_bytes(path, LENGTH_LIMIT)?;
     String::from_utf8(bytes).map_err(|error| {
-        let at = Place::Byte(error.utf8_error().valid_up_to());
+        let location = Place::Byte(error.utf8_error().valid_up_to());
         let file = path.display().to_string();
-        ReadError::malformed(&file, at, "is not UTF-8 text")
+        ReadError::malformed(&file, location, "is not UTF-8 text")
     })
 }
 
@@ -314,15 +322,19 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
 /// Line counter for offsets in ascending order.
 struct Lines<'a> {
     text: &'a str,
-    at: usize,
+    offset: usize,
     line: u32,
 }
 
 impl Lines<'_> {
-    fn of(&mut self, at: usize) -> u32 {
-        let passed = self.text.as_bytes().get(self.at..at).unwrap_or_default();
-        self.line += passed.iter().filter(|&&byte| byte == b'\n').count() as u32;
-        self.at = self.at.max(at);
+    fn line_at(&mut self, offset: usize) -> u32 {
+        let skipped = self
+            .text
+            .as_bytes()
+            .get(self.offset..offset)
+            .unwrap_or_default();
+        self.line += skipped.iter().filter(|&&byte| byte == b'\n').count() as u32;
+        self.offset = self.offset.max(offset);
         self.line
     }
 }

@@ -17,7 +17,7 @@ pub struct Group {
 }
 
 /// A group whose subgroups are unresolved names.
-struct Part {
+struct GroupMembers {
     joints: BTreeSet<JointId>,
     groups: Vec<String>,
 }
@@ -29,45 +29,46 @@ pub(super) fn read_all(
     virtual_joints: &[&str],
 ) -> Read<Vec<Group>> {
     let mut names: Vec<String> = Vec::new();
-    let mut parts: HashMap<String, Part> = HashMap::new();
-    let mut known = Vec::new();
+    let mut members: HashMap<String, GroupMembers> = HashMap::new();
+    let mut named_elements = Vec::new();
     for element in elements {
         let Some(name) = element.reading.leniently(element.name("name"))? else {
             continue;
         };
-        if parts.contains_key(&name) {
+        if members.contains_key(&name) {
             let fault = ParseIssue::RepeatedGroup { group: name };
-            element.mend(fault, |_| RepairKind::FirstCounts { child: "group" })?;
+            element.repair_or_fail(fault, |_| RepairKind::FirstCounts { child: "group" })?;
             continue;
         }
-        parts.insert(name.clone(), read(element, robot, virtual_joints)?);
+        members.insert(name.clone(), read(element, robot, virtual_joints)?);
         names.push(name);
-        known.push(element);
+        named_elements.push(element);
     }
     let mut groups = Vec::with_capacity(names.len());
-    for (element, name) in known.into_iter().zip(&names) {
+    for (element, name) in named_elements.into_iter().zip(&names) {
         // Visit every subgroup once; a subgroup that contains the group itself is a cycle.
         let mut joints = BTreeSet::new();
-        let mut seen = BTreeSet::new();
-        let mut waiting: Vec<&String> = vec![name];
-        while let Some(inner) = waiting.pop() {
-            let Some(part) = parts.get(inner) else {
+        let mut visited = BTreeSet::new();
+        let mut pending: Vec<&String> = vec![name];
+        while let Some(inner) = pending.pop() {
+            let Some(group_members) = members.get(inner) else {
                 let valid = names.iter().map(String::as_str);
                 let unknown = UnknownName::new("group", inner, valid);
-                element.mend(unknown.into(), RepairKind::LeftOut)?;
+                element.repair_or_fail(unknown.into(), RepairKind::LeftOut)?;
                 continue;
             };
-            joints.extend(&part.joints);
-            if part.groups.contains(name) {
+            joints.extend(&group_members.joints);
+            if group_members.groups.contains(name) {
                 let group = name.clone();
-                element.mend(ParseIssue::GroupWithinItself { group }, RepairKind::LeftOut)?;
-                seen.insert(name.as_str());
+                element
+                    .repair_or_fail(ParseIssue::GroupWithinItself { group }, RepairKind::LeftOut)?;
+                visited.insert(name.as_str());
             }
-            let new = part
+            let new = group_members
                 .groups
                 .iter()
-                .filter(|group| seen.insert(group.as_str()));
-            waiting.extend(new);
+                .filter(|group| visited.insert(group.as_str()));
+            pending.extend(new);
         }
         groups.push(Group {
             name: name.clone(),
@@ -77,14 +78,14 @@ pub(super) fn read_all(
     Ok(groups)
 }
 
-fn read(group: &Element<'_>, robot: &Robot, virtual_joints: &[&str]) -> Read<Part> {
+fn read(group: &Element<'_>, robot: &Robot, virtual_joints: &[&str]) -> Read<GroupMembers> {
     let model = robot.model();
     let mut joints = BTreeSet::new();
     let mut groups = Vec::new();
     for node in group.node.children().filter(|node| node.is_element()) {
         let part = group.part(node);
         let unknown = |error: UnknownName| part.fault(error.into());
-        let mut take = || -> Read<()> {
+        let mut read_member = || -> Read<()> {
             if is(node, "joint") {
                 let name = part.name("name")?;
                 if !virtual_joints.contains(&name.as_str()) {
@@ -103,7 +104,7 @@ fn read(group: &Element<'_>, robot: &Robot, virtual_joints: &[&str]) -> Read<Par
             }
             Ok(())
         };
-        group.reading.leniently(take())?;
+        group.reading.leniently(read_member())?;
     }
-    Ok(Part { joints, groups })
+    Ok(GroupMembers { joints, groups })
 }

@@ -119,8 +119,8 @@ impl Srdf {
     /// An unknown name. The error lists the valid ones.
     pub fn group(&self, name: &str) -> Result<&Group, UnknownName> {
         let names = self.groups.iter().map(|group| group.name.as_str());
-        let found = self.groups.iter().find(|group| group.name == name);
-        found.ok_or_else(|| UnknownName::new("group", name, names))
+        let group = self.groups.iter().find(|group| group.name == name);
+        group.ok_or_else(|| UnknownName::new("group", name, names))
     }
 
     /// Starts a parameter map of the robot in which passive joints are locked at their values in `q`. Passive mimic

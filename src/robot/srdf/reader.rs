@@ -10,7 +10,7 @@ use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{FrameId, UnknownName};
 use crate::robot::Robot;
 use crate::robot::xml::{
-    Element, ParseIssue, Read, Reading, RobotFileError, is, mended, parse as parse_xml,
+    Element, ParseIssue, Read, Reading, RobotFileError, is, parse as parse_xml, repaired_xml,
 };
 
 /// Largest file size that is read, bytes; SRDF files stay below 1 MB.
@@ -62,8 +62,8 @@ impl SrdfReader {
         let file = path.display().to_string();
         let bytes = read_bytes(path, LENGTH_LIMIT)?;
         let text = std::str::from_utf8(&bytes).map_err(|error| {
-            let at = Place::Byte(error.valid_up_to());
-            ReadError::malformed(&file, at, "is not UTF-8 text")
+            let location = Place::Byte(error.valid_up_to());
+            ReadError::malformed(&file, location, "is not UTF-8 text")
         })?;
         self.parse(text, &file, robot)
     }
@@ -76,7 +76,7 @@ impl SrdfReader {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs = Vec::new();
         let text = match self.lenient {
-            true => mended(text, &mut repairs),
+            true => repaired_xml(text, &mut repairs),
             false => Cow::Borrowed(text),
         };
         let reading = Reading {
@@ -118,13 +118,14 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
         .collect();
     let groups = group::read_all(&elements("group"), robot, &virtual_names)?;
     let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
-    let known = |element: &Element<'_>, group: String| match names.contains(&group.as_str()) {
-        true => Ok(group),
-        false => {
-            let unknown = UnknownName::new("group", &group, names.iter().copied());
-            Err(element.fault(unknown.into()))
-        }
-    };
+    let existing_group =
+        |element: &Element<'_>, group: String| match names.contains(&group.as_str()) {
+            true => Ok(group),
+            false => {
+                let unknown = UnknownName::new("group", &group, names.iter().copied());
+                Err(element.fault(unknown.into()))
+            }
+        };
     let states = all(&elements("group_state"), |element| {
         state::read(element, robot, &names, &virtual_names)
     })?;
@@ -134,10 +135,10 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
             .filter(|group| !group.is_empty());
         Ok(EndEffector {
             name: element.name("name")?,
-            group: known(element, element.name("group")?)?,
+            group: existing_group(element, element.name("group")?)?,
             parent_link: link(element, "parent_link", robot)?,
             parent_group: parent_group
-                .map(|group| known(element, group.to_owned()))
+                .map(|group| existing_group(element, group.to_owned()))
                 .transpose()?,
         })
     })?;

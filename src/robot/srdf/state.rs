@@ -8,7 +8,7 @@ use crate::robot::Robot;
 use crate::robot::xml::{Element, ParseIssue, Read, RepairKind, is};
 
 /// Pinocchio's name of the joint that moves a whole robot.
-const BASE: &str = "root_joint";
+const BASE_JOINT_NAME: &str = "root_joint";
 
 /// A group state: named values of some joints.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,21 +31,21 @@ impl Srdf {
     /// # Errors
     /// An unknown state. The error lists the valid ones.
     pub fn state(&self, name: &str, q: &[f64]) -> Result<Vec<f64>, UnknownName> {
-        let is_of = |state: &&GroupState| {
-            let of_group = name.strip_suffix(state.name.as_str());
-            of_group.is_some_and(|group| {
+        let is_requested = |state: &&GroupState| {
+            let group_prefix = name.strip_suffix(state.name.as_str());
+            group_prefix.is_some_and(|group| {
                 group.is_empty() || group.strip_suffix('/') == Some(&*state.group)
             })
         };
-        let mut found = self.states.iter().filter(is_of).peekable();
-        if found.peek().is_none() {
-            let mut told = BTreeSet::new();
+        let mut states = self.states.iter().filter(is_requested).peekable();
+        if states.peek().is_none() {
+            let mut listed = BTreeSet::new();
             let names = self.states.iter().map(|state| state.name.as_str());
-            let names = names.filter(|name| told.insert(*name));
+            let names = names.filter(|name| listed.insert(*name));
             return Err(UnknownName::new("group state", name, names));
         }
         let mut configuration = q.to_vec();
-        for &(coordinate, value) in found.flat_map(|state| &state.values) {
+        for &(coordinate, value) in states.flat_map(|state| &state.values) {
             if let Some(slot) = configuration.get_mut(coordinate) {
                 *slot = value;
             }
@@ -73,12 +73,12 @@ pub(super) fn read(
         };
         let Some(coordinates) = coordinates(robot.model(), &name) else {
             // A robot without a base joint ignores the pose of its base.
-            if name == BASE || virtual_joints.contains(&name.as_str()) {
+            if name == BASE_JOINT_NAME || virtual_joints.contains(&name.as_str()) {
                 continue;
             }
             // Fixed joints have no value, so their values are ignored without a note.
             if let Err(unknown) = robot.model().joint(&name) {
-                part.mend(unknown.into(), RepairKind::LeftOut)?;
+                part.repair_or_fail(unknown.into(), RepairKind::LeftOut)?;
             }
             continue;
         };
@@ -94,20 +94,20 @@ pub(super) fn read(
 
 /// The coordinates of a moving joint in the order of its values in a file. SRDF writes quaternions as x, y, z, w.
 fn coordinates(model: &Model, name: &str) -> Option<Vec<usize>> {
-    let of = |name: &str| -> Option<(JointKind, usize)> {
+    let kind_and_coordinate = |name: &str| -> Option<(JointKind, usize)> {
         let joint: JointId = model.joint(name).ok()?;
         let kind = model.joints()[joint.index()].kind;
         Some((kind, model.coordinate(joint)?))
     };
-    let ball = |at: usize| [at + 1, at + 2, at + 3, at];
-    if let Some((kind, at)) = of(name) {
+    let ball = |first: usize| [first + 1, first + 2, first + 3, first];
+    if let Some((kind, first)) = kind_and_coordinate(name) {
         return Some(match kind {
-            JointKind::Ball => ball(at).to_vec(),
-            _ => vec![at],
+            JointKind::Ball => ball(first).to_vec(),
+            _ => vec![first],
         });
     }
     // A free or planar joint is a chain of joints.
-    let part = |part: &str| of(&format!("{name}/{part}")).map(|(_, at)| at);
+    let part = |part: &str| kind_and_coordinate(&format!("{name}/{part}")).map(|(_, first)| first);
     let (x, y) = (part("x")?, part("y")?);
     match (part("z"), part("rotation"), part("yaw")) {
         (Some(z), Some(rotation), _) => Some([&[x, y, z][..], &ball(rotation)].concat()),
@@ -123,12 +123,12 @@ fn numbers(part: &Element<'_>, count: usize) -> Read<Vec<f64>> {
     let numbers = words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
     let numbers: Option<Vec<f64>> = numbers.collect();
     // The quaternion in four or seven numbers must not be zero.
-    let turns = |numbers: &[f64]| match count {
+    let has_rotation = |numbers: &[f64]| match count {
         4 | 7 => numbers[count - 4..].iter().any(|part| *part != 0.0),
         _ => true,
     };
     match numbers {
-        Some(numbers) if numbers.len() == count && turns(&numbers) => Ok(numbers),
+        Some(numbers) if numbers.len() == count && has_rotation(&numbers) => Ok(numbers),
         Some(numbers) if numbers.len() == count => {
             Err(part.fault(ParseIssue::ZeroLength { attribute }))
         }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::joint_element::{self, JointElement, READ};
+use super::joint_element::{self, JointElement, READ_ELEMENTS};
 use super::link_element;
 use super::version::Version;
 use crate::robot::Link;
@@ -30,7 +30,7 @@ const DIRECTIVES: [&str; 12] = [
     "unless",
 ];
 /// Name that a lenient reader gives a robot without a name.
-const NAMELESS: &str = "robot";
+const DEFAULT_NAME: &str = "robot";
 
 /// A document whose elements are valid one by one.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ pub(super) struct LinkElement {
 pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
     let xml = parse(reading.file, reading.text)?;
     let root = xml.root_element();
-    refuse_macros(reading, root)?;
+    check_macros(reading, root)?;
     if !root.has_tag_name("robot") {
         let label = format!("<{}>", root.tag_name().name());
         return Err(Element::new(reading, root, label).fault(ParseIssue::NotARobot));
@@ -93,9 +93,9 @@ fn add_world(robot: &Element<'_>, document: &mut Document) {
         return;
     }
     robot.note(RepairKind::WorldAdded);
-    let (name, at) = (WORLD.to_owned(), robot.at());
+    let (name, offset) = (WORLD.to_owned(), robot.offset());
     document.links.push(LinkElement {
-        named: Named { name, at },
+        named: Named { name, offset },
         link: Link::default(),
     });
 }
@@ -105,26 +105,26 @@ fn name_of(robot: &Element<'_>) -> Read<Named> {
     if read.is_ok() || !robot.reading.lenient {
         return read;
     }
-    robot.note(RepairKind::Named { name: NAMELESS });
-    let (name, at) = (NAMELESS.to_owned(), robot.at());
-    Ok(Named { name, at })
+    robot.note(RepairKind::Named { name: DEFAULT_NAME });
+    let (name, offset) = (DEFAULT_NAME.to_owned(), robot.offset());
+    Ok(Named { name, offset })
 }
 
 /// Returns an error for xacro directives, and for `${…}` or `$(…)` in attributes that the reader uses. A call of an
 /// undefined macro is a remnant of an earlier expansion: it is left out with a note.
-fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
-    let of_xacro = |node: &Node<'_, '_>| {
+fn check_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
+    let is_xacro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
         namespace.is_some_and(|uri| uri.ends_with("/xacro"))
     };
     let is_macro = |node: &Node<'_, '_>| {
         let mut names = ["robot", "link", "joint"]
             .into_iter()
-            .chain(READ.map(|(name, _)| name));
-        let ours = names.any(|name| is(*node, name));
+            .chain(READ_ELEMENTS.map(|(name, _)| name));
+        let is_read = names.any(|name| is(*node, name));
         // Elements with these names count anywhere, so an `<origin>` within a `<visual>` is checked too.
-        of_xacro(node) && DIRECTIVES.contains(&node.tag_name().name())
-            || ours
+        is_xacro(node) && DIRECTIVES.contains(&node.tag_name().name())
+            || is_read
                 && node
                     .attributes()
                     .any(|a| ["${", "$("].iter().any(|m| a.value().contains(m)))
@@ -135,7 +135,7 @@ fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
             line: reading.line(node.range().start),
         });
     }
-    for call in root.descendants().filter(of_xacro) {
+    for call in root.descendants().filter(is_xacro) {
         let element = format!("<xacro:{}>", call.tag_name().name());
         reading.note(call.range().start, &element, RepairKind::MacroCallLeftOut);
     }

@@ -10,7 +10,7 @@ use crate::robot::xml::{Element, Named, ParseIssue, Read, Reading, RepairKind};
 use crate::spatial::{Placement, Vector3};
 
 /// Child elements of a joint that are read, with their attributes.
-pub(super) const READ: [(&str, &[&str]); 7] = [
+pub(super) const READ_ELEMENTS: [(&str, &[&str]); 7] = [
     ("origin", &["xyz", "rpy", "quat_xyzw"]),
     ("parent", &["link"]),
     ("child", &["link"]),
@@ -45,7 +45,7 @@ pub(super) struct JointElement {
     pub(super) axis: Vector3<f64>,
     pub(super) limits: Limits,
     pub(super) drive: Drive,
-    pub(super) follows: Option<Follows>,
+    pub(super) mimic: Option<MimicElement>,
 }
 
 /// The joints of the model that represent a joint of the file.
@@ -58,8 +58,8 @@ pub(super) enum JointChain {
 
 /// Mimic relation of a joint.
 #[derive(Clone, Debug)]
-pub(super) struct Follows {
-    pub(super) master: String,
+pub(super) struct MimicElement {
+    pub(super) source: String,
     pub(super) ratio: f64,
     pub(super) offset: f64,
 }
@@ -84,17 +84,17 @@ pub(super) fn read<'a>(
         _ => return Err(joint.fault(ParseIssue::UnknownJointType { kind })),
     };
 
-    let mut found = READ.map(|_| None);
-    for (slot, (name, attributes)) in found.iter_mut().zip(READ) {
+    let mut children = READ_ELEMENTS.map(|_| None);
+    for (slot, (name, attributes)) in children.iter_mut().zip(READ_ELEMENTS) {
         *slot = joint.child(name)?;
         if let Some(child) = slot {
             child.check_attributes(attributes)?;
         }
     }
     for child in node.children().filter(Node::is_element) {
-        joint.check_child(child, &READ.map(|(name, _)| name))?;
+        joint.check_child(child, &READ_ELEMENTS.map(|(name, _)| name))?;
     }
-    let [_, parent, child, axis, limit, mimic, safety] = found;
+    let [_, parent, child, axis, limit, mimic, safety] = children;
 
     let link = |element: Option<Element<'_>>, child| match element {
         Some(element) => element.name("link"),
@@ -109,7 +109,7 @@ pub(super) fn read<'a>(
         axis: self::axis(axis, kind)?,
         limits: limits(&joint, limit.as_ref(), kind, version)?,
         drive: drive(limit, safety, kind)?,
-        follows: follows(mimic, kind)?,
+        mimic: read_mimic(mimic, kind)?,
         named,
     })
 }
@@ -134,18 +134,18 @@ fn limits(
     kind: JointKind,
     version: Version,
 ) -> Read<Limits> {
-    let held = Limits::new(0.0, 0.0);
+    let locked = Limits::new(0.0, 0.0);
     let name = match kind {
-        JointKind::Fixed => return Ok(held),
+        JointKind::Fixed => return Ok(locked),
         JointKind::Continuous | JointKind::Ball => return Ok(Limits::UNBOUNDED),
         JointKind::Revolute => "revolute",
         JointKind::Prismatic => "prismatic",
     };
     let Some(limit) = limit else {
-        joint.mend(ParseIssue::NoLimits { kind: name }, |_| {
+        joint.repair_or_fail(ParseIssue::NoLimits { kind: name }, |_| {
             RepairKind::HeldAtZero
         })?;
-        return Ok(held);
+        return Ok(locked);
     };
     let bound = |missing, value: f64| -> Read<f64> {
         let unlimited = if missing == "lower" {
@@ -171,7 +171,7 @@ fn limits(
     }
     let fault = ParseIssue::LimitsOutOfOrder { lower, upper };
     let (lower, upper) = (upper, lower);
-    limit.mend(fault, |_| RepairKind::LimitsExchanged { lower, upper })?;
+    limit.repair_or_fail(fault, |_| RepairKind::LimitsExchanged { lower, upper })?;
     Ok(Limits::new(lower, upper))
 }
 
@@ -184,15 +184,18 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
     let soft = |attribute| number(&safety, attribute);
     let (lower, upper) = (soft("soft_lower_limit")?, soft("soft_upper_limit")?);
     // Files without known limits write 0.
-    let stated = |value: Option<f64>| value.filter(|value| *value > 0.0);
+    let positive = |value: Option<f64>| value.filter(|value| *value > 0.0);
     let drive = Drive {
-        velocity: stated(number(&limit, "velocity")?),
-        effort: stated(number(&limit, "effort")?),
-        acceleration: stated(number(&limit, "acceleration")?),
-        jerk: stated(number(&limit, "jerk")?),
+        velocity: positive(number(&limit, "velocity")?),
+        effort: positive(number(&limit, "effort")?),
+        acceleration: positive(number(&limit, "acceleration")?),
+        jerk: positive(number(&limit, "jerk")?),
         soft_limits: lower.or(upper).map(|_| {
-            let all = Limits::UNBOUNDED;
-            Limits::new(lower.unwrap_or(all.lower), upper.unwrap_or(all.upper))
+            let unbounded = Limits::UNBOUNDED;
+            Limits::new(
+                lower.unwrap_or(unbounded.lower),
+                upper.unwrap_or(unbounded.upper),
+            )
         }),
     };
     Ok(match kind {
@@ -201,13 +204,13 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
     })
 }
 
-fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Read<Option<Follows>> {
+fn read_mimic(mimic: Option<Element<'_>>, kind: JointKind) -> Read<Option<MimicElement>> {
     let Some(mimic) = mimic else { return Ok(None) };
-    let follows = Follows {
+    let mimic = MimicElement {
         ratio: mimic.number("multiplier")?.unwrap_or(1.0),
         offset: mimic.number("offset")?.unwrap_or(0.0),
-        master: mimic.name("joint")?,
+        source: mimic.name("joint")?,
     };
     // Tools that fix joints leave `<mimic>` in the file; it has no effect there.
-    Ok((kind != JointKind::Fixed).then_some(follows))
+    Ok((kind != JointKind::Fixed).then_some(mimic))
 }

@@ -19,8 +19,8 @@ pub(super) fn read<'a>(
     version: Version,
 ) -> Link {
     let parts = |tag: &'static str| {
-        let found = node.children().filter(move |child| is(*child, tag));
-        found.map(move |child| Element::new(reading, child, format!("link `{name}`, <{tag}>")))
+        let elements = node.children().filter(move |child| is(*child, tag));
+        elements.map(move |child| Element::new(reading, child, format!("link `{name}`, <{tag}>")))
     };
     let shapes = |tag| {
         let shapes = parts(tag).map(|part| shape(&part, version));
@@ -44,10 +44,10 @@ fn shape(shape: &Element<'_>, version: Version) -> Read<Shape> {
         return Err(geometry.fault(ParseIssue::UnknownShape));
     };
     let body = shape.part(body);
-    let length = |attribute| body.demanded(attribute).map(|[value]| value);
+    let length = |attribute| body.required_numbers(attribute).map(|[value]| value);
     let geometry = match tag {
         "box" => Geometry::Box {
-            size: body.demanded("size")?,
+            size: body.required_numbers("size")?,
         },
         "sphere" => Geometry::Sphere {
             radius: length("radius")?,
@@ -77,7 +77,7 @@ fn inertial(inertial: &Element<'_>, version: Version) -> Read<Inertial> {
     let moment = |attribute| Ok::<_, RobotFileError>(inertia.number(attribute)?.unwrap_or(0.0));
     let (xy, xz, yz) = (moment("ixy")?, moment("ixz")?, moment("iyz")?);
     let (xx, yy, zz) = (moment("ixx")?, moment("iyy")?, moment("izz")?);
-    let [mass] = mass.demanded("value")?;
+    let [mass] = mass.required_numbers("value")?;
     Ok(Inertial {
         mass,
         link_from_inertia: origin::read(inertial, version)?,

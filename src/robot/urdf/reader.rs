@@ -8,7 +8,7 @@ use super::joint_element::JointChain;
 use super::topology::{self, Topology};
 use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{Joint, JointId, Limits, Model, ModelError};
-use crate::robot::xml::{Reading, Repair, RobotFileError, mended};
+use crate::robot::xml::{Reading, Repair, RobotFileError, repaired_xml};
 use crate::robot::{Drive, Mimic, Robot};
 use crate::spatial::Placement;
 
@@ -71,8 +71,8 @@ impl UrdfReader {
         match std::str::from_utf8(&bytes) {
             Ok(text) => Ok(self.parse(text, &file)?.with_file(path)),
             Err(error) => {
-                let at = Place::Byte(error.valid_up_to());
-                Err(ReadError::malformed(&file, at, "is not UTF-8 text").into())
+                let location = Place::Byte(error.valid_up_to());
+                Err(ReadError::malformed(&file, location, "is not UTF-8 text").into())
             }
         }
     }
@@ -95,7 +95,7 @@ impl UrdfReader {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs: Vec<Repair> = Vec::new();
         let text = match self.lenient {
-            true => mended(text, &mut repairs),
+            true => repaired_xml(text, &mut repairs),
             false => Cow::Borrowed(text),
         };
         let reading = Reading {
@@ -106,17 +106,17 @@ impl UrdfReader {
         };
         let document = document::read(&reading)?;
         let topology = topology::order(&reading, &document)?;
-        let starts: Vec<(String, usize)> = (document.joints.iter())
-            .map(|joint| (joint.named.name.clone(), joint.named.at))
+        let offsets: Vec<(String, usize)> = (document.joints.iter())
+            .map(|joint| (joint.named.name.clone(), joint.named.offset))
             .collect();
         let mut robot = robot(document, &topology).map_err(|source| RobotFileError::Model {
             file: file.to_owned(),
             source,
         })?;
-        for (joint, mended) in robot.mimics_beyond_range() {
+        for (joint, kind) in robot.mimics_beyond_range() {
             let name = &robot.model().joints()[joint.index()].name;
-            if let Some((name, at)) = starts.iter().find(|(own, _)| own == name) {
-                reading.note(*at, &format!("joint `{name}`"), mended);
+            if let Some((name, offset)) = offsets.iter().find(|(other, _)| other == name) {
+                reading.note(*offset, &format!("joint `{name}`"), kind);
             }
         }
         robot.repairs = reading.repairs.into_inner();
@@ -134,18 +134,25 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
     for branch in &topology.branches {
         let element = &document.joints[branch.joint];
         let (name, parent) = (element.named.name.as_str(), carrier[branch.parent_link]);
-        let (at, free) = (element.parent_from_joint, Limits::UNBOUNDED);
+        let (placement, unbounded) = (element.parent_from_joint, Limits::UNBOUNDED);
         let id = match element.chain {
             JointChain::One => builder.joint(Joint::new(
                 name,
                 parent,
-                at,
+                placement,
                 element.kind,
                 element.axis,
                 element.limits,
             )),
-            JointChain::Free => builder.free(name, parent, at, [free; 3]),
-            JointChain::Planar => builder.planar(name, parent, at, element.axis, [free; 2], free),
+            JointChain::Free => builder.free(name, parent, placement, [unbounded; 3]),
+            JointChain::Planar => builder.planar(
+                name,
+                parent,
+                placement,
+                element.axis,
+                [unbounded; 2],
+                unbounded,
+            ),
         };
         carrier[branch.child_link] = Some(id);
         ids[branch.joint] = Some(id);
@@ -160,25 +167,25 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
         .filter(|(element, _)| element.kind.moves())
         .filter_map(|(element, id)| {
             let last = (*id)?.index();
-            let before = match element.chain {
+            let earlier_joints = match element.chain {
                 JointChain::One => 0,
                 JointChain::Planar => 2,
                 JointChain::Free => 3,
             };
-            Some((last - before..=last).map(JointId::new))
+            Some((last - earlier_joints..=last).map(JointId::new))
         })
         .flatten()
         .collect();
     builder.configuration_order(in_file_order);
 
-    let mimics = (document.joints.iter().zip(&ids).zip(&topology.masters))
-        .filter_map(|((element, joint), master)| {
-            let follows = element.follows.as_ref()?;
+    let mimics = (document.joints.iter().zip(&ids).zip(&topology.sources))
+        .filter_map(|((element, joint), source)| {
+            let mimic = element.mimic.as_ref()?;
             Some(Mimic {
                 joint: (*joint)?,
-                master: ids[(*master)?]?,
-                ratio: follows.ratio,
-                offset: follows.offset,
+                master: ids[(*source)?]?,
+                ratio: mimic.ratio,
+                offset: mimic.offset,
             })
         })
         .collect();

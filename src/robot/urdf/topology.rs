@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::VecDeque;
 
 use super::document::Document;
-use super::joint_element::{Follows, JointElement};
+use super::joint_element::{JointElement, MimicElement};
 use crate::model::UnknownName;
 use crate::robot::xml::{Named, ParseIssue, Read, Reading, RobotFileError};
 
@@ -21,21 +21,21 @@ pub(super) struct Branch {
 pub(super) struct Topology {
     pub(super) branches: Vec<Branch>,
     /// Index of the source joint of every joint, in document order.
-    pub(super) masters: Vec<Option<usize>>,
+    pub(super) sources: Vec<Option<usize>>,
 }
 
 /// Finds the tree that the links and joints of a document form.
 pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
-        return Err(reading.fault(document.robot.at, "<robot>".into(), ParseIssue::NoLinks));
+        return Err(reading.fault(document.robot.offset, "<robot>".into(), ParseIssue::NoLinks));
     }
     let link_by_name = index(reading, "link", links.iter().map(|link| &link.named))?;
     let joint_by_name = index(reading, "joint", joints.iter().map(|joint| &joint.named))?;
 
     let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
-    let mut hanging: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
-    let mut masters = Vec::with_capacity(joints.len());
+    let mut child_branches: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
+    let mut sources = Vec::with_capacity(joints.len());
     let link_names = links.iter().map(|link| link.named.name.as_str());
     let joint_names = joints.iter().map(|joint| joint.named.name.as_str());
     for (index, joint) in joints.iter().enumerate() {
@@ -60,13 +60,13 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
             return Err(joint_fault(reading, joint, fault));
         }
         carrier[branch.child_link] = Some(index);
-        hanging[branch.parent_link].push(branch);
-        let master = joint.follows.as_ref().map(|Follows { master, .. }| {
-            let names = || UnknownName::new("joint", master, joint_names.clone());
-            let known = joint_by_name.get(master.as_str()).copied();
-            known.ok_or_else(|| unknown(names()))
+        child_branches[branch.parent_link].push(branch);
+        let source = joint.mimic.as_ref().map(|MimicElement { source, .. }| {
+            let names = || UnknownName::new("joint", source, joint_names.clone());
+            let source_index = joint_by_name.get(source.as_str()).copied();
+            source_index.ok_or_else(|| unknown(names()))
         });
-        masters.push(master.transpose()?);
+        sources.push(source.transpose()?);
     }
 
     let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
@@ -75,14 +75,14 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
         let fault = ParseIssue::SeveralRoots {
             roots: names.collect(),
         };
-        return Err(reading.fault(document.robot.at, "<robot>".into(), fault));
+        return Err(reading.fault(document.robot.offset, "<robot>".into(), fault));
     }
     let mut branches = Vec::with_capacity(joints.len());
-    let mut waiting: VecDeque<usize> = roots.into();
-    while let Some(link) = waiting.pop_front() {
-        for branch in &hanging[link] {
+    let mut pending: VecDeque<usize> = roots.into();
+    while let Some(link) = pending.pop_front() {
+        for branch in &child_branches[link] {
             branches.push(*branch);
-            waiting.push_back(branch.child_link);
+            pending.push_back(branch.child_link);
         }
     }
     // Every link has at most one parent, so an unreachable link descends from a cycle.
@@ -92,41 +92,49 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
     }
     match reached.iter().position(|&reached| !reached) {
         Some(outside) => {
-            let ring = on_ring(outside, joints, &link_by_name, &carrier);
-            Err(joint_fault(reading, &joints[ring], ParseIssue::Cycle))
+            let cycle_joint = joint_on_cycle(outside, joints, &link_by_name, &carrier);
+            Err(joint_fault(
+                reading,
+                &joints[cycle_joint],
+                ParseIssue::Cycle,
+            ))
         }
-        None => Ok(Topology { branches, masters }),
+        None => Ok(Topology { branches, sources }),
     }
 }
 
 /// A joint of the cycle from which a joint descends: n steps towards the root end in it, for n joints.
-fn on_ring(
+fn joint_on_cycle(
     joint: usize,
     joints: &[JointElement],
     link_by_name: &HashMap<&str, usize>,
     carrier: &[Option<usize>],
 ) -> usize {
-    let mut at = joint;
+    let mut current = joint;
     for _ in joints {
-        let parent = link_by_name.get(joints[at].parent.as_str());
-        at = parent.and_then(|&link| carrier[link]).unwrap_or(at);
+        let parent = link_by_name.get(joints[current].parent.as_str());
+        current = parent.and_then(|&link| carrier[link]).unwrap_or(current);
     }
-    at
+    current
 }
 
 fn index<'a>(
     reading: &Reading<'_>,
     kind: &str,
-    things: impl Iterator<Item = &'a Named>,
+    elements: impl Iterator<Item = &'a Named>,
 ) -> Read<HashMap<&'a str, usize>> {
     let mut by_name = HashMap::new();
-    let mut starts = Vec::new();
-    for (position, thing) in things.enumerate() {
-        starts.push(thing.at);
-        if let Some(first) = by_name.insert(thing.name.as_str(), position) {
-            let first_line = reading.line(starts[first]);
-            let label = format!("{kind} `{}`", thing.name);
-            return Err(reading.fault(thing.at, label, ParseIssue::DuplicateName { first_line }));
+    let mut offsets = Vec::new();
+    for (position, element) in elements.enumerate() {
+        offsets.push(element.offset);
+        if let Some(first) = by_name.insert(element.name.as_str(), position) {
+            let first_line = reading.line(offsets[first]);
+            let label = format!("{kind} `{}`", element.name);
+            return Err(reading.fault(
+                element.offset,
+                label,
+                ParseIssue::DuplicateName { first_line },
+            ));
         }
     }
     Ok(by_name)
@@ -134,5 +142,5 @@ fn index<'a>(
 
 fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: ParseIssue) -> RobotFileError {
     let label = format!("joint `{}`", joint.named.name);
-    reading.fault(joint.named.at, label, fault)
+    reading.fault(joint.named.offset, label, fault)
 }

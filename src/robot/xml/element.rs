@@ -10,7 +10,7 @@ use super::repair::RepairKind;
 #[derive(Clone, Debug)]
 pub(crate) struct Named {
     pub(crate) name: String,
-    pub(crate) at: usize,
+    pub(crate) offset: usize,
 }
 
 /// An element of the file, with its name in messages.
@@ -26,8 +26,8 @@ pub(crate) struct Element<'a> {
 pub(crate) fn is(node: Node<'_, '_>, name: &str) -> bool {
     // Empty for nodes that are no elements.
     let tag = node.tag_name();
-    let own = node.document().root_element().tag_name().namespace();
-    tag.name() == name && tag.namespace() == own
+    let root_namespace = node.document().root_element().tag_name().namespace();
+    tag.name() == name && tag.namespace() == root_namespace
 }
 
 impl<'a> Element<'a> {
@@ -45,37 +45,40 @@ impl<'a> Element<'a> {
     }
 
     /// Byte offset of the element in the text.
-    pub(crate) fn at(&self) -> usize {
+    pub(crate) fn offset(&self) -> usize {
         self.node.range().start
     }
 
     pub(crate) fn fault(&self, fault: ParseIssue) -> RobotFileError {
-        self.reading.fault(self.at(), self.label.clone(), fault)
+        self.reading.fault(self.offset(), self.label.clone(), fault)
     }
 
-    pub(crate) fn note(&self, mended: RepairKind) {
-        self.reading.note(self.at(), &self.label, mended);
+    pub(crate) fn note(&self, kind: RepairKind) {
+        self.reading.note(self.offset(), &self.label, kind);
     }
 
     /// Returns a fault as an error if the reader is strict; a lenient reader notes the repair instead.
-    pub(crate) fn mend(
+    pub(crate) fn repair_or_fail(
         &self,
         fault: ParseIssue,
-        mended: impl FnOnce(ParseIssue) -> RepairKind,
+        repair: impl FnOnce(ParseIssue) -> RepairKind,
     ) -> Read<()> {
-        self.reading.mend(self.at(), &self.label, fault, mended)
+        self.reading
+            .repair_or_fail(self.offset(), &self.label, fault, repair)
     }
 
     /// Name and offset of the element. The name is required.
     pub(crate) fn named(&self) -> Read<Named> {
-        let (name, at) = (self.name("name")?, self.at());
-        Ok(Named { name, at })
+        let (name, offset) = (self.name("name")?, self.offset());
+        Ok(Named { name, offset })
     }
 
     /// An attribute without a namespace. The look-up of roxmltree accepts any namespace.
     pub(crate) fn text(&self, attribute: &str) -> Option<&'a str> {
-        let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
-        own.find(|a| a.name() == attribute).map(|a| a.value())
+        let mut attributes = self.node.attributes().filter(|a| a.namespace().is_none());
+        attributes
+            .find(|a| a.name() == attribute)
+            .map(|a| a.value())
     }
 
     /// A required attribute that is not blank.
@@ -107,7 +110,7 @@ impl<'a> Element<'a> {
         };
         match without_commas {
             Some(values) => {
-                self.mend(fault, |_| RepairKind::CommasAreBlanks { attribute })?;
+                self.repair_or_fail(fault, |_| RepairKind::CommasAreBlanks { attribute })?;
                 Ok(Some(values))
             }
             None => Err(self.fault(fault)),
@@ -126,19 +129,22 @@ impl<'a> Element<'a> {
     }
 
     /// A required attribute of exactly `N` finite numbers.
-    pub(crate) fn demanded<const N: usize>(&self, attribute: &'static str) -> Read<[f64; N]> {
+    pub(crate) fn required_numbers<const N: usize>(
+        &self,
+        attribute: &'static str,
+    ) -> Read<[f64; N]> {
         let missing = || self.fault(ParseIssue::MissingAttribute { attribute });
         self.numbers(attribute)?.ok_or_else(missing)
     }
 
     /// The child element of a name. A second one is a fault; a lenient reader uses the first.
-    fn once(&self, child: &'static str) -> Read<Option<Node<'a, 'a>>> {
-        let mut found = self.node.children().filter(|inner| is(*inner, child));
-        let first = found.next();
-        if let Some(second) = found.next() {
+    fn unique_child(&self, child: &'static str) -> Read<Option<Node<'a, 'a>>> {
+        let mut matches = self.node.children().filter(|inner| is(*inner, child));
+        let first = matches.next();
+        if let Some(second) = matches.next() {
             let fault = ParseIssue::RepeatedElement { child };
             self.part(second)
-                .mend(fault, |_| RepairKind::FirstCounts { child })?;
+                .repair_or_fail(fault, |_| RepairKind::FirstCounts { child })?;
         }
         Ok(first)
     }
@@ -146,21 +152,21 @@ impl<'a> Element<'a> {
     /// The child element of a name as an [`Element`]; `None` without one.
     pub(crate) fn child(&self, name: &'static str) -> Read<Option<Self>> {
         let label = || format!("{}, <{name}>", self.label);
-        let child = self.once(name)?;
+        let child = self.unique_child(name)?;
         Ok(child.map(|node| Self::new(self.reading, node, label())))
     }
 
     /// The required [part](Self::part) of a name.
     pub(crate) fn required(&self, child: &'static str) -> Read<Self> {
         let missing = || self.fault(ParseIssue::MissingElement { child });
-        let node = self.once(child)?.ok_or_else(missing)?;
+        let node = self.unique_child(child)?.ok_or_else(missing)?;
         Ok(self.part(node))
     }
 
     /// Reports attributes whose names are misspellings of names in `known`.
     pub(crate) fn check_attributes(&self, known: &[&'static str]) -> Read<()> {
-        let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
-        own.try_for_each(|attribute| self.check_known(attribute.name(), known))
+        let mut attributes = self.node.attributes().filter(|a| a.namespace().is_none());
+        attributes.try_for_each(|attribute| self.check_known(attribute.name(), known))
     }
 
     /// Reports a child element whose name is a misspelling of a name in `known`.
@@ -177,10 +183,10 @@ impl<'a> Element<'a> {
         if known.contains(&name) {
             return Ok(());
         }
-        match known.iter().find(|meant| one_slip_apart(name, meant)) {
+        match known.iter().find(|meant| differs_by_one_edit(name, meant)) {
             Some(meant) => {
                 let found = name.to_owned();
-                self.mend(ParseIssue::Misspelt { found, meant }, RepairKind::LeftOut)
+                self.repair_or_fail(ParseIssue::Misspelt { found, meant }, RepairKind::LeftOut)
             }
             None => Ok(()),
         }
@@ -196,14 +202,14 @@ pub(crate) fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
 
 /// Reports whether two names differ by at most one edit, regardless of case: one letter removed, added or replaced, or
 /// two neighbours swapped.
-fn one_slip_apart(name: &str, meant: &str) -> bool {
+fn differs_by_one_edit(name: &str, meant: &str) -> bool {
     let (name, meant) = (name.to_ascii_lowercase(), meant.to_ascii_lowercase());
     let (a, b) = (name.as_bytes(), meant.as_bytes());
-    let front = a.iter().zip(b).take_while(|(x, y)| x == y).count();
-    let (a, b) = (&a[front..], &b[front..]);
-    let backwards = a.iter().rev().zip(b.iter().rev());
-    let back = backwards.take_while(|(x, y)| x == y).count();
-    match (&a[..a.len() - back], &b[..b.len() - back]) {
+    let prefix = a.iter().zip(b).take_while(|(x, y)| x == y).count();
+    let (a, b) = (&a[prefix..], &b[prefix..]);
+    let reversed = a.iter().rev().zip(b.iter().rev());
+    let suffix = reversed.take_while(|(x, y)| x == y).count();
+    match (&a[..a.len() - suffix], &b[..b.len() - suffix]) {
         ([x, y], [v, w]) => x == w && y == v,
         (x, y) => x.len() <= 1 && y.len() <= 1,
     }
@@ -211,10 +217,10 @@ fn one_slip_apart(name: &str, meant: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::one_slip_apart;
+    use super::differs_by_one_edit;
 
     #[test]
-    fn slips_are_told_from_other_words() {
+    fn misspellings_differ_by_one_edit() {
         for (name, meant) in [
             ("Origin", "origin"),
             ("orgin", "origin"),
@@ -223,10 +229,10 @@ mod tests {
             ("upper", "uppre"),
             ("aaa", "aa"),
         ] {
-            assert!(one_slip_apart(name, meant), "{name} {meant}");
+            assert!(differs_by_one_edit(name, meant), "{name} {meant}");
         }
         for (name, meant) in [("rpy", "xyz"), ("effort", "offset"), ("axis", "limit")] {
-            assert!(!one_slip_apart(name, meant), "{name} {meant}");
+            assert!(!differs_by_one_edit(name, meant), "{name} {meant}");
         }
     }
 }

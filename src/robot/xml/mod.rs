@@ -21,7 +21,7 @@ pub(crate) use error::Read;
 pub use error::{ParseIssue, RobotFileError};
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(super) use parse::root_name;
-pub(super) use parse::{mended, parse};
+pub(super) use parse::{parse, repaired_xml};
 pub(super) use reading::Reading;
 pub use repair::{Repair, RepairKind};
 #[cfg(any(feature = "mjcf", feature = "urdf"))]

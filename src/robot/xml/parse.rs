@@ -8,7 +8,7 @@ use super::error::{Read, RobotFileError};
 use super::repair::{Repair, RepairKind};
 
 /// Largest number of malformed declarations and undeclared prefixes that are corrected; files have one.
-const MOST_PREFIXES: usize = 16;
+const MAX_XML_REPAIRS: usize = 16;
 
 /// Parses well-formed XML.
 pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Read<Document<'a>> {
@@ -25,17 +25,17 @@ pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Read<Document<'a>> {
 }
 
 /// The text with misplaced XML declarations blanked out and undeclared prefixes declared. Line numbers do not change.
-pub(crate) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
-    let mut note = |line, element: &str, mended| {
+pub(crate) fn repaired_xml<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
+    let mut note = |line, element: &str, kind| {
         let element = element.to_owned();
         repairs.push(Repair {
             line,
             element,
-            mended,
+            mended: kind,
         });
     };
     let mut text = Cow::Borrowed(text);
-    for _ in 0..MOST_PREFIXES {
+    for _ in 0..MAX_XML_REPAIRS {
         let next = match Document::parse(&text) {
             Err(Error::UnexpectedDeclaration(at)) => {
                 note(at.row, "<?xml?>", RepairKind::DeclarationRemoved);

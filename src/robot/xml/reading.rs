@@ -16,41 +16,46 @@ pub(crate) struct Reading<'a> {
 
 impl Reading<'_> {
     /// Line of a byte offset, from 1.
-    pub(crate) fn line(&self, at: usize) -> u32 {
-        let before = self.text.as_bytes().iter().take(at);
+    pub(crate) fn line(&self, offset: usize) -> u32 {
+        let before = self.text.as_bytes().iter().take(offset);
         1 + before.filter(|&&byte| byte == b'\n').count() as u32
     }
 
-    pub(crate) fn fault(&self, at: usize, element: String, fault: ParseIssue) -> RobotFileError {
+    pub(crate) fn fault(
+        &self,
+        offset: usize,
+        element: String,
+        fault: ParseIssue,
+    ) -> RobotFileError {
         RobotFileError::Element {
             file: self.file.to_owned(),
-            line: self.line(at),
+            line: self.line(offset),
             element,
             fault,
         }
     }
 
     /// Adds a repair to the list.
-    pub(crate) fn note(&self, at: usize, element: &str, mended: RepairKind) {
+    pub(crate) fn note(&self, offset: usize, element: &str, kind: RepairKind) {
         self.repairs.borrow_mut().push(Repair {
-            line: self.line(at),
+            line: self.line(offset),
             element: element.to_owned(),
-            mended,
+            mended: kind,
         });
     }
 
     /// Returns a fault as an error if the reader is strict; a lenient reader notes the repair instead.
-    pub(crate) fn mend(
+    pub(crate) fn repair_or_fail(
         &self,
-        at: usize,
+        offset: usize,
         element: &str,
         fault: ParseIssue,
-        mended: impl FnOnce(ParseIssue) -> RepairKind,
+        repair: impl FnOnce(ParseIssue) -> RepairKind,
     ) -> Read<()> {
         if !self.lenient {
-            return Err(self.fault(at, element.to_owned(), fault));
+            return Err(self.fault(offset, element.to_owned(), fault));
         }
-        self.note(at, element, mended(fault));
+        self.note(offset, element, repair(fault));
         Ok(())
     }
 

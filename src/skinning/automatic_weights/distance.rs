@@ -81,10 +81,10 @@ impl AutomaticWeights {
         }
         let points: Vec<DVec3> = mesh.positions().iter().map(|p| p.as_dvec3()).collect();
         let nearest = nearest_distances(&points, segments);
-        let core = 1e-3 * mesh.size();
+        let core_radius = 1e-3 * mesh.size();
         // Relative to the nearest bone, so that high exponents do not overflow.
-        let pull = |point: usize, segment: &Segment| {
-            let squared = |distance: f64| distance * distance + core * core;
+        let influence = |point: usize, segment: &Segment| {
+            let squared = |distance: f64| distance * distance + core_radius * core_radius;
             let ratio = squared(nearest[point]) / squared(distance(points[point], segment));
             // A point on a bone of a mesh of size 0 gives 0 / 0.
             match ratio.is_nan() {
@@ -95,17 +95,19 @@ impl AutomaticWeights {
         let mut sums = vec![0.0; points.len()];
         for segment in segments {
             for (point, sum) in sums.iter_mut().enumerate() {
-                *sum += pull(point, segment);
+                *sum += influence(point, segment);
             }
         }
         // One bone at a time, so that memory does not grow with the number of bones.
-        let neighbours = Neighbours::of(points.len(), mesh.triangles().iter().copied());
+        let neighbours = Neighbours::new(points.len(), mesh.triangles().iter().copied());
         let mut strongest = Strongest::new(points.len(), self.most);
         for (bone, segment) in segments.iter().enumerate() {
-            let shares = sums.iter().enumerate();
-            let mut column: Vec<f64> = shares.map(|(i, sum)| pull(i, segment) / sum).collect();
+            let point_sums = sums.iter().enumerate();
+            let mut column: Vec<f64> = point_sums
+                .map(|(i, sum)| influence(i, segment) / sum)
+                .collect();
             for _ in 0..self.smoothing_steps {
-                column = evened_out(&neighbours, &column);
+                column = smoothed(&neighbours, &column);
             }
             strongest.add(bone, column);
         }
@@ -123,14 +125,14 @@ fn nearest_distances(points: &[DVec3], segments: &[Segment]) -> Vec<f64> {
 }
 
 /// ½ w_i + ½ (mean of w over the neighbours of i). A vertex without neighbours keeps its weight.
-fn evened_out(neighbours: &Neighbours, column: &[f64]) -> Vec<f64> {
+fn smoothed(neighbours: &Neighbours, column: &[f64]) -> Vec<f64> {
     let rows = neighbours.rows().zip(column);
-    let mean = |(others, &own): (&[u32], &f64)| {
+    let mean = |(others, &weight): (&[u32], &f64)| {
         if others.is_empty() {
-            return own;
+            return weight;
         }
         let sum: f64 = others.iter().map(|&other| column[other as usize]).sum();
-        0.5 * own + 0.5 * sum / others.len() as f64
+        0.5 * weight + 0.5 * sum / others.len() as f64
     };
     rows.map(mean).collect()
 }

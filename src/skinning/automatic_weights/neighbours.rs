@@ -8,7 +8,7 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     /// Builds the adjacency of `points` points from triangles over them.
-    pub(super) fn of(points: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Self {
+    pub(super) fn new(points: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let directed = |[a, b, c]: [u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let mut edges: Vec<(u32, u32)> = triangles.flat_map(directed).collect();
         edges.sort_unstable();

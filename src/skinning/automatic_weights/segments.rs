@@ -16,13 +16,16 @@ pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
     ends.collect()
 }
 
-/// Checks that there are bones, that their ends are finite, and that `most` is at least 1.
-pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWeightsError> {
-    if most == 0 {
+/// Checks that there are bones, that their ends are finite, and that `max_influences` is at least 1.
+pub(super) fn check(
+    segments: &[Segment],
+    max_influences: usize,
+) -> Result<(), AutomaticWeightsError> {
+    if max_influences == 0 {
         return Err(AutomaticWeightsError::NoInfluences);
     }
-    let broken = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());
-    match segments.iter().position(broken) {
+    let is_not_finite = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());
+    match segments.iter().position(is_not_finite) {
         Some(bone) => Err(AutomaticWeightsError::NonFiniteBone { bone }),
         None if segments.is_empty() => Err(AutomaticWeightsError::NoBones),
         None => Ok(()),
@@ -33,12 +36,12 @@ pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWe
 pub(super) fn nearest_point(point: DVec3, [tail, tip]: &Segment) -> DVec3 {
     let along = *tip - *tail;
     let squared = along.length_squared();
-    let share = if squared > 0.0 {
+    let fraction = if squared > 0.0 {
         ((point - *tail).dot(along) / squared).clamp(0.0, 1.0)
     } else {
         0.0
     };
-    *tail + share * along
+    *tail + fraction * along
 }
 
 /// Distance of a point from a segment.

@@ -4,9 +4,9 @@ use super::neighbours::Neighbours;
 use crate::skinning::{SkinWeights, WeightsError};
 
 /// Largest removed weight that needs no smoothing.
-const UNSEEN: f64 = 1e-2;
+const MAX_UNSMOOTHED_WEIGHT: f64 = 1e-2;
 /// Number of smoothing rounds near removed weights.
-const ROUNDS: usize = 10;
+const SMOOTHING_ROUNDS: usize = 10;
 
 /// Collects weights bone by bone and keeps the strongest of each point.
 ///
@@ -22,17 +22,17 @@ const ROUNDS: usize = 10;
 /// neighbours and pruned again, in several rounds.
 pub(super) struct Strongest {
     rows: Vec<Row>,
-    most: usize,
+    max_influences: usize,
 }
 
 /// Bones and weights by descending weight; the earlier bone first among equals.
 type Row = Vec<(usize, f64)>;
 
 impl Strongest {
-    pub(super) fn new(points: usize, most: usize) -> Self {
+    pub(super) fn new(points: usize, max_influences: usize) -> Self {
         Self {
             rows: vec![Row::new(); points],
-            most,
+            max_influences,
         }
     }
 
@@ -40,9 +40,9 @@ impl Strongest {
     pub(super) fn add(&mut self, bone: usize, weights: impl IntoIterator<Item = f64>) {
         for (row, weight) in self.rows.iter_mut().zip(weights) {
             if weight > 0.0 {
-                let place = row.partition_point(|(_, other)| *other >= weight);
-                row.insert(place, (bone, weight));
-                row.truncate(self.most.saturating_add(1));
+                let index = row.partition_point(|(_, other)| *other >= weight);
+                row.insert(index, (bone, weight));
+                row.truncate(self.max_influences.saturating_add(1));
             }
         }
     }
@@ -54,16 +54,20 @@ impl Strongest {
         point_of: &[usize],
         neighbours: &Neighbours,
     ) -> Result<SkinWeights, WeightsError> {
-        let mut lost: Vec<f64> = Vec::with_capacity(self.rows.len());
-        lost.extend(self.rows.iter_mut().map(|row| cut(row, self.most)));
-        for _ in 0..ROUNDS {
-            let (before, lost_before) = (self.rows.clone(), lost);
-            lost = vec![0.0; before.len()];
+        let mut removed: Vec<f64> = Vec::with_capacity(self.rows.len());
+        removed.extend(
+            self.rows
+                .iter_mut()
+                .map(|row| cut(row, self.max_influences)),
+        );
+        for _ in 0..SMOOTHING_ROUNDS {
+            let (before, removed_before) = (self.rows.clone(), removed);
+            removed = vec![0.0; before.len()];
             for (point, others) in neighbours.rows().enumerate() {
-                let near = others.iter().map(|other| lost_before[*other as usize]);
-                if near.fold(lost_before[point], f64::max) > UNSEEN {
-                    self.rows[point] = evened_out(&before, point, others);
-                    lost[point] = cut(&mut self.rows[point], self.most);
+                let nearby = others.iter().map(|other| removed_before[*other as usize]);
+                if nearby.fold(removed_before[point], f64::max) > MAX_UNSMOOTHED_WEIGHT {
+                    self.rows[point] = smoothed(&before, point, others);
+                    removed[point] = cut(&mut self.rows[point], self.max_influences);
                 }
             }
         }
@@ -79,33 +83,33 @@ impl Strongest {
 }
 
 /// ½ of a point's weights plus ½ of the mean of its neighbours.
-fn evened_out(rows: &[Row], point: usize, others: &[u32]) -> Row {
-    let mut all: Vec<(usize, f64)> = rows[point].iter().map(|(b, w)| (*b, 0.5 * w)).collect();
-    let share = 0.5 / others.len().max(1) as f64;
+fn smoothed(rows: &[Row], point: usize, others: &[u32]) -> Row {
+    let mut entries: Vec<(usize, f64)> = rows[point].iter().map(|(b, w)| (*b, 0.5 * w)).collect();
+    let factor = 0.5 / others.len().max(1) as f64;
     for other in others {
-        all.extend(rows[*other as usize].iter().map(|(b, w)| (*b, share * w)));
+        entries.extend(rows[*other as usize].iter().map(|(b, w)| (*b, factor * w)));
     }
-    all.sort_by_key(|(bone, _)| *bone);
-    all.dedup_by(|second, first| {
-        let same = second.0 == first.0;
-        if same {
+    entries.sort_by_key(|(bone, _)| *bone);
+    entries.dedup_by(|second, first| {
+        let is_duplicate = second.0 == first.0;
+        if is_duplicate {
             first.1 += second.1;
         }
-        same
+        is_duplicate
     });
-    all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    all
+    entries.sort_by(|a, b| b.1.total_cmp(&a.1));
+    entries
 }
 
 /// Prunes a row and returns the largest removed weight.
-fn cut(row: &mut Row, most: usize) -> f64 {
-    let fallen = row.get(most).map_or(0.0, |(_, weight)| *weight);
-    row.truncate(most);
+fn cut(row: &mut Row, max_influences: usize) -> f64 {
+    let largest_removed = row.get(max_influences).map_or(0.0, |(_, weight)| *weight);
+    row.truncate(max_influences);
     // Equal weights have no transition to smooth.
     let strongest = row.first().map_or(0.0, |(_, weight)| *weight);
-    if fallen > 0.0 && strongest > fallen {
+    if largest_removed > 0.0 && strongest > largest_removed {
         row.retain_mut(|(_, weight)| {
-            *weight -= fallen * fallen / *weight;
+            *weight -= largest_removed * largest_removed / *weight;
             *weight > 0.0
         });
     }
@@ -113,5 +117,5 @@ fn cut(row: &mut Row, most: usize) -> f64 {
     for (_, weight) in row {
         *weight /= sum;
     }
-    fallen
+    largest_removed
 }

@@ -85,11 +85,15 @@ impl MorphTargets {
         }
         let active = || self.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0);
         for (target, &weight) in active() {
-            let at = &target.vertices;
-            add(positions, at, &target.positions, |p, by| *p += by * weight);
-            add(normals, at, &target.normals, |n, by| *n += by * weight);
-            add(tangents, at, &target.tangents, |t, by| {
-                *t += (by * weight).extend(0.0)
+            let vertices = &target.vertices;
+            add(positions, vertices, &target.positions, |p, delta| {
+                *p += delta * weight
+            });
+            add(normals, vertices, &target.normals, |n, delta| {
+                *n += delta * weight
+            });
+            add(tangents, vertices, &target.tangents, |t, delta| {
+                *t += (delta * weight).extend(0.0)
             });
         }
         for (target, _) in active() {

@@ -43,8 +43,8 @@ impl MorphTarget {
                     vertices: vertices.len(),
                 });
             }
-            let broken = list.iter().zip(&vertices).find(|(d, _)| !d.is_finite());
-            if let Some((_, &vertex)) = broken {
+            let invalid = list.iter().zip(&vertices).find(|(d, _)| !d.is_finite());
+            if let Some((_, &vertex)) = invalid {
                 return Err(MorphError::NonFinite {
                     target,
                     what,
@@ -52,8 +52,8 @@ impl MorphTarget {
                 });
             }
         }
-        let fall = vertices.windows(2).find(|pair| pair[0] >= pair[1]);
-        if let Some(&[_, vertex]) = fall {
+        let descent = vertices.windows(2).find(|pair| pair[0] >= pair[1]);
+        if let Some(&[_, vertex]) = descent {
             return Err(MorphError::Order { target, vertex });
         }
         Ok(Self {
@@ -79,13 +79,13 @@ impl MorphTarget {
         shape: &TriangleMesh,
         threshold: f32,
     ) -> Result<Self, MorphError> {
-        let mut own = Self {
+        let mut target = Self {
             name: name.into(),
             ..Self::default()
         };
         if shape.positions().len() != rest.positions().len() {
             return Err(MorphError::ShapeCount {
-                target: own.name,
+                target: target.name,
                 given: shape.positions().len(),
                 vertices: rest.positions().len(),
             });
@@ -93,21 +93,21 @@ impl MorphTarget {
         let with_normals = !rest.normals().is_empty() && !shape.normals().is_empty();
         let pairs = rest.positions().iter().zip(shape.positions());
         for (vertex, (from, to)) in pairs.enumerate() {
-            let moved = *to - *from;
+            let position_delta = *to - *from;
             let normals = (rest.normals().get(vertex), shape.normals().get(vertex));
-            let turned = match normals {
+            let normal_delta = match normals {
                 (Some(from), Some(to)) => *to - *from,
                 _ => Vec3::ZERO,
             };
-            if moved.length() > threshold || turned.length() > threshold {
-                own.vertices.push(vertex as u32);
-                own.positions.push(moved);
+            if position_delta.length() > threshold || normal_delta.length() > threshold {
+                target.vertices.push(vertex as u32);
+                target.positions.push(position_delta);
                 if with_normals {
-                    own.normals.push(turned);
+                    target.normals.push(normal_delta);
                 }
             }
         }
-        Ok(own)
+        Ok(target)
     }
 
     getters! {

@@ -78,8 +78,8 @@ impl Deformation for PackedLinearBlend<'_> {
         }
         move_by_matrices(rest, posed, |index| {
             let mut sum = Affine3A::ZERO;
-            let own = influences.vertices().get(index).into_iter();
-            for (bone, weight) in own.flat_map(|four| four.iter()) {
+            let vertex_influences = influences.vertices().get(index).into_iter();
+            for (bone, weight) in vertex_influences.flat_map(|four| four.iter()) {
                 if let Some(transform) = self.transforms.get(bone) {
                     sum.matrix3 += transform.matrix3 * weight;
                     sum.translation += transform.translation * weight;

@@ -3,13 +3,13 @@
 use crate::skinning::{Influence, SkinWeights, WeightsError};
 
 /// Number of influences per vertex.
-pub(super) const PLACES: usize = 4;
+pub(super) const MAX_INFLUENCES: usize = 4;
 
 /// Influences of one vertex by descending weight; unused entries have weight 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FourInfluences {
-    pub(super) weights: [f32; PLACES],
-    pub(super) bones: [u16; PLACES],
+    pub(super) weights: [f32; MAX_INFLUENCES],
+    pub(super) bones: [u16; MAX_INFLUENCES],
 }
 
 impl FourInfluences {
@@ -39,8 +39,8 @@ impl PackedWeights {
         }
         let pack = |(vertex, influences): (usize, &[Influence])| {
             // Checked again because the unsafe kernel relies on it.
-            let beyond = |i: &&Influence| i.bone as usize >= bones;
-            if let Some(influence) = influences.iter().find(beyond) {
+            let is_out_of_range = |i: &&Influence| i.bone as usize >= bones;
+            if let Some(influence) = influences.iter().find(is_out_of_range) {
                 let bone = influence.bone as usize;
                 return Err(WeightsError::BoneOutOfRange {
                     vertex,
@@ -99,11 +99,11 @@ fn four(influences: &[Influence]) -> Option<FourInfluences> {
     let mut sorted = [Influence {
         bone: 0,
         weight: 0.0,
-    }; PLACES];
-    let places = sorted.get_mut(..influences.len())?;
-    places.copy_from_slice(influences);
+    }; MAX_INFLUENCES];
+    let entries = sorted.get_mut(..influences.len())?;
+    entries.copy_from_slice(influences);
     // A stable sort: the lowest bone stays first among equal weights, as the pivot of dual quaternions.
-    places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    entries.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     Some(FourInfluences {
         weights: sorted.map(|influence| influence.weight as f32),
         bones: sorted.map(|influence| influence.bone as u16),

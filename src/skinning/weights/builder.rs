@@ -107,8 +107,8 @@ impl SkinWeightsBuilder {
                 influence.weight /= sum;
             }
             repair.rescaled += 1;
-            let further = |(_, worst): (usize, f64)| (sum - 1.0).abs() > (worst - 1.0).abs();
-            if repair.worst.is_none_or(further) {
+            let is_worse = |(_, worst): (usize, f64)| (sum - 1.0).abs() > (worst - 1.0).abs();
+            if repair.worst.is_none_or(is_worse) {
                 repair.worst = Some((vertex, sum));
             }
             Ok(())

@@ -92,7 +92,7 @@ impl Limb {
         lower: BoneId,
         end: BoneId,
     ) -> Result<Self, LimbError> {
-        hangs(armature, end, lower)?;
+        check_descendant(armature, end, lower)?;
         Self::checked(armature, [upper, lower], End::Bone(end))
     }
 
@@ -101,7 +101,7 @@ impl Limb {
         [upper, lower]: [BoneId; 2],
         end: End,
     ) -> Result<Self, LimbError> {
-        hangs(armature, lower, upper)?;
+        check_descendant(armature, lower, upper)?;
         Ok(Self {
             upper,
             lower,
@@ -141,7 +141,7 @@ impl Limb {
 }
 
 /// Checks that a bone is a descendant of another.
-fn hangs(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbError> {
+fn check_descendant(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbError> {
     let bones = armature.bones();
     let name = |bone: BoneId| {
         let bone = bone.index();
@@ -149,8 +149,8 @@ fn hangs(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbEr
         name.ok_or(LimbError::UnknownBone { bone, bones })
     };
     let (upper_name, lower_name) = (name(upper)?, name(lower)?);
-    let mut above = armature.upwards(armature.parent(lower));
-    match above.any(|bone| bone == upper) {
+    let mut ancestors = armature.bone_and_ancestors(armature.parent(lower));
+    match ancestors.any(|bone| bone == upper) {
         true => Ok(()),
         false => Err(LimbError::NotAbove {
             lower: lower_name,

@@ -20,29 +20,34 @@ impl Plane {
     /// The plane is perpendicular to the hinge axis, a positive rotation about which bends the limb. Without a hinge it
     /// is the plane of the limb itself. A straight limb without a hinge bends towards the pole, as seen from the root,
     /// or in an arbitrary direction.
-    pub(super) fn of(
-        way: Vec3A,
+    pub(super) fn of_limb(
+        to_end: Vec3A,
         middle: Vec3A,
         pole: Option<Vec3A>,
         hinge: Option<Vec3A>,
     ) -> (Self, f32) {
-        let way_along = way.try_normalize();
+        let end_direction = to_end.try_normalize();
         let hinge = hinge.and_then(|axis| {
-            let off_line = axis.reject_from(way_along.unwrap_or(middle));
-            (-off_line).try_normalize()
+            let perpendicular = axis.reject_from(end_direction.unwrap_or(middle));
+            (-perpendicular).try_normalize()
         });
-        let own = across(way, middle);
-        let asked = || across(middle, pole?);
-        let any = || {
+        let limb_normal = unit_normal(to_end, middle);
+        let pole_normal = || unit_normal(middle, pole?);
+        let arbitrary = || {
             let along = middle.try_normalize().unwrap_or(Vec3A::X);
             along.any_orthonormal_vector()
         };
-        let normal = hinge.or(own).or_else(asked).unwrap_or_else(any);
+        let normal = hinge
+            .or(limb_normal)
+            .or_else(pole_normal)
+            .unwrap_or_else(arbitrary);
         let folded = || middle.cross(normal).try_normalize();
-        let along = way_along.or_else(folded).unwrap_or(Vec3A::X);
+        let along = end_direction.or_else(folded).unwrap_or(Vec3A::X);
         let plane = Self { along, normal };
-        let off = hinge.and(own).map_or(0.0, |own| plane.angle_between(own));
-        (plane, off)
+        let deviation = hinge
+            .and(limb_normal)
+            .map_or(0.0, |limb_normal| plane.angle_between(limb_normal));
+        (plane, deviation)
     }
 
     /// Direction to the middle joint.
@@ -52,8 +57,8 @@ impl Plane {
 
     /// The plane moved to a new root-end vector by the shortest arc. This adds no roll, and is continuous except at a
     /// reversal of the vector.
-    pub(super) fn carried(self, way: Vec3A) -> Self {
-        let Some(along) = way.try_normalize() else {
+    pub(super) fn moved_to(self, to_end: Vec3A) -> Self {
+        let Some(along) = to_end.try_normalize() else {
             return self;
         };
         // Rodrigues' formula for v perpendicular to a, rotated from a to b: v − (a + b) (b·v) / (1 + a·b).
@@ -68,7 +73,7 @@ impl Plane {
     }
 
     /// The plane rotated about the root-end line by an angle in radians.
-    pub(super) fn turned(self, angle: f32) -> Self {
+    pub(super) fn rotated(self, angle: f32) -> Self {
         if angle == 0.0 {
             return self;
         }
@@ -83,7 +88,7 @@ impl Plane {
     /// the pole is on the line.
     pub(super) fn facing(self, pole: Vec3A) -> Self {
         Self {
-            normal: across(self.along, pole).unwrap_or(self.normal),
+            normal: unit_normal(self.along, pole).unwrap_or(self.normal),
             ..self
         }
     }
@@ -91,7 +96,7 @@ impl Plane {
     /// Angle about the root-end line to the plane that faces a pole, radians within [−π, π].
     pub(super) fn angle_to(&self, pole: Vec3A) -> f32 {
         // The normal need not have unit length.
-        steep(self.along, pole).map_or(0.0, |normal| self.angle_between(normal))
+        nonparallel_cross(self.along, pole).map_or(0.0, |normal| self.angle_between(normal))
     }
 
     fn angle_between(&self, normal: Vec3A) -> f32 {
@@ -101,13 +106,13 @@ impl Plane {
 }
 
 /// Direction of a × b; `None` if the vectors are within a milliradian of parallel.
-fn across(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
-    steep(a, b)?.try_normalize()
+fn unit_normal(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
+    nonparallel_cross(a, b)?.try_normalize()
 }
 
 /// a × b; `None` if the vectors are within a milliradian of parallel.
-fn steep(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
-    let across = a.cross(b);
-    let flat = 1e-6 * a.length_squared() * b.length_squared();
-    (across.length_squared() > flat).then_some(across)
+fn nonparallel_cross(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
+    let product = a.cross(b);
+    let threshold = 1e-6 * a.length_squared() * b.length_squared();
+    (product.length_squared() > threshold).then_some(product)
 }

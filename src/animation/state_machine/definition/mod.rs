@@ -93,8 +93,8 @@ pub enum TriggerWord {
 fn each_once<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<BTreeMap<String, ParameterDefault>, D::Error> {
-    struct Each;
-    impl<'de> Visitor<'de> for Each {
+    struct ParametersVisitor;
+    impl<'de> Visitor<'de> for ParametersVisitor {
         type Value = BTreeMap<String, ParameterDefault>;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -112,5 +112,5 @@ fn each_once<'de, D: Deserializer<'de>>(
             Ok(map)
         }
     }
-    from.deserialize_map(Each)
+    from.deserialize_map(ParametersVisitor)
 }

@@ -6,7 +6,7 @@ use gltf_json::validation::USize64;
 use gltf_json::{Index, Root};
 
 use super::json_edit::Members;
-use super::{Container, place};
+use super::{Container, set_transform};
 use crate::animation::LocalTransform;
 use crate::io::gltf::write::{ClipDocument, UnwritableScene};
 use crate::skeleton::BoneId;
@@ -36,17 +36,21 @@ pub(super) fn join(
     document.append("bufferViews", &root.buffer_views)?;
     document.append("animations", &root.animations)?;
     // An animated node may not have a matrix (section 3.11).
-    let channels = root.animations.iter().flat_map(|own| &own.channels);
-    let moved: std::collections::BTreeSet<usize> =
-        channels.map(|own| own.target.node.value()).collect();
-    let at_rest = |node: usize| -> Option<LocalTransform> {
+    let channels = root
+        .animations
+        .iter()
+        .flat_map(|animation| &animation.channels);
+    let moved: std::collections::BTreeSet<usize> = channels
+        .map(|channel| channel.target.node.value())
+        .collect();
+    let rest_of = |node: usize| -> Option<LocalTransform> {
         let bone = bone_of.get(node)?;
         rest.get(bone.index()).copied()
     };
     document.change_each("nodes", |node, members| {
         let has_matrix = moved.contains(&node) && members.get("matrix").is_some();
-        match at_rest(node).filter(|_| has_matrix) {
-            Some(at) => place(members, at).map(|()| true),
+        match rest_of(node).filter(|_| has_matrix) {
+            Some(transform) => set_transform(members, transform).map(|()| true),
             None => Ok(false),
         }
     })?;
@@ -85,10 +89,10 @@ fn add_bytes(
             Ok((0, start))
         }
         _ => {
-            let mut own = Members::default();
-            own.set("byteLength", &bytes.len())?;
-            own.set("uri", &data_uri(bytes))?;
-            Ok((document.append("buffers", &[own])?, 0))
+            let mut new_buffer = Members::default();
+            new_buffer.set("byteLength", &bytes.len())?;
+            new_buffer.set("uri", &data_uri(bytes))?;
+            Ok((document.append("buffers", &[new_buffer])?, 0))
         }
     }
 }
@@ -119,28 +123,28 @@ fn move_indices(
     start: usize,
     node_of: &[usize],
 ) {
-    fn later<T>(index: &mut Index<T>, by: usize) {
-        *index = Index::new((index.value() + by) as u32);
+    fn shift<T>(index: &mut Index<T>, offset: usize) {
+        *index = Index::new((index.value() + offset) as u32);
     }
     for animation in &mut root.animations {
         for channel in &mut animation.channels {
             let node = &mut channel.target.node;
-            if let Some(&own) = node_of.get(node.value()) {
-                *node = Index::new(own as u32);
+            if let Some(&new_index) = node_of.get(node.value()) {
+                *node = Index::new(new_index as u32);
             }
         }
         for sampler in &mut animation.samplers {
-            later(&mut sampler.input, accessors);
-            later(&mut sampler.output, accessors);
+            shift(&mut sampler.input, accessors);
+            shift(&mut sampler.output, accessors);
         }
     }
     for accessor in &mut root.accessors {
         if let Some(view) = &mut accessor.buffer_view {
-            later(view, views);
+            shift(view, views);
         }
     }
     for view in &mut root.buffer_views {
-        later(&mut view.buffer, buffer);
+        shift(&mut view.buffer, buffer);
         let offset = view.byte_offset.unwrap_or(USize64(0)).0;
         view.byte_offset = Some(USize64(offset + start as u64));
     }

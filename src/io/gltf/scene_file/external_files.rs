@@ -12,20 +12,21 @@ use crate::file_access::AllowedFiles;
 use crate::io::gltf::buffers::{is_data, path};
 
 pub(super) fn is_same_folder(one: &Path, other: &Path) -> bool {
-    let here = |folder: &Path| match folder.as_os_str().is_empty() {
+    let canonical = |folder: &Path| match folder.as_os_str().is_empty() {
         true => Path::new(".").canonicalize().ok(),
         false => folder.canonicalize().ok(),
     };
-    one == other || here(one).is_some_and(|own| here(other) == Some(own))
+    one == other
+        || canonical(one).is_some_and(|canonical_folder| canonical(other) == Some(canonical_folder))
 }
 
 /// Embeds the external buffers and images that are allowed files.
 ///
 /// References to missing files and to URLs stay.
-pub(super) fn take_in(document: &mut Members, allowed: &AllowedFiles) -> Result<(), String> {
+pub(super) fn embed_files(document: &mut Members, allowed: &AllowedFiles) -> Result<(), String> {
     let mut problem = None;
     for list in ["buffers", "images"] {
-        let taken = document.change_each(list, |index, members| {
+        let result = document.change_each(list, |index, members| {
             let embedded = text(members, "uri").map_or(Ok(None), |uri| {
                 embedded(list, &uri, text(members, "mimeType"), allowed)
             });
@@ -38,7 +39,7 @@ pub(super) fn take_in(document: &mut Members, allowed: &AllowedFiles) -> Result<
                 }
             }
         });
-        taken.map_err(|error| error.to_string())?;
+        result.map_err(|error| error.to_string())?;
     }
     problem.map_or(Ok(()), Err)
 }

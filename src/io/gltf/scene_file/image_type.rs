@@ -3,7 +3,7 @@
 /// Media type of a glTF image, and the test of a file's first bytes.
 type ImageType = (&'static str, fn(&[u8]) -> bool);
 
-const TYPES: [ImageType; 6] = [
+const IMAGE_TYPES: [ImageType; 6] = [
     ("image/png", |bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")),
     ("image/jpeg", |bytes| bytes.starts_with(b"\xff\xd8\xff")),
     ("image/webp", |bytes| {
@@ -23,14 +23,14 @@ const TYPES: [ImageType; 6] = [
 /// # Errors
 /// The first bytes match no type, or not the declared one.
 pub(super) fn media_type(bytes: &[u8], declared: Option<&str>) -> Result<&'static str, String> {
-    let found = TYPES.iter().find(|(_, begins)| begins(bytes));
-    let found = found.map(|(name, _)| *name);
-    match (found, declared) {
-        (Some(found), None) => Ok(found),
-        (Some(found), Some(declared)) if found == declared => Ok(found),
+    let detected = IMAGE_TYPES.iter().find(|(_, begins)| begins(bytes));
+    let detected = detected.map(|(name, _)| *name);
+    match (detected, declared) {
+        (Some(detected), None) => Ok(detected),
+        (Some(detected), Some(declared)) if detected == declared => Ok(detected),
         (_, Some(declared)) => Err(format!("does not begin as an {declared} file")),
         (None, None) => {
-            let names = TYPES.map(|(name, _)| name).join(", ");
+            let names = IMAGE_TYPES.map(|(name, _)| name).join(", ");
             Err(format!("does not begin as an image file: {names}"))
         }
     }

@@ -12,22 +12,22 @@ pub(super) struct Members(Vec<(String, Box<RawValue>)>);
 
 impl Members {
     pub(super) fn get(&self, key: &str) -> Option<&RawValue> {
-        let found = self.0.iter().find(|(own, _)| own == key);
-        found.map(|(_, value)| value.as_ref())
+        let member = self.0.iter().find(|(name, _)| name == key);
+        member.map(|(_, value)| value.as_ref())
     }
 
     /// Replaces the value of a member, or appends the member.
     pub(super) fn set(&mut self, key: &str, value: &impl Serialize) -> serde_json::Result<()> {
         let value = to_raw_value(value)?;
-        match self.0.iter_mut().find(|(own, _)| own == key) {
-            Some((_, own)) => *own = value,
+        match self.0.iter_mut().find(|(name, _)| name == key) {
+            Some((_, existing)) => *existing = value,
             None => self.0.push((key.to_owned(), value)),
         }
         Ok(())
     }
 
     pub(super) fn remove(&mut self, key: &str) {
-        self.0.retain(|(own, _)| own != key);
+        self.0.retain(|(name, _)| name != key);
     }
 
     /// The elements of a list as their original text; empty without the list.

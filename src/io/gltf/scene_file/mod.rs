@@ -103,12 +103,12 @@ impl SceneFile {
         let Parsed { scene, bone_of } = parse(bytes, name, open)?;
         let chunks = glb::split(bytes, name)?;
         let document = parse_by(|json| serde_json::from_slice(json), chunks.json, name)?;
-        let own = |(kind, bytes): ([u8; 4], &[u8])| (kind, bytes.to_vec());
+        let owned_chunk = |(kind, bytes): ([u8; 4], &[u8])| (kind, bytes.to_vec());
         let container = match glb::is_glb(bytes) {
             false => Container::Text,
             true => Container::Binary {
                 buffer: chunks.binary.unwrap_or(&[]).to_vec(),
-                others: chunks.others.into_iter().map(own).collect(),
+                others: chunks.others.into_iter().map(owned_chunk).collect(),
             },
         };
         Ok(Self {
@@ -132,15 +132,19 @@ impl SceneFile {
     /// A clip of another armature, a name that another clip of the file has, or a curve with too many keys. The file
     /// does not change then.
     pub fn add_clip(&mut self, clip: &Clip, options: &WriteOptions) -> Result<(), UnwritableScene> {
-        let is_there = self.scene.clips.iter().any(|own| own.name() == clip.name());
-        if is_there {
+        let has_name = self
+            .scene
+            .clips
+            .iter()
+            .any(|existing| existing.name() == clip.name());
+        if has_name {
             return Err(UnwritableScene::ClipNameTaken {
                 clip: clip.name().to_owned(),
                 clips: self
                     .scene
                     .clips
                     .iter()
-                    .map(|own| own.name().to_owned())
+                    .map(|existing| existing.name().to_owned())
                     .collect(),
             });
         }
@@ -209,9 +213,9 @@ impl SceneFile {
         let path = path.as_ref();
         let fail =
             |problem: String| WriteError::new(path, Error::new(ErrorKind::InvalidInput, problem));
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         let (mut document, mut container) = (self.document.clone(), self.container.clone());
-        match (ending.to_str(), &container) {
+        match (extension.to_str(), &container) {
             (Some("glb"), Container::Binary { .. }) | (Some("gltf"), Container::Text) => {}
             (Some("glb"), Container::Text) => {
                 container = Container::Binary {
@@ -229,7 +233,7 @@ impl SceneFile {
         let folder = path.parent().unwrap_or(Path::new(""));
         if let Some(allowed) = &self.allowed {
             if !external_files::is_same_folder(folder, allowed.folder()) {
-                external_files::take_in(&mut document, allowed).map_err(&fail)?;
+                external_files::embed_files(&mut document, allowed).map_err(&fail)?;
             }
         }
         let bytes = bytes_of(&document, &container).map_err(|error| fail(error.to_string()))?;
@@ -257,17 +261,17 @@ fn pose_node(
     let [before, after] = [old, new].map(|armature| armature.rest().local_of(bone));
     let moved = before != after;
     if moved {
-        place(members, after)?;
+        set_transform(members, after)?;
     }
     Ok(moved)
 }
 
 /// Sets translation, rotation and scale of a node and removes its matrix.
-fn place(members: &mut Members, at: LocalTransform) -> serde_json::Result<()> {
+fn set_transform(members: &mut Members, transform: LocalTransform) -> serde_json::Result<()> {
     members.remove("matrix");
-    members.set("translation", &at.translation.to_array())?;
-    members.set("rotation", &at.rotation.to_array())?;
-    members.set("scale", &at.scale.to_array())
+    members.set("translation", &transform.translation.to_array())?;
+    members.set("rotation", &transform.rotation.to_array())?;
+    members.set("scale", &transform.scale.to_array())
 }
 
 /// The value of a member that is a string; `None` otherwise.

@@ -15,7 +15,7 @@ use crate::io::gltf::scene::{Scene, SceneMesh};
 use crate::skeleton::BoneId;
 
 /// An animation under construction.
-struct Growing<'a> {
+struct AnimationBuilder<'a> {
     document: &'a mut Document,
     animation: Animation,
     /// Time shift in seconds: glTF has no negative times.
@@ -29,16 +29,16 @@ pub(super) fn add(
     document: &mut Document,
 ) -> Result<(), UnwritableScene> {
     let armature = &scene.armature;
-    let wrong = |problem| UnwritableScene::Clip {
+    let size_error = |problem| UnwritableScene::Clip {
         clip: clip.name().to_owned(),
         problem,
     };
-    let channels = clip.channels(armature).map_err(wrong)?;
-    let morphs = clip.morph_channels(armature).map_err(wrong)?;
+    let channels = clip.channels(armature).map_err(size_error)?;
+    let morphs = clip.morph_channels(armature).map_err(size_error)?;
     let keyed = clip::keyed_span(&channels, &morphs);
     let [start, end] = clip.span();
     let [first, last] = keyed.map_or([start, end], |[s, e]| [s.min(start), e.max(end)]);
-    let mut growing = Growing {
+    let mut builder = AnimationBuilder {
         document,
         animation: plain!(Animation {
             channels: Vec::new(),
@@ -54,26 +54,26 @@ pub(super) fn add(
             Channel::Scale(_) => Path::Scale,
         };
         match of_channel(channel, rate)? {
-            ChannelKeys::Vectors(keys) => growing.channel(*bone, path, &keys),
-            ChannelKeys::Rotations(keys) => growing.channel(*bone, path, &keys),
+            ChannelKeys::Vectors(keys) => builder.channel(*bone, path, &keys),
+            ChannelKeys::Rotations(keys) => builder.channel(*bone, path, &keys),
         }
     }
     for mesh in &scene.meshes {
         if let Some(keys) = weights(mesh, &morphs, armature, rate)? {
-            growing.channel(mesh.bone, Path::MorphTargetWeights, &keys);
+            builder.channel(mesh.bone, Path::MorphTargetWeights, &keys);
         }
     }
     if keyed != Some([first, last]) {
-        growing.hold(armature, &channels, [first, last]);
+        builder.add_constant_translation(armature, &channels, [first, last]);
     }
-    let animation = growing.animation;
+    let animation = builder.animation;
     if !animation.channels.is_empty() {
         document.root.animations.push(animation);
     }
     Ok(())
 }
 
-impl Growing<'_> {
+impl AnimationBuilder<'_> {
     fn channel<const N: usize>(&mut self, bone: BoneId, path: Path, keys: &Keys<N>) {
         let times: Vec<f32> = keys.times.iter().map(|time| time + self.shift).collect();
         let sampler = plain!(Sampler {
@@ -93,20 +93,25 @@ impl Growing<'_> {
 
     /// Adds constant keys of a bone's translation over the span. A glTF animation lasts exactly as long as its keys,
     /// while a clip may last longer.
-    fn hold(&mut self, armature: &Armature, channels: &[(BoneId, Channel)], span: [f32; 2]) {
-        let moves = |bone: BoneId| {
-            let mut own = channels.iter().filter(|(other, _)| *other == bone);
-            own.any(|(_, channel)| channel.property() == Property::Translation)
+    fn add_constant_translation(
+        &mut self,
+        armature: &Armature,
+        channels: &[(BoneId, Channel)],
+        span: [f32; 2],
+    ) {
+        let has_translation = |bone: BoneId| {
+            let mut bone_channels = channels.iter().filter(|(other, _)| *other == bone);
+            bone_channels.any(|(_, channel)| channel.property() == Property::Translation)
         };
         let mut bones = (0..armature.bones()).map(BoneId::new);
-        let Some(bone) = bones.find(|bone| !moves(*bone)) else {
+        let Some(bone) = bones.find(|bone| !has_translation(*bone)) else {
             return;
         };
-        let place = armature.rest().local_of(bone).translation.to_array();
+        let translation = armature.rest().local_of(bone).translation.to_array();
         let mut times = span.to_vec();
         times.dedup();
         let keys = Keys {
-            outputs: vec![place; times.len()],
+            outputs: vec![translation; times.len()],
             times,
             interpolation: Interpolation::Step,
         };
@@ -123,42 +128,43 @@ fn weights(
     rate: f32,
 ) -> Result<Option<Keys<1>>, UnwritableScene> {
     let range = mesh.morph_weights();
-    let own: Vec<_> = range
+    let curves: Vec<_> = range
         .clone()
         .map(|target| curve_of(target, morphs))
         .collect();
     let moving = || {
-        own.iter()
+        curves
+            .iter()
             .flatten()
             .filter(|curve| curve.values().len() > 1)
     };
-    let Some(first) = moving().next().or_else(|| own.iter().flatten().next()) else {
+    let Some(first) = moving().next().or_else(|| curves.iter().flatten().next()) else {
         return Ok(None);
     };
     let rest = armature.rest().morph_weights().get(range).unwrap_or(&[]);
-    let still = |place: usize| rest.get(place).copied().unwrap_or(0.0);
+    let rest_weight = |target: usize| rest.get(target).copied().unwrap_or(0.0);
     let exact_first = exact(*first);
-    let alike = exact_first.filter(|(kind, _)| {
+    let common = exact_first.filter(|(kind, _)| {
         moving().all(|curve| {
             curve.times() == first.times() && exact(*curve).is_some_and(|(other, _)| other == *kind)
         })
     });
-    let Some((interpolation, _)) = alike else {
+    let Some((interpolation, _)) = common else {
         let mut keys: Vec<f32> = moving().flat_map(|curve| curve.times()).copied().collect();
         keys.sort_by(f32::total_cmp);
         keys.dedup();
-        let lines = moving().all(|curve| curve.is_linear());
-        let times = match lines {
+        let all_linear = moving().all(|curve| curve.is_linear());
+        let times = match all_linear {
             true => keys,
             false => sample_times(&keys, rate)?,
         };
-        let at = |time: f32| {
-            own.iter()
-                .enumerate()
-                .map(move |(place, curve)| [curve.map_or(still(place), |curve| curve.at(time))])
+        let weights_at = |time: f32| {
+            curves.iter().enumerate().map(move |(target, curve)| {
+                [curve.map_or(rest_weight(target), |curve| curve.at(time))]
+            })
         };
         return Ok(Some(Keys {
-            outputs: times.iter().flat_map(|&time| at(time)).collect(),
+            outputs: times.iter().flat_map(|&time| weights_at(time)).collect(),
             times,
             interpolation: Interpolation::Linear,
         }));
@@ -168,14 +174,14 @@ fn weights(
         Interpolation::Linear | Interpolation::Step => 1,
     };
     let mut outputs = Vec::new();
-    let columns = own.iter().enumerate().map(|(place, curve)| {
+    let columns = curves.iter().enumerate().map(|(target, curve)| {
         let moving = curve.filter(|curve| curve.values().len() > 1);
         match moving.and_then(exact) {
             Some((_, outputs)) => outputs,
             None => {
                 // A constant curve has zero tangents.
                 let value = curve.and_then(|curve| curve.values().first().copied());
-                let value = value.unwrap_or(still(place));
+                let value = value.unwrap_or(rest_weight(target));
                 let key = |_| match sides {
                     3 => vec![0.0, value, 0.0],
                     _ => vec![value],
@@ -200,6 +206,6 @@ fn weights(
 }
 
 fn curve_of(target: usize, morphs: &[(usize, KeyedCurve<f32>)]) -> Option<&KeyedCurve<f32>> {
-    let found = morphs.iter().find(|(other, _)| *other == target);
-    found.map(|(_, curve)| curve)
+    let entry = morphs.iter().find(|(other, _)| *other == target);
+    entry.map(|(_, curve)| curve)
 }

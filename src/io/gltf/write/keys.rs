@@ -9,7 +9,7 @@ use crate::animation::rotation::{BetweenRotations, RotationCurve};
 use crate::animation::{Channel, EulerCurve};
 
 /// Largest number of samples of one curve; more are taken as a mistake.
-const MOST_SAMPLES: f64 = 4e6;
+const MAX_SAMPLES: f64 = 4e6;
 
 /// Keys of a channel with `N` numbers per output; cubic splines have three outputs per key.
 pub(super) struct Keys<const N: usize> {
@@ -91,8 +91,12 @@ fn euler(curve: &EulerCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
     let mut previous = Quat::IDENTITY;
     sampled(curve.angles.times(), rate, |time| {
         // On one hemisphere, for programs that do not choose the shorter arc.
-        let own = curve.at(time);
-        previous = if own.dot(previous) < 0.0 { -own } else { own };
+        let rotation = curve.at(time);
+        previous = if rotation.dot(previous) < 0.0 {
+            -rotation
+        } else {
+            rotation
+        };
         previous.to_array()
     })
 }
@@ -101,11 +105,11 @@ fn euler(curve: &EulerCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
 fn sampled<const N: usize>(
     keys: &[f32],
     rate: f32,
-    mut at: impl FnMut(f32) -> [f32; N],
+    mut value_at: impl FnMut(f32) -> [f32; N],
 ) -> Result<Keys<N>, UnwritableScene> {
     let times = sample_times(keys, rate)?;
     Ok(Keys {
-        outputs: times.iter().map(|&time| at(time)).collect(),
+        outputs: times.iter().map(|&time| value_at(time)).collect(),
         times,
         interpolation: match keys.len() {
             1 => Interpolation::Step,
@@ -121,17 +125,17 @@ pub(super) fn sample_times(keys: &[f32], rate: f32) -> Result<Vec<f32>, Unwritab
     };
     let (start, rate) = (f64::from(first), f64::from(rate));
     let samples = (f64::from(last) - start) * rate;
-    if samples > MOST_SAMPLES {
+    if samples > MAX_SAMPLES {
         return Err(UnwritableScene::TooManySamples { samples });
     }
     let grid = (1..samples.ceil() as usize).map(|sample| (start + sample as f64 / rate) as f32);
     // A sample very close to a key is dropped.
-    let near = (1e-3 / rate) as f32;
+    let min_distance = (1e-3 / rate) as f32;
     let is_apart = |time: &f32| {
         let after = keys.partition_point(|key| key < time);
-        let around = [after.checked_sub(1), Some(after)].into_iter().flatten();
-        let mut around = around.filter_map(|key| keys.get(key));
-        around.all(|key| (key - time).abs() > near)
+        let neighbours = [after.checked_sub(1), Some(after)].into_iter().flatten();
+        let mut neighbours = neighbours.filter_map(|key| keys.get(key));
+        neighbours.all(|key| (key - time).abs() > min_distance)
     };
     let mut times: Vec<f32> = keys.iter().copied().chain(grid.filter(is_apart)).collect();
     times.sort_by(f32::total_cmp);

@@ -23,13 +23,13 @@ pub(super) fn add(scene: &Scene, document: &mut Document) -> Result<(), Unwritab
         let entry = document.root.push(entry);
         let skin = match &mesh.skin {
             None => None,
-            Some(own) => {
-                let known = skins.iter().find(|(other, _)| is_same(own, other));
+            Some(skin) => {
+                let known = skins.iter().find(|(other, _)| is_same(skin, other));
                 Some(match known {
                     Some((_, index)) => *index,
                     None => {
-                        let index = skin_entry(own, document);
-                        skins.push((own, index));
+                        let index = skin_entry(skin, document);
+                        skins.push((skin, index));
                         index
                     }
                 })
@@ -106,8 +106,9 @@ fn entry(
     let entries = targets.iter().map(|target| {
         let mut part = |deltas: &[Vec3], bounded| {
             let vertices = target.vertices();
-            let given = !deltas.is_empty() || bounded;
-            given.then(|| document.deltas(count, vertices, bytemuck::cast_slice(deltas), bounded))
+            let is_written = !deltas.is_empty() || bounded;
+            is_written
+                .then(|| document.deltas(count, vertices, bytemuck::cast_slice(deltas), bounded))
         };
         Entry {
             positions: part(target.position_deltas(), true),
@@ -123,8 +124,13 @@ fn entry(
         }
     });
     let entries: Vec<Entry> = entries.collect();
-    let own = |all: &[f32]| all.get(mesh.morph_weights()).unwrap_or(&[]).to_vec();
-    let weights = own(armature.rest().morph_weights());
+    let mesh_weights = |target_weights: &[f32]| {
+        target_weights
+            .get(mesh.morph_weights())
+            .unwrap_or(&[])
+            .to_vec()
+    };
+    let weights = mesh_weights(armature.rest().morph_weights());
     Ok(Mesh {
         extensions: None,
         extras: target_names(mesh, armature)?,

@@ -75,19 +75,19 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
         mesh.check(&scene.armature)?;
     }
     let mut document = Document::new();
-    document.root.nodes = nodes::of(&scene.armature);
+    document.root.nodes = nodes::from_armature(&scene.armature);
     let bones = (0..scene.armature.bones()).map(BoneId::new);
     let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
     let mut roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
-    if let Some(turn) = nodes::standing(&scene.armature, options.up, &roots)? {
-        roots = vec![document.root.push(turn)];
+    if let Some(up_node) = nodes::up_rotation_node(&scene.armature, options.up, &roots)? {
+        roots = vec![document.root.push(up_node)];
     }
     if !roots.is_empty() {
-        let shown = document.root.push(plain!(json::Scene {
+        let scene_index = document.root.push(plain!(json::Scene {
             name: None,
             nodes: roots,
         }));
-        document.root.scene = Some(shown);
+        document.root.scene = Some(scene_index);
     }
     meshes::add(scene, &mut document)?;
     for clip in &scene.clips {

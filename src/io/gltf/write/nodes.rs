@@ -9,7 +9,7 @@ use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
 /// The bones of an armature as nodes, in their rest pose.
-pub(super) fn of(armature: &Armature) -> Vec<Node> {
+pub(super) fn from_armature(armature: &Armature) -> Vec<Node> {
     let mut nodes = Vec::with_capacity(armature.bones());
     let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); armature.bones()];
     for (index, name) in armature.names().iter().enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn of(armature: &Armature) -> Vec<Node> {
 
 /// A node with the children `roots` that rotates the up axis to y, the up axis of glTF (section 3.4). `None` if the up
 /// axis is y.
-pub(super) fn standing(
+pub(super) fn up_rotation_node(
     armature: &Armature,
     up: Vec3,
     roots: &[Index<Node>],
@@ -52,10 +52,10 @@ pub(super) fn standing(
     while armature.names().contains(&name) {
         name.push('\'');
     }
-    let turn = Quat::from_rotation_arc(axis, Vec3::Y);
+    let rotation = Quat::from_rotation_arc(axis, Vec3::Y);
     Ok(Some(Node {
         name: Some(name),
-        rotation: Some(UnitQuaternion(turn.to_array())),
+        rotation: Some(UnitQuaternion(rotation.to_array())),
         children: Some(roots.to_vec()),
         ..Node::default()
     }))

@@ -8,10 +8,13 @@ use crate::io::gltf::scene::Skin;
 use crate::skinning::{Influence, SkinWeights};
 
 /// Number of influences per attribute set.
-const PLACES: usize = 4;
+const INFLUENCES_PER_SET: usize = 4;
 
 /// Joints and weights of every vertex, four each.
-type Set = (Vec<[u16; PLACES]>, Vec<[f32; PLACES]>);
+type Set = (
+    Vec<[u16; INFLUENCES_PER_SET]>,
+    Vec<[f32; INFLUENCES_PER_SET]>,
+);
 
 /// Reports whether two meshes may share a skin; weights belong to the meshes.
 pub(super) fn is_same(one: &Skin, other: &Skin) -> bool {
@@ -21,23 +24,24 @@ pub(super) fn is_same(one: &Skin, other: &Skin) -> bool {
 
 /// Joints and weights of every vertex in sets of four, by descending weight: some programs read the first set only.
 pub(super) fn sets(weights: &SkinWeights) -> Vec<Set> {
-    let sets = weights.max_influences().div_ceil(PLACES).max(1);
+    let sets = weights.max_influences().div_ceil(INFLUENCES_PER_SET).max(1);
     let mut sorted: Vec<Vec<Influence>> = weights.iter().map(<[Influence]>::to_vec).collect();
     for influences in &mut sorted {
         influences.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     }
     let set = |set: usize| {
-        let place = |influences: &Vec<Influence>, place: usize| {
-            let influence = influences.get(PLACES * set + place);
+        let influence_at = |influences: &Vec<Influence>, index: usize| {
+            let influence = influences.get(INFLUENCES_PER_SET * set + index);
             influence.map_or((0, 0.0), |i| (i.bone as u16, i.weight as f32))
         };
         sorted
             .iter()
             .map(|influences| {
-                let places: [(u16, f32); PLACES] = std::array::from_fn(|k| place(influences, k));
+                let set_influences: [(u16, f32); INFLUENCES_PER_SET] =
+                    std::array::from_fn(|k| influence_at(influences, k));
                 (
-                    places.map(|(joint, _)| joint),
-                    places.map(|(_, weight)| weight),
+                    set_influences.map(|(joint, _)| joint),
+                    set_influences.map(|(_, weight)| weight),
                 )
             })
             .unzip()

@@ -3,35 +3,35 @@
 use glam::DVec3;
 
 /// Largest number of points in a part that is not divided.
-const SMALLEST: usize = 32;
+const MAX_LEAF_POINTS: usize = 32;
 
 /// A nested dissection order (George 1973): the separator of two halves comes after both halves, recursively. Parts are
 /// halved along their longest axis. `neighbours` lists the adjacent points of each point.
 pub(super) fn order(points: &[DVec3], neighbours: &[Vec<usize>]) -> Vec<usize> {
-    let mut own = Dissection {
+    let mut dissection = Dissection {
         points,
         neighbours,
-        side: vec![0; points.len()],
-        sides: 0,
+        part_of: vec![0; points.len()],
+        part_count: 0,
         order: Vec::with_capacity(points.len()),
     };
-    own.divide((0..points.len()).collect());
-    own.order
+    dissection.divide((0..points.len()).collect());
+    dissection.order
 }
 
 struct Dissection<'a> {
     points: &'a [DVec3],
     neighbours: &'a [Vec<usize>],
     /// Number of the latest part to which each point belongs; numbers are unique.
-    side: Vec<usize>,
-    sides: usize,
+    part_of: Vec<usize>,
+    part_count: usize,
     order: Vec<usize>,
 }
 
 impl Dissection<'_> {
     /// Halves a part; the depth is logarithmic in the number of points.
     fn divide(&mut self, mut part: Vec<usize>) {
-        if part.len() <= SMALLEST {
+        if part.len() <= MAX_LEAF_POINTS {
             self.order.append(&mut part);
             return;
         }
@@ -41,19 +41,20 @@ impl Dissection<'_> {
             x.total_cmp(&y).then(a.cmp(&b))
         });
         let upper = part.split_off(part.len() / 2);
-        self.sides += 1;
+        self.part_count += 1;
         for &point in &upper {
-            self.side[point] = self.sides;
+            self.part_of[point] = self.part_count;
         }
-        let far = self.sides;
-        let touches = |&point: &usize| {
+        let upper_part = self.part_count;
+        let is_adjacent = |&point: &usize| {
             let mut next = self.neighbours[point].iter();
-            next.any(|&other| self.side[other] == far)
+            next.any(|&other| self.part_of[other] == upper_part)
         };
-        let (mut between, lower): (Vec<usize>, Vec<usize>) = part.into_iter().partition(touches);
+        let (mut separator, lower): (Vec<usize>, Vec<usize>) =
+            part.into_iter().partition(is_adjacent);
         self.divide(lower);
         self.divide(upper);
-        self.order.append(&mut between);
+        self.order.append(&mut separator);
     }
 
     fn longest_axis(&self, part: &[usize]) -> usize {
@@ -62,8 +63,11 @@ impl Dissection<'_> {
             low = low.min(self.points[point]);
             high = high.max(self.points[point]);
         }
-        let sides = high - low;
-        match (sides.x >= sides.y && sides.x >= sides.z, sides.y >= sides.z) {
+        let extent = high - low;
+        match (
+            extent.x >= extent.y && extent.x >= extent.z,
+            extent.y >= extent.z,
+        ) {
             (true, _) => 0,
             (false, true) => 1,
             (false, false) => 2,

@@ -22,7 +22,7 @@ use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
 /// Smallest weight that is kept.
-const LEAST: f64 = 1e-4;
+const MIN_WEIGHT: f64 = 1e-4;
 
 /// Bone heat weighting (Baran & Popović 2007, "Automatic rigging and animation of 3D characters"). Weights vary
 /// smoothly along the surface and do not cross gaps.
@@ -89,25 +89,26 @@ impl HeatWeights {
         if !(self.heat > 0.0 && self.heat.is_finite()) {
             return Err(AutomaticWeightsError::Heat(self.heat));
         }
-        let surface = Surface::of(mesh);
-        let stiffness = Stiffness::of(&surface);
+        let surface = Surface::new(mesh);
+        let stiffness = Stiffness::new(&surface);
         let segments = segments
             .iter()
             .map(|ends| ends.map(|end| end / surface.unit));
         let segments: Vec<_> = segments.collect();
-        let sources = Sources::of(&surface, &stiffness, &segments, self.heat);
+        let sources = Sources::new(&surface, &stiffness, &segments, self.heat);
         let mut system = System::new(&surface, &stiffness, &sources.given)?;
         let mut strongest = Strongest::new(surface.points.len(), self.most);
         for (bone, heated) in sources.of_bones.iter().enumerate() {
             if !heated.is_empty() {
                 let weights = system.solve(heated);
-                let kept = weights.map(|weight| if weight > LEAST { weight } else { 0.0 });
-                strongest.add(bone, kept);
+                let significant =
+                    weights.map(|weight| if weight > MIN_WEIGHT { weight } else { 0.0 });
+                strongest.add(bone, significant);
             }
         }
         let corners = surface.triangles.iter();
         let corners = corners.map(|triangle| triangle.map(|point| point as u32));
-        let neighbours = Neighbours::of(surface.points.len(), corners);
+        let neighbours = Neighbours::new(surface.points.len(), corners);
         Ok(strongest.build(segments.len(), &surface.point_of, &neighbours)?)
     }
 }

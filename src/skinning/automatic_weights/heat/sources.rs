@@ -6,9 +6,9 @@ use super::surface::Surface;
 use crate::skinning::automatic_weights::segments::{Segment, distance, nearest_point};
 
 /// Largest relative excess over the smallest distance at which a bone still counts as nearest.
-const AS_NEAR: f64 = 1e-4;
+const NEAREST_TOLERANCE: f64 = 1e-4;
 /// Lower bound of distances to bones, relative to the size of the mesh.
-const NEAREST: f64 = 1e-3;
+const MIN_DISTANCE: f64 = 1e-3;
 
 pub(super) struct Sources {
     /// A_i H_i of each point.
@@ -18,27 +18,27 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    pub(super) fn of(
+    pub(super) fn new(
         surface: &Surface,
         stiffness: &Stiffness,
         segments: &[Segment],
         heat: f64,
     ) -> Self {
-        let mut own = Self {
+        let mut sources = Self {
             given: vec![0.0; surface.points.len()],
             of_bones: vec![Vec::new(); segments.len()],
         };
-        let crossings = Crossings::of(surface);
+        let crossings = Crossings::new(surface);
         for point in 0..surface.points.len() {
-            own.heat(surface, stiffness, segments, heat, point, |segment| {
-                let place = nearest_point(surface.points[point], segment);
-                !crossings.hide(point, place)
+            sources.heat(surface, stiffness, segments, heat, point, |segment| {
+                let target = nearest_point(surface.points[point], segment);
+                !crossings.is_hidden(point, target)
             });
         }
-        for point in own.points_of_cold_pieces(stiffness) {
-            own.heat(surface, stiffness, segments, heat, point, |_| true);
+        for point in sources.points_of_unheated_components(stiffness) {
+            sources.heat(surface, stiffness, segments, heat, point, |_| true);
         }
-        own
+        sources
     }
 
     /// Heats a point by the nearest bones that are visible from it.
@@ -49,44 +49,44 @@ impl Sources {
         segments: &[Segment],
         heat: f64,
         point: usize,
-        sees: impl Fn(&Segment) -> bool,
+        is_visible: impl Fn(&Segment) -> bool,
     ) {
-        let place = surface.points[point];
-        let distances = segments.iter().map(|segment| distance(place, segment));
+        let position = surface.points[point];
+        let distances = segments.iter().map(|segment| distance(position, segment));
         let nearest = distances.clone().fold(f64::INFINITY, f64::min);
-        let near = nearest.max(NEAREST);
-        let each = stiffness.areas[point] * heat / (near * near);
+        let clamped = nearest.max(MIN_DISTANCE);
+        let amount = stiffness.areas[point] * heat / (clamped * clamped);
         for (bone, (segment, distance)) in segments.iter().zip(distances).enumerate() {
-            if distance <= nearest * (1.0 + AS_NEAR) && sees(segment) {
-                self.given[point] += each;
-                self.of_bones[bone].push((point, each));
+            if distance <= nearest * (1.0 + NEAREST_TOLERANCE) && is_visible(segment) {
+                self.given[point] += amount;
+                self.of_bones[bone].push((point, amount));
             }
         }
     }
 
     /// The points of connected pieces without a heated point.
-    fn points_of_cold_pieces(&self, stiffness: &Stiffness) -> Vec<usize> {
-        let mut leader: Vec<usize> = (0..self.given.len()).collect();
+    fn points_of_unheated_components(&self, stiffness: &Stiffness) -> Vec<usize> {
+        let mut parents: Vec<usize> = (0..self.given.len()).collect();
         for &(a, b, _) in &stiffness.edges {
-            let [a, b] = [a, b].map(|point| find(&mut leader, point));
-            leader[a.max(b)] = a.min(b);
+            let [a, b] = [a, b].map(|point| find(&mut parents, point));
+            parents[a.max(b)] = a.min(b);
         }
-        let leaders: Vec<usize> = (0..leader.len()).map(|p| find(&mut leader, p)).collect();
-        let mut warm = vec![false; leaders.len()];
-        for (&leader, &given) in leaders.iter().zip(&self.given) {
-            warm[leader] |= given > 0.0;
+        let roots: Vec<usize> = (0..parents.len()).map(|p| find(&mut parents, p)).collect();
+        let mut is_heated = vec![false; roots.len()];
+        for (&root, &given) in roots.iter().zip(&self.given) {
+            is_heated[root] |= given > 0.0;
         }
-        let points = leaders.into_iter().enumerate();
-        let cold = points.filter(|(_, leader)| !warm[*leader]);
+        let points = roots.into_iter().enumerate();
+        let cold = points.filter(|(_, root)| !is_heated[*root]);
         cold.map(|(point, _)| point).collect()
     }
 }
 
 /// Root of the set of a point in a union-find forest, with path halving.
-fn find(leader: &mut [usize], mut point: usize) -> usize {
-    while leader[point] != point {
-        leader[point] = leader[leader[point]];
-        point = leader[point];
+fn find(parents: &mut [usize], mut point: usize) -> usize {
+    while parents[point] != point {
+        parents[point] = parents[parents[point]];
+        point = parents[point];
     }
     point
 }

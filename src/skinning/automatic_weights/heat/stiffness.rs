@@ -5,12 +5,12 @@ use glam::DVec3;
 use super::surface::Surface;
 
 /// Bound of cotangents, which are unbounded in degenerate triangles.
-const STEEPEST: f64 = 1e3;
+const MAX_COTANGENT: f64 = 1e3;
 /// Lower bound of conductances. Obtuse corners give negative ones, which lead to negative weights. Conductances of 0
 /// disconnect the surface.
-const LEAST_CONDUCTION: f64 = 1e-3;
+const MIN_CONDUCTANCE: f64 = 1e-3;
 /// Lower bound of areas, relative to the mean area.
-const LEAST_AREA: f64 = 1e-6;
+const MIN_RELATIVE_AREA: f64 = 1e-6;
 
 /// Edges with conductances, and areas of points.
 pub(super) struct Stiffness {
@@ -24,7 +24,7 @@ impl Stiffness {
     /// Conductances ½ (cot α + cot β), with α and β the angles opposite the edge (Pinkall & Polthier 1993), within
     /// bounds. All off-diagonal entries of the system are then negative, so its inverse has no negative entry. Weights
     /// are within 0 and 1 on any mesh.
-    pub(super) fn of(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &Surface) -> Self {
         let mut edges = Vec::with_capacity(3 * surface.triangles.len());
         let mut areas = vec![0.0; surface.points.len()];
         for &triangle in &surface.triangles {
@@ -40,31 +40,35 @@ impl Stiffness {
         }
         edges.sort_by_key(|edge| (edge.0, edge.1));
         edges.dedup_by(|second, first| {
-            let same = (second.0, second.1) == (first.0, first.1);
-            if same {
+            let is_duplicate = (second.0, second.1) == (first.0, first.1);
+            if is_duplicate {
                 first.2 += second.2;
             }
-            same
+            is_duplicate
         });
         for edge in &mut edges {
-            edge.2 = edge.2.max(LEAST_CONDUCTION);
+            edge.2 = edge.2.max(MIN_CONDUCTANCE);
         }
         let total: f64 = areas.iter().sum();
         let mean = total / areas.len().max(1) as f64;
-        let least = if mean > 0.0 { LEAST_AREA * mean } else { 1.0 };
+        let min_area = if mean > 0.0 {
+            MIN_RELATIVE_AREA * mean
+        } else {
+            1.0
+        };
         for area in &mut areas {
-            *area = area.max(least);
+            *area = area.max(min_area);
         }
         Self { edges, areas }
     }
 }
 
-/// Cotangent of the angle between two vectors, within [`STEEPEST`].
+/// Cotangent of the angle between two vectors, within [`MAX_COTANGENT`].
 fn cotangent(a: DVec3, b: DVec3) -> f64 {
     let (along, across) = (a.dot(b), a.cross(b).length());
-    if along.abs() < STEEPEST * across {
+    if along.abs() < MAX_COTANGENT * across {
         along / across
     } else {
-        STEEPEST.copysign(along)
+        MAX_COTANGENT.copysign(along)
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    pub(super) fn of(mesh: &TriangleMesh) -> Self {
+    pub(super) fn new(mesh: &TriangleMesh) -> Self {
         let unit = Some(mesh.size()).filter(|size| *size > 0.0).unwrap_or(1.0);
         let mut points = Vec::new();
         let mut known: BTreeMap<[u32; 3], usize> = BTreeMap::new();
@@ -26,8 +26,8 @@ impl Surface {
         let point_of: Vec<usize> = positions
             .map(|position| {
                 // The addition maps −0 to 0.
-                let place = (*position + glam::Vec3::ZERO).to_array().map(f32::to_bits);
-                *known.entry(place).or_insert_with(|| {
+                let key = (*position + glam::Vec3::ZERO).to_array().map(f32::to_bits);
+                *known.entry(key).or_insert_with(|| {
                     points.push(position.as_dvec3() / unit);
                     points.len() - 1
                 })
@@ -37,9 +37,9 @@ impl Surface {
         let triangles = triangles.map(|corners| {
             corners.map(|corner| point_of.get(corner as usize).copied().unwrap_or(0))
         });
-        let solid = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
+        let nondegenerate = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
         Self {
-            triangles: solid.collect(),
+            triangles: nondegenerate.collect(),
             points,
             point_of,
             unit,

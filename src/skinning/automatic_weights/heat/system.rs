@@ -40,8 +40,8 @@ impl System {
             equation_of[point] = equation;
         }
         let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
-        for (&equation, &own) in equation_of.iter().zip(&diagonal) {
-            columns[equation].push((equation, own));
+        for (&equation, &entry) in equation_of.iter().zip(&diagonal) {
+            columns[equation].push((equation, entry));
         }
         for &(a, b, conduction) in &stiffness.edges {
             let [a, b] = [equation_of[a], equation_of[b]];

@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use super::BLOCK;
 
 /// Largest squared length that counts as zero: vectors shorter than 1e-18 have no direction.
-const NO_LENGTH: f32 = 1e-36;
+const MAX_ZERO_LENGTH_SQUARED: f32 = 1e-36;
 
 /// x, y and z of eight vectors.
 #[derive(Clone, Copy)]
@@ -34,12 +34,12 @@ pub(super) fn upper(v: __m256) -> __m128 {
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
-    let both = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
+    let join_halves = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
     let [a, b, c, d] = [
-        both(v[0], v[4]),
-        both(v[1], v[5]),
-        both(v[2], v[6]),
-        both(v[3], v[7]),
+        join_halves(v[0], v[4]),
+        join_halves(v[1], v[5]),
+        join_halves(v[2], v[6]),
+        join_halves(v[3], v[7]),
     ];
     // Within each half: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 w0 w1, z2 z3 w2 w3.
     let (xy, xy_after) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
@@ -52,11 +52,11 @@ pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
     (vectors, _mm256_shuffle_ps::<0xEE>(zw, zw_after))
 }
 
-/// `value` with its sign flipped if `by` is negative.
+/// `value` with its sign flipped if `sign_source` is negative.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-pub(super) fn with_sign_flipped_by(value: __m256, by: __m256) -> __m256 {
-    _mm256_xor_ps(value, _mm256_and_ps(by, _mm256_set1_ps(-0.0)))
+pub(super) fn with_sign_flipped_by(value: __m256, sign_source: __m256) -> __m256 {
+    _mm256_xor_ps(value, _mm256_and_ps(sign_source, _mm256_set1_ps(-0.0)))
 }
 
 impl Vectors {
@@ -162,21 +162,21 @@ impl Vectors {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn cross(self, other: Self) -> Self {
-        let less = |a, b, c, d| _mm256_fmsub_ps(a, b, _mm256_mul_ps(c, d));
+        let difference_of_products = |a, b, c, d| _mm256_fmsub_ps(a, b, _mm256_mul_ps(c, d));
         Self {
-            x: less(self.y, other.z, self.z, other.y),
-            y: less(self.z, other.x, self.x, other.z),
-            z: less(self.x, other.y, self.y, other.x),
+            x: difference_of_products(self.y, other.z, self.z, other.y),
+            y: difference_of_products(self.z, other.x, self.x, other.z),
+            z: difference_of_products(self.x, other.y, self.y, other.x),
         }
     }
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    pub(super) fn scaled(self, by: __m256) -> Self {
+    pub(super) fn scaled(self, factor: __m256) -> Self {
         Self {
-            x: _mm256_mul_ps(self.x, by),
-            y: _mm256_mul_ps(self.y, by),
-            z: _mm256_mul_ps(self.z, by),
+            x: _mm256_mul_ps(self.x, factor),
+            y: _mm256_mul_ps(self.y, factor),
+            z: _mm256_mul_ps(self.z, factor),
         }
     }
 
@@ -200,18 +200,19 @@ impl Vectors {
     #[target_feature(enable = "avx2,fma")]
     fn length(self) -> __m256 {
         let squared = self.dot(self);
-        let long = _mm256_cmp_ps::<_CMP_GT_OQ>(squared, _mm256_set1_ps(NO_LENGTH));
+        let is_nonzero =
+            _mm256_cmp_ps::<_CMP_GT_OQ>(squared, _mm256_set1_ps(MAX_ZERO_LENGTH_SQUARED));
         let infinite = _mm256_set1_ps(f32::INFINITY);
-        _mm256_blendv_ps(infinite, _mm256_sqrt_ps(squared), long)
+        _mm256_blendv_ps(infinite, _mm256_sqrt_ps(squared), is_nonzero)
     }
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    fn divided(self, by: __m256) -> Self {
+    fn divided(self, divisor: __m256) -> Self {
         Self {
-            x: _mm256_div_ps(self.x, by),
-            y: _mm256_div_ps(self.y, by),
-            z: _mm256_div_ps(self.z, by),
+            x: _mm256_div_ps(self.x, divisor),
+            y: _mm256_div_ps(self.y, divisor),
+            z: _mm256_div_ps(self.z, divisor),
         }
     }
 }

@@ -52,13 +52,13 @@ pub(super) fn blended<const STRETCH: bool>(
 fn blend(palette: &[Columns], four: &FourInfluences) -> Columns {
     // SAFETY: `PackedWeights::new` checked the bone indices, and `deform` the length of the palette.
     #[allow(unsafe_code)]
-    let column = |place: usize| unsafe { entry(palette, four.bones[place]) };
-    let weight = |place: usize| _mm256_set1_ps(four.weights[place]);
+    let column = |index: usize| unsafe { entry(palette, four.bones[index]) };
+    let weight = |index: usize| _mm256_set1_ps(four.weights[index]);
     let mut sum = column(0).map(|entries| _mm256_mul_ps(entries, weight(0)));
-    for place in 1..four.bones.len() {
-        let entries = column(place);
-        sum[0] = _mm256_fmadd_ps(entries[0], weight(place), sum[0]);
-        sum[1] = _mm256_fmadd_ps(entries[1], weight(place), sum[1]);
+    for index in 1..four.bones.len() {
+        let entries = column(index);
+        sum[0] = _mm256_fmadd_ps(entries[0], weight(index), sum[0]);
+        sum[1] = _mm256_fmadd_ps(entries[1], weight(index), sum[1]);
     }
     sum
 }

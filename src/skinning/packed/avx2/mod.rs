@@ -118,11 +118,15 @@ fn deform_by(
     rest: RestVertices<'_>,
     posed: PosedVertices<'_>,
 ) {
-    let (whole, after) = influences.split_at(influences.len() - influences.len() % BLOCK);
+    let (full_blocks, after) = influences.split_at(influences.len() - influences.len() % BLOCK);
     // The remaining vertices form a block that is padded with vertices without influences.
     let mut last_influences = [FourInfluences::default(); BLOCK];
     copy(&mut last_influences, after);
-    let mut last = (Last::default(), Last::default(), Last::default());
+    let mut last = (
+        PaddedBlock::default(),
+        PaddedBlock::default(),
+        PaddedBlock::default(),
+    );
     let (positions, last_positions) = blocks(rest.positions, posed.positions, &mut last.0);
     let (normals, last_normals) = blocks(rest.normals, posed.normals, &mut last.1);
     let (tangents, last_tangents) = blocks(rest.tangents, posed.tangents, &mut last.2);
@@ -132,7 +136,7 @@ fn deform_by(
         &last_influences[..]
     };
     let parts = [
-        (whole, positions, normals, tangents),
+        (full_blocks, positions, normals, tangents),
         (last_influences, last_positions, last_normals, last_tangents),
     ];
     // One call of the kernel for both parts, so that it is inlined into this loop.
@@ -149,9 +153,9 @@ fn deform_by(
             k += 1;
         }
     }
-    last.0.put(posed.positions);
-    last.1.put(posed.normals);
-    last.2.put(posed.tangents);
+    last.0.copy_to(posed.positions);
+    last.1.copy_to(posed.normals);
+    last.2.copy_to(posed.tangents);
 }
 
 #[inline]
@@ -177,14 +181,14 @@ fn move_block(
     let (a, b, c) = (y.cross(z), z.cross(x), x.cross(y));
     let determinant = x.dot(a);
     if let Some((rest, posed)) = block.normals {
-        let turned = Vectors::load(rest).weighted(a, b, c, Vectors::zero());
-        *posed = turned.normalised_with_sign_of(determinant).store();
+        let transformed = Vectors::load(rest).weighted(a, b, c, Vectors::zero());
+        *posed = transformed.normalised_with_sign_of(determinant).store();
     }
     if let Some((rest, posed)) = block.tangents {
         let (tangents, signs) = Vectors::load_with_fourth(rest);
-        let turned = tangents.weighted(x, y, z, Vectors::zero());
+        let transformed = tangents.weighted(x, y, z, Vectors::zero());
         let signs = lanes::with_sign_flipped_by(signs, determinant);
-        *posed = turned.normalised().store_with_fourth(signs);
+        *posed = transformed.normalised().store_with_fourth(signs);
     }
 }
 
@@ -198,20 +202,20 @@ struct Blocks<'a, T> {
 fn blocks<'a, T: Pod>(
     rest: &'a [T],
     posed: &'a mut [T],
-    last: &'a mut Last<T>,
+    last: &'a mut PaddedBlock<T>,
 ) -> (Blocks<'a, T>, Blocks<'a, T>) {
-    let whole = rest.len().min(posed.len()) / BLOCK * BLOCK;
-    copy(&mut last.rest[0], &rest[whole..]);
-    let there = usize::from(!rest.is_empty());
-    let whole = Blocks {
-        rest: bytemuck::cast_slice(&rest[..whole]),
-        posed: bytemuck::cast_slice_mut(&mut posed[..whole]),
+    let full = rest.len().min(posed.len()) / BLOCK * BLOCK;
+    copy(&mut last.rest[0], &rest[full..]);
+    let block_count = usize::from(!rest.is_empty());
+    let full = Blocks {
+        rest: bytemuck::cast_slice(&rest[..full]),
+        posed: bytemuck::cast_slice_mut(&mut posed[..full]),
     };
     let last = Blocks {
-        rest: &last.rest[..there],
-        posed: &mut last.posed[..there],
+        rest: &last.rest[..block_count],
+        posed: &mut last.posed[..block_count],
     };
-    (whole, last)
+    (full, last)
 }
 
 impl<T> Blocks<'_, T> {
@@ -222,12 +226,12 @@ impl<T> Blocks<'_, T> {
 }
 
 /// A padded block for the remaining vertices.
-struct Last<T> {
+struct PaddedBlock<T> {
     rest: [[T; BLOCK]; 1],
     posed: [[T; BLOCK]; 1],
 }
 
-impl<T: Pod> Default for Last<T> {
+impl<T: Pod> Default for PaddedBlock<T> {
     fn default() -> Self {
         Self {
             rest: [[T::zeroed(); BLOCK]],
@@ -236,11 +240,11 @@ impl<T: Pod> Default for Last<T> {
     }
 }
 
-impl<T: Pod> Last<T> {
+impl<T: Pod> PaddedBlock<T> {
     /// Copies the remaining vertices to the end of the buffer.
-    fn put(&self, posed: &mut [T]) {
-        let whole = posed.len() / BLOCK * BLOCK;
-        copy(&mut posed[whole..], &self.posed[0]);
+    fn copy_to(&self, posed: &mut [T]) {
+        let full_length = posed.len() / BLOCK * BLOCK;
+        copy(&mut posed[full_length..], &self.posed[0]);
     }
 }
 

@@ -62,9 +62,9 @@ fn matrices(r: Vectors, w: __m256, d: Vectors, dual_w: __m256) -> Blended {
     let add = |a, b| _mm256_add_ps(a, b);
     let sub = |a, b| _mm256_sub_ps(a, b);
     let one_less = |a, b| sub(_mm256_set1_ps(1.0), add(a, b));
-    let turned = r.cross(d);
-    let translation = |d, r, turned| {
-        let sum = _mm256_fmadd_ps(w, d, turned);
+    let cross = r.cross(d);
+    let translation = |d, r, cross| {
+        let sum = _mm256_fmadd_ps(w, d, cross);
         mul(_mm256_fnmadd_ps(dual_w, r, sum), twice)
     };
     Blended {
@@ -84,9 +84,9 @@ fn matrices(r: Vectors, w: __m256, d: Vectors, dual_w: __m256) -> Blended {
             z: one_less(xx, yy),
         },
         translation: Vectors {
-            x: translation(d.x, r.x, turned.x),
-            y: translation(d.y, r.y, turned.y),
-            z: translation(d.z, r.z, turned.z),
+            x: translation(d.x, r.x, cross.x),
+            y: translation(d.y, r.y, cross.y),
+            z: translation(d.z, r.z, cross.z),
         },
     }
 }

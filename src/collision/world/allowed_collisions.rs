@@ -34,10 +34,17 @@ impl World {
         if let Some(name) = [one, other].iter().find(|name| name.trim().is_empty()) {
             return Err(WorldError::Unnamed((*name).to_owned()));
         }
-        for (own, with) in [(one, other), (other, one)] {
-            let lacks = |own: &Obstacle| own.allowed_collisions.iter().all(|name| name != with);
-            if self.obstacle(own).is_ok_and(lacks) {
-                self.edit(own, |own| own.allowed_collisions.push(with.to_owned()))?;
+        for (name, allowed_name) in [(one, other), (other, one)] {
+            let lacks = |obstacle: &Obstacle| {
+                obstacle
+                    .allowed_collisions
+                    .iter()
+                    .all(|listed| listed != allowed_name)
+            };
+            if self.obstacle(name).is_ok_and(lacks) {
+                self.edit(name, |obstacle| {
+                    obstacle.allowed_collisions.push(allowed_name.to_owned())
+                })?;
             }
         }
         Ok(())
@@ -55,10 +62,12 @@ impl World {
             let names = [one, other].map(str::to_owned);
             return Err(WorldError::KeptApart(names));
         }
-        for (own, with) in [(one, other), (other, one)] {
-            if self.find(own).is_some() {
-                self.edit(own, |obstacle| {
-                    obstacle.allowed_collisions.retain(|name| name != with)
+        for (name, allowed_name) in [(one, other), (other, one)] {
+            if self.find(name).is_some() {
+                self.edit(name, |obstacle| {
+                    obstacle
+                        .allowed_collisions
+                        .retain(|listed| listed != allowed_name)
                 })?;
             }
         }
@@ -68,16 +77,23 @@ impl World {
     /// True if the collision of two bodies is allowed, in either order.
     #[must_use]
     pub fn is_collision_allowed(&self, one: &str, other: &str) -> bool {
-        [(one, other), (other, one)].iter().any(|(own, with)| {
-            let own = self.obstacle(own);
-            own.is_ok_and(|own| own.allowed_collisions.iter().any(|name| name == with))
-        })
+        [(one, other), (other, one)]
+            .iter()
+            .any(|(name, allowed_name)| {
+                let obstacle = self.obstacle(name);
+                obstacle.is_ok_and(|obstacle| {
+                    obstacle
+                        .allowed_collisions
+                        .iter()
+                        .any(|listed| listed == allowed_name)
+                })
+            })
     }
 
     /// Obstacles with allowed collisions, each with its number.
-    pub(crate) fn touching(&self) -> impl Iterator<Item = (u64, &Obstacle)> {
-        let touching = self.touching.iter();
-        touching.filter_map(|number| Some((*number, &**self.obstacles.get(*number)?)))
+    pub(crate) fn with_allowed_collisions(&self) -> impl Iterator<Item = (u64, &Obstacle)> {
+        let numbers = self.with_allowed_collisions.iter();
+        numbers.filter_map(|number| Some((*number, &**self.obstacles.get(*number)?)))
     }
 
     /// True if a name in an allowed collision need not exist, according to the file.
@@ -86,16 +102,17 @@ impl World {
     }
 
     /// Removes the allowed collisions of a removed obstacle.
-    pub(super) fn forget_touch_of(&mut self, name: &str, number: u64) {
-        self.touching.retain(|other| *other != number);
-        let of_it = self
-            .touching()
+    pub(super) fn remove_allowed_collisions_of(&mut self, name: &str, number: u64) {
+        self.with_allowed_collisions
+            .retain(|other| *other != number);
+        let affected = self
+            .with_allowed_collisions()
             .filter(|(_, other)| other.allowed_collisions.iter().any(|n| n == name));
-        let of_it: Vec<String> = of_it.map(|(_, other)| other.name.clone()).collect();
-        for other in of_it {
+        let affected: Vec<String> = affected.map(|(_, other)| other.name.clone()).collect();
+        for other in affected {
             // The obstacle was found above.
             let _ = self.edit(&other, |other| {
-                other.allowed_collisions.retain(|known| known != name)
+                other.allowed_collisions.retain(|listed| listed != name)
             });
         }
     }

@@ -29,19 +29,23 @@ pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
         let second = sum.max(limits[2].lower).min(limits[2].upper);
         return [sum - second, bend, second];
     }
-    let other = |angle: f64| angle - std::f64::consts::PI.copysign(angle);
-    let pair = [[first, bend, second], [other(first), -bend, other(second)]];
-    let outside = |angles: &[f64; 3]| -> f64 {
-        let each = angles.iter().zip(limits);
-        each.map(|(angle, limits)| (limits.lower - angle).max(angle - limits.upper).max(0.0))
+    let flipped = |angle: f64| angle - std::f64::consts::PI.copysign(angle);
+    let pair = [
+        [first, bend, second],
+        [flipped(first), -bend, flipped(second)],
+    ];
+    let limit_violation = |angles: &[f64; 3]| -> f64 {
+        let angles_and_limits = angles.iter().zip(limits);
+        angles_and_limits
+            .map(|(angle, limits)| (limits.lower - angle).max(angle - limits.upper).max(0.0))
             .sum()
     };
     let twist = |angles: &[f64; 3]| angles[0].abs() + angles[2].abs();
     // Excludes the rounding of single-precision poses from the choice.
-    const ROUNDING: f64 = 1e-5;
+    const VIOLATION_TOLERANCE: f64 = 1e-5;
     let [a, b] = pair;
-    let difference = outside(&a) - outside(&b);
-    let second_is_better = match difference.abs() > ROUNDING {
+    let difference = limit_violation(&a) - limit_violation(&b);
+    let second_is_better = match difference.abs() > VIOLATION_TOLERANCE {
         true => difference > 0.0,
         false => twist(&a) > twist(&b),
     };
@@ -94,8 +98,9 @@ impl EulerPoseMap {
         let bones = q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones).enumerate();
         for (index, (angles, ((rest, limits), rotation))) in bones {
             let mirror = self.mirror_above(BoneId::new(index), pose);
-            let turned = rest.conjugate() * mirror.rotation(rotation.as_dquat().normalize());
-            angles.copy_from_slice(&bone_angles(turned, limits));
+            let rotation_from_rest =
+                rest.conjugate() * mirror.rotation(rotation.as_dquat().normalize());
+            angles.copy_from_slice(&bone_angles(rotation_from_rest, limits));
         }
         Ok(())
     }
@@ -122,19 +127,19 @@ impl EulerPoseMap {
         let angles = q.get(first..first + ANGLES_PER_BONE);
         let angles = angles.and_then(|angles| <[f64; 3]>::try_from(angles).ok());
         let mirror = self.mirror_above(bone, pose);
-        let own = pose.rotations.get_mut(bone.index());
+        let local_rotation = pose.rotations.get_mut(bone.index());
         let rest = self.rest.get(bone.index());
-        if let (Some(angles), Some(own), Some(rest)) = (angles, own, rest) {
+        if let (Some(angles), Some(local_rotation), Some(rest)) = (angles, local_rotation, rest) {
             let rotation: Quat = mirror.rotation(*rest * bone_rotation(angles)).as_quat();
-            *own = rotation.normalize();
+            *local_rotation = rotation.normalize();
         }
     }
 
     /// Mirror of the ancestors of a bone in a pose.
     fn mirror_above(&self, bone: BoneId, pose: &Pose) -> Mirror {
         let parent = |bone: &BoneId| self.parents.get(bone.index()).copied().flatten();
-        let above = std::iter::successors(parent(&bone), parent);
-        let scales = above.filter_map(|bone| pose.scales().get(bone.index()));
+        let ancestors = std::iter::successors(parent(&bone), parent);
+        let scales = ancestors.filter_map(|bone| pose.scales().get(bone.index()));
         scales.fold(Mirror::NONE, |mirror, scale| mirror.below(*scale))
     }
 }

@@ -1,23 +1,23 @@
 //! Large sets of solids, with an AABB tree.
 
-use crate::collision::dynamic_aabb_tree::{Changed, ChangingTree};
-use crate::collision::wide_aabb_tree::Met;
+use crate::collision::dynamic_aabb_tree::{DynamicAabbTree, ItemChange};
+use crate::collision::wide_aabb_tree::Predicate;
 use crate::collision::{BoundingBox, Shape};
 use crate::spatial::{Placement, Vector3};
 
 /// A shape and the inverse of its placement in the chain's base frame.
-type Placed = (Shape, Placement<f64>);
+type PlacedSolid = (Shape, Placement<f64>);
 
 /// Placed shapes with an AABB tree over their boxes.
 #[derive(Clone, Debug)]
-pub(super) struct ManySolids {
-    solids: ChangingTree<Placed>,
+pub(super) struct SolidTree {
+    solids: DynamicAabbTree<PlacedSolid>,
 }
 
 /// A number with its new shape and placement in the base frame; `None` removes the shape.
 pub(super) type SolidChange<'a> = (u64, Option<(&'a Shape, Placement<f64>)>);
 
-impl ManySolids {
+impl SolidTree {
     /// Builds the tree. The shapes must be bounded.
     pub(super) fn new<'a>(
         solids: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
@@ -27,15 +27,17 @@ impl ManySolids {
             (number, placed, bounds)
         });
         Self {
-            solids: ChangingTree::new(solids),
+            solids: DynamicAabbTree::new(solids),
         }
     }
 
     /// A copy with changes, which are in the order of their numbers.
     pub(super) fn changed(&self, changes: &[SolidChange<'_>]) -> Self {
-        let changes = changes.iter().map(|(number, now)| -> Changed<Placed> {
-            (*number, now.map(|(shape, at)| placed(shape, &at)))
-        });
+        let changes = changes
+            .iter()
+            .map(|(number, new_solid)| -> ItemChange<PlacedSolid> {
+                (*number, new_solid.map(|(shape, at)| placed(shape, &at)))
+            });
         Self {
             solids: self.solids.changed(changes.collect()),
         }
@@ -48,24 +50,24 @@ impl ManySolids {
     /// True if a point in the base frame is in a shape or nearer to it than `reach` metres.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near(&self, point: Vector3<f64>, reach: f64) -> bool {
-        self.solids.any(point, reach, &Within { point, reach })
+        self.solids.any(point, reach, &NearPoint { point, reach })
     }
 }
 
 /// Predicate: a shape is nearer to the point than `reach`.
-struct Within {
+struct NearPoint {
     point: Vector3<f64>,
     reach: f64,
 }
 
-impl Met<&Placed> for Within {
+impl Predicate<&PlacedSolid> for NearPoint {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn is_met(&self, (shape, solid_from_base): &Placed) -> bool {
+    fn is_met(&self, (shape, solid_from_base): &PlacedSolid) -> bool {
         shape.is_within(solid_from_base.apply(self.point), self.reach)
     }
 }
 
-fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (Placed, BoundingBox) {
+fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (PlacedSolid, BoundingBox) {
     let bounds = shape.bounding_box().placed(base_from_solid);
     ((shape.clone(), base_from_solid.inverse()), bounds)
 }
@@ -82,8 +84,8 @@ mod tests {
     impl Numbers {
         fn placement(&mut self) -> Placement<f64> {
             let [x, z] = [(); 2].map(|()| elementary::sin_cos(3.0 * self.next()));
-            let turned = Matrix3::identity().rotated_about_z(z).rotated_about_x(x);
-            Placement::new(turned, self.point(1.0))
+            let rotation = Matrix3::identity().rotated_about_z(z).rotated_about_x(x);
+            Placement::new(rotation, self.point(1.0))
         }
 
         /// A cube with one corner moved, open or closed.
@@ -139,18 +141,23 @@ mod tests {
     }
 
     /// Compares point queries with a linear search over all solids.
-    fn ask(many: &ManySolids, solids: &[Known], numbers: &mut Numbers, told: &mut [usize; 2]) {
+    fn check_queries(
+        solid_tree: &SolidTree,
+        solids: &[Known],
+        numbers: &mut Numbers,
+        counts: &mut [usize; 2],
+    ) {
         for _ in 0..4_000 {
-            let about = numbers.point(1.3);
+            let point = numbers.point(1.3);
             let reach = 0.05 + 0.05 * numbers.next();
-            let near = is_near(solids, about, reach);
-            assert_eq!(many.near(about, reach), near, "{about:?} {reach}");
-            told[usize::from(near)] += 1;
+            let near = is_near(solids, point, reach);
+            assert_eq!(solid_tree.near(point, reach), near, "{point:?} {reach}");
+            counts[usize::from(near)] += 1;
         }
     }
 
     #[test]
-    fn distances_to_many_solids_equal_those_one_by_one() {
+    fn solid_tree_matches_linear_search() {
         let numbers = &mut Numbers(1);
         let mut placed = |number| {
             let shape = numbers.shape();
@@ -160,20 +167,21 @@ mod tests {
         let all = solids
             .iter()
             .map(|(number, shape, at)| (*number, shape, *at));
-        let mut many = ManySolids::new(all);
-        let mut told = [0; 2];
-        let first = many.clone();
+        let mut solid_tree = SolidTree::new(all);
+        let mut counts = [0; 2];
+        let first = solid_tree.clone();
         let before = solids.clone();
         for change in 0..6 {
-            ask(&many, &solids, &mut Numbers(10 + change), &mut told);
+            check_queries(&solid_tree, &solids, &mut Numbers(10 + change), &mut counts);
             let number = 7 * u64::from(change);
-            let now = placed(number);
-            many = many.changed(&[(number, Some((&now.1, now.2))), (number + 1, None)]);
+            let moved = placed(number);
+            solid_tree =
+                solid_tree.changed(&[(number, Some((&moved.1, moved.2))), (number + 1, None)]);
             solids.retain(|(known, ..)| *known != number && *known != number + 1);
-            solids.push(now);
+            solids.push(moved);
         }
-        assert!(many.solids.has_new() && many.solids.shares_old(&first.solids));
-        ask(&first, &before, &mut Numbers(99), &mut told);
-        assert!(told.iter().all(|&count| count > 4_000), "{told:?}");
+        assert!(solid_tree.solids.has_new() && solid_tree.solids.shares_old(&first.solids));
+        check_queries(&first, &before, &mut Numbers(99), &mut counts);
+        assert!(counts.iter().all(|&count| count > 4_000), "{counts:?}");
     }
 }

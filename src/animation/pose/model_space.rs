@@ -10,7 +10,7 @@ use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
 /// Ratio of a parent's volume to its longest axis cubed below which its transform counts as singular.
-const FLAT: f32 = 1e-6;
+const MIN_VOLUME_RATIO: f32 = 1e-6;
 
 impl Armature {
     /// Model transform of one bone: W_j, the product of the local transforms from the root.
@@ -20,7 +20,7 @@ impl Armature {
     /// The pose is of another armature, or the bone does not exist.
     pub fn model_from_bone(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
         self.check(pose, bone)?;
-        Ok(self.placed(pose, Some(bone)))
+        Ok(self.model_transform(pose, Some(bone)))
     }
 
     /// Rotation of one bone in the model: the product of the rotations from the root, without scales. Below mirrored
@@ -30,7 +30,7 @@ impl Armature {
     /// As [`model_from_bone`](Self::model_from_bone).
     pub fn model_rotation(&self, pose: &Pose, bone: BoneId) -> Result<Quat, LocalError> {
         self.check(pose, bone)?;
-        Ok(self.turned(pose, Some(bone)))
+        Ok(self.model_rotation_of(pose, Some(bone)))
     }
 
     /// Sets the model transform of a bone; [`model_from_bone`](Self::model_from_bone) then returns it. Ancestors do not
@@ -69,10 +69,13 @@ impl Armature {
         model_from_bone: Quat,
     ) -> Result<(), LocalError> {
         self.check(pose, bone)?;
-        let above = self.parent(bone);
-        let parent = self.turned(pose, above);
-        let mirror = self.mirror(pose, above);
-        pose.set_rotation(bone, mirror.single(parent.conjugate() * model_from_bone))
+        let parent_bone = self.parent(bone);
+        let parent_rotation = self.model_rotation_of(pose, parent_bone);
+        let mirror = self.mirror(pose, parent_bone);
+        pose.set_rotation(
+            bone,
+            mirror.single(parent_rotation.conjugate() * model_from_bone),
+        )
     }
 
     /// Sets the position of a bone's origin in the model, in the model's unit. Its rotation and scale do not change;
@@ -102,30 +105,31 @@ impl Armature {
     }
 
     /// A bone and its ancestors, upwards.
-    pub(in crate::animation) fn upwards(
+    pub(in crate::animation) fn bone_and_ancestors(
         &self,
         bone: Option<BoneId>,
     ) -> impl Iterator<Item = BoneId> + '_ {
         std::iter::successors(bone, |&bone| self.parent(bone))
     }
 
-    fn placed(&self, pose: &Pose, bone: Option<BoneId>) -> Affine3A {
-        self.upwards(bone).fold(Affine3A::IDENTITY, |below, bone| {
-            pose.local_of(bone).to_affine() * below
-        })
+    fn model_transform(&self, pose: &Pose, bone: Option<BoneId>) -> Affine3A {
+        self.bone_and_ancestors(bone)
+            .fold(Affine3A::IDENTITY, |product, bone| {
+                pose.local_of(bone).to_affine() * product
+            })
     }
 
-    fn turned(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
-        let bones = self.upwards(bone);
-        bones.fold(Quat::IDENTITY, |below, bone| {
+    fn model_rotation_of(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
+        let bones = self.bone_and_ancestors(bone);
+        bones.fold(Quat::IDENTITY, |product, bone| {
             let local = pose.local_of(bone);
-            local.rotation * Mirror::NONE.below(local.scale).single(below)
+            local.rotation * Mirror::NONE.below(local.scale).single(product)
         })
     }
 
     /// Mirror of a bone's children.
     fn mirror(&self, pose: &Pose, bone: Option<BoneId>) -> Mirror {
-        let bones = self.upwards(bone);
+        let bones = self.bone_and_ancestors(bone);
         bones.fold(Mirror::NONE, |mirror, bone| {
             mirror.below(pose.local_of(bone).scale)
         })
@@ -134,14 +138,14 @@ impl Armature {
     /// Inverse of the model transform of a bone's parent.
     fn parent_from_model(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
         self.check(pose, bone)?;
-        let model_from_parent = self.placed(pose, self.parent(bone));
+        let model_from_parent = self.model_transform(pose, self.parent(bone));
         let matrix = model_from_parent.matrix3;
         let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
         let longest = x.length().max(y.length()).max(z.length());
         let volume = x.cross(y).dot(z).abs();
-        let flat = FLAT * longest * longest * longest;
-        // `volume <= flat` would accept NaN.
-        if volume > flat {
+        let min_volume = MIN_VOLUME_RATIO * longest * longest * longest;
+        // `volume <= min_volume` would accept NaN.
+        if volume > min_volume {
             Ok(model_from_parent.inverse())
         } else {
             Err(LocalError::Flattened { bone: bone.index() })

@@ -5,24 +5,24 @@ use crate::collision::{CollisionModel, World};
 use crate::model::{FrameId, FrameRef, UnknownName};
 
 /// Obstacles with allowed collisions.
-pub(super) struct Touches<'a> {
+pub(super) struct AllowedCollisions<'a> {
     world: &'a World,
     /// Number and name of each obstacle, and the names that it may collide with.
-    of: Vec<(u64, &'a str, &'a [String])>,
+    entries: Vec<(u64, &'a str, &'a [String])>,
 }
 
-impl<'a> Touches<'a> {
+impl<'a> AllowedCollisions<'a> {
     /// Collects the allowed collisions of a world.
     ///
     /// # Errors
     /// Returns an error if a name belongs neither to the robot nor to the world.
     pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, CheckerError> {
-        let mut of = Vec::new();
-        for (number, obstacle) in world.touching() {
+        let mut entries = Vec::new();
+        for (number, obstacle) in world.with_allowed_collisions() {
             for name in &obstacle.allowed_collisions {
                 let frame = FrameRef::from(name.as_str()).resolve(model.model());
-                let is_there = frame.is_ok() || world.number_of(name).is_some();
-                if !is_there && !world.may_be_missing(name) {
+                let exists = frame.is_ok() || world.number_of(name).is_some();
+                if !exists && !world.may_be_missing(name) {
                     let links = model.links().iter().map(|link| model.name_of(*link));
                     let others = world.obstacles().map(|obstacle| obstacle.name.as_str());
                     return Err(CheckerError::MayTouch {
@@ -31,41 +31,48 @@ impl<'a> Touches<'a> {
                     });
                 }
             }
-            of.push((number, &*obstacle.name, &*obstacle.allowed_collisions));
+            entries.push((number, &*obstacle.name, &*obstacle.allowed_collisions));
         }
-        Ok(Self { world, of })
+        Ok(Self { world, entries })
     }
 
     /// Sorted numbers of the obstacles that a link may touch.
     pub(super) fn passes_of(model: &CollisionModel, world: &World, link: FrameId) -> Vec<u64> {
-        let mut passes = Vec::new();
+        let mut allowed = Vec::new();
         // The names are validated when robot and world are combined.
-        if let Ok(touches) = Touches::of(model, world) {
-            touches.add_passes(model.name_of(link), &mut passes);
+        if let Ok(allowed_collisions) = AllowedCollisions::of(model, world) {
+            allowed_collisions.add_allowed(model.name_of(link), &mut allowed);
         }
-        passes
+        allowed
     }
 
     /// True if two bodies may collide, of which at least one is an obstacle.
-    pub(super) fn may(&self, one: &str, other: &str) -> bool {
-        !self.of.is_empty() && self.world.is_collision_allowed(one, other)
+    pub(super) fn is_allowed(&self, one: &str, other: &str) -> bool {
+        !self.entries.is_empty() && self.world.is_collision_allowed(one, other)
     }
 
     /// Adds the numbers of the obstacles that a named body may touch, and sorts all. Numbers of attached obstacles have
     /// no effect.
-    pub(super) fn add_passes(&self, name: &str, passes: &mut Vec<u64>) {
-        if self.of.is_empty() {
+    pub(super) fn add_allowed(&self, name: &str, allowed: &mut Vec<u64>) {
+        if self.entries.is_empty() {
             return;
         }
-        for (number, own, with) in &self.of {
-            if with.iter().any(|with| with == name) {
-                passes.push(*number);
+        for (number, obstacle, allowed_names) in &self.entries {
+            if allowed_names
+                .iter()
+                .any(|allowed_name| allowed_name == name)
+            {
+                allowed.push(*number);
             }
-            if *own == name {
-                passes.extend(with.iter().filter_map(|with| self.world.number_of(with)));
+            if *obstacle == name {
+                allowed.extend(
+                    allowed_names
+                        .iter()
+                        .filter_map(|allowed_name| self.world.number_of(allowed_name)),
+                );
             }
         }
-        passes.sort_unstable();
-        passes.dedup();
+        allowed.sort_unstable();
+        allowed.dedup();
     }
 }

@@ -8,7 +8,7 @@ use crate::skeleton::{BoneId, Skeleton};
 
 /// Bone of a pose in the model.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FootPlant {
+pub(super) struct PosedBone {
     pub(super) rotation: DQuat,
     pub(super) tail: DVec3,
     pub(super) tip: DVec3,
@@ -19,35 +19,36 @@ pub(super) struct FootPlant {
 
 /// Placements of bones, and the skeleton with joints at their positions in the pose.
 #[derive(Clone, Debug)]
-pub(super) struct Stances {
+pub(super) struct PosedSkeleton {
     skeleton: Skeleton,
     /// Placements by bone; only requested bones are updated.
-    stances: Vec<FootPlant>,
+    bones: Vec<PosedBone>,
     /// True for bones with a requested descendant.
-    carries: Vec<bool>,
+    is_ancestor: Vec<bool>,
 }
 
-impl Stances {
+impl PosedSkeleton {
     /// Placements of some bones of a skeleton and their ancestors.
     pub(super) fn new(skeleton: &Skeleton, bones: &[BoneId]) -> Self {
-        let nowhere = FootPlant {
+        let identity = PosedBone {
             rotation: DQuat::IDENTITY,
             tail: DVec3::ZERO,
             tip: DVec3::ZERO,
             stretch: Stretch::NONE,
             mirror: Mirror::NONE,
         };
-        let mut carries = vec![false; skeleton.bones().len()];
+        let mut is_ancestor = vec![false; skeleton.bones().len()];
         for bone in bones {
             let parent = skeleton.bones().get(bone.index()).and_then(|b| b.parent);
-            if let Some(carries) = parent.and_then(|parent| carries.get_mut(parent.index())) {
-                *carries = true;
+            if let Some(is_ancestor) = parent.and_then(|parent| is_ancestor.get_mut(parent.index()))
+            {
+                *is_ancestor = true;
             }
         }
         Self {
             skeleton: skeleton.clone(),
-            stances: vec![nowhere; skeleton.bones().len()],
-            carries,
+            bones: vec![identity; skeleton.bones().len()],
+            is_ancestor,
         }
     }
 
@@ -55,27 +56,32 @@ impl Stances {
     ///
     /// A joint is at M t on its parent, with its own translation t and the parent's [`Stretch`] M. The tip of a bone of
     /// length ℓ is at M (ℓ, 0, 0), with M of the bone itself.
-    pub(super) fn take(&mut self, pose: &Pose, bones: &[BoneId]) -> &Skeleton {
+    pub(super) fn update(&mut self, pose: &Pose, bones: &[BoneId]) -> &Skeleton {
         for &bone in bones {
             let index = bone.index();
-            let Some(own) = self.skeleton.bones().get(index) else {
+            let Some(rest_bone) = self.skeleton.bones().get(index) else {
                 continue;
             };
-            let (length, parent) = (own.length, own.parent);
+            let (length, parent) = (rest_bone.length, rest_bone.parent);
             let local = pose.local_of(bone);
-            let above = parent.and_then(|parent| self.stances.get(parent.index()).copied());
-            let (stretch, mirror) = above.map_or((Stretch::NONE, Mirror::NONE), |above| {
-                (above.stretch, above.mirror)
-            });
+            let parent_bone = parent.and_then(|parent| self.bones.get(parent.index()).copied());
+            let (stretch, mirror) = parent_bone
+                .map_or((Stretch::NONE, Mirror::NONE), |parent_bone| {
+                    (parent_bone.stretch, parent_bone.mirror)
+                });
             let offset = stretch.apply(local.translation.as_dvec3());
-            let own = local.rotation.as_dquat().normalize();
-            let turn = mirror.rotation(own);
-            let rotation = above.map_or(turn, |above| (above.rotation * turn).normalize());
-            let tail = above.map_or(offset, |above| above.tail + above.rotation * offset);
-            let stretch = stretch.below(mirror, own, local.scale);
+            let local_rotation = local.rotation.as_dquat().normalize();
+            let mirrored_rotation = mirror.rotation(local_rotation);
+            let rotation = parent_bone.map_or(mirrored_rotation, |parent_bone| {
+                (parent_bone.rotation * mirrored_rotation).normalize()
+            });
+            let tail = parent_bone.map_or(offset, |parent_bone| {
+                parent_bone.tail + parent_bone.rotation * offset
+            });
+            let stretch = stretch.below(mirror, local_rotation, local.scale);
             let along = stretch.apply(DVec3::new(length, 0.0, 0.0));
-            if let Some(stance) = self.stances.get_mut(index) {
-                *stance = FootPlant {
+            if let Some(posed) = self.bones.get_mut(index) {
+                *posed = PosedBone {
                     rotation,
                     tail,
                     tip: tail + rotation * along,
@@ -84,20 +90,20 @@ impl Stances {
                 };
             }
             self.skeleton
-                .stand(bone, offset.to_array().into(), along.to_array().into());
+                .move_bone(bone, offset.to_array().into(), along.to_array().into());
         }
         &self.skeleton
     }
 
     /// Returns true if a bone of the last pose shears its requested descendants when they rotate.
-    pub(super) fn shear(&self) -> bool {
-        let mut carriers = self.stances.iter().zip(&self.carries);
-        carriers.any(|(stance, carries)| *carries && !stance.stretch.is_even())
+    pub(super) fn has_shear(&self) -> bool {
+        let mut ancestors = self.bones.iter().zip(&self.is_ancestor);
+        ancestors.any(|(bone, is_ancestor)| *is_ancestor && !bone.stretch.is_even())
     }
 
     /// Placement of a bone in the last pose; `None` for a bone of another skeleton.
-    pub(super) fn of(&self, bone: BoneId) -> Option<&FootPlant> {
-        self.stances.get(bone.index())
+    pub(super) fn bone(&self, bone: BoneId) -> Option<&PosedBone> {
+        self.bones.get(bone.index())
     }
 
     pub(super) fn skeleton(&self) -> &Skeleton {

@@ -1,7 +1,7 @@
 //! Signed distance of shapes with many parts: meshes, height fields and point clouds, by AABB trees.
 
 use crate::clock::deadline::is_over;
-use crate::collision::aabb_tree::{BoxTree, Contents};
+use crate::collision::aabb_tree::{AabbTree, Contents};
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
 use crate::spatial::{Placement, Vector3};
@@ -10,14 +10,14 @@ use super::convex;
 use super::core_and_radius::{Core, Gap, Pair};
 
 /// A shape as a set of convex parts.
-pub(super) enum Parts<'a> {
+pub(super) enum ConvexParts<'a> {
     One(Core<'a>, f64),
     Mesh(&'a TriangleMesh, &'a Shape),
     Field(&'a HeightField, &'a Shape),
     Cloud(&'a PointCloud),
 }
 
-impl<'a> Parts<'a> {
+impl<'a> ConvexParts<'a> {
     /// Parts of any shape. A half-space has no parts and becomes a point.
     pub(super) fn of(shape: &'a Shape) -> Self {
         match shape.kind() {
@@ -32,7 +32,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    fn tree(&self) -> Option<&'a BoxTree> {
+    fn tree(&self) -> Option<&'a AabbTree> {
         match self {
             Self::One(..) => None,
             Self::Mesh(mesh, _) => Some(mesh.tree()),
@@ -60,7 +60,7 @@ impl<'a> Parts<'a> {
     }
 
     /// The shape, if it has an inside that its parts do not fill.
-    fn hollow(&self) -> Option<&'a Shape> {
+    fn enclosing_shape(&self) -> Option<&'a Shape> {
         match self {
             Self::Mesh(mesh, shape) => mesh.is_closed().then_some(*shape),
             Self::Field(_, shape) => Some(*shape),
@@ -78,14 +78,14 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The signed distance; `None` if it is more than `within`.
+/// The signed distance; `None` if it is more than `max_distance`.
 pub(super) fn gap(
-    a: &Parts<'_>,
-    b: &Parts<'_>,
+    a: &ConvexParts<'_>,
+    b: &ConvexParts<'_>,
     a_from_b: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Gap> {
-    let mut best = surfaces(a, b, a_from_b, within);
+    let mut best = surface_gap(a, b, a_from_b, max_distance);
     let b_from_a = a_from_b.inverse();
     let deepest = [
         enclosed(a, b, a_from_b),
@@ -100,22 +100,22 @@ pub(super) fn gap(
 }
 
 /// The gap of a part of B inside A, with the depth of the part's middle.
-fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<Gap> {
-    let hollow = a.hollow()?;
+fn enclosed(a: &ConvexParts<'_>, b: &ConvexParts<'_>, a_from_b: &Placement<f64>) -> Option<Gap> {
+    let enclosing_shape = a.enclosing_shape()?;
     let at = |b: Vector3<f64>| {
-        let place = a_from_b.apply(b);
-        (place, hollow.signed_distance(place))
+        let point = a_from_b.apply(b);
+        (point, enclosing_shape.signed_distance(point))
     };
-    let (place, distance) = match b {
-        Parts::Cloud(cloud) => {
+    let (point, distance) = match b {
+        ConvexParts::Cloud(cloud) => {
             let mut deepest = (Vector3::zero(), 0.0);
             cloud.tree().nearest(
                 0.0,
                 |bounds| at(bounds.centre()).1 - bounds.half_diagonal(),
                 |point, _| {
-                    let found = at(cloud.positions()[point as usize]);
-                    if found.1 < deepest.1 {
-                        deepest = found;
+                    let point_and_distance = at(cloud.positions()[point as usize]);
+                    if point_and_distance.1 < deepest.1 {
+                        deepest = point_and_distance;
                     }
                     deepest.1
                 },
@@ -127,8 +127,8 @@ fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<G
     if distance >= 0.0 {
         return None;
     }
-    let nearest = hollow.nearest(place).1;
-    let normal = (nearest - place) * distance.recip().abs();
+    let nearest = enclosing_shape.nearest(point).1;
+    let normal = (nearest - point) * distance.recip().abs();
     let distance = distance - b.radius();
     Some(Gap {
         distance,
@@ -139,29 +139,34 @@ fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<G
 }
 
 /// The smallest distance of a part of A and a part of B.
-fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64) -> Option<Gap> {
+fn surface_gap(
+    a: &ConvexParts<'_>,
+    b: &ConvexParts<'_>,
+    a_from_b: &Placement<f64>,
+    max_distance: f64,
+) -> Option<Gap> {
     let radii = (a.radius(), b.radius());
-    let least = |node_a: u32, node_b: u32| {
+    let lower_bound = |node_a: u32, node_b: u32| {
         let bounds = (a.node_bounds(node_a), b.node_bounds(node_b));
-        boxes_apart(&bounds.0, &bounds.1, a_from_b) - radii.0 - radii.1
+        box_distance(&bounds.0, &bounds.1, a_from_b) - radii.0 - radii.1
     };
     let mut best: Option<Gap> = None;
-    let mut limit = within;
-    let mut stack = vec![(0, 0, least(0, 0))];
-    while let Some((node_a, node_b, least_here)) = stack.pop() {
-        if least_here > limit || (best.is_some() && least_here >= limit) {
+    let mut limit = max_distance;
+    let mut stack = vec![(0, 0, lower_bound(0, 0))];
+    while let Some((node_a, node_b, bound)) = stack.pop() {
+        if bound > limit || (best.is_some() && bound >= limit) {
             continue;
         }
         let contents = (
             a.tree().map(|tree| tree.contents(node_a)),
             b.tree().map(|tree| tree.contents(node_b)),
         );
-        let larger_a = || {
+        let a_is_larger = || {
             let size = |bounds: BoundingBox| bounds.half_diagonal();
             size(a.node_bounds(node_a)) >= size(b.node_bounds(node_b))
         };
         let pairs = match contents {
-            (Some(Contents::Nodes(children)), Some(Contents::Nodes(_))) if larger_a() => {
+            (Some(Contents::Nodes(children)), Some(Contents::Nodes(_))) if a_is_larger() => {
                 children.map(|child| (child, node_b))
             }
             (_, Some(Contents::Nodes(children))) => children.map(|child| (node_a, child)),
@@ -179,8 +184,8 @@ fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64
                         b: b.part(j as usize),
                         a_from_b: *a_from_b,
                     };
-                    let found = convex::gap(&pair, radii.0, radii.1, limit);
-                    if let Some(gap) = found.filter(|gap| gap.distance <= limit) {
+                    let part_gap = convex::gap(&pair, radii.0, radii.1, limit);
+                    if let Some(gap) = part_gap.filter(|gap| gap.distance <= limit) {
                         limit = gap.distance;
                         best = Some(gap);
                     }
@@ -188,12 +193,12 @@ fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64
                 continue;
             }
         };
-        let [near, far] = pairs.map(|(i, j)| (i, j, least(i, j)));
+        let [nearer, farther] = pairs.map(|(i, j)| (i, j, lower_bound(i, j)));
         // The nearer pair is on top of the stack.
-        stack.extend(if near.2 <= far.2 {
-            [far, near]
+        stack.extend(if nearer.2 <= farther.2 {
+            [farther, nearer]
         } else {
-            [near, far]
+            [nearer, farther]
         });
     }
     best
@@ -209,11 +214,11 @@ fn items<'t>(contents: &'t Option<Contents<'t>>) -> &'t [u32] {
 /// Lower bound of the distance of two boxes, by separating axes; negative if they may overlap.
 ///
 /// The penetration depth of any two parts in the boxes is at most its absolute value.
-fn boxes_apart(a: &BoundingBox, b: &BoundingBox, a_from_b: &Placement<f64>) -> f64 {
+fn box_distance(a: &BoundingBox, b: &BoundingBox, a_from_b: &Placement<f64>) -> f64 {
     let (half_a, half_b) = ((a.max - a.min) * 0.5, (b.max - b.min) * 0.5);
     let offset = a_from_b.apply(b.centre()) - a.centre();
     let rotation = &a_from_b.rotation;
-    let along = |axis: Vector3<f64>| {
+    let distance_along = |axis: Vector3<f64>| {
         let in_b = rotation.transpose_mul(axis);
         let reach = |v: Vector3<f64>, half: Vector3<f64>| {
             v.x.abs() * half.x + v.y.abs() * half.y + v.z.abs() * half.z
@@ -222,5 +227,5 @@ fn boxes_apart(a: &BoundingBox, b: &BoundingBox, a_from_b: &Placement<f64>) -> f
     };
     let axes = Vector3::UNITS.into_iter();
     let axes = axes.chain([rotation.x, rotation.y, rotation.z]);
-    axes.map(along).fold(f64::NEG_INFINITY, f64::max)
+    axes.map(distance_along).fold(f64::NEG_INFINITY, f64::max)
 }
