@@ -121,7 +121,7 @@ impl Branch {
     ) -> f64 {
         let x = std::mem::take(&mut workspace.x);
         workspace.compute_twists(arm, &x);
-        self.aim_at_nominal_posture(arm, workspace, &x, max_joint_motion, fraction, None);
+        self.compute_null_space_step(arm, workspace, &x, max_joint_motion, fraction, None);
         workspace.x = x;
         workspace.apply_projected();
         let motion = workspace.projected.iter();
@@ -134,7 +134,7 @@ impl Branch {
     /// joint.
     ///
     /// The workspace must hold the Jacobian at x; `factor` is its factorisation, if known.
-    pub(super) fn aim_at_nominal_posture(
+    pub(super) fn compute_null_space_step(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
@@ -154,7 +154,7 @@ impl Branch {
             stiffness: STIFFNESS_DECAY * self.stiffness,
             factor,
         };
-        let (moves, stiffness) = workspace.aim_at_nominal_posture(arm, x, &step);
+        let (moves, stiffness) = workspace.compute_null_space_step(arm, x, &step);
         self.is_off_posture &= moves;
         self.stiffness = stiffness;
         self.last_slope.copy_from_slice(&workspace.slope);

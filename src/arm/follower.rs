@@ -15,7 +15,7 @@ use crate::solver::Termination;
 use crate::spatial::Placement;
 
 /// Fraction of the last motion with which a step begins; below 1, so that null-space motion decays.
-const MOMENTUM: f64 = 0.8;
+const EXTRAPOLATION_FACTOR: f64 = 0.8;
 /// Distance between successive targets beyond which small steps are made, radians.
 const MAX_TARGET_DISTANCE: f64 = 0.05;
 /// Longest path step that counts towards the attraction of another path, radians.
@@ -311,7 +311,7 @@ impl Follower<'_> {
         };
         let distance = self.arm.pose_distance(target, last);
         let fraction = if self.target_step > 0.0 {
-            MOMENTUM * (distance / self.target_step).min(1.0)
+            EXTRAPOLATION_FACTOR * (distance / self.target_step).min(1.0)
         } else {
             0.0
         };
@@ -361,7 +361,7 @@ impl Follower<'_> {
             for (motion, null_space_motion) in motion.iter_mut().zip(&workspace.projected) {
                 *motion -= null_space_motion;
             }
-            branch.aim_at_nominal_posture(
+            branch.compute_null_space_step(
                 arm,
                 workspace,
                 q,

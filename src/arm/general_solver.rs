@@ -55,7 +55,7 @@ impl Arm {
         query: &Query<'_>,
         attempts: usize,
     ) -> SearchResult {
-        let mut result = self.restart(workspace, query, attempts.min(START_ATTEMPTS));
+        let mut result = self.run_restarts(workspace, query, attempts.min(START_ATTEMPTS));
         // If motions are bounded, sampled configurations are far outside the bounds.
         let uses_table = self.options.max_move.is_none();
         for from_table in [true, false] {
@@ -68,7 +68,7 @@ impl Arm {
                 true => {
                     self.run_table_attempts(workspace, query, remaining.min(MAX_TABLE_ATTEMPTS))
                 }
-                false => self.restart(workspace, query, remaining),
+                false => self.run_restarts(workspace, query, remaining),
             };
             if !result.merge_later(&later) {
                 workspace.x.copy_from_slice(&workspace.best);
@@ -141,7 +141,7 @@ impl Arm {
     /// Makes attempts from the workspace's start, from perturbations of it and from random configurations.
     ///
     /// The best is in the workspace's x.
-    fn restart(
+    fn run_restarts(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,

@@ -123,7 +123,7 @@ impl ArmWorkspace {
     ///
     /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::compute_twists). Returns
     /// true if there is any motion, and the smallest stiffness for the next step.
-    pub(super) fn aim_at_nominal_posture(
+    pub(super) fn compute_null_space_step(
         &mut self,
         arm: &Arm,
         x: &[f64],

@@ -13,7 +13,7 @@ use crate::solver::Termination;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
 /// Largest number of fractions of the motion to the target that are tried.
-const FRACTIONS: usize = 64;
+const MAX_FRACTIONS: usize = 64;
 /// Smallest fraction.
 const MIN_FRACTION: f64 = 1.0 / 128.0;
 /// Longest joint motion of a step by local descent, radians.
@@ -147,7 +147,7 @@ impl Arm {
             Quaternion::from_matrix(&(origin.rotation.transpose() * target.rotation)).log();
         let translation = target.translation - origin.translation;
         let (mut done_fraction, mut fraction, mut iterations) = (0.0_f64, 0.5, 0);
-        for _ in 0..FRACTIONS {
+        for _ in 0..MAX_FRACTIONS {
             let target_fraction = (done_fraction + fraction).min(1.0);
             let pose = if target_fraction < 1.0 {
                 Placement::new(

@@ -13,7 +13,7 @@ use super::workspace::{ArmWorkspace, Errors};
 use crate::clock::{Instant, is_past};
 
 /// Largest number of steps towards the wanted configuration.
-const STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 /// Largest number of halvings of a step that does not come nearer.
 const HALVINGS: usize = 5;
 /// Largest number of corrections to the pose after a step.
@@ -34,7 +34,7 @@ impl Arm {
         deadline: Option<Instant>,
     ) {
         let mut distance = self.distance(&workspace.x, posture);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             if is_past(deadline) {
                 return;
             }

@@ -36,7 +36,7 @@ impl Arm {
     pub fn with_tool(&self, tip_from_tool: impl Into<Placement<f64>>) -> Result<Self, ArmError> {
         let tip_from_tool = tip_from_tool.into();
         check_tool(&tip_from_tool)?;
-        self.with(self.serial.with_tool(tip_from_tool)?, self.options.clone())
+        self.with_chain(self.serial.with_tool(tip_from_tool)?, self.options.clone())
     }
 
     /// The same arm with another goal, which shares the seed atlas as [`with_tool`](Self::with_tool) does.
@@ -47,7 +47,7 @@ impl Arm {
         check_goal(&goal)?;
         let mut options = self.options.clone();
         options.goal = goal;
-        self.with(self.serial.clone(), options)
+        self.with_chain(self.serial.clone(), options)
     }
 
     /// The same arm with another search, which shares the seed atlas.
@@ -60,10 +60,10 @@ impl Arm {
         let mut options = self.options.clone();
         options.search = search;
         options.check(&self.joints().collect::<Vec<_>>())?;
-        self.with(self.serial.clone(), options)
+        self.with_chain(self.serial.clone(), options)
     }
 
-    fn with(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
+    fn with_chain(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
         options.weigh_radians(serial.model.reach());
         let simd_solver = self.simd_solver_for(&serial, &options)?;
         let changed = self.changed(serial, options, simd_solver)?;

@@ -88,7 +88,7 @@ pub(crate) fn run(
             Trial::Quick(index) | Trial::Full(index) => {
                 if index == 1 {
                     limbs.begin(instance, subset);
-                    limbs.take(instance, subset, (&keeper.x, &keeper.residual));
+                    limbs.record_solved(instance, subset, (&keeper.x, &keeper.residual));
                     let residual = engine.residual_at_start(start);
                     instance.problem.mark_local(subset, residual, local);
                 }
@@ -97,18 +97,18 @@ pub(crate) fn run(
                     restarts.start_of(index, start, local, instance, x);
                 }
                 if index > 0 {
-                    limbs.keep(x);
+                    limbs.write_solved(x);
                 }
             }
             _ => x.copy_from_slice(keeper.start_of(trial)),
         }
         let attempt = engine.attempt(x, &schedule.stopping(trial));
-        keeper.take(trial, &attempt, engine.end(), schedule);
+        keeper.record(trial, &attempt, engine.end(), schedule);
         if keeper.result.attempts > 1 {
-            limbs.take(instance, subset, engine.end());
+            limbs.record_solved(instance, subset, engine.end());
         }
         if schedule.hops() {
-            hops.take(&attempt, engine.end().0);
+            hops.record(&attempt, engine.end().0);
         }
         let was_cut = attempt.termination.is_cut();
         if was_cut && !attempt.reached {

@@ -66,7 +66,7 @@ impl Hops {
     }
 
     /// Takes the end of an attempt.
-    pub(super) fn take(&mut self, attempt: &Attempt, x: &[f64]) {
+    pub(super) fn record(&mut self, attempt: &Attempt, x: &[f64]) {
         match attempt.cost < self.cost {
             true => {
                 self.x.copy_from_slice(x);

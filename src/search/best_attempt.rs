@@ -87,7 +87,7 @@ impl Keeper {
     }
 
     /// Takes the result of a trial. Of equal results the earliest is kept, as it is the nearest to the caller's start.
-    pub(super) fn take(
+    pub(super) fn record(
         &mut self,
         trial: Trial,
         attempt: &Attempt,

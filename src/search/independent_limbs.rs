@@ -51,7 +51,7 @@ impl IndependentLimbs {
     }
 
     /// Stores the solutions of the limbs that an attempt solved. It ended at `x` with this residual of the task subset.
-    pub(super) fn take(
+    pub(super) fn record_solved(
         &mut self,
         instance: ProblemInstance<'_>,
         subset: TaskSubset,
@@ -78,7 +78,7 @@ impl IndependentLimbs {
     }
 
     /// Writes the solutions of solved limbs into a start.
-    pub(super) fn keep(&self, x: &mut [f64]) {
+    pub(super) fn write_solved(&self, x: &mut [f64]) {
         if !self.several {
             return;
         }

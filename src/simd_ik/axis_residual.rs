@@ -45,8 +45,8 @@ pub(crate) fn weigh<V: LaneScalar>(
     let r_residual = product(r_out, r_weight);
     WeightedResidual {
         twice_cost: p_residual.norm_squared() + r_residual.norm_squared(),
-        position: counted(p_out, axes.position_weights).norm_squared(),
-        orientation: counted(r_out, axes.orientation_weights).norm_squared(),
+        position: weighted_components(p_out, axes.position_weights).norm_squared(),
+        orientation: weighted_components(r_out, axes.orientation_weights).norm_squared(),
         gradient: (p_residual, r_residual),
         twist: (p_residual, r_residual),
     }
@@ -62,9 +62,11 @@ pub(crate) fn errors<S: LaneScalar>(
     let turn = Quaternion::from_matrix(rotation).v * S::constant(2.0);
     let (p, _) = band(position, axes.position_half_widths);
     let (r, _) = band(turn, axes.orientation_half_widths);
-    let chord = counted(r, axes.orientation_weights).norm().lane(0);
+    let chord = weighted_components(r, axes.orientation_weights)
+        .norm()
+        .lane(0);
     Errors {
-        position: counted(p, axes.position_weights).norm().lane(0),
+        position: weighted_components(p, axes.position_weights).norm().lane(0),
         orientation: angle_of(chord),
     }
 }
@@ -72,7 +74,7 @@ pub(crate) fn errors<S: LaneScalar>(
 /// Part of `r` outside ±half width, and a gate per component: 1 outside, 0 inside.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3<S>) {
-    let one = |r: S, h: f64| {
+    let clip = |r: S, h: f64| {
         let h = S::constant(h);
         let out = r - r.max(-h).min(h);
         let inside = !(h.less_than(r.abs())) & S::zero().less_than(h);
@@ -82,9 +84,9 @@ fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3
         )
     };
     let (x, y, z) = (
-        one(r.x, half_widths[0]),
-        one(r.y, half_widths[1]),
-        one(r.z, half_widths[2]),
+        clip(r.x, half_widths[0]),
+        clip(r.y, half_widths[1]),
+        clip(r.z, half_widths[2]),
     );
     (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
 }
@@ -96,7 +98,7 @@ fn product<S: Scalar>(a: Vector3<S>, b: Vector3<S>) -> Vector3<S> {
 
 /// Components whose weight is not zero; zero for the rest.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn counted<S: Scalar>(v: Vector3<S>, weights: [f64; 3]) -> Vector3<S> {
+fn weighted_components<S: Scalar>(v: Vector3<S>, weights: [f64; 3]) -> Vector3<S> {
     let gate = |v: S, w: f64| if w > 0.0 { v } else { S::zero() };
     Vector3::new(
         gate(v.x, weights[0]),

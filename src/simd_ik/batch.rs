@@ -173,7 +173,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     fn begin_attempt(&mut self, lane: usize) {
         if self.jobs[lane].is_none() {
             self.jobs[lane] = self.take_job();
-            self.seeds[lane].forget();
+            self.seeds[lane].reset();
         }
         let Some(job) = &self.jobs[lane] else {
             self.active &= !(1 << lane);

@@ -7,7 +7,7 @@ use super::trigonometry::MAX_ANGLE;
 
 /// Removes whole revolutions from a start that is too large for exact sines, down to within half a revolution of zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn reduced(start: f64) -> f64 {
+pub(crate) fn reduced_angle(start: f64) -> f64 {
     if start.abs() > MAX_ANGLE - TAU {
         start - TAU * (start / TAU).round()
     } else {
@@ -25,7 +25,7 @@ pub(crate) fn nearest_revolution(start: f64, value: f64, (lower, upper): (f64, f
     }
     let lowest = ((lower - value) / TAU).ceil();
     let highest = ((upper - value) / TAU).floor();
-    let revolutions = ((reduced(start) - value) / TAU)
+    let revolutions = ((reduced_angle(start) - value) / TAU)
         .round()
         .min(highest)
         .max(lowest);

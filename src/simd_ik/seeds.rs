@@ -8,12 +8,12 @@ use super::links::{Link, Links};
 use super::options::Prefer;
 use super::prepared::Prepared;
 use super::query::Query;
-use super::revolutions::reduced;
+use super::revolutions::reduced_angle;
 use crate::random::mix;
 use crate::spatial::Placement;
 
 /// Largest angle that is used as it is, radians; larger ones lose digits.
-const LARGE_ANGLE: f64 = 1.0e3;
+const MAX_UNREDUCED_ANGLE: f64 = 1.0e3;
 
 /// Initial configurations of one query by attempt number: the start, those of the atlas, then random ones.
 ///
@@ -34,7 +34,7 @@ impl QuerySeeds {
 
     /// Resets the atlas's configurations for another query.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.looked_up = false;
     }
 
@@ -116,7 +116,7 @@ impl QuerySeeds {
 fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
     match link.kind.slides() {
         true => start * links.lengths_per_metre,
-        false => reduced(start),
+        false => reduced_angle(start),
     }
 }
 
@@ -126,7 +126,7 @@ pub(super) fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
     for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(start) {
         *q = start_value(links, link, start);
         *q = q.max(link.lower).min(link.upper);
-        if link.kind.turns() && q.abs() > LARGE_ANGLE {
+        if link.kind.turns() && q.abs() > MAX_UNREDUCED_ANGLE {
             let wrapped = *q - TAU * (*q / TAU).round();
             *q = wrapped.max(link.lower).min(link.upper);
         }

@@ -44,7 +44,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
             break;
         }
         let ended = (stages.step)(race.group, &prepared.links, &prepared.settings);
-        race.note_start_cost();
+        race.record_start_cost();
         let failed = race.count_step(&ended);
         let near_goal = (ended.reached | ended.closing) & race.active;
         let mut finished = near_goal | failed;
@@ -52,7 +52,8 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
             let lane = finished.trailing_zeros() as usize;
             let bit = 1 << lane;
             finished &= finished - 1;
-            let won = near_goal & bit != 0 && race.may_win(lane) && race.wins(lane, &ended);
+            let won =
+                near_goal & bit != 0 && race.may_win(lane) && race.becomes_winner(lane, &ended);
             if won || failed & bit != 0 {
                 race.active &= !bit;
             }
@@ -226,7 +227,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
 
     /// Checks the point of a lane that is close to the goal. Makes it the winner and returns true if it reaches.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn wins(&mut self, lane: usize, ended: &EndMasks) -> bool {
+    fn becomes_winner(&mut self, lane: usize, ended: &EndMasks) -> bool {
         let q = &mut self.q[..self.prepared.links.links.len()];
         if ended.reached >> lane & 1 != 0 {
             self.group.point(lane, q);
@@ -248,7 +249,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
 
     /// After the first step, records whether the target is near the start.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn note_start_cost(&mut self) {
+    fn record_start_cost(&mut self) {
         if self.before_first_step {
             self.before_first_step = false;
             // The first attempt runs in lane 0; after one step its accepted point is still the start.

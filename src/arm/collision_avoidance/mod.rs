@@ -489,7 +489,7 @@ impl SimdChecks {
             solids: Solids::new(
                 solids,
                 &bodies,
-                passed(spheres, checker),
+                allowed_collisions(spheres, checker),
                 checker.margin() + SLACK,
             ),
             bodies: Arc::new(bodies),
@@ -502,7 +502,7 @@ impl SimdChecks {
         if after.world().attached().next().is_some() {
             return None;
         }
-        let passed = passed(after.spheres()?, after);
+        let allowed_collisions = allowed_collisions(after.spheres()?, after);
         let changes = before.world().changes(after.world());
         let moved = changes.iter().map(|change| SolidMoved {
             number: change.number,
@@ -511,7 +511,9 @@ impl SimdChecks {
         });
         let moved: Vec<SolidMoved<'_>> = moved.collect();
         Some(Self {
-            solids: self.solids.changed(&moved, &self.bodies, &passed)?,
+            solids: self
+                .solids
+                .changed(&moved, &self.bodies, &allowed_collisions)?,
             bodies: Arc::clone(&self.bodies),
             base_from_world: self.base_from_world,
         })
@@ -519,7 +521,7 @@ impl SimdChecks {
 }
 
 /// Allowed collisions of the bodies of a sphere model.
-fn passed(spheres: &SphereModel, checker: &Checker) -> Passed {
+fn allowed_collisions(spheres: &SphereModel, checker: &Checker) -> Passed {
     let groups = spheres.groups().iter();
     Passed::new(groups.map(|group| checker.passes_of(group.link)))
 }

@@ -35,7 +35,7 @@ impl Atlas {
             let sum = 0.5 * (link.lower + link.upper);
             if sum.is_finite() { sum } else { 0.0 }
         };
-        let (lead, lead_point) = leading(&links.links);
+        let (lead, lead_point) = leading_joint(&links.links);
         let cells = resolution.radius * resolution.height * resolution.direction.pow(2);
         let rows_per_cell = n + 5 + 4 * n;
         let mut atlas = Self {
@@ -209,7 +209,7 @@ impl Atlas {
 }
 
 /// Index of the leading joint, whose symmetry reduces goals, and a point of its axis in the first joint's frame.
-fn leading(links: &[Link]) -> (usize, Vector3<f64>) {
+fn leading_joint(links: &[Link]) -> (usize, Vector3<f64>) {
     let (first, second) = (&links[0], &links[1]);
     let share_axis = first.twist.0.abs() < 1e-9 && first.twist.1 > 0.0;
     let length = |link: &Link| elementary::hypot(link.along_x, link.along_y);
@@ -239,15 +239,15 @@ fn forward(
         let (link, q) = (&links.links[i], q[i]);
         joints[i] = (r.z, p);
         if link.kind.turns() {
-            turn(&mut r.x, &mut r.y, elementary::sin_cos(q + link.offset));
+            rotate_columns(&mut r.x, &mut r.y, elementary::sin_cos(q + link.offset));
         } else {
             add_scaled(&mut p, &r.z, q);
-            turn(&mut r.x, &mut r.y, link.offset_sin_cos);
+            rotate_columns(&mut r.x, &mut r.y, link.offset_sin_cos);
         }
         if i < last {
             add_scaled(&mut p, &r.x, link.along_x);
             add_scaled(&mut p, &r.y, link.along_y);
-            turn(&mut r.y, &mut r.z, link.twist);
+            rotate_columns(&mut r.y, &mut r.z, link.twist);
         }
         i += 1;
     }
@@ -257,7 +257,7 @@ fn forward(
 /// Rotates two columns of a rotation matrix about the third, in place.
 ///
 /// Operators on vectors and matrices are calls and copies in a debug build.
-fn turn(a: &mut Vector3<f64>, b: &mut Vector3<f64>, (sin, cos): (f64, f64)) {
+fn rotate_columns(a: &mut Vector3<f64>, b: &mut Vector3<f64>, (sin, cos): (f64, f64)) {
     (a.x, b.x) = (a.x * cos + b.x * sin, b.x * cos - a.x * sin);
     (a.y, b.y) = (a.y * cos + b.y * sin, b.y * cos - a.y * sin);
     (a.z, b.z) = (a.z * cos + b.z * sin, b.z * cos - a.z * sin);
