@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3A, Vec4};
 
 use super::BoneMask;
-use super::mask::within;
+use super::mask::clamp_to_unit;
 use super::slerp_weights::slerp_weights;
 use crate::animation::{Pose, SizeMismatch};
 

@@ -181,7 +181,7 @@ impl<'a> Build<'a> {
             }
             let coupling: Result<Coupling, _> = equality::coupling(equality, &self.names);
             let result = coupling.and_then(|coupling| {
-                equality::take(equality, coupling, &mut mimics, &mut self.builder)
+                equality::add_coupling(equality, coupling, &mut mimics, &mut self.builder)
             });
             match result {
                 Err(RobotFileError::Element {
