@@ -45,12 +45,12 @@ impl Easing {
 
     /// Returns the curve parameter and its first three derivatives by σ.
     pub(super) fn derivatives(&self, parameter: f64) -> [f64; 4] {
-        let left = self.end() - parameter;
+        let remaining = self.end() - parameter;
         if parameter < self.ramp {
             let [s, first, second, third] = self.in_ramp(parameter);
             [self.start + s, first, second, third]
-        } else if left < self.ramp {
-            let [s, first, second, third] = self.in_ramp(left);
+        } else if remaining < self.ramp {
+            let [s, first, second, third] = self.in_ramp(remaining);
             [self.start + self.length - s, first, -second, third]
         } else {
             [self.start + parameter - 0.5 * self.ramp, 1.0, 0.0, 0.0]
@@ -88,11 +88,11 @@ impl Easing {
             let mut parameter = self.ramp;
             for _ in 0..MAX_STEPS {
                 let [value, slope, ..] = self.in_ramp(parameter);
-                let by = (value - near) / slope;
-                if !by.is_finite() || by <= 1e-16 * self.ramp {
+                let correction = (value - near) / slope;
+                if !correction.is_finite() || correction <= 1e-16 * self.ramp {
                     break;
                 }
-                parameter -= by;
+                parameter -= correction;
             }
             parameter.max(0.0)
         };

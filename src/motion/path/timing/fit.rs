@@ -5,7 +5,7 @@
 //! [`KNOT_TURN`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows
 //! are all knots.
 
-use super::corners::{MIN_REACH, Rows};
+use super::corners::{MIN_TANGENT_DISTANCE, Rows};
 use super::cubic_curve::CubicCurve;
 
 /// Largest distance of a joint from a row that is not a knot, radians or metres.
@@ -50,15 +50,18 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     for row in 1..last {
         let distance = lengths[row] - lengths[knot];
         if distance >= KNOT_DISTANCE
-            || (distance >= MIN_REACH && rows.turn_between(knot, row) > KNOT_TURN)
+            || (distance >= MIN_TANGENT_DISTANCE && rows.turn_between(knot, row) > KNOT_TURN)
         {
             knots.push(row);
             knot = row;
         }
     }
     // Avoids a short last piece.
-    let left = lengths[last] - lengths[knot];
-    if knots.len() > 1 && left < 0.5 * KNOT_DISTANCE && rows.turn_between(knot, last) < KNOT_TURN {
+    let remaining = lengths[last] - lengths[knot];
+    if knots.len() > 1
+        && remaining < 0.5 * KNOT_DISTANCE
+        && rows.turn_between(knot, last) < KNOT_TURN
+    {
         knots.pop();
     }
     knots.push(last);
@@ -73,13 +76,13 @@ fn rows_off_curve(rows: Rows<'_>, knots: &[usize], curve: &CubicCurve) -> Vec<us
         let mut farthest = (ROW_TOLERANCE, None);
         for row in pair[0] + 1..pair[1] {
             let jets = curve.jets(piece, lengths[row]);
-            let off = jets
+            let distance = jets
                 .zip(rows.rows[row])
                 .map(|(jet, q)| (jet.value - q).abs());
-            let off = off.fold(0.0, f64::max);
+            let distance = distance.fold(0.0, f64::max);
             let nearest = (lengths[row] - lengths[pair[0]]).min(lengths[pair[1]] - lengths[row]);
-            if off > farthest.0 && nearest >= MIN_KNOT_DISTANCE {
-                farthest = (off, Some(row));
+            if distance > farthest.0 && nearest >= MIN_KNOT_DISTANCE {
+                farthest = (distance, Some(row));
             }
         }
         added.extend(farthest.1);

@@ -31,7 +31,7 @@ impl Grid {
         for (piece, pair) in curve.knots.windows(2).enumerate() {
             let length = pair[1] - pair[0];
             let bend = [piece, piece + 1].map(|knot| {
-                let row = &curve.bends[knot * n..(knot + 1) * n];
+                let row = &curve.second_derivatives[knot * n..(knot + 1) * n];
                 row.iter().map(|bend| bend * bend).sum::<f64>().sqrt()
             });
             let turn = length * bend[0].max(bend[1]);
@@ -67,7 +67,7 @@ impl Grid {
 
     /// First and second derivatives of a joint at a point.
     pub(super) fn derivatives(&self, point: usize, joint: usize) -> (f64, f64) {
-        let at = point * self.joints + joint;
-        (self.first[at], self.second[at])
+        let index = point * self.joints + joint;
+        (self.first[index], self.second[index])
     }
 }
