@@ -13,7 +13,7 @@ use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
 use crate::animation::{Armature, ChannelError, Clip};
 use crate::motion::ContactDetection;
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 
@@ -287,7 +287,7 @@ impl<'a> ClipIk<'a> {
         let gone: f64 = way.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
         let mean = gone * rate / way.len().saturating_sub(1).max(1) as f64;
         self.detection.unwrap_or(ContactDetection {
-            speed: (usual.speed * length / USUAL_LEG_M).max(SLOW * mean),
+            speed: (usual.speed * length / NOMINAL_LEG_LENGTH_M).max(SLOW * mean),
             height: RAISED * length,
             ..usual
         })

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::motion::ContactDetection;
-use crate::motion::contact_detection::{mean_place, smooth};
+use crate::motion::contact_detection::{mean_position, smooth};
 use crate::spatial::Vector3;
 
 /// Height of the ground at a position, relative to the ground of the clip.
@@ -56,7 +56,7 @@ pub(super) fn plant(
     let stands: Vec<(Vector3<f64>, f64)> = spans
         .iter()
         .map(|span| {
-            let place = mean_place(&way[span.clone()]);
+            let place = mean_position(&way[span.clone()]);
             (place, height(place))
         })
         .collect();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::limbs::Limbs;
 use crate::motion::ContactDetection;
-use crate::motion::contact_detection::{mean_place, smooth};
+use crate::motion::contact_detection::{mean_position, smooth};
 use crate::spatial::Vector3;
 
 /// Height below which a contact is moved onto the ground, metres.
@@ -41,7 +41,7 @@ impl ContactDetection {
                 targets[frame * n + limb] = lift(*at);
             }
             for (k, span) in spans.iter().enumerate() {
-                let mut place = lift(mean_place(&way[span.clone()]));
+                let mut place = lift(mean_position(&way[span.clone()]));
                 if place.z - own.clearance < ON_GROUND {
                     place.z = own.clearance;
                 }

@@ -123,11 +123,11 @@ impl BodyFollower {
             .iter()
             .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
         let moves = step_limits(&problem, &speeds, 1.0 / asked.frame_rate)?;
-        if let Some(joint) = moves.first_together(&problem) {
+        if let Some(joint) = moves.first_length_limit(&problem) {
             return Err(RetargetError::Motion(MotionError::SpeedOfBall { joint }));
         }
         Ok(Self {
-            most: moves.most,
+            most: moves.max_step,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             targets: problem.targets(),

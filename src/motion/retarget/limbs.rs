@@ -8,7 +8,7 @@ use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model, UnknownName};
-use crate::motion::contact_detection::mean_place;
+use crate::motion::contact_detection::mean_position;
 use crate::spatial::{Placement, Vector3};
 
 /// Limb length, relative to the body, below which a limb counts as missing and is not scaled.
@@ -123,7 +123,7 @@ impl Limbs {
         let feet = all.iter().zip(&stood).filter(|(limb, _)| limb.stands);
         let feet: Vec<_> = feet.map(|(_, at)| *at).collect();
         let above = match (stood.first(), feet.len()) {
-            (Some(root), 1..) => *root - mean_place(&feet),
+            (Some(root), 1..) => *root - mean_position(&feet),
             _ => Vector3::zero(),
         };
         let tops = in_legs.iter().filter(|&&limb| {

@@ -18,7 +18,7 @@ use super::{
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::motion::trajectory::{MotionError, Windows};
 use crate::problem::CollisionAvoidance;
 use crate::robot::Robot;
@@ -137,7 +137,7 @@ impl<'r> Retargeting<'r> {
             options.contacts.height *= unit.scale();
         }
         if limbs.leg > 0.0 {
-            options.contacts.speed *= limbs.leg / USUAL_LEG_M;
+            options.contacts.speed *= limbs.leg / NOMINAL_LEG_LENGTH_M;
         }
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
         let mut places = Vec::new();

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use super::limbs::Limbs;
 use super::{BodyMap, FootShapes, RetargetError};
 use crate::model::{LengthUnit, Model};
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -23,7 +23,7 @@ impl Unit {
     /// Returns the ratio for a model with these limbs.
     pub(super) fn of(model: &Model, limbs: &Limbs) -> Self {
         let [own, solved] = match limbs.leg > 0.0 {
-            true => [limbs.leg, USUAL_LEG_M],
+            true => [limbs.leg, NOMINAL_LEG_LENGTH_M],
             false => [model.reach(), 1.0],
         };
         match model.length_unit() {
