@@ -4,16 +4,16 @@ use glam::{DVec3, Quat, Vec3A};
 
 use super::ClipIkError;
 use super::frame_solver::FrameSolver;
-use super::plan::{Moment, Plan};
+use super::plan::{Plan, SampleTime};
 use super::posed_bones::PosedBones;
-use super::sampling::{LimbWay, Poses};
+use super::sampling::{LimbMotion, Poses};
 use super::splice::NewKeys;
 use crate::animation::Clip;
 use crate::skeleton::BoneId;
 
 /// Result at one sample time.
-struct SolvedMoment {
-    moment: Moment,
+struct SolvedSample {
+    sample: SampleTime,
     /// Rotations of the bones that rotate.
     rotations: Vec<Quat>,
     /// Translation of the root, if there is one.
@@ -24,21 +24,25 @@ struct SolvedMoment {
 }
 
 /// Solved sample times of a clip, in order.
-pub(super) struct SolvedMoments<'a> {
+pub(super) struct SolvedSamples<'a> {
     plan: &'a Plan<'a>,
     clip: &'a Clip,
     solver: FrameSolver,
-    turning: Vec<BoneId>,
-    all: Vec<SolvedMoment>,
+    rotating_bones: Vec<BoneId>,
+    samples: Vec<SolvedSample>,
 }
 
-impl<'a> SolvedMoments<'a> {
-    pub(super) fn none(
+impl<'a> SolvedSamples<'a> {
+    pub(super) fn empty(
         plan: &'a Plan<'a>,
         clip: &'a Clip,
         posed: &PosedBones,
     ) -> Result<Self, ClipIkError> {
-        let longest = plan.limbs.iter().map(LimbWay::longest).fold(0.0, f64::max);
+        let max_length = plan
+            .limbs
+            .iter()
+            .map(LimbMotion::max_length)
+            .fold(0.0, f64::max);
         let effectors = plan.request.bones.iter().enumerate();
         let effectors: Vec<(BoneId, bool)> = effectors
             .map(|(k, bone)| (*bone, k < plan.feet.len()))
@@ -46,81 +50,85 @@ impl<'a> SolvedMoments<'a> {
         Ok(Self {
             plan,
             clip,
-            solver: FrameSolver::new(posed, &effectors, longest)?,
-            turning: posed.turning().collect(),
-            all: Vec::new(),
+            solver: FrameSolver::new(posed, &effectors, max_length)?,
+            rotating_bones: posed.rotating_bones().collect(),
+            samples: Vec::new(),
         })
     }
 
     /// Solves further sample times, which must increase.
     pub(super) fn add(
         &mut self,
-        moments: impl IntoIterator<Item = Moment>,
+        samples: impl IntoIterator<Item = SampleTime>,
         posed: &mut PosedBones,
     ) -> Result<(), ClipIkError> {
         let (armature, bones) = (self.plan.ik.armature, &self.plan.request.bones);
-        let mut places = vec![DVec3::ZERO; bones.len()];
+        let mut positions = vec![DVec3::ZERO; bones.len()];
         let mut poses = Poses::new(armature, self.clip);
-        for moment in moments {
-            let pose = poses.at(self.plan.time(moment))?;
-            let travelled = self.plan.travelled(moment);
-            let moved = travelled + self.plan.moved(moment);
+        for sample in samples {
+            let pose = poses.at(self.plan.time(sample))?;
+            let travelled = self.plan.travelled(sample);
+            let moved = travelled + self.plan.moved(sample);
             let root_moves = moved != DVec3::ZERO;
-            posed.take(pose);
-            let mut is_asked = root_moves;
-            for (k, place) in places.iter_mut().enumerate() {
-                let free = posed.place(bones[k]) + travelled;
-                let goal = self.plan.goal(k, moment, free);
-                is_asked |= goal.1 > 0.0;
-                *place = self.plan.place(moment, free, goal);
+            posed.store_clip_pose(pose);
+            let mut has_target = root_moves;
+            for (k, position) in positions.iter_mut().enumerate() {
+                let free = posed.effector_position(bones[k]) + travelled;
+                let goal = self.plan.goal(k, sample, free);
+                has_target |= goal.1 > 0.0;
+                *position = self.plan.commanded_position(sample, free, goal);
             }
-            if is_asked {
-                self.solver.solve((armature, posed), &places, moved, pose)?;
+            if has_target {
+                self.solver
+                    .solve((armature, posed), &positions, moved, pose)?;
                 posed.place_bones(pose);
             }
-            let misses = bones.iter().zip(&places);
+            let misses = bones.iter().zip(&positions);
             let root = self.plan.request.root;
-            self.all.push(SolvedMoment {
-                moment,
-                rotations: (self.turning.iter())
+            self.samples.push(SolvedSample {
+                sample,
+                rotations: (self.rotating_bones.iter())
                     .map(|bone| pose.rotations()[bone.index()])
                     .collect(),
                 translation: root.map(|root| pose.translations()[root.index()]),
                 root_moves,
                 misses: misses
-                    .map(|(bone, place)| posed.place(*bone).distance(*place))
+                    .map(|(bone, position)| posed.effector_position(*bone).distance(*position))
                     .collect(),
             });
         }
-        self.all.sort_by(|a, b| a.moment.total_cmp(&b.moment));
+        self.samples.sort_by(|a, b| a.sample.total_cmp(&b.sample));
         Ok(())
     }
 
-    pub(super) fn moments(&self) -> Vec<Moment> {
-        self.all.iter().map(|own| own.moment).collect()
+    pub(super) fn sample_times(&self) -> Vec<SampleTime> {
+        self.samples.iter().map(|sample| sample.sample).collect()
     }
 
     /// Returns the distance of a bone from its commanded position, by sample time.
     pub(super) fn misses(&self, bone: usize) -> impl Iterator<Item = f64> + Clone + '_ {
-        self.all.iter().map(move |own| own.misses[bone])
+        self.samples.iter().map(move |sample| sample.misses[bone])
     }
 
     /// Returns the keys at all sample times.
     pub(super) fn keys(&self) -> NewKeys {
-        let all = self.all.iter();
-        let rotations = self.turning.iter().enumerate();
+        let samples = self.samples.iter();
+        let rotations = self.rotating_bones.iter().enumerate();
         let rotations = rotations.map(|(k, bone)| {
-            let keys = all.clone().map(|own| own.rotations[k]);
+            let keys = samples.clone().map(|sample| sample.rotations[k]);
             (*bone, keys.collect())
         });
-        let moves = self.all.iter().any(|own| own.root_moves);
+        let moves = self.samples.iter().any(|sample| sample.root_moves);
         let root = self.plan.request.root.filter(|_| moves);
         let translations = root.map(|root| {
-            let keys = all.clone().filter_map(|own| own.translation);
+            let keys = samples.clone().filter_map(|sample| sample.translation);
             (root, keys.collect())
         });
         NewKeys {
-            times: all.clone().map(|own| self.plan.time(own.moment)).collect(),
+            times: samples
+                .clone()
+                .map(|sample| self.plan.time(sample.sample))
+                .collect(),
             rotations: rotations.collect(),
             translations: translations.into_iter().collect(),
         }
