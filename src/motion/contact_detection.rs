@@ -58,8 +58,8 @@ impl ContactDetection {
 
     /// Returns the capture frames in which a point is in contact, as ranges.
     ///
-    /// `positions` has the position of the point in each capture frame, metres. `height` returns its height above the ground,
-    /// metres. `rate` is in capture frames per second.
+    /// `positions` has the position of the point in each capture frame, metres. `height` returns its height above the
+    /// ground, metres. `rate` is in capture frames per second.
     pub(super) fn spans(
         &self,
         positions: &[Vector3<f64>],

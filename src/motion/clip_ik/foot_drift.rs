@@ -53,9 +53,9 @@ impl FootDrift {
         self.0[foot][from..to].iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns the sample times to add so that the drift stays within [`MAX_DRIFT_RATIO`]. The error of linear interpolation
-    /// grows with the square of the interval. Errors at the keys themselves do not count, because more keys do not
-    /// reduce them.
+    /// Returns the sample times to add so that the drift stays within [`MAX_DRIFT_RATIO`]. The error of linear
+    /// interpolation grows with the square of the interval. Errors at the keys themselves do not count, because more
+    /// keys do not reduce them.
     pub(super) fn additional_samples(
         &self,
         plan: &Plan<'_>,

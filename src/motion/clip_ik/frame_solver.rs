@@ -89,8 +89,8 @@ impl FrameSolver {
         })
     }
 
-    /// Brings the effectors to `positions`, which are in the order of the effectors, with the root displaced by `moved`.
-    /// Starts from the pose last taken by `bones` and writes the result to `pose`.
+    /// Brings the effectors to `positions`, which are in the order of the effectors, with the root displaced by
+    /// `moved`. Starts from the pose last taken by `bones` and writes the result to `pose`.
     ///
     /// Non-uniform scales shear bones that rotate below them, which no joint model represents. Such a frame is solved
     /// again from its updated joint positions until these converge.

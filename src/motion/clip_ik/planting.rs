@@ -36,8 +36,8 @@ impl PlantedFoot {
     }
 }
 
-/// Plants a foot that moves along `positions` in the clip. Its position in each contact is the mean of its positions in the
-/// clip, raised to the ground.
+/// Plants a foot that moves along `positions` in the clip. Its position in each contact is the mean of its positions in
+/// the clip, raised to the ground.
 ///
 /// Between contacts the foot blends to and from the clip over `detection.lead_s`. If the ground rises or falls, the
 /// change of height covers the whole swing. The swing is raised above edges of the ground.

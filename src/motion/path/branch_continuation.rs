@@ -110,8 +110,8 @@ impl BranchContinuation {
         Ok(())
     }
 
-    /// Continues each configuration to the next station, into `ends` and `continued`. Those in `moving` start with their
-    /// motion.
+    /// Continues each configuration to the next station, into `ends` and `continued`. Those in `moving` start with
+    /// their motion.
     fn follow(
         &mut self,
         generator: &LayerGenerator<'_>,

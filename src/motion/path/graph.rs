@@ -46,7 +46,8 @@ pub(super) struct FalseEdge {
     pub(super) to: u32,
 }
 
-/// Returns the path with the fewest reconfigurations. `weights` weigh the joints. Pairs in `excluded_edges` are not connected.
+/// Returns the path with the fewest reconfigurations. `weights` weigh the joints. Pairs in `excluded_edges` are not
+/// connected.
 pub(super) fn fewest_reconfigurations(
     generator: &LayerGenerator<'_>,
     layers: &[Layer],

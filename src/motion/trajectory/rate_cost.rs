@@ -118,7 +118,8 @@ impl CompiledRateCost {
             .sum()
     }
 
-    /// Returns the cost of the differences that begin at samples from `first` on. `differences` are the sample differences.
+    /// Returns the cost of the differences that begin at samples from `first` on. `differences` are the sample
+    /// differences.
     pub(super) fn cost(&self, differences: &[f64], first: usize) -> f64 {
         let n = self.weights.len();
         let frames = differences.len() / n + 1;

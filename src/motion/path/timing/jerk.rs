@@ -253,8 +253,8 @@ impl Cells<'_> {
         max_z
     }
 
-    /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `samples` are those of the
-    /// last check.
+    /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `samples` are those of
+    /// the last check.
     fn required_slowdown(&self, samples: &[Sample], z: &[f64]) -> f64 {
         let limits = self.limits;
         let mut max_factor = 1.0_f64;
