@@ -62,13 +62,13 @@ impl FootDrift {
         solved: &SolvedSamples<'_>,
     ) -> Vec<SampleTime> {
         let samples = solved.sample_times();
-        let misses: Vec<Vec<f64>> = (0..self.0.len())
-            .map(|foot| solved.misses(foot).collect())
+        let errors: Vec<Vec<f64>> = (0..self.0.len())
+            .map(|foot| solved.errors(foot).collect())
             .collect();
         let parts = |interval: usize| {
             let feet = self.0.iter().enumerate();
             let ratios = feet.map(|(foot, drifts)| {
-                let key_error = misses[foot][interval].max(misses[foot][interval + 1]);
+                let key_error = errors[foot][interval].max(errors[foot][interval + 1]);
                 (drifts[interval] - key_error) / (MAX_DRIFT_RATIO * plan.limbs[foot].max_length())
             });
             let max_ratio = ratios.fold(1.0, f64::max);

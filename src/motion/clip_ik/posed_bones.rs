@@ -240,7 +240,7 @@ impl PosedBones {
                 Some(parent_index) => rotations[parent_index].conjugate() * rotations[index],
                 None => rotations[index],
             };
-            let turned = relative_to_parent(&self.clip_rotations);
+            let local_rotation = relative_to_parent(&self.clip_rotations);
             let offset = match parent_index {
                 Some(parent_index) => {
                     let displacement = self.transforms[index].translation
@@ -251,7 +251,7 @@ impl PosedBones {
             };
             let mirror = self.mirror_above(armature.parent(turning_bone.bone));
             let on_parent = match (turning_bone.parent, &turning_bone.hinges) {
-                (_, None) => turned,
+                (_, None) => local_rotation,
                 (Some(_), Some(hinges)) => mirror.rotation(hinges.rest),
                 (None, Some(hinges)) => {
                     let root = self.root.map(|root| self.rotations[root.index()]);
@@ -272,12 +272,14 @@ impl PosedBones {
                     numbers.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
                 }
                 None => {
-                    let [x, y, z, w] = (turned.conjugate() * current).normalize().to_array();
+                    let [x, y, z, w] = (local_rotation.conjugate() * current)
+                        .normalize()
+                        .to_array();
                     numbers.copy_from_slice(&[w, x, y, z]);
                 }
                 Some(hinges) => {
-                    let turned = on_parent.conjugate() * current;
-                    let [first, bend, second] = bone_angles(turned, &hinges.limits);
+                    let local_rotation = on_parent.conjugate() * current;
+                    let [first, bend, second] = bone_angles(local_rotation, &hinges.limits);
                     numbers.copy_from_slice(&[second, bend, first]);
                 }
             }
@@ -290,7 +292,7 @@ impl PosedBones {
             let numbers =
                 &q[turning_bone.coordinate..turning_bone.coordinate + turning_bone.numbers()];
             let mirror = self.mirror_above(armature.parent(turning_bone.bone));
-            let turned = match (&turning_bone.hinges, numbers) {
+            let local_rotation = match (&turning_bone.hinges, numbers) {
                 (None, &[w, x, y, z]) => {
                     let clip = self.clip_locals[turning_bone.bone.index()];
                     clip * mirror.rotation(DQuat::from_xyzw(x, y, z, w))
@@ -301,7 +303,10 @@ impl PosedBones {
                 _ => continue,
             };
             // Cannot fail: the bone is in the pose, and the rotation has unit length.
-            let _ = pose.set_rotation(turning_bone.bone, turned.normalize().as_quat().normalize());
+            let _ = pose.set_rotation(
+                turning_bone.bone,
+                local_rotation.normalize().as_quat().normalize(),
+            );
         }
         if let Some(root) = self.root.filter(|_| moved != DVec3::ZERO) {
             let parent = armature.parent(root);

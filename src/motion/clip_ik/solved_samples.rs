@@ -20,7 +20,7 @@ struct SolvedSample {
     translation: Option<Vec3A>,
     root_moves: bool,
     /// Distance of each bone with a target from its commanded position.
-    misses: Vec<f64>,
+    errors: Vec<f64>,
 }
 
 /// Solved sample times of a clip, in order.
@@ -83,7 +83,7 @@ impl<'a> SolvedSamples<'a> {
                     .solve((armature, posed), &positions, moved, pose)?;
                 posed.place_bones(pose);
             }
-            let misses = bones.iter().zip(&positions);
+            let errors = bones.iter().zip(&positions);
             let root = self.plan.request.root;
             self.samples.push(SolvedSample {
                 sample,
@@ -92,7 +92,7 @@ impl<'a> SolvedSamples<'a> {
                     .collect(),
                 translation: root.map(|root| pose.translations()[root.index()]),
                 root_moves,
-                misses: misses
+                errors: errors
                     .map(|(bone, position)| posed.effector_position(*bone).distance(*position))
                     .collect(),
             });
@@ -106,8 +106,8 @@ impl<'a> SolvedSamples<'a> {
     }
 
     /// Returns the distance of a bone from its commanded position, by sample time.
-    pub(super) fn misses(&self, bone: usize) -> impl Iterator<Item = f64> + Clone + '_ {
-        self.samples.iter().map(move |sample| sample.misses[bone])
+    pub(super) fn errors(&self, bone: usize) -> impl Iterator<Item = f64> + Clone + '_ {
+        self.samples.iter().map(move |sample| sample.errors[bone])
     }
 
     /// Returns the keys at all sample times.

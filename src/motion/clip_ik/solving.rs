@@ -80,7 +80,7 @@ pub(super) fn solve(
     };
     let stances = feet.iter().enumerate().flat_map(|(k, foot)| {
         let (times, samples, drifts) = (&times, &samples, &drifts);
-        let misses: Vec<f64> = solved.misses(k).collect();
+        let errors: Vec<f64> = solved.errors(k).collect();
         foot.stances.iter().map(move |(span, position)| {
             let (first, last) = (span.start, span.end - 1);
             let index_of = |frame: usize| {
@@ -91,14 +91,14 @@ pub(super) fn solve(
                 bone: request.bones[k],
                 span: [first, last].map(|frame| f64::from(times[frame])),
                 place: dvec(*position),
-                slide: misses[from..=to].iter().copied().fold(0.0, f64::max),
+                slide: errors[from..=to].iter().copied().fold(0.0, f64::max),
                 stray: drifts.largest(k, from, to),
             }
         })
     });
     let led = request.bones.iter().enumerate().map(|(k, bone)| {
-        let misses = solved.misses(k).zip(&samples);
-        let worst = misses.max_by(|one, other| one.0.total_cmp(&other.0));
+        let errors = solved.errors(k).zip(&samples);
+        let worst = errors.max_by(|one, other| one.0.total_cmp(&other.0));
         let (miss, time) = worst.map_or((0.0, times[0]), |(miss, time)| (miss, plan.time(*time)));
         ReachResult {
             bone: *bone,

@@ -70,8 +70,12 @@ impl BranchContinuation {
         self.motions.clear();
         let first_new = layers[to].count(n);
         let (known, queries) = (&layers[to].q, &layers[from].q);
-        self.known
-            .build(known, queries, &generator.merge_distances, &generator.turns);
+        self.known.build(
+            known,
+            queries,
+            &generator.merge_distances,
+            &generator.revolutions,
+        );
         layers[to]
             .q
             .reserve(if first_new == 0 { self.ends.q.len() } else { 0 });
@@ -86,7 +90,7 @@ impl BranchContinuation {
             let to_index = match known {
                 Some(to_index) => to_index,
                 None if layers[to].count(n) < max_count => {
-                    layers[to].push_folded(q, &generator.turns);
+                    layers[to].push_folded(q, &generator.revolutions);
                     let to_index = layers[to].count(n) - 1;
                     self.known.insert(&layers[to].q[to_index * n..], to_index);
                     let origin = &self.origins[index * n..(index + 1) * n];

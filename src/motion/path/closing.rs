@@ -27,7 +27,8 @@ impl LayerGenerator<'_> {
             let before = pairs.len();
             for (end, other) in last.q.chunks_exact(n).enumerate() {
                 let same = other.iter().zip(q).enumerate().all(|(joint, (a, b))| {
-                    let difference = f64::from(a - b) - self.whole_turns(joint, f64::from(a - b));
+                    let difference =
+                        f64::from(a - b) - self.whole_revolutions(joint, f64::from(a - b));
                     difference.abs() as f32 <= self.merge_distances[joint]
                 });
                 if same {
@@ -70,13 +71,17 @@ impl LayerGenerator<'_> {
             }
         };
         let moves = begin.iter().zip(&end).enumerate();
-        let turns = moves.map(|(joint, (a, b))| self.whole_turns(joint, b - a));
-        let end = start.iter().zip(turns).map(|(q, turn)| q + turn).collect();
+        let revolutions = moves.map(|(joint, (a, b))| self.whole_revolutions(joint, b - a));
+        let end = start
+            .iter()
+            .zip(revolutions)
+            .map(|(q, shift)| q + shift)
+            .collect();
         Ok((start, end))
     }
 
     /// Returns the whole revolutions in an angle of a joint without limits, radians; 0 for other joints.
-    pub(super) fn whole_turns(&self, joint: usize, angle: f64) -> f64 {
+    pub(super) fn whole_revolutions(&self, joint: usize, angle: f64) -> f64 {
         let mut limits = self.arms.primary().limits();
         let free = limits.nth(joint).is_some_and(|limits| {
             limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY

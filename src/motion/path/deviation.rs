@@ -109,7 +109,7 @@ struct Curve<'a> {
     /// Bounds of the third derivatives of both vectors, metres and twice the vector part; `None` with pose bounds.
     third_derivatives: Option<[f64; 2]>,
     /// Bound on the displacement of the vector part.
-    turns: f64,
+    max_rotation: f64,
     /// Distance of a curved path from the chord, metres.
     bulge: f64,
 }
@@ -134,7 +134,7 @@ impl<'a> Curve<'a> {
         let targets = step.points.map(|point| path.points[point]);
         let [from, to] = step.q;
         let (mut lever, mut bend, mut speed) = (0.0, 0.0, 0.0);
-        let (mut turn, mut turn_bend, mut third) = (0.0, 0.0, 0.0);
+        let (mut rotation, mut rotation_bend, mut third) = (0.0, 0.0, 0.0);
         let moved = |motion: &ChainMotion| {
             (motion.ratio * (to[motion.variable] - from[motion.variable])).abs()
         };
@@ -153,28 +153,34 @@ impl<'a> Curve<'a> {
                 bend += delta * lever * (delta + 2.0 * before);
                 third += delta * lever * (delta * delta + 3.0 * before * (delta + before));
                 speed += delta * lever;
-                turn_bend += delta * before;
-                turn += delta;
+                rotation_bend += delta * before;
+                rotation += delta;
             }
         }
         let displacement = targets[1].translation - targets[0].translation;
         let relative = targets[0].rotation.transpose() * targets[1].rotation;
-        let path_turn = Quaternion::from_matrix(&relative).log().norm();
+        let path_rotation = Quaternion::from_matrix(&relative).log().norm();
         if arm.goal().has_room() {
             // In the rotating axes of the target.
             let reach = arm.base_from_tool(from)?.translation - targets[0].translation;
             let reach = reach.norm() + speed + displacement.norm();
-            bend += path_turn * (2.0 * (speed + displacement.norm()) + path_turn * reach);
+            bend += path_rotation * (2.0 * (speed + displacement.norm()) + path_rotation * reach);
         }
-        let turns = turn + path_turn;
-        let third_derivatives = [third, 0.25 * turns * turns * turns];
+        let total_rotation = rotation + path_rotation;
+        let third_derivatives = [
+            third,
+            0.25 * total_rotation * total_rotation * total_rotation,
+        ];
         Ok(Self {
             arm,
             targets,
             third_derivatives: (!arm.goal().has_room()).then_some(third_derivatives),
             q: step.q,
-            second_derivatives: [bend, 0.5 * turn_bend + 0.25 * turns * turns],
-            turns: 0.5 * turns,
+            second_derivatives: [
+                bend,
+                0.5 * rotation_bend + 0.25 * total_rotation * total_rotation,
+            ],
+            max_rotation: 0.5 * total_rotation,
             bulge: path.bulges.get(step.points[1]).copied().unwrap_or(0.0),
         })
     }
@@ -229,7 +235,7 @@ impl<'a> Curve<'a> {
             parabolas[1].push(index, relative.v * 2.0);
             if let Some(last) = last {
                 // False if the sign of the quaternion is ambiguous over a part.
-                sign_known &= self.turns / (parts as f64) < 1.0
+                sign_known &= self.max_rotation / (parts as f64) < 1.0
                     && last.w * relative.w + last.v.dot(relative.v) > 0.0;
             }
             last = Some(relative);
@@ -318,22 +324,22 @@ mod tests {
         let mut builder = Model::builder("two links");
         let z = Vector3::UNITS[2];
         let link = Placement::translation(Vector3::UNITS[0]);
-        let turns = Limits::new(-3.0, 3.0);
+        let joint_limits = Limits::new(-3.0, 3.0);
         let base = builder.frame("base", None, Placement::identity());
-        let upper = builder.revolute("upper", None, Placement::identity(), z, turns);
-        let lower = builder.revolute("lower", Some(upper), link, z, turns);
+        let upper = builder.revolute("upper", None, Placement::identity(), z, joint_limits);
+        let lower = builder.revolute("lower", Some(upper), link, z, joint_limits);
         let tip = builder.frame("tip", Some(lower), link);
         let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
         let arm = arm.build().unwrap();
-        for turn in [[0.05, 0.05], [0.1, 0.02], [0.02, 0.1]] {
-            let at = |fraction: f64| turn.map(|angle| angle * (fraction - 0.5));
-            let tool = |fraction: f64| arm.base_from_tool(&at(fraction)).unwrap();
+        for angles in [[0.05, 0.05], [0.1, 0.02], [0.02, 0.1]] {
+            let configuration_at = |fraction: f64| angles.map(|angle| angle * (fraction - 0.5));
+            let tool = |fraction: f64| arm.base_from_tool(&configuration_at(fraction)).unwrap();
             let path = CartesianPath::new(vec![tool(0.0), tool(1.0)]).unwrap();
             let step = PathStep {
                 row: 1,
                 points: [0, 1],
-                q: [&at(0.0), &at(1.0)],
+                q: [&configuration_at(0.0), &configuration_at(1.0)],
             };
             let motions = arm.chain_motions();
             let curve = Curve::new(&arm, &path, &step, &motions).unwrap();

@@ -5,7 +5,7 @@
 
 use super::layers::{Layer, LayerGenerator};
 use super::neighbour_index::NeighbourIndex;
-use super::winding::Turns;
+use super::winding::Revolutions;
 
 /// Cost of a path to a configuration: number of reconfigurations, then length.
 type Cost = (u32, f64);
@@ -128,7 +128,7 @@ fn best(
             .copied()
             .collect();
         let from_layer = &layers[to - 1].q;
-        neighbours.build(from_layer, &layers[to].q, &limits, &generator.turns);
+        neighbours.build(from_layer, &layers[to].q, &limits, &generator.revolutions);
         padded.clear();
         if n <= PADDED_JOINTS {
             padded.extend(from_layer.chunks_exact(n).map(|row| pad(row, 0.0)));
@@ -143,8 +143,8 @@ fn best(
             limits: &limits,
             time_limits: &time_limits,
             weights: &weights,
-            turns: &generator.turns,
-            turns_ignored: generator.turns.any_ignored(),
+            revolutions: &generator.revolutions,
+            revolutions_ignored: generator.revolutions.any_ignored(),
             neighbours: &neighbours,
             cheapest: if may_reconfigure {
                 cheapest(&costs)
@@ -227,8 +227,8 @@ struct Step<'a> {
     /// Joint displacement limits from the path's times alone; empty if times do not count.
     time_limits: &'a [f32],
     weights: &'a [f32],
-    turns: &'a Turns,
-    turns_ignored: bool,
+    revolutions: &'a Revolutions,
+    revolutions_ignored: bool,
     neighbours: &'a NeighbourIndex,
     /// Predecessors with the fewest reconfigurations, sorted by length.
     cheapest: Vec<usize>,
@@ -332,12 +332,14 @@ impl Step<'_> {
     fn is_within_time_limits(&self, predecessor: usize, q: &[f32]) -> bool {
         let moves = self.row(predecessor).iter().zip(q).enumerate();
         let mut moves = moves.zip(self.time_limits);
-        moves.all(|((joint, (a, b)), limit)| self.turns.difference(joint, *a, *b).abs() <= *limit)
+        moves.all(|((joint, (a, b)), limit)| {
+            self.revolutions.difference(joint, *a, *b).abs() <= *limit
+        })
     }
 
     /// Returns whether a step is short enough to be on one branch.
     fn is_near(&self, predecessor: usize, q: &[f32], padded: &[f32; PADDED_JOINTS]) -> bool {
-        if let (false, Some(row)) = (self.turns_ignored, self.padded.get(predecessor)) {
+        if let (false, Some(row)) = (self.revolutions_ignored, self.padded.get(predecessor)) {
             // Compares all joints at once, without branches.
             let mut near = true;
             for joint in 0..PADDED_JOINTS {
@@ -346,7 +348,7 @@ impl Step<'_> {
             return near;
         }
         let moves = self.row(predecessor).iter().zip(q).zip(self.limits);
-        let difference = |joint, from, to| self.turns.difference(joint, from, to).abs();
+        let difference = |joint, from, to| self.revolutions.difference(joint, from, to).abs();
         (moves.enumerate()).all(|(joint, ((a, b), limit))| difference(joint, *b, *a) <= *limit)
     }
 
@@ -354,9 +356,9 @@ impl Step<'_> {
     fn length_within(&self, a: &[f32], b: &[f32], max_length: f32) -> Option<f32> {
         let (mut sum, max_length) = (0.0, max_length * max_length);
         for (joint, ((a, b), weight)) in a.iter().zip(b).zip(self.weights).enumerate() {
-            let difference = match self.turns_ignored {
+            let difference = match self.revolutions_ignored {
                 false => weight * (a - b),
-                true => weight * self.turns.difference(joint, *b, *a),
+                true => weight * self.revolutions.difference(joint, *b, *a),
             };
             sum += difference * difference;
             if sum > max_length {

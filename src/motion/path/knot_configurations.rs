@@ -2,7 +2,7 @@
 
 use super::PathError;
 use super::graph::{FalseEdge, Selection};
-use super::layers::{LAST_ATTEMPTS, Layer, LayerGenerator};
+use super::layers::{FALLBACK_ATTEMPTS, Layer, LayerGenerator};
 use super::step_bounds::StepBounds;
 use crate::arm::Ends;
 
@@ -252,7 +252,7 @@ fn reach_from(
     let start = joint_path.row(from, n);
     arm.continue_all(std::slice::from_ref(target), start, &mut ends)?;
     if !ends.outcomes.iter().any(|outcome| outcome.reached) && arm.falls_short(target).is_none() {
-        arm.attempt_several(target, start, 1, LAST_ATTEMPTS, &mut ends)?;
+        arm.attempt_several(target, start, 1, FALLBACK_ATTEMPTS, &mut ends)?;
     }
     let distance_to = |q: &[f64]| -> f64 {
         let moves = q.iter().zip(start).zip(arm.scales());
@@ -300,10 +300,10 @@ fn stay_on_branch(
             first += 1;
             continue;
         }
-        let misses = joint_path.reached[first..]
+        let unreached = joint_path.reached[first..]
             .iter()
             .take_while(|reached| !**reached);
-        let after = first + misses.count();
+        let after = first + unreached.count();
         let jumps = (first..=after.min(knots.len() - 1)).filter(|knot| !joint_path.joined[*knot]);
         let jumps: Vec<usize> = jumps.collect();
         if let [from, .., last] = jumps[..] {

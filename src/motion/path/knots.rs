@@ -64,11 +64,12 @@ impl Knots {
         self.stations.push(0);
         for knot in 1..self.len() {
             let end = knot + 1 == self.len();
-            let far = !end && self.arc_lengths[knot + 1] - self.arc_lengths[last] > STATION_SPACING;
-            let changes = !self.has_segment_to(knot) || !end && !self.has_segment_to(knot + 1);
+            let is_far =
+                !end && self.arc_lengths[knot + 1] - self.arc_lengths[last] > STATION_SPACING;
+            let changes_tool = !self.has_segment_to(knot) || !end && !self.has_segment_to(knot + 1);
             // Limits the distance of stations while the tool is at rest.
-            let many = knot - last >= 1000;
-            if end || far || changes || many {
+            let is_long_run = knot - last >= 1000;
+            if end || is_far || changes_tool || is_long_run {
                 self.stations.push(knot);
                 last = knot;
             }

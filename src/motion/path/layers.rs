@@ -11,18 +11,18 @@ use super::knots::Knots;
 use super::neighbour_index::NeighbourIndex;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
-use super::winding::Turns;
+use super::winding::Revolutions;
 use crate::arm::{Ends, QueryError};
 
 /// Distance below which two configurations are merged, radians (for every joint).
 const MERGE_DISTANCE: f32 = 0.03;
 /// Number of attempts at the first station, and at later stations with few known branches.
 const FIRST_ATTEMPTS: u32 = 96;
-const ATTEMPTS: u32 = 8;
+const STATION_ATTEMPTS: u32 = 8;
 /// Number of stations between such searches.
 const SEARCH_INTERVAL: usize = 4;
 /// Number of attempts if no configuration is known.
-pub(super) const LAST_ATTEMPTS: u32 = 200;
+pub(super) const FALLBACK_ATTEMPTS: u32 = 200;
 /// Distance from a joint limit, radians, below which the configuration one revolution back is added.
 const LIMIT_PROXIMITY: f64 = 0.4;
 
@@ -39,7 +39,7 @@ pub(super) struct Layer {
     /// True if further configurations were dropped.
     pub(super) full: bool,
     /// True if no configuration reaches the target without collision. The layer then has the nearest one found.
-    pub(super) missed: bool,
+    pub(super) unreached: bool,
 }
 
 /// Generator of the layers, with its settings.
@@ -62,7 +62,7 @@ pub(super) struct LayerGenerator<'a> {
     pub(super) merge_distances: Vec<f32>,
     pub(super) is_prismatic: Vec<bool>,
     /// Joints whose whole revolutions are ignored.
-    pub(super) turns: Turns,
+    pub(super) revolutions: Revolutions,
 }
 
 /// Scratch memory of searches at a station.
@@ -100,7 +100,7 @@ impl<'a> LayerGenerator<'a> {
                 .map(|scale| MERGE_DISTANCE / *scale as f32)
                 .collect(),
             is_prismatic: arm.slides(),
-            turns: Turns::counted(arm.joint_count()),
+            revolutions: Revolutions::counted(arm.joint_count()),
         }
     }
 
@@ -113,7 +113,7 @@ impl<'a> LayerGenerator<'a> {
         // Number of configurations that came from the previous station.
         let mut carried = vec![0_usize; stations.len()];
         match self.start {
-            Some(start) => layers[0].push_folded(start, &self.turns),
+            Some(start) => layers[0].push_folded(start, &self.revolutions),
             None => self.search(
                 &mut layers[0],
                 stations[0],
@@ -125,7 +125,7 @@ impl<'a> LayerGenerator<'a> {
         self.fill_empty(&mut layers, 0, &mut workspace)?;
         for to in 1..layers.len() {
             if let (Some(end), true) = (self.end, to + 1 == stations.len()) {
-                layers[to].push_folded(end, &self.turns);
+                layers[to].push_folded(end, &self.revolutions);
                 continue;
             }
             continuation.continue_layer(self, &mut layers, (to - 1, to), 0)?;
@@ -136,8 +136,8 @@ impl<'a> LayerGenerator<'a> {
             if to % SEARCH_INTERVAL == 0 && has_capacity && carried[to] < self.search_threshold
                 || carried[to] == 0
             {
-                let first = 1 + ATTEMPTS * (to / SEARCH_INTERVAL) as u32 % 128;
-                self.search(layer, stations[to], ATTEMPTS, first, &mut workspace)?;
+                let first = 1 + STATION_ATTEMPTS * (to / SEARCH_INTERVAL) as u32 % 128;
+                self.search(layer, stations[to], STATION_ATTEMPTS, first, &mut workspace)?;
             }
             self.fill_empty(&mut layers, to, &mut workspace)?;
         }
@@ -145,7 +145,7 @@ impl<'a> LayerGenerator<'a> {
         let first = usize::from(self.start.is_some());
         for to in (first..layers.len().saturating_sub(1)).rev() {
             // The first `carried` configurations came from the previous station.
-            match layers[to].missed || layers[to + 1].missed {
+            match layers[to].unreached || layers[to + 1].unreached {
                 true => continuation.reset(),
                 false => {
                     continuation.continue_layer(self, &mut layers, (to + 1, to), carried[to + 1])?
@@ -175,7 +175,7 @@ impl<'a> LayerGenerator<'a> {
             }
             for row in layer.q.chunks_exact(n) {
                 let value = f64::from(row[joint]);
-                let turned = if limits.upper - value < LIMIT_PROXIMITY {
+                let wrapped = if limits.upper - value < LIMIT_PROXIMITY {
                     value - TAU
                 } else if value - limits.lower < LIMIT_PROXIMITY {
                     value + TAU
@@ -184,7 +184,7 @@ impl<'a> LayerGenerator<'a> {
                 };
                 let first = workspace.reached.len();
                 workspace.reached.extend(row.iter().map(|q| f64::from(*q)));
-                workspace.reached[first + joint] = limits.clamp(turned);
+                workspace.reached[first + joint] = limits.clamp(wrapped);
             }
         }
         self.add(layer, knot, self.max_configurations, false, workspace)
@@ -217,7 +217,9 @@ impl<'a> LayerGenerator<'a> {
 
     fn is_as_good(&self, known: &[f32], q: impl Iterator<Item = f32>) -> bool {
         let mut moves = known.iter().zip(q).zip(&self.merge_distances).enumerate();
-        moves.all(|(joint, ((a, b), limit))| self.turns.difference(joint, b, *a).abs() <= *limit)
+        moves.all(|(joint, ((a, b), limit))| {
+            self.revolutions.difference(joint, b, *a).abs() <= *limit
+        })
     }
 
     /// Searches for configurations at a station by independent attempts.
@@ -232,12 +234,12 @@ impl<'a> LayerGenerator<'a> {
         let n = self.width();
         let arm = self.arms.arm(self.knots.tool(knot));
         // Joints without limits end near the known configurations.
-        let near: Vec<f64> = match layer.q.get(..n) {
+        let reference: Vec<f64> = match layer.q.get(..n) {
             Some(known) => known.iter().map(|q| f64::from(*q)).collect(),
             None => self.start.map_or(self.middle.clone(), <[f64]>::to_vec),
         };
         let target = self.knots.targets[knot];
-        arm.attempt_several(&target, &near, first, attempts, &mut workspace.ends)?;
+        arm.attempt_several(&target, &reference, first, attempts, &mut workspace.ends)?;
         workspace.reached.clear();
         let ends = workspace
             .ends
@@ -273,7 +275,7 @@ impl<'a> LayerGenerator<'a> {
                 break;
             }
             if *free && self.find(layer, q).is_none() {
-                layer.push_folded(q, &self.turns);
+                layer.push_folded(q, &self.revolutions);
             }
         }
         Ok(())
@@ -317,20 +319,20 @@ impl<'a> LayerGenerator<'a> {
         let target = self.knots.targets[knot];
         if arm.falls_short(&target).is_none() {
             let layer = &mut layers[station];
-            self.search(layer, knot, LAST_ATTEMPTS, 0, workspace)?;
+            self.search(layer, knot, FALLBACK_ATTEMPTS, 0, workspace)?;
             if layer.q.len() >= n {
                 return Ok(());
             }
         }
         let before = station.checked_sub(1).map(|before| &layers[before].q[..n]);
-        let near: Vec<f64> = match before {
+        let reference: Vec<f64> = match before {
             Some(before) => before.iter().map(|q| f64::from(*q)).collect(),
             None => self.middle.clone(),
         };
-        arm.continue_all(&[target], &near, &mut workspace.ends)?;
+        arm.continue_all(&[target], &reference, &mut workspace.ends)?;
         let nearest = std::mem::take(&mut workspace.ends.q);
-        layers[station].push_folded(&nearest, &self.turns);
-        layers[station].missed = true;
+        layers[station].push_folded(&nearest, &self.revolutions);
+        layers[station].unreached = true;
         Ok(())
     }
 }
@@ -345,10 +347,10 @@ impl Layer {
     }
 
     /// Adds a configuration, folded by the ignored revolutions.
-    pub(super) fn push_folded(&mut self, q: &[f64], turns: &Turns) {
+    pub(super) fn push_folded(&mut self, q: &[f64], revolutions: &Revolutions) {
         let first = self.q.len();
         self.push(q);
-        turns.fold(&mut self.q[first..]);
+        revolutions.fold(&mut self.q[first..]);
     }
 
     /// Records the predecessor of a configuration.

@@ -1,6 +1,6 @@
 //! Index of configurations by one joint, for neighbour queries.
 
-use super::winding::Turns;
+use super::winding::Revolutions;
 
 /// Configurations in cells of the joint with the largest spread, among those whose revolutions count.
 #[derive(Debug, Default)]
@@ -30,10 +30,16 @@ impl NeighbourIndex {
     /// Indexes `known` by the joint with the largest spread of `queries`.
     ///
     /// `limits` is the query distance of each joint.
-    pub(super) fn build(&mut self, known: &[f32], queries: &[f32], limits: &[f32], turns: &Turns) {
+    pub(super) fn build(
+        &mut self,
+        known: &[f32],
+        queries: &[f32],
+        limits: &[f32],
+        revolutions: &Revolutions,
+    ) {
         let n = limits.len();
         if self.age.is_multiple_of(RESELECT_INTERVAL) {
-            self.joint = widest(queries, limits, turns);
+            self.joint = widest(queries, limits, revolutions);
         }
         self.age += 1;
         let (mut low, mut high, mut cells) = (0.0, 0.0, 1.0);
@@ -93,7 +99,7 @@ impl NeighbourIndex {
 }
 
 /// Returns the joint with the largest spread relative to its limit.
-fn widest(from: &[f32], limits: &[f32], turns: &Turns) -> Option<usize> {
+fn widest(from: &[f32], limits: &[f32], revolutions: &Revolutions) -> Option<usize> {
     let n = limits.len();
     let (mut low, mut high) = (vec![f32::MAX; n], vec![f32::MIN; n]);
     for row in from.chunks_exact(n) {
@@ -102,7 +108,7 @@ fn widest(from: &[f32], limits: &[f32], turns: &Turns) -> Option<usize> {
         }
     }
     let spread = |joint: usize| (high[joint] - low[joint]) / limits[joint];
-    let joints = (0..n).filter(|joint| !turns.is_ignored(*joint));
+    let joints = (0..n).filter(|joint| !revolutions.is_ignored(*joint));
     joints.max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
 }
 
@@ -137,10 +143,10 @@ mod tests {
             Placement::translation(Vector3::UNITS[0]),
             Placement::identity(),
         );
-        let turns = Limits::new(-3.0, 3.0);
+        let joint_limits = Limits::new(-3.0, 3.0);
         let base = builder.frame("base", None, origin);
-        let first = builder.revolute("first", None, origin, Vector3::UNITS[2], turns);
-        let second = builder.revolute("second", Some(first), link, Vector3::UNITS[1], turns);
+        let first = builder.revolute("first", None, origin, Vector3::UNITS[2], joint_limits);
+        let second = builder.revolute("second", Some(first), link, Vector3::UNITS[1], joint_limits);
         let tip = builder.frame("tip", Some(second), link);
         let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
@@ -161,14 +167,14 @@ mod tests {
             &layer.q,
             &layer.q,
             &generator.merge_distances,
-            &generator.turns,
+            &generator.revolutions,
         );
         for q in grid().step_by(7) {
             // The grid values within 0.03 are those at −0.025, −0.005 and 0.015.
             let query = q.map(|value| value + 0.005);
-            let near = |known: &[f64; 2]| (0..2).all(|j| (known[j] - query[j]).abs() < 0.03);
-            let first = known.iter().position(near);
-            assert!(first.is_some() && known.iter().filter(|known| near(known)).count() >= 4);
+            let is_near = |known: &[f64; 2]| (0..2).all(|j| (known[j] - query[j]).abs() < 0.03);
+            let first = known.iter().position(is_near);
+            assert!(first.is_some() && known.iter().filter(|known| is_near(known)).count() >= 4);
             let single = query.map(|value| value as f32);
             assert_eq!(generator.find_indexed(&layer, &neighbours, &single), first);
             assert_eq!(generator.find(&layer, &query), first);

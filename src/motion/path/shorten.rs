@@ -166,7 +166,7 @@ impl Shortening<'_, '_> {
             let last = workspace.trial[..n]
                 .iter()
                 .zip(displacement)
-                .map(|(q, turn)| q + turn);
+                .map(|(q, shift)| q + shift);
             let last: Vec<f64> = last.collect();
             workspace.trial.extend(last);
         }
@@ -246,8 +246,8 @@ impl Shortening<'_, '_> {
         };
         let last = q.len() - displacement.len();
         let (before, last) = q.split_at_mut(last);
-        for (last, (first, turn)) in last.iter_mut().zip(before.iter().zip(displacement)) {
-            *last = first + turn;
+        for (last, (first, shift)) in last.iter_mut().zip(before.iter().zip(displacement)) {
+            *last = first + shift;
         }
     }
 }

@@ -13,7 +13,7 @@ use super::sparse_waypoints::{self, Redundancy};
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::tracked_path;
-use super::winding::Turns;
+use super::winding::Revolutions;
 use crate::arm::Arm;
 
 /// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,
@@ -195,16 +195,16 @@ impl<'a> PathSolver<'a> {
     /// Whole revolutions of joints are ignored first. If that result is not perfect, the search is repeated with them.
     fn best_open(&self, knots: &Knots) -> Result<KnotPath, PathError> {
         let arm = self.tools.primary();
-        let with_turns = |turns| self.best_by_turns(knots, turns);
-        let ignored = Turns::ignored(arm);
+        let with_revolutions = |revolutions| self.best_with_revolutions(knots, revolutions);
+        let ignored = Revolutions::ignored(arm);
         if !ignored.any_ignored() {
-            return with_turns(&ignored);
+            return with_revolutions(&ignored);
         }
-        let joint_path = with_turns(&ignored)?;
+        let joint_path = with_revolutions(&ignored)?;
         if joint_path.rank() == (0, 0) {
             return Ok(joint_path);
         }
-        let other = with_turns(&Turns::counted(arm.joint_count()))?;
+        let other = with_revolutions(&Revolutions::counted(arm.joint_count()))?;
         Ok(if other.rank() < joint_path.rank() {
             other
         } else {
@@ -212,7 +212,11 @@ impl<'a> PathSolver<'a> {
         })
     }
 
-    fn best_by_turns(&self, knots: &Knots, turns: &Turns) -> Result<KnotPath, PathError> {
+    fn best_with_revolutions(
+        &self,
+        knots: &Knots,
+        revolutions: &Revolutions,
+    ) -> Result<KnotPath, PathError> {
         let bounds = self.bounds();
         let weights = self.weights();
         let all_samples = self.max_samples(knots);
@@ -229,15 +233,15 @@ impl<'a> PathSolver<'a> {
             let mut generator = LayerGenerator::new(&self.tools, knots, &bounds, max_count);
             generator.start = self.start.as_deref();
             generator.end = self.end.as_deref();
-            generator.turns = turns.clone();
+            generator.revolutions = revolutions.clone();
             if redundant_joints < 2 {
                 // The same number as in the last pass.
                 generator.search_threshold = all_samples / 2;
             }
             let layers = generator.layers()?;
             // If no layer is full, a pass with more configurations would give the same result.
-            let is_all = redundant_joints < 2 && !layers.iter().any(|layer| layer.full);
-            let last = max_count == all_samples || is_all;
+            let is_complete = redundant_joints < 2 && !layers.iter().any(|layer| layer.full);
+            let last = max_count == all_samples || is_complete;
             let end_indices = EndIndices::default();
             let selection = match last {
                 true => fewest_reconfigurations(&generator, &layers, &weights, end_indices, &[]),
@@ -370,10 +374,10 @@ impl<'a> PathSolver<'a> {
         (mut selection, end_indices): (Selection, EndIndices),
     ) -> Result<KnotPath, PathError> {
         let weights = self.weights();
-        let fill = |selection: &Selection| match generator.turns.any_ignored() {
+        let fill = |selection: &Selection| match generator.revolutions.any_ignored() {
             false => fill(generator, layers, selection),
             true => {
-                let (layers, selection) = generator.with_turns(layers, selection);
+                let (layers, selection) = generator.with_revolutions(layers, selection);
                 fill(generator, &layers, &selection)
             }
         };

@@ -49,11 +49,12 @@ impl CartesianPath {
         };
         for (ends, (segment, times)) in keys.windows(2).zip(curve.cubics()) {
             let [from, to] = [ends[0], ends[1]];
-            let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+            let rotation =
+                Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
             for step in 1..=steps {
                 let fraction = step as f64 / steps as f64;
                 let point = Placement::new(
-                    from.rotation * rotation_exp(turn * fraction),
+                    from.rotation * rotation_exp(rotation * fraction),
                     segment.position(fraction).into(),
                 );
                 path.points.push(match step == steps {
@@ -108,9 +109,10 @@ mod tests {
             (0.0, 1.0),
             (0.5, 0.75),
         ] {
-            let at = |fraction: f64| curve.position(from + fraction * (to - from));
-            let distance =
-                |fraction: f64| (at(fraction) - at(0.0).lerp(at(1.0), fraction)).length();
+            let position_at = |fraction: f64| curve.position(from + fraction * (to - from));
+            let distance = |fraction: f64| {
+                (position_at(fraction) - position_at(0.0).lerp(position_at(1.0), fraction)).length()
+            };
             let max_distance = (0..=100).map(|k| distance(f64::from(k) / 100.0));
             let max_distance = max_distance.fold(0.0, f64::max);
             let bound = bulge(&curve, from, to);

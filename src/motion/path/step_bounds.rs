@@ -4,7 +4,7 @@ use super::knots::Knots;
 use crate::arm::Arm;
 
 /// Longest joint displacement between stations, radians; beyond it, configurations count as different branches.
-const STATION_STEP: f64 = 0.3;
+const MAX_STATION_STEP: f64 = 0.3;
 /// Longest joint displacement in a part of a long step, relative to that of a step.
 const PART_STEP_RATIO: f64 = 0.5;
 /// Relative tolerance of the bounds.
@@ -27,7 +27,7 @@ impl StepBounds {
         let per_joint = |radians: f64| arm.scales().iter().map(|scale| radians / scale).collect();
         Self {
             max_step: per_joint(max_step),
-            station_step: per_joint(max_step.max(STATION_STEP)),
+            station_step: per_joint(max_step.max(MAX_STATION_STEP)),
             speeds,
         }
     }
@@ -120,10 +120,10 @@ mod tests {
         let mut builder = Model::builder("one link");
         let link = Placement::translation(Vector3::UNITS[0]);
         let origin = Placement::identity();
-        let turns = Limits::new(-3.0, 3.0);
+        let joint_limits = Limits::new(-3.0, 3.0);
         let base = builder.frame("base", None, origin);
-        let turn = builder.revolute("turn", None, origin, Vector3::UNITS[2], turns);
-        let tip = builder.frame("tip", Some(turn), link);
+        let joint = builder.revolute("turn", None, origin, Vector3::UNITS[2], joint_limits);
+        let tip = builder.frame("tip", Some(joint), link);
         let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
         let arm = arm.build().unwrap();

@@ -38,8 +38,8 @@ pub(super) fn track(
         Some(end) => Some(end.to_vec()),
         None if knots.closed => {
             let moves = q[last..].iter().zip(start).enumerate();
-            let end =
-                moves.map(|(joint, (q, start))| start + generator.whole_turns(joint, q - start));
+            let end = moves
+                .map(|(joint, (q, start))| start + generator.whole_revolutions(joint, q - start));
             Some(end.collect())
         }
         None => None,

@@ -259,12 +259,12 @@ impl Tridiagonal {
             weights += weight;
             for (joint, pull) in pull.iter_mut().enumerate() {
                 let position = |knot: usize| q[knot * n + joint] + self.offsets[knot * n + joint];
-                let turns = self
+                let displacement = self
                     .cycle_displacement
                     .as_ref()
-                    .map_or(0.0, |turns| turns[joint]);
-                *pull +=
-                    weight * (position(neighbour.knot) + neighbour.rounds * turns - position(knot));
+                    .map_or(0.0, |displacement| displacement[joint]);
+                *pull += weight
+                    * (position(neighbour.knot) + neighbour.rounds * displacement - position(knot));
             }
         }
         for k in 0..self.free[knot] {
@@ -450,7 +450,7 @@ mod tests {
     #[test]
     fn closed_chain_equals_open_chain_from_fixed_knot() {
         let count = 7;
-        let turns = [0.5, -0.25];
+        let displacement = [0.5, -0.25];
         let position = |knot: usize| {
             let knot = knot as f64;
             [
@@ -469,8 +469,8 @@ mod tests {
                 let configuration = position(knot % count);
                 let round = (knot / count) as f64;
                 let configuration = [
-                    configuration[0] + round * turns[0],
-                    configuration[1] + round * turns[1],
+                    configuration[0] + round * displacement[0],
+                    configuration[1] + round * displacement[1],
                 ];
                 let free: &[f64] = if knot % count == fixed_knot {
                     &[]
@@ -482,7 +482,7 @@ mod tests {
                 q.extend(configuration);
             }
             if is_ring {
-                system.close(&turns, weight(first));
+                system.close(&displacement, weight(first));
             }
             system.solve(&q, &[(-9.0, 9.0), (-9.0, 9.0)]);
             system.moves().to_vec()

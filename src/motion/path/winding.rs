@@ -17,12 +17,12 @@ const ROUNDING: f64 = 1e-5;
 
 /// Joints whose whole revolutions are ignored.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Turns {
+pub(super) struct Revolutions {
     /// Centre of each joint's range, if its revolutions are ignored.
     middles: Vec<Option<f32>>,
 }
 
-impl Turns {
+impl Revolutions {
     /// Ignores no revolutions.
     pub(super) fn counted(joints: usize) -> Self {
         Self {
@@ -35,8 +35,8 @@ impl Turns {
         let joints = arm.limits().zip(arm.slides());
         let middles = joints.map(|(limits, slides)| {
             let range = limits.upper - limits.lower;
-            let turns = !slides && range.is_finite() && range >= TAU + MIN_EXCESS_RANGE;
-            turns.then_some(0.5 * (limits.lower + limits.upper) as f32)
+            let is_ignored = !slides && range.is_finite() && range >= TAU + MIN_EXCESS_RANGE;
+            is_ignored.then_some(0.5 * (limits.lower + limits.upper) as f32)
         });
         Self {
             middles: middles.collect(),
@@ -55,7 +55,7 @@ impl Turns {
     pub(super) fn difference(&self, joint: usize, from: f32, to: f32) -> f32 {
         match self.middles[joint] {
             None => to - from,
-            Some(_) => without_turns(to - from),
+            Some(_) => without_revolutions(to - from),
         }
     }
 
@@ -63,15 +63,15 @@ impl Turns {
     pub(super) fn fold(&self, q: &mut [f32]) {
         for (value, middle) in q.iter_mut().zip(&self.middles) {
             if let Some(middle) = middle {
-                *value = middle + without_turns(*value - middle);
+                *value = middle + without_revolutions(*value - middle);
             }
         }
     }
 }
 
-fn without_turns(angle: f32) -> f32 {
-    let turn = TAU as f32;
-    angle - turn * (angle / turn).round()
+fn without_revolutions(angle: f32) -> f32 {
+    let revolution = TAU as f32;
+    angle - revolution * (angle / revolution).round()
 }
 
 /// Whole revolutions by which a stretch of rows may be shifted, for each joint.
@@ -82,7 +82,7 @@ impl LayerGenerator<'_> {
     ///
     /// A branch is extended as far as one common shift by revolutions keeps it within the limits. At the end of such a
     /// stretch the joints rotate back. Greedy extension is optimal, as in stabbing intervals with the fewest points.
-    pub(super) fn with_turns(
+    pub(super) fn with_revolutions(
         &self,
         layers: &[Layer],
         selection: &Selection,
@@ -98,28 +98,28 @@ impl LayerGenerator<'_> {
             let mut row: Vec<f64> = row.iter().map(|q| f64::from(*q)).collect();
             if let Some(before) = rows.last() {
                 for (joint, (value, before)) in row.iter_mut().zip(before).enumerate() {
-                    if self.turns.is_ignored(joint) {
+                    if self.revolutions.is_ignored(joint) {
                         *value += TAU * ((before - *value) / TAU).round();
                     }
                 }
             }
-            let row_allowed = self.allowed_turns(&row, station, layers.len());
+            let row_allowed = self.allowed_shifts(&row, station, layers.len());
             let both = intersection(&allowed, &row_allowed);
             let continues =
                 station > 0 && joined[station] && !both.iter().any(RangeInclusive::is_empty);
             if continues {
                 allowed = both;
             } else {
-                self.turn(&mut rows, stretch_start, &allowed);
+                self.shift_stretch(&mut rows, stretch_start, &allowed);
                 (joined[station], allowed, stretch_start) = (station == 0, row_allowed, station);
             }
             rows.push(row);
         }
-        self.turn(&mut rows, stretch_start, &allowed);
+        self.shift_stretch(&mut rows, stretch_start, &allowed);
         let layers = rows.iter().enumerate().map(|(station, row)| {
             let (index, source) = (selection.indices[station] as usize, &layers[station]);
             let mut layer = Layer {
-                missed: source.missed,
+                unreached: source.unreached,
                 ..Layer::default()
             };
             layer.push(row);
@@ -141,44 +141,45 @@ impl LayerGenerator<'_> {
 
     /// Returns the revolutions by which a station's configuration may be shifted: within the limits, and onto a given
     /// end.
-    fn allowed_turns(&self, row: &[f64], station: usize, stations: usize) -> Allowed {
+    fn allowed_shifts(&self, row: &[f64], station: usize, stations: usize) -> Allowed {
         let end = match station {
             0 => self.start,
             _ if station + 1 == stations => self.end,
             _ => None,
         };
         let joints = row.iter().zip(self.arms.primary().limits()).enumerate();
-        let turns =
-            joints.map(
-                |(joint, (value, limits))| match (self.turns.is_ignored(joint), end) {
-                    (false, _) => 0..=0,
-                    (true, Some(end)) => {
-                        let turn = ((end[joint] - value) / TAU).round() as i32;
-                        turn..=turn
-                    }
-                    (true, None) => {
-                        let low = (limits.lower - ROUNDING - value) / TAU;
-                        let high = (limits.upper + ROUNDING - value) / TAU;
-                        low.ceil() as i32..=high.floor() as i32
-                    }
-                },
-            );
-        turns.collect()
+        let shifts = joints.map(|(joint, (value, limits))| {
+            match (self.revolutions.is_ignored(joint), end) {
+                (false, _) => 0..=0,
+                (true, Some(end)) => {
+                    let shift = ((end[joint] - value) / TAU).round() as i32;
+                    shift..=shift
+                }
+                (true, None) => {
+                    let low = (limits.lower - ROUNDING - value) / TAU;
+                    let high = (limits.upper + ROUNDING - value) / TAU;
+                    low.ceil() as i32..=high.floor() as i32
+                }
+            }
+        });
+        shifts.collect()
     }
 
     /// Shifts the rows of a stretch by the allowed revolutions nearest to the end of the previous stretch.
-    fn turn(&self, rows: &mut [Vec<f64>], stretch_start: usize, allowed: &Allowed) {
+    fn shift_stretch(&self, rows: &mut [Vec<f64>], stretch_start: usize, allowed: &Allowed) {
         let before = stretch_start
             .checked_sub(1)
             .map(|before| rows[before].clone());
-        for (joint, turns) in allowed.iter().enumerate() {
+        for (joint, allowed_shifts) in allowed.iter().enumerate() {
             let nearest = match (&before, rows.get(stretch_start)) {
                 (Some(before), Some(row)) => ((before[joint] - row[joint]) / TAU).round() as i32,
                 _ => 0,
             };
-            let turns = nearest.max(*turns.start()).min(*turns.end());
+            let shift = nearest
+                .max(*allowed_shifts.start())
+                .min(*allowed_shifts.end());
             for row in &mut rows[stretch_start..] {
-                row[joint] += TAU * f64::from(turns);
+                row[joint] += TAU * f64::from(shift);
             }
         }
     }

@@ -329,7 +329,7 @@ impl Drive {
     }
 
     /// Returns whether the joint's name contains that of a foot part.
-    pub(super) fn is_of_a_foot(&self) -> bool {
+    pub(super) fn names_foot_part(&self) -> bool {
         let name = self.joint.to_lowercase();
         ["foot", "toe", "ankle", "heel", "sole"]
             .iter()

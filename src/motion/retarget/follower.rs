@@ -269,9 +269,9 @@ impl BodyFollower {
         let mut follow = |frame: &mut FrameProblem, x: &mut [f64]| {
             let mut solved = frame.descend(targets, within, x, steps);
             let (problem, residual) = (frame.problem(), frame.residual());
-            let off =
+            let needs_more =
                 slipped(problem, residual) || feet.penetrates(problem, residual, SLIDING_TOLERANCE);
-            if solved && off {
+            if solved && needs_more {
                 solved = frame.descend(targets, within, x, EXTRA_ITERATIONS);
             }
             for _ in 0..MAX_GROUND_CORRECTIONS {

@@ -133,20 +133,20 @@ impl Limbs {
             (Some(root), 1..) => *root - mean_position(&feet),
             _ => Vector3::zero(),
         };
-        let tops = legs.iter().filter(|&&limb| {
+        let top_limbs = legs.iter().filter(|&&limb| {
             let parent = all[limb].parent;
             parent.is_none_or(|parent| !legs.contains(&parent))
         });
         let leg = if has_contacts {
-            model_leg / tops.count().max(1) as f64
+            model_leg / top_limbs.count().max(1) as f64
         } else {
             0.0
         };
         // The root has the subject's height above contact points.
-        let standing = all
+        let contact_limbs = all
             .iter()
             .filter(|limb| limb.makes_contact || !has_contacts);
-        let lowest = standing.min_by(|a, b| a.ground.total_cmp(&b.ground));
+        let lowest = contact_limbs.min_by(|a, b| a.ground.total_cmp(&b.ground));
         let (ground, sole_height) = lowest.map_or((0.0, 0.0), |limb| (limb.ground, limb.clearance));
         if let Some(root) = all.first_mut().filter(|root| !root.makes_contact) {
             (root.ground, root.clearance) = (ground, sole_height);
@@ -211,8 +211,8 @@ impl Limbs {
 
     /// Converts a position to the model's world.
     fn in_world(&self, limb: &Limb, position: Vector3<f64>) -> Vector3<f64> {
-        let over_ground = Vector3::new(position.x, position.y, position.z - limb.ground);
-        over_ground * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
+        let relative = Vector3::new(position.x, position.y, position.z - limb.ground);
+        relative * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
     }
 }
 
@@ -291,7 +291,7 @@ fn mapped_limbs(
             scale: drive.scale.unwrap_or(0.0),
             makes_contact: match &map.contacts {
                 Some(contacts) => contacts.contains(&drive.joint),
-                None => drive.is_of_a_foot(),
+                None => drive.names_foot_part(),
             },
             is_heel: false,
             clearance: 0.0,

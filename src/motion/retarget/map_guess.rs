@@ -93,7 +93,7 @@ impl BodyMap {
             skeleton: None,
             body: None,
             up,
-            notes: Proportions::of(capture, &parts).faults(),
+            notes: Proportions::of(capture, &parts).warnings(),
         })
     }
 
@@ -182,7 +182,7 @@ impl BodyMap {
         }
         // The order of a map file, so that a written and read map gives equal results.
         drives.sort_by(|a, b| a.joint.cmp(&b.joint));
-        notes.extend(Proportions::of(capture, &driving).faults());
+        notes.extend(Proportions::of(capture, &driving).warnings());
         let map = BodyMap {
             drives,
             contacts: Some(contacts),

@@ -37,10 +37,10 @@ impl Obstacles {
             add_frame_tasks: Arc::new(move |tasks| {
                 tasks.keep_clear(&frame_checker);
             }),
-            add_motion_tasks: Arc::new(move |motion, near| {
+            add_motion_tasks: Arc::new(move |motion, enabled| {
                 let clearance = Switchable::new(motion_checker.clearance().residual);
                 let task = motion.add(Task::new(clearance).scale(AVOIDANCE_WEIGHT));
-                motion.follow(task, move |frame, residual| residual.set(near[frame]));
+                motion.follow(task, move |frame, residual| residual.set(enabled[frame]));
             }),
             check: Box::new(checker.check()),
         }
@@ -56,8 +56,12 @@ impl Obstacles {
         (self.add_frame_tasks)(tasks);
     }
 
-    /// Adds collision avoidance to a trajectory, at the samples marked in `near`.
-    pub(super) fn add_to_motion(&self, motion: &mut MotionProblemBuilder<'_>, near: Arc<[bool]>) {
-        (self.add_motion_tasks)(motion, near);
+    /// Adds collision avoidance to a trajectory, at the samples marked in `enabled`.
+    pub(super) fn add_to_motion(
+        &self,
+        motion: &mut MotionProblemBuilder<'_>,
+        enabled: Arc<[bool]>,
+    ) {
+        (self.add_motion_tasks)(motion, enabled);
     }
 }

@@ -64,27 +64,27 @@ impl Proportions {
     }
 
     /// Returns messages about implausible lengths.
-    pub(super) fn faults(&self) -> Vec<String> {
-        let mut faults = Vec::new();
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
         for (name, sides) in &self.limbs {
             for ([shortest, longest], side) in sides.iter().zip(["left", "right"]) {
                 if *longest == 0.0 {
-                    faults.push(format!(
+                    warnings.push(format!(
                         "the {side} {name} has no length: its ends are at one position"
                     ));
                 } else if *shortest < (1.0 - MAX_LENGTH_VARIATION) * longest {
-                    faults.push(format!(
+                    warnings.push(format!(
                         "the {side} {name} is between {shortest:.3} and {longest:.3} long: its ends may not be of one bone"
                     ));
                 }
             }
             let [left, right] = [sides[0][1], sides[1][1]];
             if left.min(right) > 0.0 && left.min(right) < (1.0 - MAX_ASYMMETRY) * left.max(right) {
-                faults.push(format!(
+                warnings.push(format!(
                     "the left {name} is {left:.3} long and the right one {right:.3}"
                 ));
             }
         }
-        faults
+        warnings
     }
 }

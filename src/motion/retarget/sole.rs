@@ -9,7 +9,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// Number of horizontal directions in which the outermost points of a foot are searched, and their angles from straight
 /// down, radians.
-const DIRECTIONS: usize = 8;
+const SOLE_DIRECTIONS: usize = 8;
 const TILT_ANGLES: [f64; 2] = [0.5, 1.1];
 
 /// Largest height of a body of the sole above the lowest point of the foot, as a fraction of the limb's height.
@@ -159,10 +159,10 @@ struct ContactPoint {
 /// Returns the balls that are outermost downward and sideways.
 fn outermost(balls: &[(Vector3<f64>, f64)]) -> Vec<(Vector3<f64>, f64)> {
     let mut indices: Vec<usize> = Vec::new();
-    let angle_step = std::f64::consts::TAU / DIRECTIONS as f64;
+    let angle_step = std::f64::consts::TAU / SOLE_DIRECTIONS as f64;
     for tilt in TILT_ANGLES {
         let (sideways, down) = elementary::sin_cos(tilt);
-        for k in 0..DIRECTIONS {
+        for k in 0..SOLE_DIRECTIONS {
             let (sine, cosine) = elementary::sin_cos(angle_step * (k as f64 + 0.5));
             let direction = Vector3::new(sideways * cosine, sideways * sine, -down);
             let extent = |k: &usize| balls[*k].0.dot(direction) + balls[*k].1;

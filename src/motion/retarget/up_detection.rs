@@ -7,7 +7,7 @@ use super::{BodyPart, Capture, UpAxis};
 use crate::spatial::Vector3;
 
 /// Smallest ratio of the extent along the vertical axis to that along each other axis.
-const MIN_RATIO: f64 = 2.0;
+const MIN_EXTENT_RATIO: f64 = 2.0;
 
 impl Capture {
     /// Returns the axis from the ankles to the pelvis. The joints are found by their names.
@@ -81,8 +81,8 @@ fn upright(above: Vector3<f64>) -> Option<UpAxis> {
 pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     let [x, y, z] = above.to_array().map(f64::abs);
     match () {
-        () if y > MIN_RATIO * x.max(z) => Some(UpAxis::Y),
-        () if z > MIN_RATIO * x.max(y) => Some(UpAxis::Z),
+        () if y > MIN_EXTENT_RATIO * x.max(z) => Some(UpAxis::Y),
+        () if z > MIN_EXTENT_RATIO * x.max(y) => Some(UpAxis::Z),
         () => None,
     }
 }

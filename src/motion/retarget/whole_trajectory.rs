@@ -39,18 +39,18 @@ impl Retargeting<'_> {
         &self,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Retargeted, RetargetError> {
-        let (mut q, mut near) = self.follow_all()?;
-        let aims: Arc<[_]> = self.aims(&q)?.into();
+        let (mut q, mut avoidance) = self.follow_all()?;
+        let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
         // A smoothed trajectory may collide at other samples than the online result.
         for _ in 0..MAX_COLLISION_PASSES {
-            self.extend_avoidance(&mut near);
+            self.extend_avoidance(&mut avoidance);
             let mut footholds = self.footholds(&q)?;
-            q = self.smooth(&q, &aims, &footholds, &near, progress)?;
+            q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, progress)?;
             for _ in 0..MAX_GROUND_CORRECTIONS {
                 if !self.raise_footholds(&q, &mut footholds)? {
                     break;
                 }
-                q = self.smooth(&q, &aims, &footholds, &near, &mut |_| ())?;
+                q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, &mut |_| ())?;
             }
             let touching = self.touching(&q);
             if touching.is_empty() {
@@ -58,28 +58,32 @@ impl Retargeting<'_> {
             }
             touching
                 .iter()
-                .for_each(|collision| near[collision.frame] = true);
+                .for_each(|collision| avoidance[collision.frame] = true);
         }
         self.measure(q)
     }
 
     /// Marks all samples within the blend duration of a marked one.
-    fn extend_avoidance(&self, near: &mut [bool]) {
+    fn extend_avoidance(&self, avoidance: &mut [bool]) {
         let blend_frames = self.options.contacts.lead_frames(self.frame_rate);
-        let marked = near.to_vec();
-        for (frame, _) in marked.iter().enumerate().filter(|(_, near)| **near) {
-            let end = (frame + blend_frames + 1).min(near.len());
-            near[frame.saturating_sub(blend_frames)..end].fill(true);
+        let marked = avoidance.to_vec();
+        for (frame, _) in marked
+            .iter()
+            .enumerate()
+            .filter(|(_, avoidance)| **avoidance)
+        {
+            let end = (frame + blend_frames + 1).min(avoidance.len());
+            avoidance[frame.saturating_sub(blend_frames)..end].fill(true);
         }
     }
 
-    /// Returns the smooth trajectory near `start`, with collision avoidance at the samples in `near`.
+    /// Returns the smooth trajectory near `start`, with collision avoidance at the samples in `avoidance`.
     fn smooth(
         &self,
         start: &[f64],
-        aims: &Arc<[(Vector3<f64>, f64)]>,
+        weighted_targets: &Arc<[(Vector3<f64>, f64)]>,
         footholds: &Footholds,
-        near: &[bool],
+        avoidance: &[bool],
         progress: &mut dyn FnMut(usize),
     ) -> Result<Vec<f64>, RetargetError> {
         let model = self.body.model();
@@ -89,9 +93,9 @@ impl Retargeting<'_> {
         let n = self.limbs.all.len();
         for (k, limb) in self.limbs.all.iter().enumerate() {
             let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
-            let aims = Arc::clone(aims);
+            let weighted_targets = Arc::clone(weighted_targets);
             motion.follow(point, move |frame, point| {
-                let (target, weight) = aims[frame * n + k];
+                let (target, weight) = weighted_targets[frame * n + k];
                 point.set(target, weight);
             });
         }
@@ -103,8 +107,12 @@ impl Retargeting<'_> {
         }
         motion.add(posture(model));
         self.keep_feet_over_ground(footholds, &mut motion);
-        if let Some(obstacles) = self.obstacles.as_ref().filter(|_| near.contains(&true)) {
-            obstacles.add_to_motion(&mut motion, near.into());
+        if let Some(obstacles) = self
+            .obstacles
+            .as_ref()
+            .filter(|_| avoidance.contains(&true))
+        {
+            obstacles.add_to_motion(&mut motion, avoidance.into());
         }
         motion.rate_cost(RateCost::acceleration(self.options.acceleration));
         let motion = motion.build()?;
@@ -122,12 +130,13 @@ impl Retargeting<'_> {
     /// Returns target and weight of each driven point at each sample.
     ///
     /// Contacts have the positions of the online result, which are known to be reachable.
-    fn aims(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
+    fn weighted_targets(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
         let model = self.body.model();
         let n = self.limbs.all.len();
         let max_weight = self.limbs.max_weight();
         let weights = self.limbs.all.iter().map(|limb| limb.weight);
-        let mut aims: Vec<_> = self.targets.iter().copied().zip(weights.cycle()).collect();
+        let mut weighted_targets: Vec<_> =
+            self.targets.iter().copied().zip(weights.cycle()).collect();
         let mut kinematics =
             ForwardKinematics::of_frames(model, &self.driven()).map_err(as_map_error)?;
         let lead = self.options.contacts.lead_frames(self.frame_rate);
@@ -147,16 +156,16 @@ impl Retargeting<'_> {
                 let before = span.start.checked_sub(distance);
                 let after = Some(span.end + distance - 1).filter(|frame| *frame < self.frames());
                 for frame in before.into_iter().chain(after) {
-                    let aim = &mut aims[frame * n + limb];
-                    aim.0 += shift;
+                    let weighted_target = &mut weighted_targets[frame * n + limb];
+                    weighted_target.0 += shift;
                 }
             }
         }
         for (LimbContact { limb, span }, position) in self.limb_contacts.iter().zip(positions) {
             for frame in span.clone() {
-                aims[frame * n + limb] = (position, CONTACT_WEIGHT * max_weight);
+                weighted_targets[frame * n + limb] = (position, CONTACT_WEIGHT * max_weight);
             }
         }
-        Ok(aims)
+        Ok(weighted_targets)
     }
 }

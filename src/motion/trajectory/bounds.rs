@@ -248,7 +248,7 @@ impl Frames<'_> {
         &mut self.x[frame * n..(frame + 1) * n]
     }
 
-    pub(super) fn put(&mut self, frame: usize, variables: [usize; 3], values: [f64; 3]) {
+    pub(super) fn set_variables(&mut self, frame: usize, variables: [usize; 3], values: [f64; 3]) {
         for (variable, value) in variables.into_iter().zip(values) {
             self.set(frame, variable, value);
         }

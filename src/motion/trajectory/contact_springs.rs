@@ -13,7 +13,7 @@ use crate::solver::{LeastSquares, dot};
 use crate::task::{Point, Quantity};
 
 /// Number of rows per point.
-const ROWS: usize = 3;
+const ROWS_PER_POINT: usize = 3;
 
 /// Weight of sliding, relative to the largest weight of a length.
 const STIFFNESS_RATIO: f64 = 300.0;
@@ -114,7 +114,7 @@ impl<'a> ContactSprings<'a> {
             last_evaluated = Some(local + 1);
             let mut row = 0;
             for contact in &self.motion.contacts {
-                let rows = row..row + ROWS * contact.points.len();
+                let rows = row..row + ROWS_PER_POINT * contact.points.len();
                 row = rows.end;
                 if contact.is_active_over_step(stretch.first + local) {
                     for row in rows {
@@ -191,11 +191,11 @@ impl<'a> ContactSprings<'a> {
     pub(super) fn slip(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
         let mut max_sliding = 0.0_f64;
         // A contact has one span.
-        let mut sums = vec![[0.0; ROWS]; self.rows() / ROWS];
+        let mut sums = vec![[0.0; ROWS_PER_POINT]; self.rows() / ROWS_PER_POINT];
         self.for_each_active(stretch, x, false, |_, _, row, slip| {
-            let sum = &mut sums[row / ROWS];
-            sum[row % ROWS] += slip;
-            if row % ROWS == ROWS - 1 {
+            let sum = &mut sums[row / ROWS_PER_POINT];
+            sum[row % ROWS_PER_POINT] += slip;
+            if row % ROWS_PER_POINT == ROWS_PER_POINT - 1 {
                 max_sliding = max_sliding.max(dot(sum, sum).sqrt());
             }
         });

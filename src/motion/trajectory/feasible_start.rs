@@ -72,23 +72,23 @@ impl<'a> LimitGroup<'a> {
                 continue;
             }
             let from = self.variables.map(|variable| x[variable]);
-            let to = self.inside(limit);
+            let to = self.inner_point(limit);
             let within = bisect(1.0, 0.0, HALVINGS, |fraction| {
-                self.put(x, from, to, fraction);
+                self.set_interpolated(x, from, to, fraction);
                 is_inside(x)
             });
-            self.put(x, from, to, within);
+            self.set_interpolated(x, from, to, within);
         }
     }
 
-    fn put(&self, x: &mut [f64], from: [f64; 3], to: [f64; 3], fraction: f64) {
+    fn set_interpolated(&self, x: &mut [f64], from: [f64; 3], to: [f64; 3], fraction: f64) {
         for (k, variable) in self.variables.into_iter().enumerate() {
             x[variable] = from[k] + fraction * (to[k] - from[k]);
         }
     }
 
     /// Returns a point within a limit of one sample: zero swing, and the twist nearest to zero.
-    fn inside(&self, limit: &LengthLimit) -> [f64; 3] {
+    fn inner_point(&self, limit: &LengthLimit) -> [f64; 3] {
         let third = self.variables[2];
         let (low, high) = (self.bounds.lower[third], self.bounds.upper[third]);
         let nearest = 0.0_f64.clamp(low, high);
@@ -113,8 +113,8 @@ impl<'a> LimitGroup<'a> {
         {
             let steps = (end - begin) as f64;
             let longest = self.longest_step(x.frame(begin), goal, end - begin);
-            let shares = std::iter::once(fraction).chain(STEP_FRACTIONS);
-            let feasible = shares.into_iter().find(|fraction| longest <= *fraction);
+            let fractions = std::iter::once(fraction).chain(STEP_FRACTIONS);
+            let feasible = fractions.into_iter().find(|fraction| longest <= *fraction);
             max_step = feasible.ok_or(TooFar {
                 variable: self.variables[0],
             })?;
@@ -122,8 +122,8 @@ impl<'a> LimitGroup<'a> {
                 // Only the straight path is known to lead there.
                 for frame in begin + 1..end {
                     let progress = (frame - begin) as f64 / steps;
-                    let values = self.between(x.frame(begin), goal, progress);
-                    x.put(frame, self.variables, values);
+                    let values = self.interpolate(x.frame(begin), goal, progress);
+                    x.set_variables(frame, self.variables, values);
                 }
                 return Ok(());
             }
@@ -142,8 +142,8 @@ impl<'a> LimitGroup<'a> {
                 // Without a predecessor, the sample may be anywhere from which the next fixed one is reachable.
                 if let Some(goal) = goal.as_ref().filter(|_| !reaches(&target)) {
                     let progress = max_step * remaining_steps / self.path_length(goal, &target);
-                    let values = self.between(goal, &target, progress * (1.0 - f64::EPSILON));
-                    x.put(frame, self.variables, values);
+                    let values = self.interpolate(goal, &target, progress * (1.0 - f64::EPSILON));
+                    x.set_variables(frame, self.variables, values);
                 }
                 continue;
             }
@@ -154,12 +154,12 @@ impl<'a> LimitGroup<'a> {
                 let mut straight_sample = before.clone();
                 self.write(
                     &mut straight_sample,
-                    self.between(&before, goal, 1.0 / (remaining_steps + 1.0)),
+                    self.interpolate(&before, goal, 1.0 / (remaining_steps + 1.0)),
                 );
                 let original = target.clone();
                 let mut blend = 0.5;
                 let blended = (0..HALVINGS).find_map(|_| {
-                    let values = self.between(&straight_sample, &original, blend);
+                    let values = self.interpolate(&straight_sample, &original, blend);
                     self.write(&mut target, values);
                     blend *= 0.5;
                     let is_near = self.relative_step(&before, &target) <= max_step;
@@ -169,7 +169,7 @@ impl<'a> LimitGroup<'a> {
                 self.write(&mut target, values);
             }
             let values = self.variables.map(|variable| target[variable]);
-            x.put(frame, self.variables, values);
+            x.set_variables(frame, self.variables, values);
         }
         Ok(())
     }
@@ -187,10 +187,10 @@ impl<'a> LimitGroup<'a> {
             return self.variables.map(|variable| to[variable]);
         }
         let within = bisect(0.0, 1.0, HALVINGS, |fraction| {
-            self.write(&mut sample, self.between(from, to, fraction));
+            self.write(&mut sample, self.interpolate(from, to, fraction));
             self.relative_step(from, &sample) <= max_step
         });
-        self.between(from, to, within)
+        self.interpolate(from, to, within)
     }
 
     /// Returns the displacement between two samples relative to its bound.
@@ -211,13 +211,13 @@ impl<'a> LimitGroup<'a> {
     }
 
     /// Interpolates between two samples: by the shortest rotation for a ball joint without limits, else linearly.
-    fn between(&self, from: &[f64], to: &[f64], fraction: f64) -> [f64; 3] {
+    fn interpolate(&self, from: &[f64], to: &[f64], fraction: f64) -> [f64; 3] {
         match &self.ball {
             Some(ball) if !is_bounded(ball) => {
                 let start = rotation(ball, from);
-                let turn = (start.conjugate() * rotation(ball, to)).log();
+                let rotation_vector = (start.conjugate() * rotation(ball, to)).log();
                 ball.chart
-                    .variables(start * Quaternion::exp(turn * fraction))
+                    .variables(start * Quaternion::exp(rotation_vector * fraction))
             }
             _ => {
                 let displacement = self.displacement(from, to);
@@ -244,7 +244,7 @@ impl<'a> LimitGroup<'a> {
         };
         // A rotation vector is at most as long as the sum of its parts, swing and twist.
         let [first, second, third] = self.displacement(from, to);
-        let turn = match ball.swing {
+        let angle = match ball.swing {
             None => Vector3::new(first, second, third).norm(),
             Some(_) => (first * first + second * second).sqrt() + third.abs(),
         };
@@ -253,7 +253,7 @@ impl<'a> LimitGroup<'a> {
             .iter()
             .filter(|limit| limit.limits_displacement());
         moves
-            .map(|limit| turn / limit.max_length)
+            .map(|limit| angle / limit.max_length)
             .fold(0.0, f64::max)
     }
 
@@ -262,7 +262,7 @@ impl<'a> LimitGroup<'a> {
         let (mut last, mut next) = (from.to_vec(), from.to_vec());
         let mut longest = 0.0_f64;
         for step in 1..=steps {
-            let values = self.between(from, to, step as f64 / steps as f64);
+            let values = self.interpolate(from, to, step as f64 / steps as f64);
             self.write(&mut next, values);
             longest = longest.max(self.relative_step(&last, &next));
             std::mem::swap(&mut last, &mut next);

@@ -168,8 +168,8 @@ impl LengthLimit {
                 (diagonal(factors.map(|factor| -factor)), diagonal(*factors))
             }
             Measure::Rotation(ball) => {
-                let back = rotation_jacobian(ball, from, -rho);
-                let by_from = Matrix3::from_columns(-back.x, -back.y, -back.z);
+                let backward = rotation_jacobian(ball, from, -rho);
+                let by_from = Matrix3::from_columns(-backward.x, -backward.y, -backward.z);
                 (by_from, rotation_jacobian(ball, to, rho))
             }
             Measure::Swing(_, [first, second]) => {

@@ -26,21 +26,21 @@ pub(super) fn rotation(ball: &BallVariables, x: &[f64]) -> Quaternion<f64> {
     ball.chart.rotation(variables)
 }
 
-/// Returns the derivative of the rotation vector `turn`, which leads to the ball's rotation, by steps of that ball
+/// Returns the derivative of `rotation_vector`, which leads to the ball's rotation, by steps of that ball
 /// joint.
 pub(super) fn rotation_jacobian(
     ball: &BallVariables,
     x: &[f64],
-    turn: Vector3<f64>,
+    rotation_vector: Vector3<f64>,
 ) -> Matrix3<f64> {
-    let by_turn = rotation_log_jacobian(-turn);
+    let by_rotation = rotation_log_jacobian(-rotation_vector);
     match is_bounded(ball) {
-        false => by_turn,
+        false => by_rotation,
         true => {
             let variables = ball.of(x).unwrap_or([f64::NAN; 3]);
-            let back = ball.chart.rotation(variables).to_matrix().transpose();
+            let inverse_rotation = ball.chart.rotation(variables).to_matrix().transpose();
             let [first, second, third] = ball.chart.axes(variables);
-            by_turn * back * Matrix3::from_columns(first, second, third)
+            by_rotation * inverse_rotation * Matrix3::from_columns(first, second, third)
         }
     }
 }
@@ -77,8 +77,8 @@ impl FrameSpace {
             let range = ball.variable..ball.variable + 3;
             let delta = &step[range.clone()];
             let delta = Quaternion::exp(Vector3::new(delta[0], delta[1], delta[2]) * fraction);
-            let turned = rotation(ball, x) * delta;
-            to[range].copy_from_slice(&ball.chart.variables(turned));
+            let rotated = rotation(ball, x) * delta;
+            to[range].copy_from_slice(&ball.chart.variables(rotated));
         }
     }
 
@@ -88,9 +88,9 @@ impl FrameSpace {
             *displacement = to - from;
         }
         for ball in &self.balls {
-            let turned = rotation(ball, from).conjugate() * rotation(ball, to);
+            let rotated = rotation(ball, from).conjugate() * rotation(ball, to);
             displacement[ball.variable..ball.variable + 3]
-                .copy_from_slice(&turned.log().to_array());
+                .copy_from_slice(&rotated.log().to_array());
         }
     }
 

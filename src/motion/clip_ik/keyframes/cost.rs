@@ -35,7 +35,7 @@ pub(super) struct KeyCost {
 }
 
 /// Number of rows of a point.
-const ROWS: usize = 3;
+const ROWS_PER_POINT: usize = 3;
 
 impl KeyCost {
     pub(super) fn new(
@@ -103,7 +103,7 @@ impl KeyCost {
             let weights = self.samples[k]
                 .weights
                 .iter()
-                .zip(self.residual.chunks(ROWS));
+                .zip(self.residual.chunks(ROWS_PER_POINT));
             let miss = weights.map(|(weight, rows)| {
                 (*weight >= 1.0).then(|| crate::solver::dot(rows, rows).sqrt())
             });
@@ -143,7 +143,7 @@ impl KeyCost {
             let weighted = self.samples[k]
                 .weights
                 .iter()
-                .zip(self.residual.chunks(ROWS));
+                .zip(self.residual.chunks(ROWS_PER_POINT));
             sum += weighted
                 .map(|(w, rows)| w * w * crate::solver::dot(rows, rows))
                 .sum::<f64>();
@@ -173,7 +173,7 @@ impl Cost for KeyCost {
         self.sum(keys, |cost, k| {
             let sample = &cost.samples[k];
             for (row, residual) in cost.residual.iter().enumerate() {
-                let weight = sample.weights[row / ROWS];
+                let weight = sample.weights[row / ROWS_PER_POINT];
                 let weight = weight * weight;
                 if weight == 0.0 {
                     continue;

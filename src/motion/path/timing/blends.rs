@@ -5,11 +5,11 @@ use super::cubic_curve::{CubicCurve, Jet};
 
 /// Angle beyond which a corner is a reversal, radians. The path stops there, as a blend would save no time and not
 /// reach the corner.
-const MIN_REVERSAL: f64 = 2.8;
+const MIN_REVERSAL_ANGLE: f64 = 2.8;
 /// Largest fraction of an adjacent curve that a blend replaces.
 const MAX_CURVE_FRACTION: f64 = 0.45;
 /// Distance from a corner between straight lines to its blend, per half length and per change of the tangent.
-const CORNER_DISTANCE: f64 = 13.0 / 72.0;
+const CORNER_DISTANCE_FACTOR: f64 = 13.0 / 72.0;
 /// Fraction of the tolerance that a first blend uses, to allow for rounding.
 const TOLERANCE_FRACTION: f64 = 0.999;
 /// Factor that shortens a blend that is too far from the corner, and maximum number of shortenings.
@@ -94,13 +94,13 @@ impl Blend {
         };
         let arriving = first(before, before.piece(corner), corner);
         let leaving = first(after, 0, corner);
-        if tolerance <= 0.0 || angle(&arriving, &leaving) > MIN_REVERSAL {
+        if tolerance <= 0.0 || angle(&arriving, &leaving) > MIN_REVERSAL_ANGLE {
             return None;
         }
         let changes = arriving.iter().zip(&leaving).map(|(a, b)| (b - a).abs());
         let change = changes.fold(0.0, f64::max);
         let longest = MAX_CURVE_FRACTION * (corner - before.start()).min(after.end() - corner);
-        let widest = TOLERANCE_FRACTION * tolerance / (CORNER_DISTANCE * change);
+        let widest = TOLERANCE_FRACTION * tolerance / (CORNER_DISTANCE_FACTOR * change);
         let mut half = widest.min(longest);
         for _ in 0..MAX_SHRINKS {
             let blend = Self::of_half_length(before, after, half);
@@ -164,14 +164,14 @@ impl Blend {
         push_point(&mut blended, before, corner - self.half);
         self.append(&mut blended, corner);
         push_point(&mut blended, after, corner + self.half);
-        let near = |curve: &CubicCurve, s: f64| {
+        let is_near = |curve: &CubicCurve, s: f64| {
             let jets = blended.jets(blended.piece(s), s);
             let mut pairs = jets.zip(curve.jets(curve.piece(s), s));
             pairs.all(|(a, b)| (a.value - b.value).abs() <= tolerance)
         };
         (0..=CHECK_SAMPLES).all(|k| {
             let offset = self.half * k as f64 / CHECK_SAMPLES as f64;
-            near(before, corner - offset) && near(after, corner + offset)
+            is_near(before, corner - offset) && is_near(after, corner + offset)
         })
     }
 }

@@ -85,13 +85,13 @@ impl Rows<'_> {
     }
 
     /// Returns the angle between the chords to the rows before and after, radians.
-    fn turn(&self, row: usize, first: usize, last: usize) -> f64 {
+    fn chord_angle(&self, row: usize, first: usize, last: usize) -> f64 {
         let (before, after) = (self.before(row, first), self.after(row, last));
         self.angle_of_chords([before, row], [row, after])
     }
 
     /// Returns the change of direction from one row to a later one, radians.
-    pub(super) fn turn_between(&self, from: usize, to: usize) -> f64 {
+    pub(super) fn direction_change(&self, from: usize, to: usize) -> f64 {
         let (after, before) = (self.after(from, to), self.before(to, from));
         self.angle_of_chords([from, after], [before, to])
     }
@@ -114,7 +114,7 @@ impl Rows<'_> {
     }
 
     /// Returns the largest angle between chords at the neighbouring rows that bend to the same side, radians.
-    fn max_neighbour_turn(&self, row: usize, first: usize, last: usize) -> f64 {
+    fn max_neighbour_angle(&self, row: usize, first: usize, last: usize) -> f64 {
         let change = |row: usize| {
             let (before, after) = (self.before(row, first), self.after(row, last));
             let (arriving, leaving) = (self.chord(before, row), self.chord(row, after));
@@ -124,14 +124,14 @@ impl Rows<'_> {
         let inner = neighbours
             .into_iter()
             .filter(|neighbour| *neighbour != first && *neighbour != last);
-        let turns = inner.map(|neighbour| {
+        let chord_angles = inner.map(|neighbour| {
             let product: f64 = change(row).zip(change(neighbour)).map(|(a, b)| a * b).sum();
             match product > 0.0 {
-                true => self.turn(neighbour, first, last),
+                true => self.chord_angle(neighbour, first, last),
                 false => 0.0,
             }
         });
-        turns.fold(0.0, f64::max)
+        chord_angles.fold(0.0, f64::max)
     }
 
     /// Returns whether a row is a corner between two bounds, which are known corners or ends.
@@ -147,8 +147,8 @@ impl Rows<'_> {
             false => MIN_ANGLE_RATIO,
         };
         corner_angle > MIN_CORNER_ANGLE
-            && corner_angle > min_ratio * self.turn(row, first, last)
-            && corner_angle > MIN_NEIGHBOUR_ANGLE_RATIO * self.max_neighbour_turn(row, first, last)
+            && corner_angle > min_ratio * self.chord_angle(row, first, last)
+            && corner_angle > MIN_NEIGHBOUR_ANGLE_RATIO * self.max_neighbour_angle(row, first, last)
     }
 }
 
@@ -168,9 +168,10 @@ pub(super) fn corners(rows: Rows<'_>) -> Vec<usize> {
     let Some(last) = rows.rows.len().checked_sub(1) else {
         return Vec::new();
     };
-    let turns = (1..last).map(|row| (rows.turn(row, 0, last), row));
-    let mut candidates: Vec<(f64, usize)> =
-        turns.filter(|(turn, _)| *turn > MIN_CORNER_ANGLE).collect();
+    let chord_angles = (1..last).map(|row| (rows.chord_angle(row, 0, last), row));
+    let mut candidates: Vec<(f64, usize)> = chord_angles
+        .filter(|(angle, _)| *angle > MIN_CORNER_ANGLE)
+        .collect();
     // The sharpest first, because a corner distorts the chords of its neighbours.
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut corners = vec![0, last];

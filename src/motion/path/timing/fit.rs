@@ -2,8 +2,8 @@
 //!
 //! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1
 //! per radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than
-//! [`KNOT_TURN`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows
-//! are all knots.
+//! [`MAX_DIRECTION_CHANGE`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve.
+//! Sparser rows are all knots.
 
 use super::corners::{MIN_TANGENT_DISTANCE, Rows};
 use super::cubic_curve::CubicCurve;
@@ -13,7 +13,7 @@ pub(super) const ROW_TOLERANCE: f64 = 1e-5;
 /// Distance of knots along the path, radians or metres of joint length.
 const KNOT_DISTANCE: f64 = 0.03;
 /// Largest change of direction between knots, radians.
-const KNOT_TURN: f64 = 0.1;
+const MAX_DIRECTION_CHANGE: f64 = 0.1;
 /// Smallest distance between a knot inserted for a row and its neighbours, radians or metres of joint length.
 const MIN_KNOT_DISTANCE: f64 = 2e-4;
 /// Maximum number of rounds that insert knots. Each splits the pieces that are too far off.
@@ -41,7 +41,7 @@ fn interpolated(rows: Rows<'_>, knots: &[usize], joints: usize) -> CubicCurve {
     CubicCurve::through(parameters, values.copied().collect(), joints)
 }
 
-/// Returns both ends, and rows between them that are at least [`KNOT_DISTANCE`] or [`KNOT_TURN`] apart.
+/// Returns both ends, and rows between them that are at least [`KNOT_DISTANCE`] or [`MAX_DIRECTION_CHANGE`] apart.
 fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     let lengths = rows.lengths;
     let last = lengths.len() - 1;
@@ -50,7 +50,8 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     for row in 1..last {
         let distance = lengths[row] - lengths[knot];
         if distance >= KNOT_DISTANCE
-            || (distance >= MIN_TANGENT_DISTANCE && rows.turn_between(knot, row) > KNOT_TURN)
+            || (distance >= MIN_TANGENT_DISTANCE
+                && rows.direction_change(knot, row) > MAX_DIRECTION_CHANGE)
         {
             knots.push(row);
             knot = row;
@@ -60,7 +61,7 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     let remaining = lengths[last] - lengths[knot];
     if knots.len() > 1
         && remaining < 0.5 * KNOT_DISTANCE
-        && rows.turn_between(knot, last) < KNOT_TURN
+        && rows.direction_change(knot, last) < MAX_DIRECTION_CHANGE
     {
         knots.pop();
     }

@@ -15,9 +15,9 @@ pub(super) struct Grid {
 
 /// Minimum number of cells per piece, and maximum number in tight bends.
 const MIN_CELLS: usize = 3;
-const MAX_BENT_CELLS: usize = 64;
+const MAX_BEND_CELLS: usize = 64;
 /// Largest change of direction in a cell, radians.
-const MAX_CELL_TURN: f64 = 0.04;
+const MAX_DIRECTION_CHANGE: f64 = 0.04;
 
 impl Grid {
     /// Divides a curve into cells of at most its length divided by `cells`, and shorter cells in tight bends.
@@ -34,8 +34,9 @@ impl Grid {
                 let row = &curve.second_derivatives[knot * n..(knot + 1) * n];
                 row.iter().map(|bend| bend * bend).sum::<f64>().sqrt()
             });
-            let turn = length * bend[0].max(bend[1]);
-            let bent = ((turn / MAX_CELL_TURN).ceil() as usize).min(MAX_BENT_CELLS);
+            let direction_change = length * bend[0].max(bend[1]);
+            let bent =
+                ((direction_change / MAX_DIRECTION_CHANGE).ceil() as usize).min(MAX_BEND_CELLS);
             let count = ((length / longest).ceil() as usize)
                 .max(MIN_CELLS)
                 .max(bent);

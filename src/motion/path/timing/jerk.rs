@@ -140,7 +140,7 @@ fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
 }
 
 /// Returns z, w and w′ for three coefficients.
-fn at(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
+fn spline_values(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
     basis.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
 }
 
@@ -259,7 +259,8 @@ impl Cells<'_> {
         let limits = self.limits;
         let mut max_factor = 1.0_f64;
         for cell in samples.chunks_exact(CHECK_PARTS + 1) {
-            let motion = |sample: &Sample| at(&sample.basis, &z[sample.cell..sample.cell + 3]);
+            let motion =
+                |sample: &Sample| spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
             let mut include = |ratio: &dyn Fn(&Sample) -> f64, root: fn(f64) -> f64| {
                 max_factor = max_factor.max(root(largest(cell.iter().map(ratio))));
             };
@@ -293,7 +294,8 @@ impl Cells<'_> {
     fn timed(&self, z: &[f64]) -> Vec<Cell> {
         let mut time = 0.0;
         let cells = (0..self.count()).map(|index| {
-            let [z, acceleration, slope] = at(&self.basis(index, 0.0), &z[index..index + 3]);
+            let [z, acceleration, slope] =
+                spline_values(&self.basis(index, 0.0), &z[index..index + 3]);
             let cell = Cell {
                 start: self.nodes[index],
                 length: self.step(index),
@@ -380,7 +382,7 @@ impl Barrier<'_> {
     /// Returns the duration of the motion, seconds; infinity if z is not positive.
     fn time(&self, z: &[f64]) -> f64 {
         let times = self.samples.iter().map(|sample| {
-            let [z, ..] = at(&sample.basis, &z[sample.cell..sample.cell + 3]);
+            let [z, ..] = spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
             match z > 0.0 {
                 true => sample.weight / z.sqrt(),
                 false => f64::INFINITY,
@@ -405,7 +407,7 @@ impl Barrier<'_> {
     }
 
     fn terms(&self, sample: &Sample, z: &[f64]) -> Terms {
-        let [z, w, bend] = at(&sample.basis, &z[sample.cell..sample.cell + 3]);
+        let [z, w, bend] = spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
         let mut terms = Terms {
             value: 0.0,
             product: 1.0,
@@ -535,8 +537,9 @@ impl Newton {
         }
         for k in (0..count).rev() {
             let [inverse, one, two] = self.band[k];
-            let at = |k: usize| self.gradient.get(k).copied().unwrap_or(0.0);
-            self.gradient[k] = self.gradient[k] * inverse - one * at(k + 1) - two * at(k + 2);
+            let gradient_at = |k: usize| self.gradient.get(k).copied().unwrap_or(0.0);
+            self.gradient[k] =
+                self.gradient[k] * inverse - one * gradient_at(k + 1) - two * gradient_at(k + 2);
         }
     }
 }

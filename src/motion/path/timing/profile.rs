@@ -105,10 +105,14 @@ fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
             3.0 * second * u + 2.0 * half_third * from,
             5.0 * half_third * u,
         ];
-        let at = |y: f64| a + y * (b + y * c);
-        let end = at(step);
+        let acceleration_at = |y: f64| a + y * (b + y * c);
+        let end = acceleration_at(step);
         let has_summit = b * c < 0.0 && b.abs() < 2.0 * step * c.abs();
-        let summit = if has_summit { at(-0.5 * b / c) } else { a };
+        let summit = if has_summit {
+            acceleration_at(-0.5 * b / c)
+        } else {
+            a
+        };
         let largest = a.abs().max(end.abs()).max(summit.abs());
         max_ratio = max_ratio.max(largest / acceleration);
         // The velocity is extreme at the ends, or at zeros of the acceleration.

@@ -8,10 +8,10 @@ use super::{FolderError, FolderQuestion, QUESTION};
 use crate::file_replacement::write_file;
 
 /// File extensions of motions.
-const KINDS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
+const FILE_EXTENSIONS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
 
 /// Prefix of the names of unfinished files.
-const UNFINISHED: &str = ".part.";
+const UNFINISHED_PREFIX: &str = ".part.";
 
 /// Motions in a folder and its subfolders, and the output folder with files of the same names.
 ///
@@ -22,15 +22,15 @@ const UNFINISHED: &str = ".part.";
 ///
 /// # let into = std::env::temp_dir().join(format!("kinopt-movements-{}", std::process::id()));
 /// let robot = Robot::read("models/aldebaran_nao.urdf")?.with_base_joint(BaseJoint::FREE)?;
-/// let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+/// let settings = FolderQuestion::new(&robot, RetargetOptions::default());
 /// let folder = MovementFolder::find("models/captures".as_ref(), &into, "csv")?;
-/// for movement in folder.begin(&asked, false)?.iter().filter(|own| !own.done_before) {
+/// for movement in folder.begin(&settings, false)?.iter().filter(|movement| !movement.done_before) {
 /// // The motion is retargeted to the robot here.
 ///     let written = unfinished(&movement.out);
 ///     std::fs::write(&written, "0,0,0")?;
 ///     std::fs::rename(&written, &movement.out)?;
 /// }
-/// assert!(folder.begin(&asked, false)?.iter().all(|own| own.done_before));
+/// assert!(folder.begin(&settings, false)?.iter().all(|movement| movement.done_before));
 /// # std::fs::remove_dir_all(&into)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -68,7 +68,7 @@ impl MovementFolder {
         }
         let output = fs::canonicalize(into).ok();
         let is_into = |folder: &Path| output.is_some() && fs::canonicalize(folder).ok() == output;
-        if KINDS.contains(&ending) && is_into(source) {
+        if FILE_EXTENSIONS.contains(&ending) && is_into(source) {
             let folder = into.to_owned();
             return Err(FolderError::IntoItself { folder });
         }
@@ -76,7 +76,7 @@ impl MovementFolder {
         if sources.is_empty() {
             return Err(FolderError::Empty {
                 folder: source.to_owned(),
-                kinds: KINDS.map(|kind| format!(".{kind}")).join(", "),
+                kinds: FILE_EXTENSIONS.map(|kind| format!(".{kind}")).join(", "),
             });
         }
         let mut outputs: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
@@ -145,7 +145,7 @@ impl MovementFolder {
 /// Returns the path of an unfinished output file, in the same folder with the same extension.
 #[must_use]
 pub fn unfinished(out: &Path) -> PathBuf {
-    let mut name = std::ffi::OsString::from(UNFINISHED);
+    let mut name = std::ffi::OsString::from(UNFINISHED_PREFIX);
     name.push(out.file_name().unwrap_or_default());
     out.with_file_name(name)
 }
@@ -167,7 +167,7 @@ fn movements(folder: &Path, is_into: &impl Fn(&Path) -> bool) -> Result<Vec<Path
             continue;
         }
         let ending = path.extension().unwrap_or_default().to_string_lossy();
-        if KINDS.contains(&ending.to_lowercase().as_str()) {
+        if FILE_EXTENSIONS.contains(&ending.to_lowercase().as_str()) {
             motions.push(path);
         }
     }
@@ -193,7 +193,7 @@ fn remove_unfinished(folder: &Path) -> Result<(), FolderError> {
     for entry in fs::read_dir(folder).map_err(write_error)? {
         let path = entry.map_err(write_error)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with(UNFINISHED) {
+        if name.starts_with(UNFINISHED_PREFIX) {
             fs::remove_file(&path).map_err(write_error)?;
         }
     }
