@@ -130,16 +130,16 @@ impl PosedBones {
 
     /// Returns the effector frame of a rotating bone, with the bone's axes.
     pub(super) fn frame(&self, bone: BoneId) -> Option<FrameId> {
-        let turning_bone = self
+        let rotating_bone = self
             .bones
             .iter()
-            .find(|turning_bone| turning_bone.bone == bone)?;
-        Some(turning_bone.frame)
+            .find(|rotating_bone| rotating_bone.bone == bone)?;
+        Some(rotating_bone.frame)
     }
 
     /// Returns the bones that rotate.
     pub(super) fn rotating_bones(&self) -> impl Iterator<Item = BoneId> + '_ {
-        self.bones.iter().map(|turning_bone| turning_bone.bone)
+        self.bones.iter().map(|rotating_bone| rotating_bone.bone)
     }
 
     /// Stores the pose of the clip that a frame should stay close to.
@@ -171,7 +171,7 @@ impl PosedBones {
                 None => (local_transform, rotation),
                 Some(parent_index) => (
                     self.transforms[parent_index] * local_transform,
-                    (self.rotations[above] * mirror.rotation(rotation)).normalize(),
+                    (self.rotations[parent_index] * mirror.rotation(rotation)).normalize(),
                 ),
             };
         }
@@ -182,7 +182,7 @@ impl PosedBones {
         let mut carriers = self
             .bones
             .iter()
-            .filter_map(|turning_bone| turning_bone.parent);
+            .filter_map(|rotating_bone| rotating_bone.parent);
         let sheared = |bone: BoneId| !self.stretches[bone.index()].is_even();
         carriers.any(|parent| sheared(self.bones[parent].bone)) || self.root.is_some_and(sheared)
     }
@@ -197,8 +197,10 @@ impl PosedBones {
         let hinges = self
             .bones
             .iter()
-            .find(|turning_bone| turning_bone.bone == bone);
-        let tip = hinges.map_or(Vector3::zero(), |turning_bone| tip_of(&turning_bone.hinges));
+            .find(|rotating_bone| rotating_bone.bone == bone);
+        let tip = hinges.map_or(Vector3::zero(), |rotating_bone| {
+            tip_of(&rotating_bone.hinges)
+        });
         self.transforms[bone.index()].transform_point3(DVec3::from(tip.to_array()))
     }
 
@@ -231,9 +233,9 @@ impl PosedBones {
     /// Moves the joints to the placements of the pose last placed, with the root displaced by `moved`. Writes the
     /// configuration of that pose to `q`.
     pub(super) fn place_joints(&mut self, armature: &Armature, moved: DVec3, q: &mut [f64]) {
-        for turning_bone in &self.bones {
-            let index = turning_bone.bone.index();
-            let parent_index = turning_bone
+        for rotating_bone in &self.bones {
+            let index = rotating_bone.bone.index();
+            let parent_index = rotating_bone
                 .parent
                 .map(|parent| self.bones[parent].bone.index());
             let relative_to_parent = |rotations: &[DQuat]| match parent_index {
@@ -249,8 +251,8 @@ impl PosedBones {
                 }
                 None => self.transforms[index].translation + moved,
             };
-            let mirror = self.mirror_above(armature.parent(turning_bone.bone));
-            let on_parent = match (turning_bone.parent, &turning_bone.hinges) {
+            let mirror = self.mirror_above(armature.parent(rotating_bone.bone));
+            let on_parent = match (rotating_bone.parent, &rotating_bone.hinges) {
                 (_, None) => local_rotation,
                 (Some(_), Some(hinges)) => mirror.rotation(hinges.rest),
                 (None, Some(hinges)) => {
@@ -259,15 +261,15 @@ impl PosedBones {
                 }
             };
             let placement = Placement::new(matrix(on_parent), offset.to_array().into());
-            self.model.place_joint(turning_bone.joint, placement);
+            self.model.place_joint(rotating_bone.joint, placement);
             let tip =
-                self.stretches[index].apply(DVec3::from(tip_of(&turning_bone.hinges).to_array()));
+                self.stretches[index].apply(DVec3::from(tip_of(&rotating_bone.hinges).to_array()));
             self.model
-                .move_frame(turning_bone.frame, tip.to_array().into());
+                .move_frame(rotating_bone.frame, tip.to_array().into());
             let current = relative_to_parent(&self.rotations);
-            let numbers =
-                &mut q[turning_bone.coordinate..turning_bone.coordinate + turning_bone.numbers()];
-            match &turning_bone.hinges {
+            let numbers = &mut q
+                [rotating_bone.coordinate..rotating_bone.coordinate + rotating_bone.numbers()];
+            match &rotating_bone.hinges {
                 None if self.rotations == self.clip_rotations => {
                     numbers.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
                 }
@@ -288,13 +290,13 @@ impl PosedBones {
 
     /// Writes a configuration and the displacement of the root to a pose.
     pub(super) fn pose(&self, q: &[f64], moved: DVec3, armature: &Armature, pose: &mut Pose) {
-        for turning_bone in &self.bones {
+        for rotating_bone in &self.bones {
             let numbers =
-                &q[turning_bone.coordinate..turning_bone.coordinate + turning_bone.numbers()];
-            let mirror = self.mirror_above(armature.parent(turning_bone.bone));
-            let local_rotation = match (&turning_bone.hinges, numbers) {
+                &q[rotating_bone.coordinate..rotating_bone.coordinate + rotating_bone.numbers()];
+            let mirror = self.mirror_above(armature.parent(rotating_bone.bone));
+            let local_rotation = match (&rotating_bone.hinges, numbers) {
                 (None, &[w, x, y, z]) => {
-                    let clip = self.clip_locals[turning_bone.bone.index()];
+                    let clip = self.clip_locals[rotating_bone.bone.index()];
                     clip * mirror.rotation(DQuat::from_xyzw(x, y, z, w))
                 }
                 (Some(hinges), &[second, bend, first]) => {
@@ -304,7 +306,7 @@ impl PosedBones {
             };
             // Cannot fail: the bone is in the pose, and the rotation has unit length.
             let _ = pose.set_rotation(
-                turning_bone.bone,
+                rotating_bone.bone,
                 local_rotation.normalize().as_quat().normalize(),
             );
         }
@@ -344,9 +346,9 @@ fn tip_of(hinges: &Option<Hinges>) -> Vector3<f64> {
     Vector3::new(length, 0.0, 0.0)
 }
 
-fn last_joint(turning_bone: &RotatingBone) -> Option<JointId> {
+fn last_joint(rotating_bone: &RotatingBone) -> Option<JointId> {
     Some(JointId::new(
-        turning_bone.joint.index() + turning_bone.joints() - 1,
+        rotating_bone.joint.index() + rotating_bone.joints() - 1,
     ))
 }
 

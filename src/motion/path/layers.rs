@@ -196,7 +196,7 @@ impl<'a> LayerGenerator<'a> {
         known.position(|known| self.is_as_good(known, q.iter().map(|q| *q as f32)))
     }
 
-    /// Returns the same index with the help of `sorted`.
+    /// Returns the same index with the help of `neighbours`.
     pub(super) fn find_indexed(
         &self,
         layer: &Layer,

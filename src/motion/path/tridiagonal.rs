@@ -114,7 +114,8 @@ impl Tridiagonal {
         within
     }
 
-    /// Moves a joint of a knot by `by`, and removes its motion from the knot's directions by Gaussian elimination.
+    /// Moves a joint of a knot by `displacement`, and removes its motion from the knot's directions by Gaussian
+    /// elimination.
     ///
     /// Returns false if no direction moves the joint.
     fn lock(&mut self, knot: usize, joint: usize, displacement: f64) -> bool {

@@ -239,10 +239,10 @@ impl BodyFollower {
         let problem = self.frame.problem();
         let limits = problem.lower().iter().zip(problem.upper());
         let bounds = self.lower.iter_mut().zip(&mut self.upper);
-        for ((&x, &max_steps), ((lower, upper), (&low, &high))) in
+        for ((&x, &max_step), ((lower, upper), (&low, &high))) in
             self.x.iter().zip(&self.max_steps).zip(bounds.zip(limits))
         {
-            (*lower, *upper) = ((x - max_steps).max(low), (x + max_steps).min(high));
+            (*lower, *upper) = ((x - max_step).max(low), (x + max_step).min(high));
         }
         self.has_solved = true;
         Ok(&self.body_q)
