@@ -6,7 +6,7 @@ use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::spatial::Vector3;
 
 /// Leg length for which the default speed limit is meant, metres.
-pub(super) const USUAL_LEG_M: f64 = 0.9;
+pub(super) const NOMINAL_LEG_LENGTH_M: f64 = 0.9;
 
 /// Criteria of contact of a point: speed and height, for a character of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,24 +58,24 @@ impl ContactDetection {
 
     /// Returns the capture frames in which a point is in contact, as ranges.
     ///
-    /// `way` has the position of the point in each capture frame, metres. `height` returns its height above the ground,
-    /// metres. `rate` is in capture frames per second.
+    /// `positions` has the position of the point in each capture frame, metres. `height` returns its height above the
+    /// ground, metres. `rate` is in capture frames per second.
     pub(super) fn spans(
         &self,
-        way: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         height: impl Fn(usize) -> f64,
         rate: f64,
     ) -> Vec<Range<usize>> {
-        let last = way.len().saturating_sub(1);
+        let last = positions.len().saturating_sub(1);
         // A window of five capture frames, because captures are noisy.
         let is_still = |frame: usize| {
             let (from, to) = (frame.saturating_sub(2), (frame + 2).min(last));
-            let moved = (way[to] - way[from]).norm() * rate / (to - from).max(1) as f64;
+            let moved = (positions[to] - positions[from]).norm() * rate / (to - from).max(1) as f64;
             moved <= self.speed && height(frame) <= self.height
         };
         let shortest = ((self.shortest_s * rate).ceil() as usize).max(2);
         let mut spans: Vec<Range<usize>> = Vec::new();
-        for frame in (0..way.len()).filter(|&frame| is_still(frame)) {
+        for frame in (0..positions.len()).filter(|&frame| is_still(frame)) {
             match spans.last_mut() {
                 Some(span) if span.end == frame => span.end += 1,
                 _ => spans.push(frame..frame + 1),
@@ -92,14 +92,16 @@ impl ContactDetection {
 }
 
 /// Returns the mean position over some capture frames. Needs at least one.
-pub(super) fn mean_place(way: &[Vector3<f64>]) -> Vector3<f64> {
-    let sum = way.iter().fold(Vector3::zero(), |sum, at| sum + *at);
-    sum * (1.0 / way.len().max(1) as f64)
+pub(super) fn mean_position(positions: &[Vector3<f64>]) -> Vector3<f64> {
+    let sum = positions
+        .iter()
+        .fold(Vector3::zero(), |sum, position| sum + *position);
+    sum * (1.0 / positions.len().max(1) as f64)
 }
 
 /// Smoothstep from 0 to 1, with zero slope at both ends.
-pub(super) fn smooth(share: f64) -> f64 {
-    share * share * (3.0 - 2.0 * share)
+pub(super) fn smooth(fraction: f64) -> f64 {
+    fraction * fraction * (3.0 - 2.0 * fraction)
 }
 
 #[cfg(test)]
@@ -109,19 +111,19 @@ mod tests {
 
     /// The window is shorter at the first and last capture frames.
     #[test]
-    fn what_goes_evenly_stands_nowhere() {
+    fn uniform_motion_has_no_contact() {
         let detection = ContactDetection {
             shortest_s: 0.0,
             ..ContactDetection::default()
         };
         let rate = 100.0;
-        for (times, spans) in [(1.2, 0), (0.8, 1)] {
-            let step = times * detection.speed / rate;
-            let way: Vec<_> = (0..30)
+        for (factor, spans) in [(1.2, 0), (0.8, 1)] {
+            let step = factor * detection.speed / rate;
+            let positions: Vec<_> = (0..30)
                 .map(|frame| Vector3::new(step * f64::from(frame), 0.0, 0.0))
                 .collect();
-            let found = detection.spans(&way, |_| 0.0, rate);
-            assert_eq!(found.len(), spans, "{found:?}");
+            let contacts = detection.spans(&positions, |_| 0.0, rate);
+            assert_eq!(contacts.len(), spans, "{contacts:?}");
         }
     }
 }

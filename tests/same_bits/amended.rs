@@ -85,7 +85,7 @@ fn moved(digest: &mut Digest, own: &SceneFile) {
         there.write(path(name)).unwrap();
         file(digest, &std::fs::read(path(name)).unwrap());
     }
-    digest.bytes(own.write(path("a.obj")).unwrap_err().problem.to_string());
+    digest.text(own.write(path("a.obj")).unwrap_err().problem.to_string());
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -184,7 +184,7 @@ fn given_others() -> Value {
 }
 
 pub(crate) fn refused<T, E: ToString>(digest: &mut Digest, found: Result<T, E>) {
-    digest.bytes(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
+    digest.text(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
 }
 
 fn refusals_of_arms() -> Value {

@@ -38,7 +38,7 @@ pub(crate) fn add(digest: &mut Digest, capture: &MotionCapture) {
     capture
         .notes
         .iter()
-        .for_each(|note| digest.bytes(note.to_string()));
+        .for_each(|note| digest.text(note.to_string()));
     digest.debug(capture.turning_bones());
     let bones = capture.armature.bone_ids();
     digest.debug(
@@ -257,7 +257,7 @@ fn written() -> Value {
         30.0,
         "no/such/folder/a.bvh",
     );
-    digest.bytes(wrong.unwrap_err().to_string().split(':').next().unwrap());
+    digest.text(wrong.unwrap_err().to_string().split(':').next().unwrap());
     digest.value()
 }
 

@@ -219,7 +219,7 @@ fn mixes(seed: u64, cases: usize) -> [Value; 3] {
                     }
                 },
                 (1, Err(error)) => {
-                    told.bytes(error);
+                    told.text(error);
                     continue;
                 }
                 _ => ProblemInstance::from(&other),

@@ -21,7 +21,7 @@ impl Digest {
 
     /// What a refusal says, or that there was none.
     pub(crate) fn refusal<T, E: Display>(&mut self, result: Result<T, E>) {
-        self.bytes(match result {
+        self.text(match result {
             Ok(_) => "taken\n".to_owned(),
             Err(error) => format!("{error}\n"),
         });

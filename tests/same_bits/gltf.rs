@@ -23,7 +23,7 @@ pub(crate) fn add(digest: &mut Digest, scene: &Scene) {
         .for_each(|clip| digest.clip(&scene.armature, clip));
     for note in &scene.notes {
         digest.debug(note);
-        digest.bytes(note.to_string());
+        digest.text(note.to_string());
     }
     digest.debug(scene.turning_bones());
 }
@@ -181,7 +181,7 @@ fn containers() -> Value {
         let mut bytes = good.clone();
         bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
         let found = read(&bytes).map(|scene| scene.clips.len());
-        digest.bytes(found.map_or_else(|error| error.to_string(), |clips| clips.to_string()));
+        digest.text(found.map_or_else(|error| error.to_string(), |clips| clips.to_string()));
     }
     digest.refused(read(&good[..10]));
     digest.refused(read(&good[..good.len() - 1]));

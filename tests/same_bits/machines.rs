@@ -222,7 +222,7 @@ fn refused() -> Value {
         let text = GAIT.replacen(from, to, 1);
         assert_ne!(text, GAIT, "{from}");
         let found = read(&text);
-        digest.bytes(found.map_or_else(|error| error.to_string(), |_| "read".to_owned()));
+        digest.text(found.map_or_else(|error| error.to_string(), |_| "read".to_owned()));
     }
     for text in [
         "",

@@ -87,7 +87,7 @@ pub(crate) fn full(random: &mut Random) -> World {
 }
 
 pub(crate) fn told<T, E: ToString>(digest: &mut Digest, found: Result<T, E>) {
-    digest.bytes(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
+    digest.text(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
 }
 
 fn edits() -> Value {

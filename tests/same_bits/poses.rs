@@ -243,7 +243,7 @@ fn armatures() -> Value {
     ] {
         let text = text.replacen(from, to, 1);
         let read = serde_json::from_str::<Armature>(&text);
-        digest.bytes(read.map_or_else(|error| error.to_string(), |_| "read".to_owned()));
+        digest.text(read.map_or_else(|error| error.to_string(), |_| "read".to_owned()));
     }
     let bone = |name: &str, parent, rest| ArmatureBone {
         name: name.into(),

@@ -32,7 +32,7 @@ pub(crate) fn add(digest: &mut Digest, rig: &Rig) {
     digest.debug((&rig.constrained, &rig.notes));
     rig.notes
         .iter()
-        .for_each(|note| digest.bytes(note.to_string()));
+        .for_each(|note| digest.text(note.to_string()));
     if let Some(own) = &rig.mesh {
         mesh(digest, own);
     }
@@ -123,7 +123,7 @@ fn read() -> Value {
         change(&mut rig);
         match rig.parse() {
             Ok(rig) => add(&mut digest, &rig),
-            Err(error) => digest.bytes(without_io(&error)),
+            Err(error) => digest.text(without_io(&error)),
         }
     }
     for name in ["robot-arm/robot-arm", "humanoid/humanoid"] {
@@ -243,7 +243,7 @@ fn written() -> Value {
     );
     for (rig, name) in [(&small, "a.ply"), (&small, "a.dmat"), (&odd, "a.json")] {
         let error = rig.write(path(name)).unwrap_err();
-        digest.bytes(error.problem.to_string());
+        digest.text(error.problem.to_string());
     }
     let (name, mut listed) = (
         small.skeleton.model().name(),

@@ -224,7 +224,7 @@ fn posed() -> Value {
         flat.set_scale(bone(&scene.armature, 0), Vec3A::new(-1.0, 1.0, 1.0))
             .unwrap();
         let found = posing.meshes(&flat).map(|meshes| meshes.len());
-        digest.bytes(found.map_or_else(|error| error.to_string(), |count| count.to_string()));
+        digest.text(found.map_or_else(|error| error.to_string(), |count| count.to_string()));
         flat.morph_weights_mut()[0] = f32::NAN;
         digest.refused(posing.meshes(&flat));
         digest.refused(posing.meshes(armature(2, &mut random).rest()));
@@ -290,7 +290,7 @@ fn refused() -> Value {
             Err(error) => digest.text(error.to_string()),
         }
         let posing = ScenePosing::new(&odd, SkinningMethod::LinearBlend).map(|_| ());
-        digest.bytes(posing.map_or_else(|error| error.to_string(), |()| String::new()));
+        digest.text(posing.map_or_else(|error| error.to_string(), |()| String::new()));
     }
     for rate in [0.0, -1.0, f32::NAN, 1e9] {
         options.keys_per_second = rate;
@@ -303,7 +303,7 @@ fn refused() -> Value {
     }
     digest.refused(gltf::mesh_to_bytes(&TriangleMesh::default()));
     let wrong = gltf::write_mesh(&TriangleMesh::default(), "a.glb").unwrap_err();
-    digest.bytes(wrong.to_string());
+    digest.text(wrong.to_string());
     digest.value()
 }
 

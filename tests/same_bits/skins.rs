@@ -197,7 +197,7 @@ fn meshes() -> Value {
                 digest.debug(&posed);
                 let mut out = own.rest.clone();
                 let moved = weights.deform(method, &own.stretched, own.rest.rest(), out.posed());
-                digest.bytes(moved.map_or_else(|error| error.to_string(), |()| String::new()));
+                digest.text(moved.map_or_else(|error| error.to_string(), |()| String::new()));
                 add(&mut digest, &out);
             }
         }

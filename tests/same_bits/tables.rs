@@ -179,7 +179,7 @@ fn tables() -> Value {
             let cut = &bytes[..bytes.len() - 1];
             for bytes in [more.as_slice(), cut] {
                 let read = dmat::from_bytes(bytes, "odd.dmat");
-                digest.bytes(read.map_or_else(|error| error.to_string(), |_| String::new()));
+                digest.text(read.map_or_else(|error| error.to_string(), |_| String::new()));
             }
         }
     }

@@ -7,13 +7,13 @@ use glam::{DVec3, Vec3};
 
 use super::edited::EditedClip;
 use super::posed_bones::Hinges;
-use super::root_bone::{above, branching_above};
+use super::root_bone::{ancestors, branching_above};
 use super::solving::solve;
 use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
 use crate::animation::{Armature, ChannelError, Clip};
 use crate::motion::ContactDetection;
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 
@@ -79,10 +79,10 @@ impl fmt::Debug for ClipIk<'_> {
 }
 
 /// Largest height of a foot in contact above its lowest position, as a fraction of the limb's length.
-const RAISED: f64 = 0.125;
+const MAX_HEIGHT_RATIO: f64 = 0.125;
 
 /// Largest speed of a foot in contact, as a fraction of its mean speed. Feet in game clips rarely stop completely.
-const SLOW: f64 = 0.5;
+const MAX_SPEED_RATIO: f64 = 0.5;
 
 /// Validated request to solve a clip.
 pub(super) struct ClipRequest {
@@ -179,7 +179,7 @@ impl<'a> ClipIk<'a> {
         for (index, bone) in self
             .skeleton
             .iter()
-            .flat_map(|own| own.bones().iter().enumerate())
+            .flat_map(|skeleton| skeleton.bones().iter().enumerate())
         {
             if self.armature.names().get(index) != Some(&bone.name) {
                 return Err(ClipIkError::OtherSkeleton {
@@ -198,16 +198,16 @@ impl<'a> ClipIk<'a> {
         let mut bones: Vec<BoneId> = Vec::new();
         for &bone in &self.planted {
             if bones.contains(&bone) {
-                return Err(self.twice(bone)?);
+                return Err(self.duplicate_target(bone)?);
             }
             bones.push(bone);
         }
         for (k, reach) in self.reaches.iter().enumerate() {
             reach.check(span)?;
             let mut before = self.reaches[..k].iter();
-            let taken = self.planted.contains(&reach.bone);
-            if taken || before.any(|other| reach.clashes(other, span)) {
-                return Err(self.twice(reach.bone)?);
+            let is_planted = self.planted.contains(&reach.bone);
+            if is_planted || before.any(|other| reach.clashes(other, span)) {
+                return Err(self.duplicate_target(reach.bone)?);
             }
             if !bones.contains(&reach.bone) {
                 bones.push(reach.bone);
@@ -224,7 +224,7 @@ impl<'a> ClipIk<'a> {
             .iter()
             .flat_map(|bone| root.iter().map(move |root| (bone, root)))
         {
-            if !above(self.armature, bone).contains(&root) {
+            if !ancestors(self.armature, bone).contains(&root) {
                 return Err(ClipIkError::NotBelowRoot {
                     bone: self.name(bone)?.to_owned(),
                     root: self.name(root)?.to_owned(),
@@ -245,15 +245,15 @@ impl<'a> ClipIk<'a> {
         })
     }
 
-    fn twice(&self, bone: BoneId) -> Result<ClipIkError, ClipIkError> {
+    fn duplicate_target(&self, bone: BoneId) -> Result<ClipIkError, ClipIkError> {
         let bone = self.name(bone)?.to_owned();
         Ok(ClipIkError::Twice { bone })
     }
 
     fn name(&self, bone: BoneId) -> Result<&str, ClipIkError> {
         let names = self.armature.names();
-        let own = names.get(bone.index()).map(String::as_str);
-        own.ok_or(ClipIkError::UnknownBone {
+        let name = names.get(bone.index()).map(String::as_str);
+        name.ok_or(ClipIkError::UnknownBone {
             bone: bone.index(),
             bones: names.len(),
         })
@@ -261,7 +261,7 @@ impl<'a> ClipIk<'a> {
 
     /// Returns the joints of a skeleton's bone. `None` without a skeleton.
     pub(super) fn hinges(&self, bone: BoneId) -> Option<Hinges> {
-        let own = self.skeleton?.bones().get(bone.index())?;
+        let skeleton_bone = self.skeleton?.bones().get(bone.index())?;
         let rest = self
             .armature
             .rest()
@@ -271,25 +271,28 @@ impl<'a> ClipIk<'a> {
             .normalize();
         Some(Hinges {
             rest,
-            limits: own.limits,
-            length: own.length,
+            limits: skeleton_bone.limits,
+            length: skeleton_bone.length,
         })
     }
 
-    /// Returns the contact criteria of a foot that moves along `way`, at the end of a limb of the given length.
+    /// Returns the contact criteria of a foot that moves along `positions`, at the end of a limb of the given length.
     pub(super) fn detection_of(
         &self,
-        way: &[Vector3<f64>],
+        positions: &[Vector3<f64>],
         length: f64,
         rate: f64,
     ) -> ContactDetection {
-        let usual = ContactDetection::default();
-        let gone: f64 = way.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-        let mean = gone * rate / way.len().saturating_sub(1).max(1) as f64;
+        let defaults = ContactDetection::default();
+        let path_length: f64 = positions
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm())
+            .sum();
+        let mean = path_length * rate / positions.len().saturating_sub(1).max(1) as f64;
         self.detection.unwrap_or(ContactDetection {
-            speed: (usual.speed * length / USUAL_LEG_M).max(SLOW * mean),
-            height: RAISED * length,
-            ..usual
+            speed: (defaults.speed * length / NOMINAL_LEG_LENGTH_M).max(MAX_SPEED_RATIO * mean),
+            height: MAX_HEIGHT_RATIO * length,
+            ..defaults
         })
     }
 }

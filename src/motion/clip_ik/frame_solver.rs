@@ -13,9 +13,9 @@ use crate::spatial::{Matrix3, Vector3};
 use crate::task::{Orientation, Point, Posture, Quantity, Task};
 
 /// Tolerance of the end effectors, in lengths of the longest limb: the resolution of single precision.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE_RATIO: f64 = 1e-6;
 /// Weight of a foot's orientation in the model relative to the posture of the joints.
-const KEPT_TURN: f64 = 10.0;
+const ORIENTATION_WEIGHT: f64 = 10.0;
 
 /// Solver of frames. Each frame starts from the pose of the clip, so frames do not depend on each other.
 #[derive(Debug)]
@@ -23,15 +23,15 @@ pub(super) struct FrameSolver {
     problem: Problem,
     targets: Targets,
     tree: Tree,
-    places: TreeWorkspace,
+    tree_workspace: TreeWorkspace,
     /// Bones of `points`, in the same order.
     effectors: Vec<BoneId>,
     points: Vec<TaskId<Point>>,
     /// Bones that keep their orientation.
-    turns: Vec<(BoneId, TaskId<Orientation>)>,
+    orientations: Vec<(BoneId, TaskId<Orientation>)>,
     posture: TaskId<Posture>,
     /// Tolerance of an effector after shear correction, in the armature's unit of length.
-    close: f64,
+    tolerance: f64,
     solver: Solver,
     workspace: Workspace,
     q: Vec<f64>,
@@ -48,64 +48,71 @@ impl FrameSolver {
         let model = bones.model();
         let q = model.neutral();
         let mut builder = Problem::builder(model);
-        let (mut points, mut turns, mut own) = (Vec::new(), Vec::new(), Vec::new());
-        for &(bone, keeps_turn) in effectors {
+        let (mut points, mut orientations, mut effector_bones) =
+            (Vec::new(), Vec::new(), Vec::new());
+        for &(bone, keeps_orientation) in effectors {
             let Some(frame) = bones.frame(bone) else {
                 continue;
             };
             points.push(builder.add(Point::new(frame, [0.0; 3])));
-            own.push(bone);
-            if keeps_turn {
-                let kept = Orientation::new(frame, Matrix3::identity());
-                turns.push((
+            effector_bones.push(bone);
+            if keeps_orientation {
+                let orientation = Orientation::new(frame, Matrix3::identity());
+                orientations.push((
                     bone,
-                    builder.add(Task::new(kept).scale(KEPT_TURN).preference()),
+                    builder.add(
+                        Task::new(orientation)
+                            .scale(ORIENTATION_WEIGHT)
+                            .preference(),
+                    ),
                 ));
             }
         }
         let posture = builder.add(Posture::new(model, &q));
         if longest > 0.0 {
-            builder.tolerance(Quantity::Metres, TOLERANCE * longest);
+            builder.tolerance(Quantity::Metres, TOLERANCE_RATIO * longest);
         }
         let problem = builder.build()?;
         Ok(Self {
             targets: problem.targets(),
             tree: problem.tree().clone(),
-            places: TreeWorkspace::default(),
+            tree_workspace: TreeWorkspace::default(),
             problem,
-            effectors: own,
+            effectors: effector_bones,
             points,
-            turns,
+            orientations,
             posture,
-            close: TOLERANCE * longest,
+            tolerance: TOLERANCE_RATIO * longest,
             solver: Solver::default().with_restarts(Restarts::none()),
             workspace: Workspace::new(),
             q,
         })
     }
 
-    /// Brings the effectors to `places`, which are in the order of the effectors, with the root displaced by `moved`.
-    /// Starts from the pose last taken by `bones` and writes the result to `pose`.
+    /// Brings the effectors to `positions`, which are in the order of the effectors, with the root displaced by
+    /// `moved`. Starts from the pose last taken by `bones` and writes the result to `pose`.
     ///
     /// Non-uniform scales shear bones that rotate below them, which no joint model represents. Such a frame is solved
     /// again from its updated joint positions until these converge.
     pub(super) fn solve(
         &mut self,
         (armature, bones): (&Armature, &mut PosedBones),
-        places: &[DVec3],
+        positions: &[DVec3],
         moved: DVec3,
         pose: &mut Pose,
     ) -> Result<(), ClipIkError> {
-        bones.stand(armature, moved, &mut self.q);
-        self.set_points(places)?;
-        for (bone, turn) in &self.turns {
-            self.targets.get_mut(*turn)?.set_target(bones.turn(*bone));
+        bones.place_joints(armature, moved, &mut self.q);
+        self.set_points(positions)?;
+        for (bone, task) in &self.orientations {
+            self.targets
+                .get_mut(*task)?
+                .set_target(bones.orientation(*bone));
         }
         self.targets.get_mut(self.posture)?.set_reference(&self.q)?;
         self.solve_placed(bones)?;
         bones.pose(&self.q, moved, armature, pose);
-        if bones.shear() {
-            self.correct((armature, bones), places, moved, pose)?;
+        if bones.is_sheared() {
+            self.correct((armature, bones), positions, moved, pose)?;
         }
         Ok(())
     }
@@ -114,26 +121,29 @@ impl FrameSolver {
     fn correct(
         &mut self,
         (armature, bones): (&Armature, &mut PosedBones),
-        places: &[DVec3],
+        positions: &[DVec3],
         moved: DVec3,
         pose: &mut Pose,
     ) -> Result<(), ClipIkError> {
         let effectors = self.effectors.clone();
-        let shown = |bones: &PosedBones| -> Vec<DVec3> {
-            effectors.iter().map(|bone| bones.place(*bone)).collect()
+        let positions_of = |bones: &PosedBones| -> Vec<DVec3> {
+            effectors
+                .iter()
+                .map(|bone| bones.effector_position(*bone))
+                .collect()
         };
         bones.place_bones(pose);
-        let mut correction = ShearCorrection::new(places, &shown(bones));
+        let mut correction = ShearCorrection::new(positions, &positions_of(bones));
         let mut nearest = pose.clone();
         let mut before = pose.clone();
-        while !(correction.off() <= self.close || correction.gives_up()) {
+        while !(correction.off() <= self.tolerance || correction.gives_up()) {
             // The pose already contains the displacement of the root.
-            bones.stand(armature, DVec3::ZERO, &mut self.q);
+            bones.place_joints(armature, DVec3::ZERO, &mut self.q);
             self.set_points(&correction.commands())?;
             let reached = self.solve_placed(bones)?;
             bones.pose(&self.q, moved, armature, pose);
             bones.place_bones(pose);
-            let corrected = correction.learn(&shown(bones), reached);
+            let corrected = correction.learn(&positions_of(bones), reached);
             if corrected == Corrected::Undone {
                 pose.copy_from(&before);
                 bones.place_bones(pose);
@@ -148,10 +158,10 @@ impl FrameSolver {
         Ok(())
     }
 
-    fn set_points(&mut self, places: &[DVec3]) -> Result<(), ClipIkError> {
-        for (point, place) in self.points.iter().zip(places) {
-            let place = Vector3::from(place.to_array());
-            self.targets.get_mut(*point)?.set_target(place);
+    fn set_points(&mut self, positions: &[DVec3]) -> Result<(), ClipIkError> {
+        for (point, position) in self.points.iter().zip(positions) {
+            let position = Vector3::from(position.to_array());
+            self.targets.get_mut(*point)?.set_target(position);
         }
         Ok(())
     }
@@ -159,11 +169,14 @@ impl FrameSolver {
     /// Solves from `q` with the joints at the current placements of the bones. Returns whether the effectors reached
     /// their targets.
     fn solve_placed(&mut self, bones: &PosedBones) -> Result<bool, ClipIkError> {
-        self.tree
-            .compile(bones.model(), self.problem.parameters(), &mut self.places);
-        let question = ProblemInstance::from(&self.problem);
-        let question = question.with_targets(&self.targets).with_places(&self.tree);
-        let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
+        self.tree.compile(
+            bones.model(),
+            self.problem.parameters(),
+            &mut self.tree_workspace,
+        );
+        let instance = ProblemInstance::from(&self.problem);
+        let instance = instance.with_targets(&self.targets).with_places(&self.tree);
+        let solution = self.solver.solve(instance, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         Ok(solution.reached)
     }

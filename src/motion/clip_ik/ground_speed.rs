@@ -5,13 +5,13 @@ use glam::{DVec3, Vec3};
 use super::ClipIkError;
 use super::clip_solver::single;
 use super::posed_bones::PosedBones;
-use super::sampling::{limb_ways, sample_times};
+use super::sampling::{limb_motions, sample_times};
 use crate::animation::{Armature, ChannelError, Clip};
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
 /// Largest height of a foot near the ground above its lowest position, as a fraction of its range of heights.
-const NEAR_GROUND: f64 = 0.2;
+const NEAR_GROUND_RATIO: f64 = 0.2;
 
 /// Returns the travel velocity that keeps the feet of a walk on the spot at rest on the ground. It is perpendicular to
 /// `up`, in the armature's unit of length per second. It is opposite to the median velocity of the feet while they are
@@ -41,15 +41,18 @@ pub fn ground_speed(
         });
     }
     let mut posed = PosedBones::new(armature, None, feet, |_| None)?;
-    let limbs = limb_ways(armature, clip, &times, feet, &mut posed)?;
+    let limbs = limb_motions(armature, clip, &times, feet, &mut posed)?;
     let mut steps: Vec<DVec3> = Vec::new();
     for limb in &limbs {
-        let way = &limb.way;
-        let heights = way.iter().map(|at| at.dot(up));
+        let positions = &limb.positions;
+        let heights = positions.iter().map(|position| position.dot(up));
         let lowest = heights.clone().fold(f64::INFINITY, f64::min);
         let highest = heights.fold(f64::NEG_INFINITY, f64::max);
-        let low = |at: DVec3| at.dot(up) - lowest <= NEAR_GROUND * (highest - lowest);
-        let pairs = way.windows(2).filter(|pair| pair.iter().all(|at| low(*at)));
+        let is_near_ground =
+            |position: DVec3| position.dot(up) - lowest <= NEAR_GROUND_RATIO * (highest - lowest);
+        let pairs = positions
+            .windows(2)
+            .filter(|pair| pair.iter().all(|position| is_near_ground(*position)));
         steps.extend(pairs.map(|pair| (pair[1] - pair[0]) * rate));
     }
     let median = |axis: usize| {
@@ -57,6 +60,6 @@ pub fn ground_speed(
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    let passes = DVec3::new(median(0), median(1), median(2));
-    Ok((up * passes.dot(up) - passes).as_vec3())
+    let ground_velocity = DVec3::new(median(0), median(1), median(2));
+    Ok((up * ground_velocity.dot(up) - ground_velocity).as_vec3())
 }

@@ -19,7 +19,7 @@ mod posed_bones;
 mod root;
 mod root_bone;
 mod sampling;
-mod solved_moments;
+mod solved_samples;
 mod solving;
 mod splice;
 

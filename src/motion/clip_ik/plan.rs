@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::clip_solver::{ClipIk, ClipRequest};
-use super::planting::Planted;
-use super::sampling::LimbWay;
+use super::planting::PlantedFoot;
+use super::sampling::LimbMotion;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
@@ -15,24 +15,27 @@ pub(super) type Goal = (DVec3, f64);
 
 /// Sample time: a frame and a fraction of the interval to the next frame.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub(super) struct Moment {
+pub(super) struct SampleTime {
     pub(super) frame: usize,
-    pub(super) share: f64,
+    pub(super) fraction: f64,
 }
 
-impl Moment {
-    pub(super) fn at(frame: usize) -> Self {
-        Self { frame, share: 0.0 }
+impl SampleTime {
+    pub(super) fn at_frame(frame: usize) -> Self {
+        Self {
+            frame,
+            fraction: 0.0,
+        }
     }
 
     pub(super) fn total_cmp(&self, other: &Self) -> Ordering {
-        let of_frame = self.frame.cmp(&other.frame);
-        of_frame.then(self.share.total_cmp(&other.share))
+        let by_frame = self.frame.cmp(&other.frame);
+        by_frame.then(self.fraction.total_cmp(&other.fraction))
     }
 
     /// Returns the sample time in frames.
     fn position(self) -> f64 {
-        self.frame as f64 + self.share
+        self.frame as f64 + self.fraction
     }
 
     /// Returns the sample times that split the interval to `next` into equal parts.
@@ -40,10 +43,10 @@ impl Moment {
         let (from, to) = (self.position(), next.position());
         let frame = self.frame;
         (1..parts).map(move |part| {
-            let at = from + (to - from) * part as f64 / parts as f64;
+            let position = from + (to - from) * part as f64 / parts as f64;
             Self {
                 frame,
-                share: at - frame as f64,
+                fraction: position - frame as f64,
             }
         })
     }
@@ -55,64 +58,69 @@ pub(super) struct Plan<'a> {
     pub(super) request: &'a ClipRequest,
     /// Times of the frames, seconds.
     pub(super) times: &'a [f32],
-    pub(super) limbs: &'a [LimbWay],
+    pub(super) limbs: &'a [LimbMotion],
     /// Feet of the first limbs.
-    pub(super) feet: &'a [Planted],
+    pub(super) feet: &'a [PlantedFoot],
     /// Displacement of the root by frame, without the travel of the clip.
     pub(super) moved: Vec<DVec3>,
 }
 
 impl Plan<'_> {
-    pub(super) fn time(&self, moment: Moment) -> f32 {
+    pub(super) fn time(&self, sample: SampleTime) -> f32 {
         let time = |frame: usize| f64::from(self.times[frame]);
-        match moment.share > 0.0 {
+        match sample.fraction > 0.0 {
             true => {
-                let (from, to) = (time(moment.frame), time(moment.frame + 1));
-                (from + (to - from) * moment.share) as f32
+                let (from, to) = (time(sample.frame), time(sample.frame + 1));
+                (from + (to - from) * sample.fraction) as f32
             }
-            false => self.times[moment.frame],
+            false => self.times[sample.frame],
         }
     }
 
     /// Returns the travel of the clip until a sample time.
-    pub(super) fn travelled(&self, moment: Moment) -> DVec3 {
-        travelled(self.request, self.time(moment))
+    pub(super) fn travelled(&self, sample: SampleTime) -> DVec3 {
+        travelled(self.request, self.time(sample))
     }
 
-    pub(super) fn moved(&self, Moment { frame, share }: Moment) -> DVec3 {
-        match share > 0.0 {
-            true => self.moved[frame].lerp(self.moved[frame + 1], share),
+    pub(super) fn moved(&self, SampleTime { frame, fraction }: SampleTime) -> DVec3 {
+        match fraction > 0.0 {
+            true => self.moved[frame].lerp(self.moved[frame + 1], fraction),
             false => self.moved[frame],
         }
     }
 
     /// Returns the target of a bone that is at `free` in the clip.
-    pub(super) fn goal(&self, bone: usize, moment: Moment, free: DVec3) -> Goal {
+    pub(super) fn goal(&self, bone: usize, sample: SampleTime, free: DVec3) -> Goal {
         match self.feet.get(bone) {
             Some(foot) => {
-                let frame = moment.frame;
-                let at = match foot.stands_from(frame) {
-                    Some(place) => dvec(place),
-                    None if moment.share == 0.0 => dvec(foot.way[frame]),
+                let frame = sample.frame;
+                let position = match foot.contact_position_from(frame) {
+                    Some(contact) => dvec(contact),
+                    None if sample.fraction == 0.0 => dvec(foot.positions[frame]),
                     None => {
-                        let way = &self.limbs[bone].way;
-                        let slip = |frame: usize| dvec(foot.way[frame]) - way[frame];
-                        free + slip(frame).lerp(slip(frame + 1), moment.share)
+                        let positions = &self.limbs[bone].positions;
+                        let slip = |frame: usize| dvec(foot.positions[frame]) - positions[frame];
+                        free + slip(frame).lerp(slip(frame + 1), sample.fraction)
                     }
                 };
-                (at, 1.0)
+                (position, 1.0)
             }
             None => {
-                let time = f64::from(self.time(moment));
-                reached(self.ik, self.request, self.request.bones[bone], time, free)
+                let time = f64::from(self.time(sample));
+                reach_goal(self.ik, self.request, self.request.bones[bone], time, free)
             }
         }
     }
 
     /// Returns the commanded position of a bone that is at `free` in the clip. The part without target weight moves
     /// with the root.
-    pub(super) fn place(&self, moment: Moment, free: DVec3, (at, weight): Goal) -> DVec3 {
-        (free + self.moved(moment)).lerp(at, weight)
+    pub(super) fn commanded_position(
+        &self,
+        sample: SampleTime,
+        free: DVec3,
+        (target, weight): Goal,
+    ) -> DVec3 {
+        (free + self.moved(sample)).lerp(target, weight)
     }
 }
 
@@ -122,15 +130,21 @@ pub(super) fn travelled(request: &ClipRequest, time: f32) -> DVec3 {
 }
 
 /// Returns the target from the reaches of a bone that is at `free` in the clip.
-fn reached(ik: &ClipIk<'_>, request: &ClipRequest, bone: BoneId, time: f64, free: DVec3) -> Goal {
-    let own = ik.reaches.iter().filter(|reach| reach.bone == bone);
-    let asked = own.map(|reach| (reach.target(time), reach.weight(time, request.span)));
-    asked.fold(
+fn reach_goal(
+    ik: &ClipIk<'_>,
+    request: &ClipRequest,
+    bone: BoneId,
+    time: f64,
+    free: DVec3,
+) -> Goal {
+    let reaches = ik.reaches.iter().filter(|reach| reach.bone == bone);
+    let goals = reaches.map(|reach| (reach.target(time), reach.weight(time, request.span)));
+    goals.fold(
         (free, 0.0),
-        |found, goal| if goal.1 > 0.0 { goal } else { found },
+        |last, goal| if goal.1 > 0.0 { goal } else { last },
     )
 }
 
-pub(super) fn dvec(at: Vector3<f64>) -> DVec3 {
-    DVec3::from(at.to_array())
+pub(super) fn dvec(vector: Vector3<f64>) -> DVec3 {
+    DVec3::from(vector.to_array())
 }

@@ -18,7 +18,7 @@ pub(super) struct Hinges {
 
 /// Bone that rotates.
 #[derive(Clone, Debug)]
-struct TurningBone {
+struct RotatingBone {
     bone: BoneId,
     /// Index of the parent among the rotating bones.
     parent: Option<usize>,
@@ -36,18 +36,18 @@ struct TurningBone {
 pub(super) struct PosedBones {
     /// `None` if all bones rotate.
     root: Option<BoneId>,
-    bones: Vec<TurningBone>,
+    bones: Vec<RotatingBone>,
     model: Model,
     /// All bones up to each effector with their parents, parents first.
     placed: Vec<(BoneId, Option<BoneId>)>,
-    places: Vec<DAffine3>,
+    transforms: Vec<DAffine3>,
     /// Rotations in the model without scales. Below mirrored bones the axes are reflected.
-    turns: Vec<DQuat>,
+    rotations: Vec<DQuat>,
     /// Mirror of the children of each bone.
     mirrors: Vec<Mirror>,
     stretches: Vec<Stretch>,
     /// Rotations of the pose of the clip, in the model and in the bone's parent.
-    clip_turns: Vec<DQuat>,
+    clip_rotations: Vec<DQuat>,
     clip_locals: Vec<DQuat>,
     /// Position of the root in that pose, in the model.
     clip_root: DVec3,
@@ -62,39 +62,41 @@ impl PosedBones {
         hinges: impl Fn(BoneId) -> Option<Hinges>,
     ) -> Result<Self, ClipIkError> {
         let count = armature.bones();
-        let (mut is_placed, mut turns) = (vec![false; count], vec![false; count]);
+        let (mut is_placed, mut rotates) = (vec![false; count], vec![false; count]);
         for &effector in effectors {
             let mut below_root = true;
             let parent = |bone: &BoneId| armature.parent(*bone);
             for bone in std::iter::successors(Some(effector), parent) {
                 below_root &= Some(bone) != root;
                 is_placed[bone.index()] = true;
-                turns[bone.index()] |= below_root;
+                rotates[bone.index()] |= below_root;
             }
         }
         let mut builder = Model::builder("posed bones");
-        let mut bones: Vec<TurningBone> = Vec::new();
+        let mut bones: Vec<RotatingBone> = Vec::new();
         let (mut coordinate, mut joints) = (0, 0);
-        for bone in armature.bone_ids().filter(|bone| turns[bone.index()]) {
-            let above = armature.parent(bone);
-            let parent = bones.iter().position(|own| Some(own.bone) == above);
-            let carrier = parent.and_then(|parent| last_joint(&bones[parent]));
+        for bone in armature.bone_ids().filter(|bone| rotates[bone.index()]) {
+            let parent_bone = armature.parent(bone);
+            let parent = bones
+                .iter()
+                .position(|candidate| Some(candidate.bone) == parent_bone);
+            let parent_joint = parent.and_then(|parent| last_joint(&bones[parent]));
             let name = format!("{}", bone.index());
             let [x, _, z] = Vector3::UNITS;
-            let at = Placement::identity();
+            let placement = Placement::identity();
             let hinges = hinges(bone);
             let last = match &hinges {
-                None => builder.ball(&name, carrier, at, x, None),
-                Some(own) => {
-                    let axes = own.limits.iter().rev().zip([x, z, x]).enumerate();
-                    let chain = axes.fold(carrier, |below, (part, (limits, axis))| {
+                None => builder.ball(&name, parent_joint, placement, x, None),
+                Some(bone_hinges) => {
+                    let axes = bone_hinges.limits.iter().rev().zip([x, z, x]).enumerate();
+                    let chain = axes.fold(parent_joint, |below, (part, (limits, axis))| {
                         let name = format!("{name}/{part}");
-                        Some(builder.revolute(name, below, at, axis, *limits))
+                        Some(builder.revolute(name, below, placement, axis, *limits))
                     });
                     chain.unwrap_or(JointId::new(joints))
                 }
             };
-            bones.push(TurningBone {
+            bones.push(RotatingBone {
                 bone,
                 parent,
                 joint: JointId::new(joints),
@@ -102,9 +104,9 @@ impl PosedBones {
                 coordinate,
                 hinges,
             });
-            let own = &bones[bones.len() - 1];
-            joints += own.joints();
-            coordinate += own.numbers();
+            let added = &bones[bones.len() - 1];
+            joints += added.joints();
+            coordinate += added.numbers();
         }
         let placed = armature.bone_ids().filter(|bone| is_placed[bone.index()]);
         Ok(Self {
@@ -112,11 +114,11 @@ impl PosedBones {
             bones,
             model: builder.build()?,
             placed: placed.map(|bone| (bone, armature.parent(bone))).collect(),
-            places: vec![DAffine3::IDENTITY; count],
-            turns: vec![DQuat::IDENTITY; count],
+            transforms: vec![DAffine3::IDENTITY; count],
+            rotations: vec![DQuat::IDENTITY; count],
             mirrors: vec![Mirror::NONE; count],
             stretches: vec![Stretch::NONE; count],
-            clip_turns: vec![DQuat::IDENTITY; count],
+            clip_rotations: vec![DQuat::IDENTITY; count],
             clip_locals: vec![DQuat::IDENTITY; count],
             clip_root: DVec3::ZERO,
         })
@@ -128,19 +130,22 @@ impl PosedBones {
 
     /// Returns the effector frame of a rotating bone, with the bone's axes.
     pub(super) fn frame(&self, bone: BoneId) -> Option<FrameId> {
-        let own = self.bones.iter().find(|own| own.bone == bone)?;
-        Some(own.frame)
+        let rotating_bone = self
+            .bones
+            .iter()
+            .find(|rotating_bone| rotating_bone.bone == bone)?;
+        Some(rotating_bone.frame)
     }
 
     /// Returns the bones that rotate.
-    pub(super) fn turning(&self) -> impl Iterator<Item = BoneId> + '_ {
-        self.bones.iter().map(|own| own.bone)
+    pub(super) fn rotating_bones(&self) -> impl Iterator<Item = BoneId> + '_ {
+        self.bones.iter().map(|rotating_bone| rotating_bone.bone)
     }
 
     /// Stores the pose of the clip that a frame should stay close to.
-    pub(super) fn take(&mut self, pose: &Pose) {
+    pub(super) fn store_clip_pose(&mut self, pose: &Pose) {
         self.place_bones(pose);
-        self.clip_turns.clone_from(&self.turns);
+        self.clip_rotations.clone_from(&self.rotations);
         for &(bone, _) in &self.placed {
             self.clip_locals[bone.index()] = pose.local_of(bone).rotation.as_dquat();
         }
@@ -151,28 +156,33 @@ impl PosedBones {
     pub(super) fn place_bones(&mut self, pose: &Pose) {
         for &(bone, parent) in &self.placed {
             let local = pose.local_of(bone);
-            let turn = local.rotation.as_dquat().normalize();
-            let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
-            let own = DAffine3::from_scale_rotation_translation(scale, turn, at);
+            let rotation = local.rotation.as_dquat().normalize();
+            let (scale, translation) = (local.scale.as_dvec3(), local.translation.as_dvec3());
+            let local_transform =
+                DAffine3::from_scale_rotation_translation(scale, rotation, translation);
             let index = bone.index();
-            let above = parent.map(BoneId::index);
+            let parent_index = parent.map(BoneId::index);
             let mirror = self.mirror_above(parent);
-            let stretch = above.map_or(Stretch::NONE, |above| self.stretches[above]);
+            let stretch =
+                parent_index.map_or(Stretch::NONE, |parent_index| self.stretches[parent_index]);
             self.mirrors[index] = mirror.below(local.scale);
-            self.stretches[index] = stretch.below(mirror, turn, local.scale);
-            (self.places[index], self.turns[index]) = match above {
-                None => (own, turn),
-                Some(above) => (
-                    self.places[above] * own,
-                    (self.turns[above] * mirror.rotation(turn)).normalize(),
+            self.stretches[index] = stretch.below(mirror, rotation, local.scale);
+            (self.transforms[index], self.rotations[index]) = match parent_index {
+                None => (local_transform, rotation),
+                Some(parent_index) => (
+                    self.transforms[parent_index] * local_transform,
+                    (self.rotations[parent_index] * mirror.rotation(rotation)).normalize(),
                 ),
             };
         }
     }
 
     /// Returns whether a bone of the pose shears its children as they rotate.
-    pub(super) fn shear(&self) -> bool {
-        let mut carriers = self.bones.iter().filter_map(|own| own.parent);
+    pub(super) fn is_sheared(&self) -> bool {
+        let mut carriers = self
+            .bones
+            .iter()
+            .filter_map(|rotating_bone| rotating_bone.parent);
         let sheared = |bone: BoneId| !self.stretches[bone.index()].is_even();
         carriers.any(|parent| sheared(self.bones[parent].bone)) || self.root.is_some_and(sheared)
     }
@@ -183,29 +193,36 @@ impl PosedBones {
 
     /// Returns the end-effector position of a bone in the model, in the pose last placed: the tip of a skeleton's bone,
     /// else its origin.
-    pub(super) fn place(&self, bone: BoneId) -> DVec3 {
-        let hinges = self.bones.iter().find(|own| own.bone == bone);
-        let tip = hinges.map_or(Vector3::zero(), |own| tip_of(&own.hinges));
-        self.places[bone.index()].transform_point3(DVec3::from(tip.to_array()))
+    pub(super) fn effector_position(&self, bone: BoneId) -> DVec3 {
+        let hinges = self
+            .bones
+            .iter()
+            .find(|rotating_bone| rotating_bone.bone == bone);
+        let tip = hinges.map_or(Vector3::zero(), |rotating_bone| {
+            tip_of(&rotating_bone.hinges)
+        });
+        self.transforms[bone.index()].transform_point3(DVec3::from(tip.to_array()))
     }
 
     fn origin(&self, bone: BoneId) -> DVec3 {
-        self.places[bone.index()].translation
+        self.transforms[bone.index()].translation
     }
 
     /// Returns the orientation of a bone in the model, in the pose last placed.
-    pub(super) fn turn(&self, bone: BoneId) -> Matrix3<f64> {
-        matrix(self.turns[bone.index()])
+    pub(super) fn orientation(&self, bone: BoneId) -> Matrix3<f64> {
+        matrix(self.rotations[bone.index()])
     }
 
     /// Returns the position of the first bone of an effector's limb, below the root, and the length of the limb from
     /// there.
     pub(super) fn limb(&self, armature: &Armature, effector: BoneId) -> (DVec3, f64) {
         let mut first = effector;
-        let mut length = self.place(effector).distance(self.origin(effector));
+        let mut length = self
+            .effector_position(effector)
+            .distance(self.origin(effector));
         while let Some(parent) = armature
             .parent(first)
-            .filter(|&above| Some(above) != self.root)
+            .filter(|&candidate| Some(candidate) != self.root)
         {
             length += self.origin(first).distance(self.origin(parent));
             first = parent;
@@ -215,48 +232,56 @@ impl PosedBones {
 
     /// Moves the joints to the placements of the pose last placed, with the root displaced by `moved`. Writes the
     /// configuration of that pose to `q`.
-    pub(super) fn stand(&mut self, armature: &Armature, moved: DVec3, q: &mut [f64]) {
-        for own in &self.bones {
-            let at = own.bone.index();
-            let above = own.parent.map(|parent| self.bones[parent].bone.index());
-            let turned_in = |turns: &[DQuat]| match above {
-                Some(above) => turns[above].conjugate() * turns[at],
-                None => turns[at],
+    pub(super) fn place_joints(&mut self, armature: &Armature, moved: DVec3, q: &mut [f64]) {
+        for rotating_bone in &self.bones {
+            let index = rotating_bone.bone.index();
+            let parent_index = rotating_bone
+                .parent
+                .map(|parent| self.bones[parent].bone.index());
+            let relative_to_parent = |rotations: &[DQuat]| match parent_index {
+                Some(parent_index) => rotations[parent_index].conjugate() * rotations[index],
+                None => rotations[index],
             };
-            let turned = turned_in(&self.clip_turns);
-            let offset = match above {
-                Some(above) => {
-                    let apart = self.places[at].translation - self.places[above].translation;
-                    self.turns[above].conjugate() * apart
+            let local_rotation = relative_to_parent(&self.clip_rotations);
+            let offset = match parent_index {
+                Some(parent_index) => {
+                    let displacement = self.transforms[index].translation
+                        - self.transforms[parent_index].translation;
+                    self.rotations[parent_index].conjugate() * displacement
                 }
-                None => self.places[at].translation + moved,
+                None => self.transforms[index].translation + moved,
             };
-            let mirror = self.mirror_above(armature.parent(own.bone));
-            let on_carrier = match (own.parent, &own.hinges) {
-                (_, None) => turned,
+            let mirror = self.mirror_above(armature.parent(rotating_bone.bone));
+            let on_parent = match (rotating_bone.parent, &rotating_bone.hinges) {
+                (_, None) => local_rotation,
                 (Some(_), Some(hinges)) => mirror.rotation(hinges.rest),
                 (None, Some(hinges)) => {
-                    let root = self.root.map(|root| self.turns[root.index()]);
+                    let root = self.root.map(|root| self.rotations[root.index()]);
                     root.unwrap_or(DQuat::IDENTITY) * mirror.rotation(hinges.rest)
                 }
             };
-            let placement = Placement::new(matrix(on_carrier), offset.to_array().into());
-            self.model.place_joint(own.joint, placement);
-            let tip = self.stretches[at].apply(DVec3::from(tip_of(&own.hinges).to_array()));
-            self.model.move_frame(own.frame, tip.to_array().into());
-            let now = turned_in(&self.turns);
-            let numbers = &mut q[own.coordinate..own.coordinate + own.numbers()];
-            match &own.hinges {
-                None if self.turns == self.clip_turns => {
+            let placement = Placement::new(matrix(on_parent), offset.to_array().into());
+            self.model.place_joint(rotating_bone.joint, placement);
+            let tip =
+                self.stretches[index].apply(DVec3::from(tip_of(&rotating_bone.hinges).to_array()));
+            self.model
+                .move_frame(rotating_bone.frame, tip.to_array().into());
+            let current = relative_to_parent(&self.rotations);
+            let numbers = &mut q
+                [rotating_bone.coordinate..rotating_bone.coordinate + rotating_bone.numbers()];
+            match &rotating_bone.hinges {
+                None if self.rotations == self.clip_rotations => {
                     numbers.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
                 }
                 None => {
-                    let [x, y, z, w] = (turned.conjugate() * now).normalize().to_array();
+                    let [x, y, z, w] = (local_rotation.conjugate() * current)
+                        .normalize()
+                        .to_array();
                     numbers.copy_from_slice(&[w, x, y, z]);
                 }
                 Some(hinges) => {
-                    let turned = on_carrier.conjugate() * now;
-                    let [first, bend, second] = bone_angles(turned, &hinges.limits);
+                    let local_rotation = on_parent.conjugate() * current;
+                    let [first, bend, second] = bone_angles(local_rotation, &hinges.limits);
                     numbers.copy_from_slice(&[second, bend, first]);
                 }
             }
@@ -265,12 +290,13 @@ impl PosedBones {
 
     /// Writes a configuration and the displacement of the root to a pose.
     pub(super) fn pose(&self, q: &[f64], moved: DVec3, armature: &Armature, pose: &mut Pose) {
-        for own in &self.bones {
-            let numbers = &q[own.coordinate..own.coordinate + own.numbers()];
-            let mirror = self.mirror_above(armature.parent(own.bone));
-            let turned = match (&own.hinges, numbers) {
+        for rotating_bone in &self.bones {
+            let numbers =
+                &q[rotating_bone.coordinate..rotating_bone.coordinate + rotating_bone.numbers()];
+            let mirror = self.mirror_above(armature.parent(rotating_bone.bone));
+            let local_rotation = match (&rotating_bone.hinges, numbers) {
                 (None, &[w, x, y, z]) => {
-                    let clip = self.clip_locals[own.bone.index()];
+                    let clip = self.clip_locals[rotating_bone.bone.index()];
                     clip * mirror.rotation(DQuat::from_xyzw(x, y, z, w))
                 }
                 (Some(hinges), &[second, bend, first]) => {
@@ -279,20 +305,24 @@ impl PosedBones {
                 _ => continue,
             };
             // Cannot fail: the bone is in the pose, and the rotation has unit length.
-            let _ = pose.set_rotation(own.bone, turned.normalize().as_quat().normalize());
+            let _ = pose.set_rotation(
+                rotating_bone.bone,
+                local_rotation.normalize().as_quat().normalize(),
+            );
         }
         if let Some(root) = self.root.filter(|_| moved != DVec3::ZERO) {
-            let above = armature.parent(root);
-            let above = above.map_or(DAffine3::IDENTITY, |above| self.places[above.index()]);
-            let there = self.clip_root + moved;
-            let local = above.inverse().transform_point3(there);
+            let parent = armature.parent(root);
+            let parent =
+                parent.map_or(DAffine3::IDENTITY, |parent| self.transforms[parent.index()]);
+            let root_position = self.clip_root + moved;
+            let local = parent.inverse().transform_point3(root_position);
             // Below a singular scale the root keeps its translation.
             let _ = pose.set_translation(root, local.as_vec3a());
         }
     }
 }
 
-impl TurningBone {
+impl RotatingBone {
     fn joints(&self) -> usize {
         if self.hinges.is_some() {
             ANGLES_PER_BONE
@@ -316,11 +346,15 @@ fn tip_of(hinges: &Option<Hinges>) -> Vector3<f64> {
     Vector3::new(length, 0.0, 0.0)
 }
 
-fn last_joint(own: &TurningBone) -> Option<JointId> {
-    Some(JointId::new(own.joint.index() + own.joints() - 1))
+fn last_joint(rotating_bone: &RotatingBone) -> Option<JointId> {
+    Some(JointId::new(
+        rotating_bone.joint.index() + rotating_bone.joints() - 1,
+    ))
 }
 
-fn matrix(turn: DQuat) -> Matrix3<f64> {
-    let [x, y, z] = DMat3::from_quat(turn).to_cols_array_2d().map(Vector3::from);
+fn matrix(rotation: DQuat) -> Matrix3<f64> {
+    let [x, y, z] = DMat3::from_quat(rotation)
+        .to_cols_array_2d()
+        .map(Vector3::from);
     Matrix3::from_columns(x, y, z)
 }

@@ -8,21 +8,21 @@ use crate::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
 use crate::skeleton::BoneId;
 
 /// Number of frames above which a rate is rejected as a mistake.
-const MOST_FRAMES: f64 = 4e6;
+const MAX_FRAMES: f64 = 4e6;
 /// Smallest distance of two sample times, in frames.
-const SAME: f64 = 0.5;
+const MIN_SAMPLE_DISTANCE: f64 = 0.5;
 
 /// Returns evenly spaced sample times of a clip, and their number per second.
 ///
-/// The rate is at least `rate`. Each time of `also` within the clip replaces its neighbours.
+/// The rate is at least `rate`. Each time of `extra_times` within the clip replaces its neighbours.
 pub(super) fn sample_times(
     clip: &Clip,
     rate: f64,
-    also: impl Iterator<Item = f64>,
+    extra_times: impl Iterator<Item = f64>,
 ) -> Result<(Vec<f32>, f64), ClipIkError> {
     let [start, end] = clip.span().map(f64::from);
     let steps = (clip.duration() * rate).ceil();
-    if !(rate > 0.0 && steps < MOST_FRAMES) {
+    if !(rate > 0.0 && steps < MAX_FRAMES) {
         let keys_per_second = rate;
         return Err(ChannelError::BadRate { keys_per_second }.into());
     }
@@ -31,10 +31,10 @@ pub(super) fn sample_times(
     let mut times: Vec<f64> = (0..=steps as usize)
         .map(|k| start + k as f64 * step)
         .collect();
-    for time in also.filter(|time| *time > start && *time < end) {
-        times.retain(|own| {
-            let is_end = *own == start || *own == end;
-            is_end || (own - time).abs() > SAME * step
+    for time in extra_times.filter(|time| *time > start && *time < end) {
+        times.retain(|known| {
+            let is_end = *known == start || *known == end;
+            is_end || (known - time).abs() > MIN_SAMPLE_DISTANCE * step
         });
         times.push(time);
         times.sort_by(f64::total_cmp);
@@ -70,44 +70,44 @@ impl<'a> Poses<'a> {
 
 /// Positions of a bone and its limb over the frames of a clip.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LimbWay {
+pub(super) struct LimbMotion {
     /// Position of the bone by frame.
-    pub(super) way: Vec<DVec3>,
+    pub(super) positions: Vec<DVec3>,
     /// Position of the limb's upper end by frame.
     pub(super) upper: Vec<DVec3>,
     pub(super) lengths: Vec<f64>,
 }
 
-impl LimbWay {
+impl LimbMotion {
     /// Translates the limb in each frame.
     pub(super) fn move_by(&mut self, moved: &[DVec3]) {
-        for places in [&mut self.way, &mut self.upper] {
-            for (place, moved) in places.iter_mut().zip(moved) {
-                *place += *moved;
+        for points in [&mut self.positions, &mut self.upper] {
+            for (point, moved) in points.iter_mut().zip(moved) {
+                *point += *moved;
             }
         }
     }
 
-    pub(super) fn longest(&self) -> f64 {
+    pub(super) fn max_length(&self) -> f64 {
         self.lengths.iter().copied().fold(0.0, f64::max)
     }
 }
 
 /// Samples the positions of bones and their limbs over a clip.
-pub(super) fn limb_ways(
+pub(super) fn limb_motions(
     armature: &Armature,
     clip: &Clip,
     times: &[f32],
     bones: &[BoneId],
     posed: &mut PosedBones,
-) -> Result<Vec<LimbWay>, ClipIkError> {
-    let mut limbs = vec![LimbWay::default(); bones.len()];
+) -> Result<Vec<LimbMotion>, ClipIkError> {
+    let mut limbs = vec![LimbMotion::default(); bones.len()];
     let mut poses = Poses::new(armature, clip);
     for &time in times {
-        posed.take(poses.at(time)?);
+        posed.store_clip_pose(poses.at(time)?);
         for (limb, &bone) in limbs.iter_mut().zip(bones) {
             let (upper, length) = posed.limb(armature, bone);
-            limb.way.push(posed.place(bone));
+            limb.positions.push(posed.effector_position(bone));
             limb.upper.push(upper);
             limb.lengths.push(length);
         }

@@ -32,13 +32,14 @@ pub(super) fn spliced(
     new: NewKeys,
 ) -> Result<Clip, ClipIkError> {
     let mut builder = Clip::builder(clip.name(), armature);
-    let own = clip.channels(armature)?;
+    let channels = clip.channels(armature)?;
     let channel_of = |bone: BoneId, property: Property| {
-        let mut own = own.iter();
-        let found = own.find(|(other, own)| *other == bone && own.property() == property);
-        found.map(|(_, channel)| channel)
+        let mut channels = channels.iter();
+        let entry =
+            channels.find(|(other, channel)| *other == bone && channel.property() == property);
+        entry.map(|(_, channel)| channel)
     };
-    let lines = Lines {
+    let sampler = ChannelSampler {
         clip,
         armature,
         times,
@@ -46,30 +47,30 @@ pub(super) fn spliced(
     };
     let mut replaced = Vec::new();
     for (bone, values) in new.rotations {
-        let (kept, straight) = match channel_of(bone, Property::Rotation) {
+        let (kept, is_linear) = match channel_of(bone, Property::Rotation) {
             None => (&[][..], true),
             Some(Channel::Rotation(curve)) => (curve.times(), curve.is_slerp()),
             Some(other) => (other.times(), false),
         };
-        let kept = lines.keys(kept, straight, |pose| pose.rotations()[bone.index()])?;
+        let kept = sampler.keys(kept, is_linear, |pose| pose.rotations()[bone.index()])?;
         let (times, values) = merged(kept, &new.times, values);
         let curve = RotationCurve::slerp(times, values)?;
         builder.channel(bone, Channel::Rotation(curve))?;
         replaced.push((bone, Property::Rotation));
     }
     for (bone, values) in new.translations {
-        let (kept, straight) = match channel_of(bone, Property::Translation) {
+        let (kept, is_linear) = match channel_of(bone, Property::Translation) {
             None => (&[][..], true),
             Some(Channel::Translation(curve)) => (curve.times(), curve.is_linear()),
             Some(other) => (other.times(), false),
         };
-        let kept = lines.keys(kept, straight, |pose| pose.translations()[bone.index()])?;
+        let kept = sampler.keys(kept, is_linear, |pose| pose.translations()[bone.index()])?;
         let (times, values) = merged(kept, &new.times, values);
         let curve = KeyedCurve::linear(times, values)?;
         builder.channel(bone, Channel::Translation(curve))?;
         replaced.push((bone, Property::Translation));
     }
-    for (bone, channel) in own {
+    for (bone, channel) in channels {
         if !replaced.contains(&(bone, channel.property())) {
             builder.channel(bone, channel)?;
         }
@@ -86,23 +87,23 @@ pub(super) fn spliced(
 }
 
 /// Inputs for the keys of a channel outside the solved runs.
-struct Lines<'a> {
+struct ChannelSampler<'a> {
     clip: &'a Clip,
     armature: &'a Armature,
     times: &'a [f32],
     runs: &'a [Range<usize>],
 }
 
-impl Lines<'_> {
+impl ChannelSampler<'_> {
     /// Returns the keys of a channel outside the solved runs.
     fn keys<V>(
         &self,
-        own: &[f32],
-        straight: bool,
+        key_times: &[f32],
+        is_linear: bool,
         value: impl Fn(&crate::animation::Pose) -> V,
     ) -> Result<Vec<(f32, V)>, ClipIkError> {
-        let mut times = own.to_vec();
-        if !straight {
+        let mut times = key_times.to_vec();
+        if !is_linear {
             times.extend(self.times);
             times.sort_by(f32::total_cmp);
             times.dedup();
@@ -112,15 +113,15 @@ impl Lines<'_> {
             !runs.any(|run| (self.times[run.start]..=self.times[run.end - 1]).contains(time))
         });
         // A single key is a constant value.
-        if own.len() < 2 {
+        if key_times.len() < 2 {
             times.clear();
         }
         let mut cursor = Cursor::new();
         let mut pose = self.armature.rest().clone();
         let keys = times.into_iter().map(|time| {
-            let at = f64::from(time);
+            let seconds = f64::from(time);
             self.clip
-                .sample(at, Playback::Hold, &mut cursor, &mut pose)?;
+                .sample(seconds, Playback::Hold, &mut cursor, &mut pose)?;
             Ok((time, value(&pose)))
         });
         keys.collect()
@@ -129,7 +130,7 @@ impl Lines<'_> {
 
 fn merged<V>(kept: Vec<(f32, V)>, solved: &[f32], values: Vec<V>) -> (Vec<f32>, Vec<V>) {
     let new = solved.iter().copied().zip(values);
-    let mut all: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
-    all.sort_by(|one, other| one.0.total_cmp(&other.0));
-    all.into_iter().unzip()
+    let mut keys: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
+    keys.sort_by(|one, other| one.0.total_cmp(&other.0));
+    keys.into_iter().unzip()
 }

@@ -1,7 +1,7 @@
 //! Null space of the arm's task Jacobian.
 
 /// Pivot, relative to the largest, below which a row counts as zero.
-const NO_ROW: f64 = 1e-6;
+const PIVOT_TOLERANCE: f64 = 1e-6;
 
 /// Basis of the null space of a matrix with six rows, stored column by column.
 ///
@@ -18,42 +18,42 @@ pub(super) struct NullSpace {
 
 impl NullSpace {
     /// Computes the basis. `scales` are the weights of one unit of each joint.
-    pub(super) fn of(&mut self, slopes: &[f64], scales: &[f64]) {
+    pub(super) fn compute(&mut self, jacobian: &[f64], scales: &[f64]) {
         let n = scales.len();
         self.matrix.clear();
-        for (column, scale) in slopes.chunks_exact(6).zip(scales) {
-            let mut own = [0.0; 6];
-            for (own, slope) in own.iter_mut().zip(column) {
-                *own = slope / scale;
+        for (column, scale) in jacobian.chunks_exact(6).zip(scales) {
+            let mut scaled = [0.0; 6];
+            for (entry, value) in entry.iter_mut().zip(column) {
+                *entry = value / scale;
             }
-            self.matrix.push(own);
+            self.matrix.push(scaled);
         }
         self.order.clear();
         self.order.extend(0..n);
         let mut largest = 0.0;
         let mut rank = 0;
         while rank < n.min(6) {
-            let Some((row, place, size)) = self.pivot(rank) else {
+            let Some((row, index, size)) = self.pivot(rank) else {
                 break;
             };
             largest = f64::max(largest, size);
-            if size <= NO_ROW * largest {
+            if size <= PIVOT_TOLERANCE * largest {
                 break;
             }
-            self.order.swap(rank, place);
+            self.order.swap(rank, index);
             let pivot = self.order[rank];
             for column in &mut self.matrix {
                 column.swap(rank, row);
             }
-            let own = self.matrix[pivot];
+            let pivot_column = self.matrix[pivot];
             // Columns of earlier pivots are unit vectors.
             for &column in &self.order[rank..] {
                 let column = &mut self.matrix[column];
-                column[rank] /= own[rank];
-                let by = column[rank];
+                column[rank] /= pivot_column[rank];
+                let factor = column[rank];
                 for (row, entry) in column.iter_mut().enumerate() {
                     if row != rank {
-                        *entry -= own[row] * by;
+                        *entry -= pivot_column[row] * factor;
                     }
                 }
             }
@@ -78,12 +78,12 @@ impl NullSpace {
     /// Returns the largest remaining entry: row, index into `order`, absolute value.
     fn pivot(&self, rank: usize) -> Option<(usize, usize, f64)> {
         let mut best: Option<(usize, usize, f64)> = None;
-        for place in rank..self.order.len() {
-            let column = &self.matrix[self.order[place]];
+        for index in rank..self.order.len() {
+            let column = &self.matrix[self.order[index]];
             for (row, entry) in column.iter().enumerate().skip(rank) {
                 let size = entry.abs();
                 if size > best.map_or(0.0, |best| best.2) {
-                    best = Some((row, place, size));
+                    best = Some((row, index, size));
                 }
             }
         }

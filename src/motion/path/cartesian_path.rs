@@ -1,7 +1,7 @@
 //! Cartesian path of a tool.
 
 use super::PathError;
-use super::linear_segment::between;
+use super::linear_segment::interpolate;
 use crate::spatial::Placement;
 
 /// Order in which the points of a path are visited.
@@ -141,32 +141,32 @@ impl CartesianPath {
             bulges: Vec::new(),
             traversal: self.traversal,
         };
-        let mut own = Vec::new();
+        let mut knot_indices = Vec::new();
         for knot in 0..self.points.len() + usize::from(closes) {
             let point = knot % self.points.len();
-            let more = steps.binary_search(&knot).map_or(0, |_| count);
-            for place in 1..=more {
-                let share = place as f64 / (count + 1) as f64;
+            let inserted = steps.binary_search(&knot).map_or(0, |_| count);
+            for k in 1..=inserted {
+                let fraction = k as f64 / (count + 1) as f64;
                 let [from, to] = [knot - 1, point].map(|point| &self.points[point]);
-                finer.points.push(between(from, to, share));
+                finer.points.push(interpolate(from, to, fraction));
                 finer.tools.extend(self.tools.get(point));
                 if let [.., before, after] = self.times.get(..=knot).unwrap_or(&[]) {
-                    finer.times.push(before + share * (after - before));
+                    finer.times.push(before + fraction * (after - before));
                 }
             }
-            own.push(finer.points.len());
+            knot_indices.push(finer.points.len());
             if knot < self.points.len() {
                 finer.points.push(self.points[knot]);
                 finer.tools.extend(self.tools.get(knot));
                 finer.times.extend(self.times.get(knot));
             }
         }
-        (finer, own)
+        (finer, knot_indices)
     }
 
     /// Rotates a closed path to begin at another point, which is repeated at the end.
     pub(super) fn entered_at(&self, entry: usize) -> Self {
-        let turned = |list: &[usize]| -> Vec<usize> {
+        let rotated = |list: &[usize]| -> Vec<usize> {
             let mut list = list.to_vec();
             list.rotate_left(entry);
             list.extend(list.first().copied());
@@ -186,7 +186,7 @@ impl CartesianPath {
             times: Vec::new(),
             tools: match self.tools.is_empty() {
                 true => Vec::new(),
-                false => turned(&self.tools),
+                false => rotated(&self.tools),
             },
             bulges,
             traversal: Traversal::Open,

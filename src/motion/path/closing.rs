@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::PathError;
-use super::layers::{Growth, Layer};
+use super::layers::{Layer, LayerGenerator};
 use crate::arm::Ends;
 
 /// Maximum number of configurations of the first station that are tried.
-const MOST_STARTS: usize = 16;
+const MAX_START_COUNT: usize = 16;
 
-impl Growth<'_> {
+impl LayerGenerator<'_> {
     /// Returns pairs of equal configurations of the first and the last station, up to whole revolutions of unlimited
     /// joints.
     ///
@@ -23,19 +23,20 @@ impl Growth<'_> {
             return vec![(0, 0)];
         };
         let mut pairs = Vec::new();
-        for (place, q) in first.q.chunks_exact(n).take(MOST_STARTS).enumerate() {
+        for (index, q) in first.q.chunks_exact(n).take(MAX_START_COUNT).enumerate() {
             let before = pairs.len();
             for (end, other) in last.q.chunks_exact(n).enumerate() {
                 let same = other.iter().zip(q).enumerate().all(|(joint, (a, b))| {
-                    let turned = f64::from(a - b) - self.whole_turns(joint, f64::from(a - b));
-                    turned.abs() as f32 <= self.merging[joint]
+                    let difference =
+                        f64::from(a - b) - self.whole_revolutions(joint, f64::from(a - b));
+                    difference.abs() as f32 <= self.merge_distances[joint]
                 });
                 if same {
-                    pairs.push((place, end));
+                    pairs.push((index, end));
                 }
             }
             if pairs.len() == before {
-                pairs.push((place, last.count(n)));
+                pairs.push((index, last.count(n)));
                 last.q.extend_from_slice(q);
             }
         }
@@ -50,35 +51,42 @@ impl Growth<'_> {
         last: usize,
     ) -> Result<(Vec<f64>, Vec<f64>), PathError> {
         let n = self.middle.len();
-        let at = |layer: Option<&Layer>, place: usize| -> Vec<f64> {
-            let row = layer.and_then(|layer| layer.q.get(place * n..(place + 1) * n));
+        let configuration = |layer: Option<&Layer>, index: usize| -> Vec<f64> {
+            let row = layer.and_then(|layer| layer.q.get(index * n..(index + 1) * n));
             row.map_or(self.middle.clone(), |row| {
                 row.iter().map(|q| f64::from(*q)).collect()
             })
         };
-        let (begin, end) = (at(layers.first(), first), at(layers.last(), last));
+        let (begin, end) = (
+            configuration(layers.first(), first),
+            configuration(layers.last(), last),
+        );
         let start = match self.start {
             Some(start) => start.to_vec(),
             None => {
                 let mut ends = Ends::default();
-                let arm = self.arms.of(self.knots.tool(0));
+                let arm = self.arms.arm(self.knots.tool(0));
                 arm.continue_all(&self.knots.targets[..1], &begin, &mut ends)?;
                 ends.q
             }
         };
         let moves = begin.iter().zip(&end).enumerate();
-        let turns = moves.map(|(joint, (a, b))| self.whole_turns(joint, b - a));
-        let end = start.iter().zip(turns).map(|(q, turn)| q + turn).collect();
+        let revolutions = moves.map(|(joint, (a, b))| self.whole_revolutions(joint, b - a));
+        let end = start
+            .iter()
+            .zip(revolutions)
+            .map(|(q, shift)| q + shift)
+            .collect();
         Ok((start, end))
     }
 
     /// Returns the whole revolutions in an angle of a joint without limits, radians; 0 for other joints.
-    pub(super) fn whole_turns(&self, joint: usize, angle: f64) -> f64 {
-        let mut limits = self.arms.own().limits();
+    pub(super) fn whole_revolutions(&self, joint: usize, angle: f64) -> f64 {
+        let mut limits = self.arms.primary().limits();
         let free = limits.nth(joint).is_some_and(|limits| {
             limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY
         });
-        match free && !self.slides[joint] {
+        match free && !self.is_prismatic[joint] {
             true => TAU * (angle / TAU).round(),
             false => 0.0,
         }

@@ -10,9 +10,9 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 /// Largest file size, bytes.
 const LENGTH_LIMIT: u64 = 1 << 30;
 /// Largest deviation of a quaternion's norm from 1, due to rounding. Quaternions are then normalised.
-const LENGTH_TOLERANCE: f64 = 1e-3;
+const NORM_TOLERANCE: f64 = 1e-3;
 /// Largest tool index.
-const MOST_TOOLS: f64 = 255.0;
+const MAX_TOOL: f64 = 255.0;
 
 /// Order of quaternion elements in files without a header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,28 +42,28 @@ pub struct CsvColumns {
 
 impl fmt::Display for CsvColumns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let one = |column: usize| column + 1;
-        let [x, y, z] = self.position.map(one);
+        let one_based = |column: usize| column + 1;
+        let [x, y, z] = self.position.map(one_based);
         write!(f, "x, y, z from columns {x}, {y}, {z}")?;
         match self.quaternion {
             Some(columns) => {
-                let [w, x, y, z] = columns.map(one);
+                let [w, x, y, z] = columns.map(one_based);
                 write!(f, "; quaternion w, x, y, z from columns {w}, {x}, {y}, {z}")?;
             }
             None => write!(f, "; no orientation")?,
         }
         match self.time {
-            Some(time) => write!(f, "; times from column {}", one(time))?,
+            Some(time) => write!(f, "; times from column {}", one_based(time))?,
             None => write!(f, "; no times")?,
         }
         if let Some(tool) = self.tool {
-            write!(f, "; tools from column {}", one(tool))?;
+            write!(f, "; tools from column {}", one_based(tool))?;
         }
-        let how = match self.by_name {
+        let suffix = match self.by_name {
             true => " (as the header names them)",
             false => " (by their number)",
         };
-        f.write_str(how)
+        f.write_str(suffix)
     }
 }
 
@@ -158,7 +158,7 @@ impl CartesianPath {
                 return Err(malformed(Place::Line(number), problem));
             }
             table
-                .take(&row, &columns)
+                .push_row(&row, &columns)
                 .map_err(|problem| malformed(Place::Line(number), problem))?;
         }
         if table.points.is_empty() {
@@ -178,7 +178,7 @@ struct Table {
 }
 
 impl Table {
-    fn take(&mut self, row: &[f64], columns: &CsvColumns) -> Result<(), String> {
+    fn push_row(&mut self, row: &[f64], columns: &CsvColumns) -> Result<(), String> {
         let [x, y, z] = columns.position.map(|column| row[column]);
         let translation = Vector3::new(x, y, z);
         let point = match columns.quaternion {
@@ -187,7 +187,7 @@ impl Table {
                 let [w, x, y, z] = columns.map(|column| row[column]);
                 let v = Vector3::new(x, y, z);
                 let length = (w * w + v.norm_squared()).sqrt();
-                if (length - 1.0).abs() > LENGTH_TOLERANCE {
+                if (length - 1.0).abs() > NORM_TOLERANCE {
                     return Err(format!("its quaternion has length {length}: 1 is needed"));
                 }
                 let unit = Quaternion {
@@ -201,9 +201,9 @@ impl Table {
         self.times.extend(columns.time.map(|column| row[column]));
         if let Some(column) = columns.tool {
             let number = row[column];
-            if number.fract() != 0.0 || !(0.0..=MOST_TOOLS).contains(&number) {
+            if number.fract() != 0.0 || !(0.0..=MAX_TOOL).contains(&number) {
                 return Err(format!(
-                    "its tool is {number}: a whole number from 0 to {MOST_TOOLS} is needed"
+                    "its tool is {number}: a whole number from 0 to {MAX_TOOL} is needed"
                 ));
             }
             self.tools.push(number as usize);
@@ -216,9 +216,9 @@ impl Table {
         if columns.tool.is_some() {
             path = path.with_tools(self.tools)?;
         }
-        let rises = self.times.windows(2).all(|pair| pair[0] < pair[1]);
-        let counts = self.times.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
-        if columns.time.is_none() || !columns.by_name && (counts || !rises) {
+        let is_increasing = self.times.windows(2).all(|pair| pair[0] < pair[1]);
+        let counts_rows = self.times.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+        if columns.time.is_none() || !columns.by_name && (counts_rows || !is_increasing) {
             columns.time = None;
             return Ok((path, columns));
         }
@@ -227,21 +227,21 @@ impl Table {
 }
 
 fn split(line: &str) -> impl Iterator<Item = &str> {
-    let parted = |c: char| matches!(c, ',' | ';' | '\t');
-    let by_signs = line.contains(parted);
-    let parts = line.split(move |c: char| match by_signs {
-        true => parted(c),
+    let is_separator = |c: char| matches!(c, ',' | ';' | '\t');
+    let has_separators = line.contains(is_separator);
+    let parts = line.split(move |c: char| match has_separators {
+        true => is_separator(c),
         false => c.is_whitespace(),
     });
     parts
         .map(|field| field.trim().trim_matches('"'))
-        .filter(move |field| by_signs || !field.is_empty())
+        .filter(move |field| has_separators || !field.is_empty())
 }
 
 impl CsvColumns {
     /// Finds the columns by the names of a header. Returns `None` if it does not name a position.
     fn named(header: &[&str]) -> Option<Self> {
-        let names: Vec<String> = header.iter().map(|name| plain(name)).collect();
+        let names: Vec<String> = header.iter().map(|name| normalised(name)).collect();
         let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
         let position = |axis: &str| {
             find(&[
@@ -277,7 +277,7 @@ impl CsvColumns {
 
     /// Assigns the columns by their count.
     fn counted(count: usize, order: QuaternionOrder) -> Result<Self, String> {
-        let (first, turns) = match count {
+        let (first, has_quaternion) = match count {
             3 => (0, false),
             4 => (1, false),
             7 => (0, true),
@@ -289,13 +289,13 @@ impl CsvColumns {
                 ));
             }
         };
-        let turn = match order {
+        let element_columns = match order {
             QuaternionOrder::WFirst => [3, 4, 5, 6],
             QuaternionOrder::WLast => [6, 3, 4, 5],
         };
         Ok(Self {
             position: [first, first + 1, first + 2],
-            quaternion: turns.then_some(turn.map(|column| first + column)),
+            quaternion: has_quaternion.then_some(element_columns.map(|column| first + column)),
             time: (first == 1).then_some(0),
             tool: None,
             by_name: false,
@@ -304,7 +304,7 @@ impl CsvColumns {
 }
 
 /// Reduces a column name to lower-case letters and digits of its last part: `target-POS_X` is `posx`.
-fn plain(name: &str) -> String {
+fn normalised(name: &str) -> String {
     let last = name.rsplit(['-', '/', ':']).next().unwrap_or(name);
     let letters = last.chars().filter(char::is_ascii_alphanumeric);
     letters.map(|c| c.to_ascii_lowercase()).collect()

@@ -14,7 +14,7 @@
 
 use super::PathError;
 use super::cartesian_path::CartesianPath;
-use super::linear_segment::between;
+use super::linear_segment::interpolate;
 use super::solution::Deviation;
 use super::tools::Tools;
 use crate::arm::{Arm, ChainMotion};
@@ -22,14 +22,14 @@ use crate::scalar::elementary;
 use crate::spatial::{Placement, Quaternion, Vector3};
 
 /// Maximum number of points at which one step is measured.
-const MOST_PLACES: usize = 1024;
+const MAX_SAMPLES: usize = 1024;
 /// Relative difference between bound and measurement at which refinement stops.
-const SLACK: f64 = 0.02;
+const BOUND_TOLERANCE: f64 = 0.02;
 /// Maximum of |t (t − ½) (t − 1)| / 6 on [0, 1]: √3 / 216.
-const OFF_PARABOLA: f64 = 0.008_018_754;
+const PARABOLA_ERROR_FACTOR: f64 = 0.008_018_754;
 
 /// Step along the path.
-pub(super) struct LedStep<'a> {
+pub(super) struct PathStep<'a> {
     /// Row that the step leads to.
     pub(super) row: usize,
     /// Indices of the path points at both ends.
@@ -41,9 +41,9 @@ pub(super) struct LedStep<'a> {
 pub(super) fn largest(
     tools: &Tools<'_>,
     path: &CartesianPath,
-    steps: &[LedStep<'_>],
+    steps: &[PathStep<'_>],
 ) -> Result<Deviation, PathError> {
-    let tool_of = |step: &LedStep<'_>| path.tools.get(step.points[1]).copied().unwrap_or(0);
+    let tool_of = |step: &PathStep<'_>| path.tools.get(step.points[1]).copied().unwrap_or(0);
     let mut motions: Vec<Option<Vec<ChainMotion>>> = Vec::new();
     for step in steps {
         let tool = tool_of(step);
@@ -51,23 +51,23 @@ pub(super) fn largest(
             motions.resize(tool + 1, None);
         }
         if motions[tool].is_none() {
-            motions[tool] = Some(tools.of(tool).chain_motions());
+            motions[tool] = Some(tools.arm(tool).chain_motions());
         }
     }
     // Recomputed on refinement, to keep memory low for a million steps.
     let curve = |step| {
         let tool = tool_of(step);
         let motions = motions[tool].as_deref().unwrap_or_default();
-        Curve::new(tools.of(tool), path, step, motions)
+        Curve::new(tools.arm(tool), path, step, motions)
     };
     let mut bounds = Vec::with_capacity(steps.len());
     // Most steps begin at the end of the previous step.
-    let mut last: Option<(&LedStep<'_>, Placement<f64>)> = None;
+    let mut last: Option<(&PathStep<'_>, Placement<f64>)> = None;
     for step in steps {
         // Such steps use the same tool, as steps over a tool change are excluded.
-        let goes_on = |before: &LedStep<'_>| std::ptr::eq(before.q[1], step.q[0]);
+        let continues = |before: &PathStep<'_>| std::ptr::eq(before.q[1], step.q[0]);
         let begin = last
-            .filter(|(before, _)| goes_on(before))
+            .filter(|(before, _)| continues(before))
             .map(|(_, tool)| tool);
         let measured = curve(step)?.measure(2, begin)?;
         bounds.push(measured.bounds);
@@ -75,25 +75,25 @@ pub(super) fn largest(
     }
     let mut largest = Deviation::default();
     let mut order: Vec<usize> = (0..steps.len()).collect();
-    for which in [0, 1] {
+    for component in [0, 1] {
         // Sorted by the first bounds, so that most steps need no refinement.
         order.sort_by(|a, b| {
-            let (a, b) = ((bounds[*a][which], *a), (bounds[*b][which], *b));
+            let (a, b) = ((bounds[*a][component], *a), (bounds[*b][component], *b));
             b.0.total_cmp(&a.0).then(a.1.cmp(&b.1))
         });
-        let (mut most, mut at) = (0.0, 0);
-        for &place in &order {
-            if bounds[place][which] <= most {
+        let (mut max, mut max_row) = (0.0, 0);
+        for &index in &order {
+            if bounds[index][component] <= max {
                 break;
             }
-            let bound = curve(&steps[place])?.close_bound(which, most)?;
-            if bound > most {
-                (most, at) = (bound, steps[place].row);
+            let bound = curve(&steps[index])?.tight_bound(component, max)?;
+            if bound > max {
+                (max, max_row) = (bound, steps[index].row);
             }
         }
-        match which {
-            0 => (largest.metres, largest.metres_at) = (most, at),
-            _ => (largest.radians, largest.radians_at) = (most, at),
+        match component {
+            0 => (largest.metres, largest.metres_at) = (max, max_row),
+            _ => (largest.radians, largest.radians_at) = (max, max_row),
         }
     }
     Ok(largest)
@@ -105,11 +105,11 @@ struct Curve<'a> {
     targets: [Placement<f64>; 2],
     q: [&'a [f64]; 2],
     /// Bounds of the second derivatives of the position, metres, and of the quaternion vector part.
-    bends: [f64; 2],
+    second_derivatives: [f64; 2],
     /// Bounds of the third derivatives of both vectors, metres and twice the vector part; `None` with pose bounds.
-    thirds: Option<[f64; 2]>,
+    third_derivatives: Option<[f64; 2]>,
     /// Bound on the displacement of the vector part.
-    turns: f64,
+    max_rotation: f64,
     /// Distance of a curved path from the chord, metres.
     bulge: f64,
 }
@@ -128,67 +128,73 @@ impl<'a> Curve<'a> {
     fn new(
         arm: &'a Arm,
         path: &CartesianPath,
-        step: &LedStep<'a>,
+        step: &PathStep<'a>,
         motions: &[ChainMotion],
     ) -> Result<Self, PathError> {
         let targets = step.points.map(|point| path.points[point]);
         let [from, to] = step.q;
         let (mut lever, mut bend, mut speed) = (0.0, 0.0, 0.0);
-        let (mut turn, mut turn_bend, mut third) = (0.0, 0.0, 0.0);
+        let (mut rotation, mut rotation_bend, mut third) = (0.0, 0.0, 0.0);
         let moved = |motion: &ChainMotion| {
             (motion.ratio * (to[motion.variable] - from[motion.variable])).abs()
         };
-        for (place, motion) in motions.iter().enumerate().rev() {
+        for (index, motion) in motions.iter().enumerate().rev() {
             lever += motion.length_after;
-            let own = moved(motion);
-            let before = motions[..place].iter().filter(|before| !before.slides);
+            let delta = moved(motion);
+            let before = motions[..index].iter().filter(|before| !before.slides);
             let before: f64 = before.map(moved).sum();
             if motion.slides {
-                bend += 2.0 * own * before;
-                third += 3.0 * own * before * before;
-                speed += own;
+                bend += 2.0 * delta * before;
+                third += 3.0 * delta * before * before;
+                speed += delta;
                 let value = |q: &[f64]| (motion.ratio * q[motion.variable] + motion.offset).abs();
                 lever += value(from).max(value(to));
             } else {
-                bend += own * lever * (own + 2.0 * before);
-                third += own * lever * (own * own + 3.0 * before * (own + before));
-                speed += own * lever;
-                turn_bend += own * before;
-                turn += own;
+                bend += delta * lever * (delta + 2.0 * before);
+                third += delta * lever * (delta * delta + 3.0 * before * (delta + before));
+                speed += delta * lever;
+                rotation_bend += delta * before;
+                rotation += delta;
             }
         }
-        let way = targets[1].translation - targets[0].translation;
+        let displacement = targets[1].translation - targets[0].translation;
         let relative = targets[0].rotation.transpose() * targets[1].rotation;
-        let path_turn = Quaternion::from_matrix(&relative).log().norm();
+        let path_rotation = Quaternion::from_matrix(&relative).log().norm();
         if arm.goal().has_room() {
             // In the rotating axes of the target.
             let reach = arm.base_from_tool(from)?.translation - targets[0].translation;
-            let reach = reach.norm() + speed + way.norm();
-            bend += path_turn * (2.0 * (speed + way.norm()) + path_turn * reach);
+            let reach = reach.norm() + speed + displacement.norm();
+            bend += path_rotation * (2.0 * (speed + displacement.norm()) + path_rotation * reach);
         }
-        let turns = turn + path_turn;
-        let thirds = [third, 0.25 * turns * turns * turns];
+        let total_rotation = rotation + path_rotation;
+        let third_derivatives = [
+            third,
+            0.25 * total_rotation * total_rotation * total_rotation,
+        ];
         Ok(Self {
             arm,
             targets,
-            thirds: (!arm.goal().has_room()).then_some(thirds),
+            third_derivatives: (!arm.goal().has_room()).then_some(third_derivatives),
             q: step.q,
-            bends: [bend, 0.5 * turn_bend + 0.25 * turns * turns],
-            turns: 0.5 * turns,
+            second_derivatives: [
+                bend,
+                0.5 * rotation_bend + 0.25 * total_rotation * total_rotation,
+            ],
+            max_rotation: 0.5 * total_rotation,
             bulge: path.bulges.get(step.points[1]).copied().unwrap_or(0.0),
         })
     }
 
-    /// Refines the bound until it is close to the measurement or at most `enough`.
-    fn close_bound(&self, which: usize, enough: f64) -> Result<f64, PathError> {
+    /// Refines the bound until it is close to the measurement or at most `threshold`.
+    fn tight_bound(&self, component: usize, threshold: f64) -> Result<f64, PathError> {
         let mut parts = 2;
         let mut best = f64::INFINITY;
         loop {
             let measured = self.measure(parts, None)?;
-            let bound = measured.bounds[which];
+            let bound = measured.bounds[component];
             best = best.min(bound);
-            let close = bound <= measured.largest[which] * (1.0 + SLACK) + 1e-9;
-            if close || best <= enough || parts >= MOST_PLACES {
+            let is_tight = bound <= measured.largest[component] * (1.0 + BOUND_TOLERANCE) + 1e-9;
+            if is_tight || best <= threshold || parts >= MAX_SAMPLES {
                 return Ok(best);
             }
             parts *= 2;
@@ -203,53 +209,55 @@ impl<'a> Curve<'a> {
         let mut largest = [0.0_f64; 2];
         let mut parabolas = [Parabola::default(); 2];
         let mut last: Option<Quaternion<f64>> = None;
-        let mut sure = true;
+        let mut sign_known = true;
         let mut end = Placement::identity();
-        for place in 0..=parts {
-            let share = place as f64 / parts as f64;
+        for index in 0..=parts {
+            let fraction = index as f64 / parts as f64;
             for (q, (a, b)) in q.iter_mut().zip(from.iter().zip(to)) {
-                *q = a + share * (b - a);
+                *q = a + fraction * (b - a);
             }
-            let tool = match begin.filter(|_| place == 0) {
+            let tool = match begin.filter(|_| index == 0) {
                 Some(begin) => begin,
                 None => self.arm.base_from_tool(&q)?,
             };
             end = tool;
-            let target = between(&self.targets[0], &self.targets[1], share);
-            let away = tool.translation - target.translation;
+            let target = interpolate(&self.targets[0], &self.targets[1], fraction);
+            let offset = tool.translation - target.translation;
             let metres = match bands[..3] == [0.0; 3] {
-                true => away.norm(),
-                false => beyond(target.rotation.transpose() * away, &bands[..3]),
+                true => offset.norm(),
+                false => distance_outside(target.rotation.transpose() * offset, &bands[..3]),
             };
             let relative = target.rotation.transpose() * tool.rotation;
             let relative = Quaternion::from_matrix(&relative);
-            let chord = beyond(relative.v * 2.0, &bands[3..]);
+            let chord = distance_outside(relative.v * 2.0, &bands[3..]);
             largest = [largest[0].max(metres), largest[1].max(chord)];
-            parabolas[0].go_on(place, away);
-            parabolas[1].go_on(place, relative.v * 2.0);
+            parabolas[0].push(index, offset);
+            parabolas[1].push(index, relative.v * 2.0);
             if let Some(last) = last {
                 // False if the sign of the quaternion is ambiguous over a part.
-                sure &= self.turns / (parts as f64) < 1.0
+                sign_known &= self.max_rotation / (parts as f64) < 1.0
                     && last.w * relative.w + last.v.dot(relative.v) > 0.0;
             }
             last = Some(relative);
         }
-        let rest = 1.0 / (8.0 * (parts * parts) as f64);
+        let chord_factor = 1.0 / (8.0 * (parts * parts) as f64);
         let angle = |chord: f64| 2.0 * elementary::asin((0.5 * chord).min(1.0));
         let mut bounds = [
-            largest[0] + self.bends[0] * rest,
-            largest[1] + 2.0 * self.bends[1] * rest,
+            largest[0] + self.second_derivatives[0] * chord_factor,
+            largest[1] + 2.0 * self.second_derivatives[1] * chord_factor,
         ];
-        if let (Some(thirds), true) = (self.thirds, parts.is_multiple_of(2)) {
+        if let (Some(third_derivatives), true) = (self.third_derivatives, parts.is_multiple_of(2)) {
             let width = 2.0 / parts as f64;
-            let off = OFF_PARABOLA * width * width * width;
-            for which in [0, 1] {
-                bounds[which] = bounds[which].min(parabolas[which].largest + off * thirds[which]);
+            let parabola_error = PARABOLA_ERROR_FACTOR * width * width * width;
+            for component in [0, 1] {
+                bounds[component] = bounds[component].min(
+                    parabolas[component].largest + parabola_error * third_derivatives[component],
+                );
             }
         }
         let [metres, chord] = bounds;
         let free = bands[3..].iter().all(|band| *band == f64::INFINITY);
-        let radians = match sure {
+        let radians = match sign_known {
             true => angle(chord),
             false => std::f64::consts::PI,
         };
@@ -270,32 +278,38 @@ struct Parabola {
 
 impl Parabola {
     /// Adds the next point.
-    fn go_on(&mut self, place: usize, at: Vector3<f64>) {
+    fn push(&mut self, index: usize, next: Vector3<f64>) {
         let [from, middle] = self.last;
-        if place > 0 && place.is_multiple_of(2) {
+        if index > 0 && index.is_multiple_of(2) {
             // Subdivision at the middle: the inner points are half-way to the Bézier control point.
-            let inner = middle * 2.0 - (from + at) * 0.5;
-            for point in [from, (from + inner) * 0.5, middle, (inner + at) * 0.5, at] {
+            let inner = middle * 2.0 - (from + next) * 0.5;
+            for point in [
+                from,
+                (from + inner) * 0.5,
+                middle,
+                (inner + next) * 0.5,
+                next,
+            ] {
                 self.largest = self.largest.max(point.norm());
             }
         }
-        self.last = [middle, at];
+        self.last = [middle, next];
     }
 }
 
 /// Returns the distance of a vector from a box of half widths `bands`.
-fn beyond(vector: Vector3<f64>, bands: &[f64]) -> f64 {
+fn distance_outside(vector: Vector3<f64>, bands: &[f64]) -> f64 {
     let parts = vector.to_array();
     let squares = parts.iter().zip(bands).map(|(part, band)| {
-        let beyond = (part.abs() - band).max(0.0);
-        beyond * beyond
+        let excess = (part.abs() - band).max(0.0);
+        excess * excess
     });
     squares.sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, LedStep};
+    use super::{Curve, PathStep};
     use crate::arm::Arm;
     use crate::model::{Limits, Model};
     use crate::motion::path::CartesianPath;
@@ -310,35 +324,38 @@ mod tests {
         let mut builder = Model::builder("two links");
         let z = Vector3::UNITS[2];
         let link = Placement::translation(Vector3::UNITS[0]);
-        let turns = Limits::new(-3.0, 3.0);
+        let joint_limits = Limits::new(-3.0, 3.0);
         let base = builder.frame("base", None, Placement::identity());
-        let upper = builder.revolute("upper", None, Placement::identity(), z, turns);
-        let lower = builder.revolute("lower", Some(upper), link, z, turns);
+        let upper = builder.revolute("upper", None, Placement::identity(), z, joint_limits);
+        let lower = builder.revolute("lower", Some(upper), link, z, joint_limits);
         let tip = builder.frame("tip", Some(lower), link);
         let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
         let arm = arm.build().unwrap();
-        for turn in [[0.05, 0.05], [0.1, 0.02], [0.02, 0.1]] {
-            let at = |share: f64| turn.map(|by| by * (share - 0.5));
-            let tool = |share: f64| arm.base_from_tool(&at(share)).unwrap();
+        for angles in [[0.05, 0.05], [0.1, 0.02], [0.02, 0.1]] {
+            let configuration_at = |fraction: f64| angles.map(|angle| angle * (fraction - 0.5));
+            let tool = |fraction: f64| arm.base_from_tool(&configuration_at(fraction)).unwrap();
             let path = CartesianPath::new(vec![tool(0.0), tool(1.0)]).unwrap();
-            let step = LedStep {
+            let step = PathStep {
                 row: 1,
                 points: [0, 1],
-                q: [&at(0.0), &at(1.0)],
+                q: [&configuration_at(0.0), &configuration_at(1.0)],
             };
             let motions = arm.chain_motions();
             let curve = Curve::new(&arm, &path, &step, &motions).unwrap();
-            let way = tool(1.0).translation - tool(0.0).translation;
-            let off = |share: f64| {
-                let even = tool(0.0).translation + way * share;
-                (tool(share).translation - even).norm()
+            let displacement = tool(1.0).translation - tool(0.0).translation;
+            let distance = |fraction: f64| {
+                let chord_point = tool(0.0).translation + displacement * fraction;
+                (tool(fraction).translation - chord_point).norm()
             };
-            let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
-            let most = most.fold(0.0, f64::max);
+            let max_distance = (0..=100).map(|k| distance(f64::from(k) / 100.0));
+            let max_distance = max_distance.fold(0.0, f64::max);
             for parts in [1, 2, 4] {
                 let bound = curve.measure(parts, None).unwrap().bounds[0];
-                assert!(most <= bound && bound < 1.01 * most, "{most} {bound}");
+                assert!(
+                    max_distance <= bound && bound < 1.01 * max_distance,
+                    "{max_distance} {bound}"
+                );
             }
         }
     }

@@ -5,7 +5,7 @@ use super::tools::Tools;
 use crate::spatial::Placement;
 
 /// Spacing of stations along the tool's path, radians (metres converted by the arm's scale), if knots are dense enough.
-pub(super) const NEAR: f64 = 0.05;
+pub(super) const STATION_SPACING: f64 = 0.05;
 
 /// Points in the order of traversal. A cyclic path repeats its first point at the end.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub(super) struct Knots {
     /// Tool index of each knot; empty if all use tool 0.
     tools: Vec<u32>,
     /// Length of the tool's path up to each knot, radians.
-    pub(super) way: Vec<f64>,
+    pub(super) arc_lengths: Vec<f64>,
     /// Times, seconds; empty if times do not count.
     pub(super) times: Vec<f64>,
     /// Knots at which branches are compared: the first, the last, and some in between.
@@ -26,8 +26,8 @@ pub(super) struct Knots {
 impl Knots {
     pub(super) fn of(path: &CartesianPath, arms: &Tools<'_>) -> Self {
         let closed = path.traversal == Traversal::Cyclic && path.points.len() > 1;
-        let again = closed.then_some(0);
-        let points = || (0..path.points.len()).chain(again);
+        let closing_point = closed.then_some(0);
+        let points = || (0..path.points.len()).chain(closing_point);
         let tools = match path.tools.is_empty() {
             true => Vec::new(),
             false => points().map(|point| path.tools[point] as u32).collect(),
@@ -39,21 +39,21 @@ impl Knots {
         let mut knots = Self {
             targets: points().map(|point| path.points[point]).collect(),
             tools,
-            way: vec![0.0],
+            arc_lengths: vec![0.0],
             times,
             stations: Vec::new(),
             closed,
         };
         for knot in 1..knots.len() {
             // A tool change has no defined path.
-            let length = match knots.is_led_to(knot) {
+            let length = match knots.has_segment_to(knot) {
                 true => {
-                    let arm = arms.of(knots.tool(knot));
+                    let arm = arms.arm(knots.tool(knot));
                     arm.apart(&knots.targets[knot - 1], &knots.targets[knot])
                 }
                 false => 0.0,
             };
-            knots.way.push(knots.way[knot - 1] + length);
+            knots.arc_lengths.push(knots.arc_lengths[knot - 1] + length);
         }
         knots.find_stations();
         knots
@@ -64,11 +64,12 @@ impl Knots {
         self.stations.push(0);
         for knot in 1..self.len() {
             let end = knot + 1 == self.len();
-            let far = !end && self.way[knot + 1] - self.way[last] > NEAR;
-            let changes = !self.is_led_to(knot) || !end && !self.is_led_to(knot + 1);
+            let is_far =
+                !end && self.arc_lengths[knot + 1] - self.arc_lengths[last] > STATION_SPACING;
+            let changes_tool = !self.has_segment_to(knot) || !end && !self.has_segment_to(knot + 1);
             // Limits the distance of stations while the tool is at rest.
-            let many = knot - last >= 1000;
-            if end || far || changes || many {
+            let is_long_run = knot - last >= 1000;
+            if end || is_far || changes_tool || is_long_run {
                 self.stations.push(knot);
                 last = knot;
             }
@@ -93,7 +94,7 @@ impl Knots {
     }
 
     /// Returns whether the path defines the motion to a knot from the one before.
-    pub(super) fn is_led_to(&self, knot: usize) -> bool {
+    pub(super) fn has_segment_to(&self, knot: usize) -> bool {
         self.tool(knot) == self.tool(knot - 1)
     }
 }

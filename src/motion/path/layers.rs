@@ -6,25 +6,25 @@
 use std::f64::consts::TAU;
 
 use super::PathError;
-use super::branch_continuation::{Carrier, FEW};
+use super::branch_continuation::{BranchContinuation, MIN_FREE_COUNT};
 use super::knots::Knots;
-use super::neighbour_index::Sorted;
+use super::neighbour_index::NeighbourIndex;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
-use super::winding::Turns;
+use super::winding::Revolutions;
 use crate::arm::{Ends, QueryError};
 
 /// Distance below which two configurations are merged, radians (for every joint).
-const MERGING: f32 = 0.03;
+const MERGE_DISTANCE: f32 = 0.03;
 /// Number of attempts at the first station, and at later stations with few known branches.
 const FIRST_ATTEMPTS: u32 = 96;
-const ATTEMPTS: u32 = 8;
+const STATION_ATTEMPTS: u32 = 8;
 /// Number of stations between such searches.
-const LOOKS: usize = 4;
+const SEARCH_INTERVAL: usize = 4;
 /// Number of attempts if no configuration is known.
-pub(super) const LAST_ATTEMPTS: u32 = 200;
+pub(super) const FALLBACK_ATTEMPTS: u32 = 200;
 /// Distance from a joint limit, radians, below which the configuration one revolution back is added.
-const NEAR_LIMIT: f64 = 0.4;
+const LIMIT_PROXIMITY: f64 = 0.4;
 
 /// Link of a configuration that was not followed in parts from any predecessor.
 pub(super) const UNLINKED: u16 = u16::MAX;
@@ -39,30 +39,30 @@ pub(super) struct Layer {
     /// True if further configurations were dropped.
     pub(super) full: bool,
     /// True if no configuration reaches the target without collision. The layer then has the nearest one found.
-    pub(super) missed: bool,
+    pub(super) unreached: bool,
 }
 
 /// Generator of the layers, with its settings.
 #[derive(Debug)]
-pub(super) struct Growth<'a> {
+pub(super) struct LayerGenerator<'a> {
     pub(super) arms: &'a Tools<'a>,
     pub(super) knots: &'a Knots,
     pub(super) bounds: &'a StepBounds,
     /// Maximum number of configurations per station. A quarter is reserved for backward continuation.
-    pub(super) most: usize,
+    pub(super) max_configurations: usize,
     /// Number of continued configurations below which a station searches for more.
-    pub(super) looked_for: usize,
+    pub(super) search_threshold: usize,
     /// Given configurations at the start and end of the path.
     pub(super) start: Option<&'a [f64]>,
     pub(super) end: Option<&'a [f64]>,
     /// For a cyclic path with a free start, joint displacement over one cycle. Both ends then move together.
-    pub(super) ring: Option<Vec<f64>>,
+    pub(super) cycle_displacement: Option<Vec<f64>>,
     /// Reference values of unlimited joints, merging distances, and flags of prismatic joints.
     pub(super) middle: Vec<f64>,
-    pub(super) merging: Vec<f32>,
-    pub(super) slides: Vec<bool>,
+    pub(super) merge_distances: Vec<f32>,
+    pub(super) is_prismatic: Vec<bool>,
     /// Joints whose whole revolutions are ignored.
-    pub(super) turns: Turns,
+    pub(super) revolutions: Revolutions,
 }
 
 /// Scratch memory of searches at a station.
@@ -73,15 +73,15 @@ struct LayerWorkspace {
     free: Vec<bool>,
 }
 
-impl<'a> Growth<'a> {
+impl<'a> LayerGenerator<'a> {
     /// Computes the merging distances and the centres of the joint limits.
     pub(super) fn new(
         arms: &'a Tools<'a>,
         knots: &'a Knots,
         bounds: &'a StepBounds,
-        most: usize,
+        max_configurations: usize,
     ) -> Self {
-        let arm = arms.own();
+        let arm = arms.primary();
         let middle = arm.limits().map(|limits| {
             let middle = 0.5 * (limits.lower + limits.upper);
             if middle.is_finite() { middle } else { 0.0 }
@@ -90,56 +90,66 @@ impl<'a> Growth<'a> {
             arms,
             knots,
             bounds,
-            most,
-            looked_for: most / 2,
+            max_configurations,
+            search_threshold: max_configurations / 2,
             start: None,
             end: None,
-            ring: None,
+            cycle_displacement: None,
             middle: middle.collect(),
-            merging: (arm.scales().iter())
-                .map(|scale| MERGING / *scale as f32)
+            merge_distances: (arm.scales().iter())
+                .map(|scale| MERGE_DISTANCE / *scale as f32)
                 .collect(),
-            slides: arm.slides(),
-            turns: Turns::kept(arm.joint_count()),
+            is_prismatic: arm.slides(),
+            revolutions: Revolutions::counted(arm.joint_count()),
         }
     }
 
     /// Returns one layer per station.
     pub(super) fn layers(&self) -> Result<Vec<Layer>, PathError> {
         let stations = &self.knots.stations;
-        let mut room = LayerWorkspace::default();
-        let mut carrier = Carrier::default();
+        let mut workspace = LayerWorkspace::default();
+        let mut continuation = BranchContinuation::default();
         let mut layers: Vec<Layer> = vec![Layer::default(); stations.len()];
         // Number of configurations that came from the previous station.
         let mut carried = vec![0_usize; stations.len()];
         match self.start {
-            Some(start) => layers[0].take_folded(start, &self.turns),
-            None => self.look(&mut layers[0], stations[0], FIRST_ATTEMPTS, 0, &mut room)?,
+            Some(start) => layers[0].push_folded(start, &self.revolutions),
+            None => self.search(
+                &mut layers[0],
+                stations[0],
+                FIRST_ATTEMPTS,
+                0,
+                &mut workspace,
+            )?,
         }
-        self.make_do(&mut layers, 0, &mut room)?;
+        self.fill_empty(&mut layers, 0, &mut workspace)?;
         for to in 1..layers.len() {
             if let (Some(end), true) = (self.end, to + 1 == stations.len()) {
-                layers[to].take_folded(end, &self.turns);
+                layers[to].push_folded(end, &self.revolutions);
                 continue;
             }
-            carrier.carry(self, &mut layers, (to - 1, to), 0)?;
+            continuation.continue_layer(self, &mut layers, (to - 1, to), 0)?;
             let layer = &mut layers[to];
             carried[to] = layer.count(self.width());
-            let room_left = !layer.full;
-            self.turn_over(layer, stations[to], &mut room)?;
-            if to % LOOKS == 0 && room_left && carried[to] < self.looked_for || carried[to] == 0 {
-                let first = 1 + ATTEMPTS * (to / LOOKS) as u32 % 128;
-                self.look(layer, stations[to], ATTEMPTS, first, &mut room)?;
+            let has_capacity = !layer.full;
+            self.add_unwound(layer, stations[to], &mut workspace)?;
+            if to % SEARCH_INTERVAL == 0 && has_capacity && carried[to] < self.search_threshold
+                || carried[to] == 0
+            {
+                let first = 1 + STATION_ATTEMPTS * (to / SEARCH_INTERVAL) as u32 % 128;
+                self.search(layer, stations[to], STATION_ATTEMPTS, first, &mut workspace)?;
             }
-            self.make_do(&mut layers, to, &mut room)?;
+            self.fill_empty(&mut layers, to, &mut workspace)?;
         }
-        carrier.forget();
+        continuation.reset();
         let first = usize::from(self.start.is_some());
         for to in (first..layers.len().saturating_sub(1)).rev() {
             // The first `carried` configurations came from the previous station.
-            match layers[to].missed || layers[to + 1].missed {
-                true => carrier.forget(),
-                false => carrier.carry(self, &mut layers, (to + 1, to), carried[to + 1])?,
+            match layers[to].unreached || layers[to + 1].unreached {
+                true => continuation.reset(),
+                false => {
+                    continuation.continue_layer(self, &mut layers, (to + 1, to), carried[to + 1])?
+                }
             }
         }
         Ok(layers)
@@ -150,34 +160,34 @@ impl<'a> Growth<'a> {
     }
 
     /// Adds configurations near a joint limit with that joint one revolution back, to avoid winding up.
-    fn turn_over(
+    fn add_unwound(
         &self,
         layer: &mut Layer,
         knot: usize,
-        room: &mut LayerWorkspace,
+        workspace: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
-        room.reached.clear();
-        for (joint, limits) in self.arms.own().limits().enumerate() {
+        workspace.reached.clear();
+        for (joint, limits) in self.arms.primary().limits().enumerate() {
             let finite = limits.lower.is_finite() && limits.upper.is_finite();
-            if !finite || limits.upper - limits.lower <= TAU || self.slides[joint] {
+            if !finite || limits.upper - limits.lower <= TAU || self.is_prismatic[joint] {
                 continue;
             }
             for row in layer.q.chunks_exact(n) {
                 let value = f64::from(row[joint]);
-                let turned = if limits.upper - value < NEAR_LIMIT {
+                let wrapped = if limits.upper - value < LIMIT_PROXIMITY {
                     value - TAU
-                } else if value - limits.lower < NEAR_LIMIT {
+                } else if value - limits.lower < LIMIT_PROXIMITY {
                     value + TAU
                 } else {
                     continue;
                 };
-                let first = room.reached.len();
-                room.reached.extend(row.iter().map(|q| f64::from(*q)));
-                room.reached[first + joint] = limits.clamp(turned);
+                let first = workspace.reached.len();
+                workspace.reached.extend(row.iter().map(|q| f64::from(*q)));
+                workspace.reached[first + joint] = limits.clamp(wrapped);
             }
         }
-        self.add(layer, knot, self.most, false, room)
+        self.add(layer, knot, self.max_configurations, false, workspace)
     }
 
     /// Returns the index of a configuration of the layer within the merging distance.
@@ -186,53 +196,64 @@ impl<'a> Growth<'a> {
         known.position(|known| self.is_as_good(known, q.iter().map(|q| *q as f32)))
     }
 
-    /// Returns the same index with the help of `sorted`.
-    pub(super) fn find_sorted(&self, layer: &Layer, sorted: &Sorted, q: &[f32]) -> Option<usize> {
+    /// Returns the same index with the help of `neighbours`.
+    pub(super) fn find_indexed(
+        &self,
+        layer: &Layer,
+        neighbours: &NeighbourIndex,
+        q: &[f32],
+    ) -> Option<usize> {
         let n = q.len();
-        let known = |place: usize| &layer.q[place * n..(place + 1) * n];
+        let known = |index: usize| &layer.q[index * n..(index + 1) * n];
         let mut first = None;
-        sorted.each_near(q, &self.merging, |place| {
-            let sooner = first.is_none_or(|first| place < first);
-            if sooner && self.is_as_good(known(place), q.iter().copied()) {
-                first = Some(place);
+        neighbours.for_each_near(q, &self.merge_distances, |index| {
+            let is_earlier = first.is_none_or(|first| index < first);
+            if is_earlier && self.is_as_good(known(index), q.iter().copied()) {
+                first = Some(index);
             }
         });
         first
     }
 
     fn is_as_good(&self, known: &[f32], q: impl Iterator<Item = f32>) -> bool {
-        let mut moves = known.iter().zip(q).zip(&self.merging).enumerate();
-        moves.all(|(joint, ((a, b), most))| self.turns.difference(joint, b, *a).abs() <= *most)
+        let mut moves = known.iter().zip(q).zip(&self.merge_distances).enumerate();
+        moves.all(|(joint, ((a, b), limit))| {
+            self.revolutions.difference(joint, b, *a).abs() <= *limit
+        })
     }
 
     /// Searches for configurations at a station by independent attempts.
-    fn look(
+    fn search(
         &self,
         layer: &mut Layer,
         knot: usize,
         attempts: u32,
         first: u32,
-        room: &mut LayerWorkspace,
+        workspace: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
-        let arm = self.arms.of(self.knots.tool(knot));
+        let arm = self.arms.arm(self.knots.tool(knot));
         // Joints without limits end near the known configurations.
-        let near: Vec<f64> = match layer.q.get(..n) {
+        let reference: Vec<f64> = match layer.q.get(..n) {
             Some(known) => known.iter().map(|q| f64::from(*q)).collect(),
             None => self.start.map_or(self.middle.clone(), <[f64]>::to_vec),
         };
         let target = self.knots.targets[knot];
-        arm.attempt_several(&target, &near, first, attempts, &mut room.ends)?;
-        room.reached.clear();
-        let ends = room.ends.q.chunks_exact(n).zip(&room.ends.outcomes);
+        arm.attempt_several(&target, &reference, first, attempts, &mut workspace.ends)?;
+        workspace.reached.clear();
+        let ends = workspace
+            .ends
+            .q
+            .chunks_exact(n)
+            .zip(&workspace.ends.outcomes);
         for (q, _) in ends.filter(|(_, outcome)| outcome.reached) {
-            room.reached.extend_from_slice(q);
+            workspace.reached.extend_from_slice(q);
         }
-        let most = self.most - self.most / 4;
-        self.add(layer, knot, most, false, room)?;
-        if layer.count(n) < FEW {
+        let max_count = self.max_configurations - self.max_configurations / 4;
+        self.add(layer, knot, max_count, false, workspace)?;
+        if layer.count(n) < MIN_FREE_COUNT {
             // The spheres of the fast check enclose the shapes.
-            self.add(layer, knot, most, true, room)?;
+            self.add(layer, knot, max_count, true, workspace)?;
         }
         Ok(())
     }
@@ -242,26 +263,26 @@ impl<'a> Growth<'a> {
         &self,
         layer: &mut Layer,
         knot: usize,
-        most: usize,
+        max_count: usize,
         by_shapes: bool,
-        room: &mut LayerWorkspace,
+        workspace: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
-        self.note_free(knot, &room.reached, by_shapes, &mut room.free)?;
-        for (q, free) in room.reached.chunks_exact(n).zip(&room.free) {
-            if layer.count(n) >= most {
+        self.mark_free(knot, &workspace.reached, by_shapes, &mut workspace.free)?;
+        for (q, free) in workspace.reached.chunks_exact(n).zip(&workspace.free) {
+            if layer.count(n) >= max_count {
                 layer.full = true;
                 break;
             }
             if *free && self.find(layer, q).is_none() {
-                layer.take_folded(q, &self.turns);
+                layer.push_folded(q, &self.revolutions);
             }
         }
         Ok(())
     }
 
     /// Writes whether each configuration is collision-free.
-    pub(super) fn note_free(
+    pub(super) fn mark_free(
         &self,
         knot: usize,
         q: &[f64],
@@ -270,7 +291,7 @@ impl<'a> Growth<'a> {
     ) -> Result<(), QueryError> {
         #[cfg(feature = "collision")]
         {
-            let arm = self.arms.of(self.knots.tool(knot));
+            let arm = self.arms.arm(self.knots.tool(knot));
             arm.are_free(q, by_shapes, free)
         }
         #[cfg(not(feature = "collision"))]
@@ -283,35 +304,35 @@ impl<'a> Growth<'a> {
     }
 
     /// Searches harder at an empty station, and finally takes the nearest configuration.
-    fn make_do(
+    fn fill_empty(
         &self,
         layers: &mut [Layer],
-        at: usize,
-        room: &mut LayerWorkspace,
+        station: usize,
+        workspace: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
-        let knot = self.knots.stations[at];
-        if layers[at].q.len() >= n {
+        let knot = self.knots.stations[station];
+        if layers[station].q.len() >= n {
             return Ok(());
         }
-        let arm = self.arms.of(self.knots.tool(knot));
+        let arm = self.arms.arm(self.knots.tool(knot));
         let target = self.knots.targets[knot];
         if arm.falls_short(&target).is_none() {
-            let layer = &mut layers[at];
-            self.look(layer, knot, LAST_ATTEMPTS, 0, room)?;
+            let layer = &mut layers[station];
+            self.search(layer, knot, FALLBACK_ATTEMPTS, 0, workspace)?;
             if layer.q.len() >= n {
                 return Ok(());
             }
         }
-        let before = at.checked_sub(1).map(|before| &layers[before].q[..n]);
-        let near: Vec<f64> = match before {
+        let before = station.checked_sub(1).map(|before| &layers[before].q[..n]);
+        let reference: Vec<f64> = match before {
             Some(before) => before.iter().map(|q| f64::from(*q)).collect(),
             None => self.middle.clone(),
         };
-        arm.continue_all(&[target], &near, &mut room.ends)?;
-        let nearest = std::mem::take(&mut room.ends.q);
-        layers[at].take_folded(&nearest, &self.turns);
-        layers[at].missed = true;
+        arm.continue_all(&[target], &reference, &mut workspace.ends)?;
+        let nearest = std::mem::take(&mut workspace.ends.q);
+        layers[station].push_folded(&nearest, &self.revolutions);
+        layers[station].unreached = true;
         Ok(())
     }
 }
@@ -321,30 +342,30 @@ impl Layer {
         self.q.len() / n
     }
 
-    pub(super) fn take(&mut self, q: &[f64]) {
+    pub(super) fn push(&mut self, q: &[f64]) {
         self.q.extend(q.iter().map(|q| *q as f32));
     }
 
     /// Adds a configuration, folded by the ignored revolutions.
-    pub(super) fn take_folded(&mut self, q: &[f64], turns: &Turns) {
+    pub(super) fn push_folded(&mut self, q: &[f64], revolutions: &Revolutions) {
         let first = self.q.len();
-        self.take(q);
-        turns.fold(&mut self.q[first..]);
+        self.push(q);
+        revolutions.fold(&mut self.q[first..]);
     }
 
     /// Records the predecessor of a configuration.
-    pub(super) fn link(&mut self, place: usize, before: usize) {
-        if self.links.len() <= place {
-            self.links.resize(place + 1, UNLINKED);
+    pub(super) fn link(&mut self, index: usize, predecessor: usize) {
+        if self.links.len() <= index {
+            self.links.resize(index + 1, UNLINKED);
         }
-        if self.links[place] == UNLINKED {
-            self.links[place] = u16::try_from(before).unwrap_or(UNLINKED);
+        if self.links[index] == UNLINKED {
+            self.links[index] = u16::try_from(predecessor).unwrap_or(UNLINKED);
         }
     }
 
     /// Returns the predecessor of a configuration, if it has one.
-    pub(super) fn linked_to(&self, place: usize) -> Option<usize> {
-        let link = self.links.get(place).copied().unwrap_or(UNLINKED);
+    pub(super) fn linked_to(&self, index: usize) -> Option<usize> {
+        let link = self.links.get(index).copied().unwrap_or(UNLINKED);
         (link != UNLINKED).then_some(usize::from(link))
     }
 }

@@ -16,7 +16,7 @@ impl PathSolver<'_> {
             let value = self.samples as f64;
             BadOption::check("samples", value, (|_| false, allowed))?;
         }
-        let arm = self.tools.own();
+        let arm = self.tools.primary();
         for (option, values) in [
             ("joint_weights", &self.weights),
             ("start", &self.start),
@@ -62,7 +62,7 @@ impl PathSolver<'_> {
     ) -> Result<(), PathError> {
         let Some(q) = q else { return Ok(()) };
         let tool = path.tools.get(point).copied().unwrap_or(0);
-        let arm = self.tools.of(tool);
+        let arm = self.tools.arm(tool);
         // Checks that `q` is finite.
         arm.base_from_tool(q)?;
         let (metres, radians, reached) = arm.errors_at(&path.points[point], q)?;

@@ -1,7 +1,7 @@
 //! Report on a joint path: length, reconfigurations, unreached points, collisions and deviation.
 
 use super::cartesian_path::CartesianPath;
-use super::deviation::{self, LedStep};
+use super::deviation::{self, PathStep};
 use super::error::PathError;
 use super::knot_configurations::KnotPath;
 use super::knots::Knots;
@@ -15,10 +15,10 @@ impl PathSolver<'_> {
         &self,
         path: &CartesianPath,
         knots: &Knots,
-        way: &KnotPath,
+        joint_path: &KnotPath,
         touching: &[usize],
     ) -> Result<PathSolution, PathError> {
-        let n = self.tools.own().joint_count();
+        let n = self.tools.primary().joint_count();
         let weights = self.weights();
         let count = path.points.len();
         let mut solution = PathSolution {
@@ -27,21 +27,21 @@ impl PathSolver<'_> {
         };
         let mut steps = Vec::new();
         for knot in 0..knots.len() {
-            let q = way.row(knot, n);
+            let q = joint_path.row(knot, n);
             // A cyclic path repeats its first point at the end.
             if knot < count {
                 solution.q.extend_from_slice(q);
-                let touches = touching.binary_search(&knot).is_ok();
-                if let Some(missed) = self.missed(knots, knot, way, touches)? {
+                let in_contact = touching.binary_search(&knot).is_ok();
+                if let Some(missed) = self.missed(knots, knot, joint_path, in_contact)? {
                     solution.missed.push(missed);
                 }
             }
             if let Some(from) = knot.checked_sub(1) {
                 let row = knot % count;
-                let before = way.row(from, n);
+                let before = joint_path.row(from, n);
                 let length = step_length(before, q, &weights);
                 solution.length += length;
-                if !way.joined[knot] {
+                if !joint_path.joined[knot] {
                     let (joint, distance) = self.longest_move(before, q);
                     solution.reconfigurations.push(Reconfiguration {
                         index: row,
@@ -50,9 +50,12 @@ impl PathSolver<'_> {
                         length,
                     });
                 } else {
-                    self.look_between(&mut solution, row, before, q)?;
-                    if way.reached[from] && way.reached[knot] && knots.is_led_to(knot) {
-                        steps.push(LedStep {
+                    self.check_step(&mut solution, row, before, q)?;
+                    if joint_path.reached[from]
+                        && joint_path.reached[knot]
+                        && knots.has_segment_to(knot)
+                    {
+                        steps.push(PathStep {
                             row,
                             points: [from, row],
                             q: [before, q],
@@ -66,14 +69,14 @@ impl PathSolver<'_> {
     }
 
     #[cfg(feature = "collision")]
-    fn look_between(
+    fn check_step(
         &self,
         solution: &mut PathSolution,
         index: usize,
         from: &[f64],
         to: &[f64],
     ) -> Result<(), PathError> {
-        if let Some(by) = self.tools.own().motion_collision(from, to)? {
+        if let Some(by) = self.tools.primary().motion_collision(from, to)? {
             let blocked = super::solution::Blocked { index, by };
             solution.blocked.push(blocked);
         }
@@ -82,7 +85,7 @@ impl PathSolver<'_> {
 
     #[cfg(not(feature = "collision"))]
     #[expect(clippy::unused_self, reason = "nothing is in the way")]
-    fn look_between(
+    fn check_step(
         &self,
         _solution: &mut PathSolution,
         _index: usize,
@@ -97,16 +100,16 @@ impl PathSolver<'_> {
         &self,
         knots: &Knots,
         knot: usize,
-        way: &KnotPath,
-        touches: bool,
+        joint_path: &KnotPath,
+        in_contact: bool,
     ) -> Result<Option<Missed>, PathError> {
-        if way.reached[knot] && !touches {
+        if joint_path.reached[knot] && !in_contact {
             return Ok(None);
         }
-        let arm = self.tools.of(knots.tool(knot));
-        let q = way.row(knot, arm.joint_count());
+        let arm = self.tools.arm(knots.tool(knot));
+        let q = joint_path.row(knot, arm.joint_count());
         #[cfg(feature = "collision")]
-        let touching = match touches {
+        let touching = match in_contact {
             true => arm.touching(q)?.into_iter().next(),
             false => None,
         };
@@ -116,7 +119,7 @@ impl PathSolver<'_> {
         let (position_error, orientation_error, reached) = arm.errors_at(target, q)?;
         let reason = match (arm.falls_short(target), touching) {
             (Some((distance, reach)), _) => MissReason::BeyondReach { distance, reach },
-            (None, Some(by)) if reached => MissReason::Touches(by),
+            (None, Some(collision)) if reached => MissReason::Touches(collision),
             _ => MissReason::NotFound,
         };
         Ok(Some(Missed {
@@ -128,7 +131,7 @@ impl PathSolver<'_> {
     }
 
     fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
-        let scales = self.tools.own().scales();
+        let scales = self.tools.primary().scales();
         let moves = from.iter().zip(to).zip(scales);
         let moves = moves.map(|((a, b), scale)| (a - b).abs() * scale);
         let longest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));

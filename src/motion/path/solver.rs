@@ -3,37 +3,37 @@
 use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
-use super::graph::{Between, Chosen, fewest_reconfigurations, without_reconfiguration};
+use super::graph::{EndIndices, Selection, fewest_reconfigurations, without_reconfiguration};
 use super::knot_configurations::{self, KnotPath, fill};
 use super::knots::Knots;
-use super::layers::{Growth, Layer};
+use super::layers::{Layer, LayerGenerator};
 use super::shorten::{Shortening, length};
 use super::solution::PathSolution;
 use super::sparse_waypoints::{self, Redundancy};
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::tracked_path;
-use super::winding::Turns;
+use super::winding::Revolutions;
 use crate::arm::Arm;
 
 /// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,
 /// bytes.
-const FEW_SAMPLES: usize = 64;
-const FEW_OF_ONE: usize = 96;
+const FIRST_PASS_SAMPLES: usize = 64;
+const FIRST_PASS_SAMPLES_ONE_REDUNDANT: usize = 96;
 const SAMPLES: usize = 256;
-const MEMORY: usize = 200_000_000;
+const MEMORY_LIMIT: usize = 200_000_000;
 /// Maximum number of rounds of shortening.
-const ROUNDS: usize = 12;
+const SHORTENING_ROUNDS: usize = 12;
 /// Maximum number of new selections after steps turn out to connect different branches.
-const CHOICES: usize = 8;
+const MAX_RESELECTIONS: usize = 8;
 /// Maximum number of times that colliding knots between stations become stations.
-const LOOKS_BETWEEN: usize = 2;
+const MAX_COLLISION_PASSES: usize = 2;
 /// Numbers of points inserted into a long reconfiguration, tried one after the other.
-const POINTS_BETWEEN: [usize; 3] = [1, 3, 7];
+const INSERTED_POINTS: [usize; 3] = [1, 3, 7];
 /// Number of points above which a path is not shortened.
-const LONGEST_SHORTENED: usize = 200_000;
+const MAX_SHORTENED_KNOTS: usize = 200_000;
 /// Maximum number of entries tried for a path with any start.
-const ENTRIES: usize = 8;
+const MAX_ENTRIES: usize = 8;
 
 /// Solver of Cartesian paths of an arm. [`solve`](Self::solve) checks the options.
 #[derive(Clone, Debug)]
@@ -48,16 +48,16 @@ pub struct PathSolver<'a> {
 }
 
 /// Joint path with its knots.
-struct FoundWay {
+struct SolvedPath {
     knots: Knots,
-    way: KnotPath,
+    joint_path: KnotPath,
     /// Knots in collision, ascending.
     touching: Vec<usize>,
 }
 
 /// Number of knots in collision, of unreached knots, and of reconfigurations. Smaller is better.
-fn rank(way: &KnotPath, touching: &[usize]) -> (usize, (usize, usize)) {
-    (touching.len(), way.rank())
+fn rank(joint_path: &KnotPath, touching: &[usize]) -> (usize, (usize, usize)) {
+    (touching.len(), joint_path.rank())
 }
 
 impl<'a> PathSolver<'a> {
@@ -93,7 +93,7 @@ impl<'a> PathSolver<'a> {
         pub fn with_times_kept(mut self, kept: bool) { self.times_count = kept }
         /// Sets the maximum number of configurations per station, from 4 to 4096; less for very long paths. Default
         /// 256.
-        pub fn with_samples(mut self, most: usize) { self.samples = most }
+        pub fn with_samples(mut self, max_samples: usize) { self.samples = max_samples }
         /// Sets the configuration at the first point, radians or metres. Its tool must be at that point. Default: any.
         ///
         /// The solver also compares the path that [`Arm::track`] finds from there, so the solution is never worse than
@@ -125,60 +125,64 @@ impl<'a> PathSolver<'a> {
 
     /// Solves an open or a cyclic path.
     fn solve_in_order(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
-        let found = |path: &CartesianPath| match path.traversal {
+        let find = |path: &CartesianPath| match path.traversal {
             Traversal::Open | Traversal::AnyStart => self.find_open(path),
             Traversal::Cyclic => self.find_cyclic(path),
         };
-        let mut best = found(path)?;
+        let mut best = find(path)?;
         let bounds = self.bounds();
-        for count in POINTS_BETWEEN {
+        for count in INSERTED_POINTS {
             // Additional points can reveal branches that a long step misses.
-            let growth = Growth::new(&self.tools, &best.knots, &bounds, 0);
-            let left = sparse_waypoints::left(&growth, &best.way);
-            if left.is_empty() {
+            let generator = LayerGenerator::new(&self.tools, &best.knots, &bounds, 0);
+            let long_steps = sparse_waypoints::long_reconfigurations(&generator, &best.joint_path);
+            if long_steps.is_empty() {
                 break;
             }
-            let (finer, own) = path.with_points_between(&left, count);
-            let other = found(&finer)?;
-            let mut way = other.way.through(&own, &bounds);
-            sparse_waypoints::split_untraceable(&growth, &mut way, Redundancy::GoesAlong)?;
-            let touching = self.touching(&best.knots, &way)?;
-            if rank(&way, &touching) < rank(&best.way, &best.touching) {
-                (best.way, best.touching) = (way, touching);
+            let (finer, knot_indices) = path.with_points_between(&long_steps, count);
+            let other = find(&finer)?;
+            let mut joint_path = other.joint_path.through(&knot_indices, &bounds);
+            sparse_waypoints::split_untraceable(
+                &generator,
+                &mut joint_path,
+                Redundancy::Interpolated,
+            )?;
+            let touching = self.touching(&best.knots, &joint_path)?;
+            if rank(&joint_path, &touching) < rank(&best.joint_path, &best.touching) {
+                (best.joint_path, best.touching) = (joint_path, touching);
             }
         }
-        self.record(path, &best.knots, &best.way, &best.touching)
+        self.record(path, &best.knots, &best.joint_path, &best.touching)
     }
 
-    fn find_open(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {
+    fn find_open(&self, path: &CartesianPath) -> Result<SolvedPath, PathError> {
         let mut knots = Knots::of(path, &self.tools);
-        let mut way = self.best_open(&knots)?;
-        let mut touching = self.touching(&knots, &way)?;
-        for _ in 0..LOOKS_BETWEEN {
+        let mut joint_path = self.best_open(&knots)?;
+        let mut touching = self.touching(&knots, &joint_path)?;
+        for _ in 0..MAX_COLLISION_PASSES {
             if !knots.add_stations(&touching) {
                 break;
             }
             let other = self.best_open(&knots)?;
-            let others = self.touching(&knots, &other)?;
-            if rank(&other, &others) < rank(&way, &touching) {
-                (way, touching) = (other, others);
+            let other_touching = self.touching(&knots, &other)?;
+            if rank(&other, &other_touching) < rank(&joint_path, &touching) {
+                (joint_path, touching) = (other, other_touching);
             }
         }
-        self.compare_with_track(FoundWay {
+        self.compare_with_track(SolvedPath {
             knots,
-            way,
+            joint_path,
             touching,
         })
     }
 
     /// Returns the knots in collision, ascending.
-    fn touching(&self, knots: &Knots, way: &KnotPath) -> Result<Vec<usize>, PathError> {
-        let (bounds, n) = (self.bounds(), self.tools.own().joint_count());
-        let growth = Growth::new(&self.tools, knots, &bounds, 0);
+    fn touching(&self, knots: &Knots, joint_path: &KnotPath) -> Result<Vec<usize>, PathError> {
+        let (bounds, n) = (self.bounds(), self.tools.primary().joint_count());
+        let generator = LayerGenerator::new(&self.tools, knots, &bounds, 0);
         let mut free = Vec::new();
         let mut touching = Vec::new();
         for knot in 0..knots.len() {
-            growth.note_free(knot, way.row(knot, n), true, &mut free)?;
+            generator.mark_free(knot, joint_path.row(knot, n), true, &mut free)?;
             if free.contains(&false) {
                 touching.push(knot);
             }
@@ -190,61 +194,70 @@ impl<'a> PathSolver<'a> {
     ///
     /// Whole revolutions of joints are ignored first. If that result is not perfect, the search is repeated with them.
     fn best_open(&self, knots: &Knots) -> Result<KnotPath, PathError> {
-        let arm = self.tools.own();
-        let with_turns = |turns| self.best_by_turns(knots, turns);
-        let left_out = Turns::left_out(arm);
-        if !left_out.are_left_out() {
-            return with_turns(&left_out);
+        let arm = self.tools.primary();
+        let with_revolutions = |revolutions| self.best_with_revolutions(knots, revolutions);
+        let ignored = Revolutions::ignored(arm);
+        if !ignored.any_ignored() {
+            return with_revolutions(&ignored);
         }
-        let way = with_turns(&left_out)?;
-        if way.rank() == (0, 0) {
-            return Ok(way);
+        let joint_path = with_revolutions(&ignored)?;
+        if joint_path.rank() == (0, 0) {
+            return Ok(joint_path);
         }
-        let other = with_turns(&Turns::kept(arm.joint_count()))?;
-        Ok(if other.rank() < way.rank() {
+        let other = with_revolutions(&Revolutions::counted(arm.joint_count()))?;
+        Ok(if other.rank() < joint_path.rank() {
             other
         } else {
-            way
+            joint_path
         })
     }
 
-    fn best_by_turns(&self, knots: &Knots, turns: &Turns) -> Result<KnotPath, PathError> {
+    fn best_with_revolutions(
+        &self,
+        knots: &Knots,
+        revolutions: &Revolutions,
+    ) -> Result<KnotPath, PathError> {
         let bounds = self.bounds();
         let weights = self.weights();
-        let all = self.most(knots);
+        let all_samples = self.max_samples(knots);
         // A self-motion has arbitrarily many configurations. Few suffice for most paths, and all are used if few lead
         // to a reconfiguration.
-        let spare = self.tools.own().spare_joints();
-        let few = match spare {
-            0 => all,
-            1 => FEW_OF_ONE.min(all),
-            _ => FEW_SAMPLES.min(all),
+        let redundant_joints = self.tools.primary().spare_joints();
+        let first_pass = match redundant_joints {
+            0 => all_samples,
+            1 => FIRST_PASS_SAMPLES_ONE_REDUNDANT.min(all_samples),
+            _ => FIRST_PASS_SAMPLES.min(all_samples),
         };
         let mut best: Option<KnotPath> = None;
-        for most in [few, all] {
-            let mut growth = Growth::new(&self.tools, knots, &bounds, most);
-            growth.start = self.start.as_deref();
-            growth.end = self.end.as_deref();
-            growth.turns = turns.clone();
-            if spare < 2 {
+        for max_count in [first_pass, all_samples] {
+            let mut generator = LayerGenerator::new(&self.tools, knots, &bounds, max_count);
+            generator.start = self.start.as_deref();
+            generator.end = self.end.as_deref();
+            generator.revolutions = revolutions.clone();
+            if redundant_joints < 2 {
                 // The same number as in the last pass.
-                growth.looked_for = all / 2;
+                generator.search_threshold = all_samples / 2;
             }
-            let layers = growth.layers()?;
+            let layers = generator.layers()?;
             // If no layer is full, a pass with more configurations would give the same result.
-            let is_all = spare < 2 && !layers.iter().any(|layer| layer.full);
-            let last = most == all || is_all;
-            let between = Between::default();
-            let chosen = match last {
-                true => fewest_reconfigurations(&growth, &layers, &weights, between, &[]),
-                false => match without_reconfiguration(&growth, &layers, &weights, between, &[]) {
-                    Some(chosen) => chosen,
-                    None => continue,
-                },
+            let is_complete = redundant_joints < 2 && !layers.iter().any(|layer| layer.full);
+            let last = max_count == all_samples || is_complete;
+            let end_indices = EndIndices::default();
+            let selection = match last {
+                true => fewest_reconfigurations(&generator, &layers, &weights, end_indices, &[]),
+                false => {
+                    match without_reconfiguration(&generator, &layers, &weights, end_indices, &[]) {
+                        Some(selection) => selection,
+                        None => continue,
+                    }
+                }
             };
-            let way = self.along(&growth, &layers, (chosen, between))?;
-            if best.as_ref().is_none_or(|best| way.rank() < best.rank()) {
-                best = Some(way);
+            let joint_path = self.along(&generator, &layers, (selection, end_indices))?;
+            if best
+                .as_ref()
+                .is_none_or(|best| joint_path.rank() < best.rank())
+            {
+                best = Some(joint_path);
             }
             if last || best.as_ref().is_some_and(|best| best.rank() == (0, 0)) {
                 break;
@@ -254,85 +267,92 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Solves a cyclic path: for each of the first point's configurations, finds the best path back to it.
-    fn find_cyclic(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {
+    fn find_cyclic(&self, path: &CartesianPath) -> Result<SolvedPath, PathError> {
         let knots = Knots::of(path, &self.tools);
         let bounds = self.bounds();
-        let mut growth = Growth::new(&self.tools, &knots, &bounds, self.most(&knots));
-        growth.start = self.start.as_deref();
-        let mut layers = growth.layers()?;
+        let mut generator =
+            LayerGenerator::new(&self.tools, &knots, &bounds, self.max_samples(&knots));
+        generator.start = self.start.as_deref();
+        let mut layers = generator.layers()?;
         let weights = self.weights();
-        let turns = growth.close(&mut layers);
-        let between = |(first, last)| Between {
+        let pairs = generator.close(&mut layers);
+        let end_indices = |(first, last)| EndIndices {
             first: Some(first),
             last: Some(last),
         };
-        let mut best: Option<(Chosen, (usize, usize))> = None;
-        for &turn in &turns {
-            let between = between(turn);
-            let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
+        let mut best: Option<(Selection, (usize, usize))> = None;
+        for &pair in &pairs {
+            let end_indices = end_indices(pair);
+            let selection =
+                fewest_reconfigurations(&generator, &layers, &weights, end_indices, &[]);
             let better = best.as_ref().is_none_or(|(known, _)| {
-                let (a, b) = (chosen.cost, known.cost);
+                let (a, b) = (selection.cost, known.cost);
                 a.0 < b.0 || a.0 == b.0 && a.1 < b.1
             });
             if better {
-                best = Some((chosen, turn));
+                best = Some((selection, pair));
             }
         }
-        let Some((chosen, turn)) = best else {
+        let Some((selection, pair)) = best else {
             return Err(PathError::Empty);
         };
-        let (start, end) = growth.closing_ends(&layers, turn.0, turn.1)?;
-        if growth.start.is_none() {
-            growth.ring = Some(
+        let (start, end) = generator.closing_ends(&layers, pair.0, pair.1)?;
+        if generator.start.is_none() {
+            generator.cycle_displacement = Some(
                 end.iter()
                     .zip(&start)
                     .map(|(end, start)| end - start)
                     .collect(),
             );
         }
-        growth.start = Some(&start);
-        growth.end = Some(&end);
-        let way = self.along(&growth, &layers, (chosen, between(turn)))?;
-        let touching = self.touching(&knots, &way)?;
-        self.compare_with_track(FoundWay {
+        generator.start = Some(&start);
+        generator.end = Some(&end);
+        let joint_path = self.along(&generator, &layers, (selection, end_indices(pair)))?;
+        let touching = self.touching(&knots, &joint_path)?;
+        self.compare_with_track(SolvedPath {
             knots,
-            way,
+            joint_path,
             touching,
         })
     }
 
     /// Returns the better of a joint path and the one that [`Arm::track`] finds from the given start.
-    fn compare_with_track(&self, mut found: FoundWay) -> Result<FoundWay, PathError> {
+    fn compare_with_track(&self, mut result: SolvedPath) -> Result<SolvedPath, PathError> {
         let Some(start) = &self.start else {
-            return Ok(found);
+            return Ok(result);
         };
         // For a long path without errors, only the length could improve, by little.
-        let is_best = rank(&found.way, &found.touching) == (0, (0, 0));
-        if is_best && found.knots.len() > LONGEST_SHORTENED {
-            return Ok(found);
+        let is_best = rank(&result.joint_path, &result.touching) == (0, (0, 0));
+        if is_best && result.knots.len() > MAX_SHORTENED_KNOTS {
+            return Ok(result);
         }
         let bounds = self.bounds();
-        let mut growth = Growth::new(&self.tools, &found.knots, &bounds, 0);
-        let (mut way, end) = tracked_path::track(&growth, start, self.end.as_deref())?;
-        growth.start = Some(start);
-        growth.end = end.as_deref();
-        self.refine(&growth, &mut way)?;
-        let touching = self.touching(&found.knots, &way)?;
+        let mut generator = LayerGenerator::new(&self.tools, &result.knots, &bounds, 0);
+        let (mut joint_path, end) = tracked_path::track(&generator, start, self.end.as_deref())?;
+        generator.start = Some(start);
+        generator.end = end.as_deref();
+        self.refine(&generator, &mut joint_path)?;
+        let touching = self.touching(&result.knots, &joint_path)?;
         let weights = self.weights();
-        let [known, other] = [&found.way, &way].map(|way| length(&way.q, &weights));
-        let ranks = [(&found.way, &found.touching), (&way, &touching)];
-        let [known_rank, other_rank] = ranks.map(|(way, touching)| rank(way, touching));
+        let [known, other] =
+            [&result.joint_path, &joint_path].map(|joint_path| length(&joint_path.q, &weights));
+        let ranks = [
+            (&result.joint_path, &result.touching),
+            (&joint_path, &touching),
+        ];
+        let [known_rank, other_rank] =
+            ranks.map(|(joint_path, touching)| rank(joint_path, touching));
         if other_rank < known_rank || other_rank == known_rank && other < known {
-            (found.way, found.touching) = (way, touching);
+            (result.joint_path, result.touching) = (joint_path, touching);
         }
-        Ok(found)
+        Ok(result)
     }
 
     /// Solves a closed path from its best entry. An entry at a reconfiguration saves that reconfiguration.
     fn solve_anywhere(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         let mut best = self.solve_in_order(&path.entered_at(0))?;
         let breaks: Vec<usize> = best.reconfigurations.iter().map(|r| r.index).collect();
-        for entry in breaks.into_iter().take(ENTRIES) {
+        for entry in breaks.into_iter().take(MAX_ENTRIES) {
             let entry = entry % path.points.len();
             let mut other = self.solve_in_order(&path.entered_at(entry))?;
             other.entry = entry;
@@ -349,80 +369,86 @@ impl<'a> PathSolver<'a> {
     /// Expands the selection at the stations to a short joint path through all knots.
     fn along(
         &self,
-        growth: &Growth<'_>,
+        generator: &LayerGenerator<'_>,
         layers: &[Layer],
-        (mut chosen, between): (Chosen, Between),
+        (mut selection, end_indices): (Selection, EndIndices),
     ) -> Result<KnotPath, PathError> {
         let weights = self.weights();
-        let fill = |chosen: &Chosen| match growth.turns.are_left_out() {
-            false => fill(growth, layers, chosen),
+        let fill = |selection: &Selection| match generator.revolutions.any_ignored() {
+            false => fill(generator, layers, selection),
             true => {
-                let (layers, chosen) = growth.with_turns(layers, chosen);
-                fill(growth, &layers, &chosen)
+                let (layers, selection) = generator.with_revolutions(layers, selection);
+                fill(generator, &layers, &selection)
             }
         };
-        let mut way = fill(&chosen)?;
+        let mut joint_path = fill(&selection)?;
         // Near configurations of two stations may be on different branches. The selection is then repeated without that
         // step.
-        let (mut apart, mut last) = (
+        let (mut excluded_edges, mut last) = (
             Vec::new(),
-            knot_configurations::false_edges(growth, &chosen, &way),
+            knot_configurations::false_edges(generator, &selection, &joint_path),
         );
-        for _ in 0..CHOICES {
+        for _ in 0..MAX_RESELECTIONS {
             if last.is_empty() {
                 break;
             }
-            apart.append(&mut last);
-            chosen = fewest_reconfigurations(growth, layers, &weights, between, &apart);
-            let other = fill(&chosen)?;
-            last = knot_configurations::false_edges(growth, &chosen, &other);
-            if other.rank() < way.rank() {
-                way = other;
+            excluded_edges.append(&mut last);
+            selection =
+                fewest_reconfigurations(generator, layers, &weights, end_indices, &excluded_edges);
+            let other = fill(&selection)?;
+            last = knot_configurations::false_edges(generator, &selection, &other);
+            if other.rank() < joint_path.rank() {
+                joint_path = other;
             }
         }
-        self.refine(growth, &mut way)?;
-        Ok(way)
+        self.refine(generator, &mut joint_path)?;
+        Ok(joint_path)
     }
 
     /// Bridges, joins and shortens the steps of a joint path.
     ///
     /// Reached points and joined steps are preserved, except for long steps that cannot be followed in parts.
-    fn refine(&self, growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
+    fn refine(
+        &self,
+        generator: &LayerGenerator<'_>,
+        joint_path: &mut KnotPath,
+    ) -> Result<(), PathError> {
         let weights = self.weights();
-        bridge(growth, way)?;
-        sparse_waypoints::join_led(growth, way)?;
+        bridge(generator, joint_path)?;
+        sparse_waypoints::join_traceable(generator, joint_path)?;
         // A cyclic path is first shortened between fixed ends. With free ends it could drift far for little gain, which
         // shortens its steps.
-        let rings = [None, growth.ring.as_deref()];
-        let rings = &rings[..1 + usize::from(growth.ring.is_some())];
+        let cycle_displacements = [None, generator.cycle_displacement.as_deref()];
+        let cycle_displacements =
+            &cycle_displacements[..1 + usize::from(generator.cycle_displacement.is_some())];
         // The rounds need about 300 bytes per point.
-        for ring in rings
+        for cycle_displacement in cycle_displacements
             .iter()
-            .filter(|_| growth.knots.len() <= LONGEST_SHORTENED)
+            .filter(|_| generator.knots.len() <= MAX_SHORTENED_KNOTS)
         {
             let shortening = Shortening {
-                growth,
+                generator,
                 weights: &weights,
-                rounds: ROUNDS,
-                ring: *ring,
+                rounds: SHORTENING_ROUNDS,
+                cycle_displacement: *cycle_displacement,
             };
-            shortening.run(way)?;
+            shortening.run(joint_path)?;
             // Shortening may have moved a long step off the tool's segment. Bridges have short steps and come first.
-            sparse_waypoints::split_untraceable(growth, way, Redundancy::Left)?;
-            bridge(growth, way)?;
-            sparse_waypoints::join_led(growth, way)?;
+            sparse_waypoints::split_untraceable(generator, joint_path, Redundancy::Fixed)?;
+            bridge(generator, joint_path)?;
+            sparse_waypoints::join_traceable(generator, joint_path)?;
         }
-        knot_configurations::rejoin(growth, way);
-        sparse_waypoints::split_untraceable(growth, way, Redundancy::GoesAlong)
+        knot_configurations::rejoin(generator, joint_path);
+        sparse_waypoints::split_untraceable(generator, joint_path, Redundancy::Interpolated)
     }
 
     pub(super) fn weights(&self) -> Vec<f64> {
-        let ones = || vec![1.0; self.tools.own().joint_count()];
+        let ones = || vec![1.0; self.tools.primary().joint_count()];
         self.weights.clone().unwrap_or_else(ones)
     }
 
     fn bounds(&self) -> StepBounds {
-        let arm = self.tools.own();
+        let arm = self.tools.primary();
         let speeds = match self.times_count {
             true => arm.velocity_limits().to_vec(),
             false => Vec::new(),
@@ -431,9 +457,10 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Returns the number of configurations per station that fits into memory.
-    fn most(&self, knots: &Knots) -> usize {
-        let each = 4 * self.tools.own().joint_count() + 2;
-        let room = MEMORY / (each * knots.stations.len().max(1));
-        self.samples.min(room.max(8))
+    fn max_samples(&self, knots: &Knots) -> usize {
+        let bytes_per_configuration = 4 * self.tools.primary().joint_count() + 2;
+        let max_per_station =
+            MEMORY_LIMIT / (bytes_per_configuration * knots.stations.len().max(1));
+        self.samples.min(max_per_station.max(8))
     }
 }

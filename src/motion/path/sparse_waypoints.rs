@@ -1,129 +1,146 @@
 //! Verification of steps with a long joint displacement: small parts of the tool's segment must connect both ends.
 
 use super::PathError;
-use super::branch_continuation::{MOST_PARTS, SMALLER};
-use super::bridge::is_led;
+use super::branch_continuation::{MAX_PARTS, PART_SUBDIVISIONS};
+use super::bridge::is_on_path;
 use super::knot_configurations::KnotPath;
-use super::knots::NEAR;
-use super::layers::Growth;
-use super::linear_segment::between;
+use super::knots::STATION_SPACING;
+use super::layers::LayerGenerator;
+use super::linear_segment::interpolate;
 use crate::arm::Ends;
 
 /// Minimum number of parts of a step.
-const FEWEST_PARTS: f64 = 100.0;
+const MIN_PARTS: f64 = 100.0;
 /// Largest distance between the result of the parts and the end of the step, relative to the step bound.
-const AGREES: f64 = 5e-3;
+const MAX_END_DIFFERENCE: f64 = 5e-3;
 
 /// Null-space motion while a step is followed in parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Redundancy {
     /// Stays at its start.
-    Left,
+    Fixed,
     /// Moves linearly to the end of the step.
-    GoesAlong,
+    Interpolated,
 }
 
 /// Returns the reconfigurations with a long tool segment and two reached ends, ascending.
-pub(super) fn left(growth: &Growth<'_>, way: &KnotPath) -> Vec<usize> {
-    let steps = 1..way.joined.len();
+pub(super) fn long_reconfigurations(
+    generator: &LayerGenerator<'_>,
+    joint_path: &KnotPath,
+) -> Vec<usize> {
+    let steps = 1..joint_path.joined.len();
     steps
-        .filter(|&knot| !way.joined[knot] && goes_far(growth, knot) && is_led(growth, way, knot))
+        .filter(|&knot| {
+            !joint_path.joined[knot]
+                && has_long_segment(generator, knot)
+                && is_on_path(generator, joint_path, knot)
+        })
         .collect()
 }
 
 /// Marks long steps that cannot be followed in parts as reconfigurations.
 pub(super) fn split_untraceable(
-    growth: &Growth<'_>,
-    way: &mut KnotPath,
-    spare: Redundancy,
+    generator: &LayerGenerator<'_>,
+    joint_path: &mut KnotPath,
+    redundancy: Redundancy,
 ) -> Result<(), PathError> {
-    for knot in 1..way.joined.len() {
-        let has_to_be_led = way.joined[knot] && is_long(growth, way, knot);
-        if has_to_be_led {
-            way.joined[knot] =
-                is_led(growth, way, knot) && do_parts_lead(growth, way, knot, spare)?;
+    for knot in 1..joint_path.joined.len() {
+        let needs_tracing =
+            joint_path.joined[knot] && exceeds_step_bound(generator, joint_path, knot);
+        if needs_tracing {
+            joint_path.joined[knot] = is_on_path(generator, joint_path, knot)
+                && is_traceable(generator, joint_path, knot, redundancy)?;
         }
     }
     Ok(())
 }
 
 /// Joins reconfigurations with a long tool segment that can be followed in parts.
-pub(super) fn join_led(growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
-    let (knots, n) = (growth.knots, growth.width());
-    for knot in left(growth, way) {
-        if !do_parts_lead(growth, way, knot, Redundancy::GoesAlong)? {
+pub(super) fn join_traceable(
+    generator: &LayerGenerator<'_>,
+    joint_path: &mut KnotPath,
+) -> Result<(), PathError> {
+    let (knots, n) = (generator.knots, generator.width());
+    for knot in long_reconfigurations(generator, joint_path) {
+        if !is_traceable(generator, joint_path, knot, Redundancy::Interpolated)? {
             continue;
         }
-        let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
-        let allowance = growth.bounds.allowance(from, to);
-        if growth.bounds.allow_times(allowance, knots, knot, from, to) {
-            way.joined[knot] = true;
-            way.allowance[knot] = allowance;
+        let (from, to) = (joint_path.row(knot - 1, n), joint_path.row(knot, n));
+        let allowance = generator.bounds.allowance(from, to);
+        if generator
+            .bounds
+            .allows_scaled(allowance, knots, knot, from, to)
+        {
+            joint_path.joined[knot] = true;
+            joint_path.allowance[knot] = allowance;
         }
     }
     Ok(())
 }
 
-fn goes_far(growth: &Growth<'_>, knot: usize) -> bool {
-    growth.knots.way[knot] - growth.knots.way[knot - 1] > NEAR
+fn has_long_segment(generator: &LayerGenerator<'_>, knot: usize) -> bool {
+    generator.knots.arc_lengths[knot] - generator.knots.arc_lengths[knot - 1] > STATION_SPACING
 }
 
 /// Returns whether a joint moves further than the step bound, independent of times.
-fn is_long(growth: &Growth<'_>, way: &KnotPath, knot: usize) -> bool {
-    let n = growth.width();
-    growth
+fn exceeds_step_bound(generator: &LayerGenerator<'_>, joint_path: &KnotPath, knot: usize) -> bool {
+    let n = generator.width();
+    generator
         .bounds
-        .least_excess(way.row(knot - 1, n), way.row(knot, n))
+        .max_relative_step(joint_path.row(knot - 1, n), joint_path.row(knot, n))
         > 1.0 + 1e-9
 }
 
 /// Returns whether the arm gets from knot to knot by following the tool's segment in small parts without a long joint
 /// move.
-fn do_parts_lead(
-    growth: &Growth<'_>,
-    way: &KnotPath,
+fn is_traceable(
+    generator: &LayerGenerator<'_>,
+    joint_path: &KnotPath,
     knot: usize,
-    spare: Redundancy,
+    redundancy: Redundancy,
 ) -> Result<bool, PathError> {
-    let (knots, n) = (growth.knots, growth.width());
-    let arm = growth.arms.of(knots.tool(knot));
+    let (knots, n) = (generator.knots, generator.width());
+    let arm = generator.arms.arm(knots.tool(knot));
     let [from, to] = [knot - 1, knot].map(|knot| knots.targets[knot]);
-    let parts = (knots.way[knot] - knots.way[knot - 1]) / NEAR;
-    let parts = parts.ceil().clamp(FEWEST_PARTS, MOST_PARTS) as usize;
-    let count = parts * SMALLER;
-    let (mut q, end) = (way.row(knot - 1, n).to_vec(), way.row(knot, n));
+    let parts = (knots.arc_lengths[knot] - knots.arc_lengths[knot - 1]) / STATION_SPACING;
+    let parts = parts.ceil().clamp(MIN_PARTS, MAX_PARTS) as usize;
+    let count = parts * PART_SUBDIVISIONS;
+    let (mut q, end) = (
+        joint_path.row(knot - 1, n).to_vec(),
+        joint_path.row(knot, n),
+    );
     let (mut start, mut ends) = (Vec::with_capacity(n), Ends::default());
     // Parts with a too long joint move are subdivided.
-    let (mut at, mut stride) = (0, SMALLER);
-    while at < count {
-        let next = at + stride;
-        let along = match spare {
-            Redundancy::Left => 0.0,
-            Redundancy::GoesAlong => stride as f64 / (count - at) as f64,
+    let (mut step, mut stride) = (0, PART_SUBDIVISIONS);
+    while step < count {
+        let next = step + stride;
+        let fraction = match redundancy {
+            Redundancy::Fixed => 0.0,
+            Redundancy::Interpolated => stride as f64 / (count - step) as f64,
         };
         start.clear();
-        start.extend(q.iter().zip(end).map(|(q, end)| q + along * (end - q)));
+        start.extend(q.iter().zip(end).map(|(q, end)| q + fraction * (end - q)));
         if next == count {
             arm.continue_all(&[to], &start, &mut ends)?;
         } else {
             // At full extension the straight segment may be some micrometres out of reach.
-            let target = between(&from, &to, next as f64 / count as f64);
+            let target = interpolate(&from, &to, next as f64 / count as f64);
             arm.carry_all(&target, &start, &mut ends)?;
         }
         if !ends.outcomes.first().is_some_and(|outcome| outcome.reached) {
             return Ok(false);
         }
-        if growth.bounds.allow_part(q.iter().zip(&ends.q)) {
+        if generator.bounds.allows_part(q.iter().zip(&ends.q)) {
             q.copy_from_slice(&ends.q);
-            at = next;
-            if at.is_multiple_of(SMALLER) {
-                stride = SMALLER;
+            step = next;
+            if step.is_multiple_of(PART_SUBDIVISIONS) {
+                stride = PART_SUBDIVISIONS;
             }
-        } else if stride == SMALLER {
+        } else if stride == PART_SUBDIVISIONS {
             stride = 1;
         } else {
             return Ok(false);
         }
     }
-    Ok(growth.bounds.least_excess(&q, end) <= AGREES)
+    Ok(generator.bounds.max_relative_step(&q, end) <= MAX_END_DIFFERENCE)
 }

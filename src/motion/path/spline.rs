@@ -36,8 +36,8 @@ impl CartesianPath {
             Some(times) => times.to_vec(),
             None => (0..keys.len()).map(|k| k as f64).collect(),
         };
-        let places = keys.iter().map(|key| key.translation.into());
-        let curve = KeyedCurve::<DVec3>::catmull_rom(times, places.collect())?;
+        let positions = keys.iter().map(|key| key.translation.into());
+        let curve = KeyedCurve::<DVec3>::catmull_rom(times, positions.collect())?;
         let mut path = Self {
             points: vec![keys[0]],
             times: key_times
@@ -49,21 +49,22 @@ impl CartesianPath {
         };
         for (ends, (segment, times)) in keys.windows(2).zip(curve.cubics()) {
             let [from, to] = [ends[0], ends[1]];
-            let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+            let rotation =
+                Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
             for step in 1..=steps {
-                let share = step as f64 / steps as f64;
+                let fraction = step as f64 / steps as f64;
                 let point = Placement::new(
-                    from.rotation * rotation_exp(turn * share),
-                    segment.position(share).into(),
+                    from.rotation * rotation_exp(rotation * fraction),
+                    segment.position(fraction).into(),
                 );
                 path.points.push(match step == steps {
                     true => to,
                     false => point.made_rigid(),
                 });
                 let before = (step - 1) as f64 / steps as f64;
-                path.bulges.push(bulge(&segment, before, share));
+                path.bulges.push(bulge(&segment, before, fraction));
                 if key_times.is_some() {
-                    path.times.push(times[0] + share * (times[1] - times[0]));
+                    path.times.push(times[0] + fraction * (times[1] - times[0]));
                 }
             }
         }
@@ -93,7 +94,7 @@ mod tests {
 
     /// The curvature of an S-curve is zero in the middle and largest at its ends, so the outer end bounds either half.
     #[test]
-    fn no_place_is_farther_from_its_chord_than_the_bulge() {
+    fn chord_distance_stays_within_bulge() {
         let tangent = DVec3::new(1.0, 1.0, 0.0);
         let curve = Hermite {
             start: DVec3::ZERO,
@@ -108,14 +109,16 @@ mod tests {
             (0.0, 1.0),
             (0.5, 0.75),
         ] {
-            let at = |share: f64| curve.position(from + share * (to - from));
-            let off = |share: f64| (at(share) - at(0.0).lerp(at(1.0), share)).length();
-            let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
-            let most = most.fold(0.0, f64::max);
-            let told = bulge(&curve, from, to);
+            let position_at = |fraction: f64| curve.position(from + fraction * (to - from));
+            let distance = |fraction: f64| {
+                (position_at(fraction) - position_at(0.0).lerp(position_at(1.0), fraction)).length()
+            };
+            let max_distance = (0..=100).map(|k| distance(f64::from(k) / 100.0));
+            let max_distance = max_distance.fold(0.0, f64::max);
+            let bound = bulge(&curve, from, to);
             assert!(
-                most <= told && told < 8.0 * most,
-                "{from} {to}: {most} {told}"
+                max_distance <= bound && bound < 8.0 * max_distance,
+                "{from} {to}: {max_distance} {bound}"
             );
         }
     }

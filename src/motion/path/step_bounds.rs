@@ -4,9 +4,9 @@ use super::knots::Knots;
 use crate::arm::Arm;
 
 /// Longest joint displacement between stations, radians; beyond it, configurations count as different branches.
-const STATION_STEP: f64 = 0.3;
+const MAX_STATION_STEP: f64 = 0.3;
 /// Longest joint displacement in a part of a long step, relative to that of a step.
-const PART: f64 = 0.5;
+const PART_STEP_RATIO: f64 = 0.5;
 /// Relative tolerance of the bounds.
 const ROUNDING: f64 = 1e-9;
 
@@ -27,7 +27,7 @@ impl StepBounds {
         let per_joint = |radians: f64| arm.scales().iter().map(|scale| radians / scale).collect();
         Self {
             max_step: per_joint(max_step),
-            station_step: per_joint(max_step.max(STATION_STEP)),
+            station_step: per_joint(max_step.max(MAX_STATION_STEP)),
             speeds,
         }
     }
@@ -38,19 +38,19 @@ impl StepBounds {
         let steps = (to - from) as f64;
         let joints = self.max_step.iter().zip(&self.station_step);
         limits.extend(joints.map(|(step, station)| (steps * step).min(*station)));
-        let in_time = self.in_time(knots, from, to).into_iter().flatten();
-        for (limit, most) in limits.iter_mut().zip(in_time) {
-            *limit = limit.min(most);
+        let time_limits = self.time_limits(knots, from, to).into_iter().flatten();
+        for (limit, time_limit) in limits.iter_mut().zip(time_limits) {
+            *limit = limit.min(time_limit);
         }
     }
 
     /// Returns whether no joint exceeds its bound from one knot to the next.
-    pub(super) fn allow(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> bool {
-        self.allow_times(1.0, knots, to, q_from, q_to)
+    pub(super) fn allows(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> bool {
+        self.allows_scaled(1.0, knots, to, q_from, q_to)
     }
 
     /// Returns the same for a step with `allowance` times the bound. Velocity limits stay unscaled.
-    pub(super) fn allow_times(
+    pub(super) fn allows_scaled(
         &self,
         allowance: f64,
         knots: &Knots,
@@ -58,19 +58,19 @@ impl StepBounds {
         q_from: &[f64],
         q_to: &[f64],
     ) -> bool {
-        let limits = self.in_time(knots, to - 1, to);
+        let limits = self.time_limits(knots, to - 1, to);
         let mut moves = q_from.iter().zip(q_to).zip(limits.into_iter().flatten());
-        self.least_excess(q_from, q_to) <= allowance + ROUNDING
-            && moves.all(|((a, b), most)| (a - b).abs() / most <= 1.0 + ROUNDING)
+        self.max_relative_step(q_from, q_to) <= allowance + ROUNDING
+            && moves.all(|((a, b), limit)| (a - b).abs() / limit <= 1.0 + ROUNDING)
     }
 
     /// Returns the allowance of a step that was followed in parts: its length plus a margin of 5 %.
     pub(super) fn allowance(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
-        (1.05 * self.least_excess(q_from, q_to)).max(1.0)
+        (1.05 * self.max_relative_step(q_from, q_to)).max(1.0)
     }
 
     /// Returns the displacement bound of each joint by velocity limits and times, if these count.
-    pub(super) fn in_time(
+    pub(super) fn time_limits(
         &self,
         knots: &Knots,
         from: usize,
@@ -84,17 +84,17 @@ impl StepBounds {
     }
 
     /// Returns the largest joint displacement relative to the step bound, independent of times.
-    pub(super) fn least_excess(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
+    pub(super) fn max_relative_step(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
         let moves = q_from.iter().zip(q_to).zip(&self.max_step);
-        moves.fold(0.0, |excess, ((a, b), most)| {
-            excess.max((a - b).abs() / most)
+        moves.fold(0.0, |excess, ((a, b), limit)| {
+            excess.max((a - b).abs() / limit)
         })
     }
 
     /// Returns whether no joint exceeds the bound of a part of a long step.
-    pub(super) fn allow_part<'q>(&self, moves: impl Iterator<Item = (&'q f64, &'q f64)>) -> bool {
+    pub(super) fn allows_part<'q>(&self, moves: impl Iterator<Item = (&'q f64, &'q f64)>) -> bool {
         let mut moves = moves.zip(&self.max_step);
-        moves.all(|((a, b), most)| (a - b).abs() <= PART * most)
+        moves.all(|((a, b), limit)| (a - b).abs() <= PART_STEP_RATIO * limit)
     }
 }
 
@@ -115,15 +115,15 @@ mod tests {
 
     /// Between two knots a joint has the time of all steps in between, and may move by that many steps.
     #[test]
-    #[allow(clippy::unwrap_used)]
-    fn several_steps_have_the_time_of_all() {
+    #[allows(clippy::unwrap_used)]
+    fn step_bounds_use_time_of_all_steps() {
         let mut builder = Model::builder("one link");
         let link = Placement::translation(Vector3::UNITS[0]);
-        let here = Placement::identity();
-        let turns = Limits::new(-3.0, 3.0);
-        let base = builder.frame("base", None, here);
-        let turn = builder.revolute("turn", None, here, Vector3::UNITS[2], turns);
-        let tip = builder.frame("tip", Some(turn), link);
+        let origin = Placement::identity();
+        let joint_limits = Limits::new(-3.0, 3.0);
+        let base = builder.frame("base", None, origin);
+        let joint = builder.revolute("turn", None, origin, Vector3::UNITS[2], joint_limits);
+        let tip = builder.frame("tip", Some(joint), link);
         let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
         let arm = arm.build().unwrap();

@@ -11,26 +11,26 @@ pub(super) struct Tools<'a> {
 }
 
 impl<'a> Tools<'a> {
-    pub(super) fn new(own: &'a Arm) -> Self {
-        Self { arms: vec![own] }
+    pub(super) fn new(arm: &'a Arm) -> Self {
+        Self { arms: vec![arm] }
     }
 
     pub(super) fn add(&mut self, arm: &'a Arm) {
         self.arms.push(arm);
     }
 
-    pub(super) fn own(&self) -> &'a Arm {
+    pub(super) fn primary(&self) -> &'a Arm {
         self.arms[0]
     }
 
-    pub(super) fn of(&self, tool: usize) -> &'a Arm {
+    pub(super) fn arm(&self, tool: usize) -> &'a Arm {
         self.arms[tool]
     }
 
     pub(super) fn check(&self, tools: &[usize]) -> Result<(), PathError> {
-        for (place, arm) in self.arms.iter().enumerate() {
-            if !arm.joints().eq(self.own().joints()) {
-                return Err(PathError::OtherJoints(place));
+        for (index, arm) in self.arms.iter().enumerate() {
+            if !arm.joints().eq(self.primary().joints()) {
+                return Err(PathError::OtherJoints(index));
             }
         }
         let unknown = tools.iter().position(|tool| *tool >= self.arms.len());
@@ -53,9 +53,9 @@ impl<'a> Tools<'a> {
         ends: &mut Ends,
     ) -> Result<(), QueryError> {
         if self.arms.len() == 1 {
-            return self.own().continue_all(targets, starts, ends);
+            return self.primary().continue_all(targets, starts, ends);
         }
-        let n = self.own().joint_count();
+        let n = self.primary().joint_count();
         let (mut all, mut part) = (Ends::default(), Ends::default());
         let mut from = 0;
         while from < targets.len() {
@@ -65,7 +65,7 @@ impl<'a> Tools<'a> {
                 to += 1;
             }
             let starts = &starts[from * n..to * n];
-            self.of(tool)
+            self.arm(tool)
                 .continue_all(&targets[from..to], starts, &mut part)?;
             all.q.append(&mut part.q);
             all.outcomes.append(&mut part.outcomes);

@@ -2,29 +2,29 @@
 
 use super::PathError;
 use super::knot_configurations::KnotPath;
-use super::layers::Growth;
+use super::layers::LayerGenerator;
 
 /// Tracks all knots from a start, which stays the first configuration.
 ///
 /// Also returns the required end: `end` if given, or for a cyclic path the start plus the whole revolutions of
 /// unlimited joints.
 pub(super) fn track(
-    growth: &Growth<'_>,
+    generator: &LayerGenerator<'_>,
     start: &[f64],
     end: Option<&[f64]>,
 ) -> Result<(KnotPath, Option<Vec<f64>>), PathError> {
-    let (knots, n) = (growth.knots, growth.width());
+    let (knots, n) = (generator.knots, generator.width());
     let mut q: Vec<f64> = Vec::with_capacity(knots.len() * n);
     let mut reached = Vec::with_capacity(knots.len());
     while reached.len() < knots.len() {
         let first = reached.len();
-        let same_tool = (first + 1..knots.len()).take_while(|knot| knots.is_led_to(*knot));
+        let same_tool = (first + 1..knots.len()).take_while(|knot| knots.has_segment_to(*knot));
         let targets = &knots.targets[first..first + 1 + same_tool.count()];
         let from = match first {
             0 => start,
             _ => &q[(first - 1) * n..],
         };
-        let arm = growth.arms.of(knots.tool(first));
+        let arm = generator.arms.arm(knots.tool(first));
         let track = arm.track(targets, from)?;
         for solution in track.solutions {
             q.extend_from_slice(&solution.q);
@@ -38,7 +38,8 @@ pub(super) fn track(
         Some(end) => Some(end.to_vec()),
         None if knots.closed => {
             let moves = q[last..].iter().zip(start).enumerate();
-            let end = moves.map(|(joint, (q, start))| start + growth.whole_turns(joint, q - start));
+            let end = moves
+                .map(|(joint, (q, start))| start + generator.whole_revolutions(joint, q - start));
             Some(end.collect())
         }
         None => None,
@@ -47,15 +48,15 @@ pub(super) fn track(
         q[last..].copy_from_slice(end);
         reached[knots.len() - 1] = true;
     }
-    let mut way = KnotPath {
+    let mut joint_path = KnotPath {
         joined: vec![true; knots.len()],
         allowance: vec![1.0; knots.len()],
         q,
         reached,
     };
     for knot in 1..knots.len() {
-        let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
-        way.joined[knot] = growth.bounds.allow(knots, knot, from, to);
+        let (from, to) = (joint_path.row(knot - 1, n), joint_path.row(knot, n));
+        joint_path.joined[knot] = generator.bounds.allows(knots, knot, from, to);
     }
-    Ok((way, end))
+    Ok((joint_path, end))
 }

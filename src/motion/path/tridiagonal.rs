@@ -8,14 +8,14 @@
 use crate::buffer::refill;
 
 /// Maximum number of solves, each with further joints locked at their limits.
-const HOLDINGS: usize = 8;
+const MAX_LOCKING_PASSES: usize = 8;
 /// Damping of the diagonal, relative to its entries.
 const DAMPING: f64 = 1e-6;
 /// Damping of the first knot of a closed chain, with which all knots could drift.
-const DAMPING_OF_A_RING: f64 = 1e-3;
+const CLOSED_CHAIN_DAMPING: f64 = 1e-3;
 /// Limit violation, and displacement of a joint by a direction, that count as zero, radians or metres.
-const NEGLIGIBLE: f64 = 1e-9;
-const NO_MOVE: f64 = 1e-6;
+const LIMIT_TOLERANCE: f64 = 1e-9;
+const MIN_JOINT_MOTION: f64 = 1e-6;
 
 /// System and solution, with reusable buffers.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ pub(super) struct Tridiagonal {
     /// Weight of the step to each knot. The first is that of the closing step.
     weights: Vec<f64>,
     /// For a closed chain, joint displacement over one cycle.
-    turns: Option<Vec<f64>>,
+    cycle_displacement: Option<Vec<f64>>,
     /// Displacement of each joint, and its fixed part, which moves joints to their limits.
     moves: Vec<f64>,
     offsets: Vec<f64>,
@@ -52,15 +52,15 @@ impl Tridiagonal {
         self.firsts.clear();
         self.free.clear();
         self.weights.clear();
-        self.turns = None;
+        self.cycle_displacement = None;
     }
 
-    /// Closes the chain by a step from the last knot to the first, which is `turns` further.
-    pub(super) fn close(&mut self, turns: &[f64], weight: f64) {
+    /// Closes the chain by a step from the last knot to the first, which is `displacement` further.
+    pub(super) fn close(&mut self, displacement: &[f64], weight: f64) {
         if let Some(first) = self.weights.first_mut() {
             *first = weight;
         }
-        self.turns = Some(turns.to_vec());
+        self.cycle_displacement = Some(displacement.to_vec());
     }
 
     /// Adds a knot with its free directions and the weight of the step to it.
@@ -82,7 +82,7 @@ impl Tridiagonal {
         for numbers in [&mut self.moves, &mut self.offsets] {
             refill(numbers, q.len(), 0.0);
         }
-        for _ in 0..HOLDINGS {
+        for _ in 0..MAX_LOCKING_PASSES {
             self.sweep(q);
             if self.stay_within(q, limits) {
                 break;
@@ -94,53 +94,54 @@ impl Tridiagonal {
     /// whether there is none.
     fn stay_within(&mut self, q: &[f64], limits: &[(f64, f64)]) -> bool {
         let n = self.n;
-        let mut all = true;
+        let mut within = true;
         for knot in 0..self.free.len() {
-            let own = knot * n..(knot + 1) * n;
-            let mut furthest = (NEGLIGIBLE, 0, 0.0);
-            let joints = q[own.clone()].iter().zip(&self.moves[own]).zip(limits);
-            for (joint, ((q, by), (lower, upper))) in joints.enumerate() {
-                for (excess, limit) in [(q + by - upper, upper), (lower - q - by, lower)] {
-                    if excess > furthest.0 {
-                        furthest = (excess, joint, limit - q);
+            let range = knot * n..(knot + 1) * n;
+            let mut largest = (LIMIT_TOLERANCE, 0, 0.0);
+            let joints = q[range.clone()].iter().zip(&self.moves[range]).zip(limits);
+            for (joint, ((q, delta), (lower, upper))) in joints.enumerate() {
+                for (excess, limit) in [(q + delta - upper, upper), (lower - q - delta, lower)] {
+                    if excess > largest.0 {
+                        largest = (excess, joint, limit - q);
                     }
                 }
             }
-            let (excess, joint, to_limit) = furthest;
-            if excess > NEGLIGIBLE {
-                all &= !self.hold(knot, joint, to_limit);
+            let (excess, joint, to_limit) = largest;
+            if excess > LIMIT_TOLERANCE {
+                within &= !self.lock(knot, joint, to_limit);
             }
         }
-        all
+        within
     }
 
-    /// Moves a joint of a knot by `by`, and removes its motion from the knot's directions by Gaussian elimination.
+    /// Moves a joint of a knot by `displacement`, and removes its motion from the knot's directions by Gaussian
+    /// elimination.
     ///
     /// Returns false if no direction moves the joint.
-    fn hold(&mut self, knot: usize, joint: usize, by: f64) -> bool {
+    fn lock(&mut self, knot: usize, joint: usize, displacement: f64) -> bool {
         let n = self.n;
         let first = self.firsts[knot];
         let rows = first..first + self.free[knot];
-        let own = &mut self.directions[rows.start * n..rows.end * n];
-        let moves = |k: &usize| own[k * n + joint].abs();
-        let most = (0..rows.len()).max_by(|a, b| moves(a).total_cmp(&moves(b)));
-        let Some(most) = most.filter(|most| moves(most) > NO_MOVE) else {
+        let directions = &mut self.directions[rows.start * n..rows.end * n];
+        let moves = |k: &usize| directions[k * n + joint].abs();
+        let pivot = (0..rows.len()).max_by(|a, b| moves(a).total_cmp(&moves(b)));
+        let Some(pivot) = pivot.filter(|pivot| moves(pivot) > MIN_JOINT_MOTION) else {
             return false;
         };
         let last = rows.len() - 1;
         for entry in 0..n {
-            own.swap(most * n + entry, last * n + entry);
+            directions.swap(pivot * n + entry, last * n + entry);
         }
-        let (kept, taken) = own.split_at_mut(last * n);
+        let (remaining, removed) = directions.split_at_mut(last * n);
         let offsets = &mut self.offsets[knot * n..(knot + 1) * n];
-        let share = (by - offsets[joint]) / taken[joint];
-        for (offset, taken) in offsets.iter_mut().zip(&*taken) {
-            *offset += share * taken;
+        let factor = (displacement - offsets[joint]) / removed[joint];
+        for (offset, removed) in offsets.iter_mut().zip(&*removed) {
+            *offset += factor * removed;
         }
-        for direction in kept.chunks_exact_mut(n) {
-            let share = direction[joint] / taken[joint];
-            for (entry, taken) in direction.iter_mut().zip(&*taken) {
-                *entry -= share * taken;
+        for direction in remaining.chunks_exact_mut(n) {
+            let factor = direction[joint] / removed[joint];
+            for (entry, removed) in direction.iter_mut().zip(&*removed) {
+                *entry -= factor * removed;
             }
         }
         self.free[knot] = last;
@@ -150,81 +151,81 @@ impl Tridiagonal {
     /// Solves the system over the remaining directions.
     fn sweep(&mut self, q: &[f64]) {
         let count = self.weights.len();
-        let most = self.free.iter().copied().max().unwrap_or(0);
-        let ring = self.turns.is_some();
+        let block_size = self.free.iter().copied().max().unwrap_or(0);
+        let ring = self.cycle_displacement.is_some();
         self.columns = 1 + if ring { self.free[0] } else { 0 };
         // All blocks have the size of the largest.
-        self.diagonal.resize(most * most, 0.0);
-        refill(&mut self.above, count * most * most, 0.0);
-        refill(&mut self.side, count * most * self.columns, 0.0);
+        self.diagonal.resize(block_size * block_size, 0.0);
+        refill(&mut self.above, count * block_size * block_size, 0.0);
+        refill(&mut self.side, count * block_size * self.columns, 0.0);
         let first = usize::from(ring);
         for knot in first..count {
             if self.free[knot] > 0 {
-                self.eliminate(q, knot, most);
+                self.eliminate(q, knot, block_size);
             }
         }
         for knot in (first..count).rev() {
-            self.substitute(knot, most);
+            self.substitute(knot, block_size);
         }
-        let of_first = match ring {
-            true => self.border(q, most),
+        let first_unknowns = match ring {
+            true => self.border(q, block_size),
             false => Vec::new(),
         };
         self.moves.copy_from_slice(&self.offsets);
         for knot in 0..count {
             for k in 0..self.free[knot] {
                 let z = match (ring, knot) {
-                    (true, 0) => of_first[k],
+                    (true, 0) => first_unknowns[k],
                     _ => {
-                        let side = self.side_of(knot, k, most);
-                        let drawn = side[1..].iter().zip(&of_first);
-                        side[0] - drawn.map(|(side, z)| side * z).sum::<f64>()
+                        let side = self.side_of(knot, k, block_size);
+                        let coupled = side[1..].iter().zip(&first_unknowns);
+                        side[0] - coupled.map(|(side, z)| side * z).sum::<f64>()
                     }
                 };
                 let direction = (self.firsts[knot] + k) * self.n;
                 let direction = &self.directions[direction..direction + self.n];
                 let moves = &mut self.moves[knot * self.n..(knot + 1) * self.n];
-                for (by, a) in moves.iter_mut().zip(direction) {
-                    *by += z * a;
+                for (displacement, a) in moves.iter_mut().zip(direction) {
+                    *displacement += z * a;
                 }
             }
         }
     }
 
     /// Computes a knot's block, eliminates the previous knot, and divides by the diagonal block.
-    fn eliminate(&mut self, q: &[f64], knot: usize, most: usize) {
-        let (count, columns, own) = (self.weights.len(), self.columns, self.free[knot]);
-        let ring = self.turns.is_some();
-        self.write_own(q, knot, most);
+    fn eliminate(&mut self, q: &[f64], knot: usize, block_size: usize) {
+        let (count, columns, free_count) = (self.weights.len(), self.columns, self.free[knot]);
+        let ring = self.cycle_displacement.is_some();
+        self.write_diagonal(q, knot, block_size);
         // In a closed chain, the second and the last knot are coupled to the first.
-        for (at, weight) in self.steps(knot).into_iter().flatten() {
-            if !(ring && at.knot == 0) {
+        for (neighbour, weight) in self.steps(knot).into_iter().flatten() {
+            if !(ring && neighbour.knot == 0) {
                 continue;
             }
-            for k in 0..own {
+            for k in 0..free_count {
                 for l in 0..self.free[0] {
-                    self.side[(knot * most + k) * columns + 1 + l] -=
+                    self.side[(knot * block_size + k) * columns + 1 + l] -=
                         weight * self.metric((knot, k), (0, l));
                 }
             }
         }
         // Elimination of the previous knot.
-        let before = self.weights[knot];
+        let step_weight = self.weights[knot];
         let last = match knot {
             0 => 0,
             _ if ring && knot == 1 => 0,
             _ => self.free[knot - 1],
         };
-        for k in 0..own {
+        for k in 0..free_count {
             for m in 0..last {
-                let coupling = -before * self.metric((knot, k), (knot - 1, m));
+                let coupling = -step_weight * self.metric((knot, k), (knot - 1, m));
                 for column in 0..columns {
-                    self.side[(knot * most + k) * columns + column] -=
-                        coupling * self.side[((knot - 1) * most + m) * columns + column];
+                    self.side[(knot * block_size + k) * columns + column] -=
+                        coupling * self.side[((knot - 1) * block_size + m) * columns + column];
                 }
-                for l in 0..own {
-                    self.diagonal[k * most + l] -=
-                        coupling * self.above[((knot - 1) * most + m) * most + l];
+                for l in 0..free_count {
+                    self.diagonal[k * block_size + l] -=
+                        coupling * self.above[((knot - 1) * block_size + m) * block_size + l];
                 }
             }
         }
@@ -233,44 +234,50 @@ impl Tridiagonal {
             true => self.free[knot + 1],
             false => 0,
         };
-        for k in 0..own {
+        for k in 0..free_count {
             for l in 0..next {
-                self.above[(knot * most + k) * most + l] =
+                self.above[(knot * block_size + k) * block_size + l] =
                     -self.weights[knot + 1] * self.metric((knot, k), (knot + 1, l));
             }
         }
-        let right = &mut self.above[knot * most * most..(knot + 1) * most * most];
-        let side = &mut self.side[knot * most * columns..(knot + 1) * most * columns];
+        let right =
+            &mut self.above[knot * block_size * block_size..(knot + 1) * block_size * block_size];
+        let side = &mut self.side[knot * block_size * columns..(knot + 1) * block_size * columns];
         divide(
-            (&mut self.diagonal, most, own),
-            (right, most, next),
+            (&mut self.diagonal, block_size, free_count),
+            (right, block_size, next),
             (side, columns, columns),
         );
     }
 
     /// Writes a knot's diagonal block and the pull of its neighbours.
-    fn write_own(&mut self, q: &[f64], knot: usize, most: usize) {
+    fn write_diagonal(&mut self, q: &[f64], knot: usize, block_size: usize) {
         let n = self.n;
         let mut pull = std::mem::take(&mut self.pull);
         refill(&mut pull, n, 0.0);
         let mut weights = 0.0;
-        for (at, weight) in self.steps(knot).into_iter().flatten() {
+        for (neighbour, weight) in self.steps(knot).into_iter().flatten() {
             weights += weight;
             for (joint, pull) in pull.iter_mut().enumerate() {
-                let place = |knot: usize| q[knot * n + joint] + self.offsets[knot * n + joint];
-                let turns = self.turns.as_ref().map_or(0.0, |turns| turns[joint]);
-                *pull += weight * (place(at.knot) + at.rounds * turns - place(knot));
+                let position = |knot: usize| q[knot * n + joint] + self.offsets[knot * n + joint];
+                let displacement = self
+                    .cycle_displacement
+                    .as_ref()
+                    .map_or(0.0, |displacement| displacement[joint]);
+                *pull += weight
+                    * (position(neighbour.knot) + neighbour.rounds * displacement - position(knot));
             }
         }
         for k in 0..self.free[knot] {
             let direction = (self.firsts[knot] + k) * n;
             let direction = &self.directions[direction..direction + n];
             let parts = direction.iter().zip(&pull).zip(&self.squares);
-            self.side[(knot * most + k) * self.columns] =
+            self.side[(knot * block_size + k) * self.columns] =
                 parts.map(|((a, b), square)| a * b * square).sum();
             for l in 0..self.free[knot] {
                 let damping = if k == l { 1.0 + DAMPING } else { 1.0 };
-                self.diagonal[k * most + l] = weights * damping * self.metric((knot, k), (knot, l));
+                self.diagonal[k * block_size + l] =
+                    weights * damping * self.metric((knot, k), (knot, l));
             }
         }
         self.pull = pull;
@@ -279,16 +286,16 @@ impl Tridiagonal {
     /// Returns the previous and next neighbours of a knot, with the weights of the steps.
     fn steps(&self, knot: usize) -> [Option<(Neighbour, f64)>; 2] {
         let count = self.weights.len();
-        let ring = self.turns.is_some();
-        let at = |knot, rounds| Neighbour { knot, rounds };
+        let ring = self.cycle_displacement.is_some();
+        let neighbour = |knot, rounds| Neighbour { knot, rounds };
         let before = match knot {
-            0 if ring => Some(at(count - 1, -1.0)),
+            0 if ring => Some(neighbour(count - 1, -1.0)),
             0 => None,
-            _ => Some(at(knot - 1, 0.0)),
+            _ => Some(neighbour(knot - 1, 0.0)),
         };
         let after = match knot + 1 < count {
-            true => Some((at(knot + 1, 0.0), self.weights[knot + 1])),
-            false if ring => Some((at(0, 1.0), self.weights[0])),
+            true => Some((neighbour(knot + 1, 0.0), self.weights[knot + 1])),
+            false if ring => Some((neighbour(0, 1.0), self.weights[0])),
             false => None,
         };
         [before.map(|before| (before, self.weights[knot])), after]
@@ -304,13 +311,13 @@ impl Tridiagonal {
         parts.map(|((a, b), square)| a * b * square).sum()
     }
 
-    fn side_of(&self, knot: usize, k: usize, most: usize) -> &[f64] {
-        let first = (knot * most + k) * self.columns;
+    fn side_of(&self, knot: usize, k: usize, block_size: usize) -> &[f64] {
+        let first = (knot * block_size + k) * self.columns;
         &self.side[first..first + self.columns]
     }
 
     /// Substitutes the unknowns of the next knot.
-    fn substitute(&mut self, knot: usize, most: usize) {
+    fn substitute(&mut self, knot: usize, block_size: usize) {
         let columns = self.columns;
         let next = match knot + 1 < self.free.len() {
             true => self.free[knot + 1],
@@ -318,37 +325,39 @@ impl Tridiagonal {
         };
         for k in 0..self.free[knot] {
             for l in 0..next {
-                let above = self.above[(knot * most + k) * most + l];
+                let above = self.above[(knot * block_size + k) * block_size + l];
                 for column in 0..columns {
-                    self.side[(knot * most + k) * columns + column] -=
-                        above * self.side[((knot + 1) * most + l) * columns + column];
+                    self.side[(knot * block_size + k) * columns + column] -=
+                        above * self.side[((knot + 1) * block_size + l) * columns + column];
                 }
             }
         }
     }
 
     /// Solves for the unknowns of the first knot of a closed chain.
-    fn border(&mut self, q: &[f64], most: usize) -> Vec<f64> {
-        let own = self.free[0];
-        self.write_own(q, 0, most);
-        for k in 0..own {
-            self.diagonal[k * most + k] *= 1.0 + DAMPING_OF_A_RING;
+    fn border(&mut self, q: &[f64], block_size: usize) -> Vec<f64> {
+        let free_count = self.free[0];
+        self.write_diagonal(q, 0, block_size);
+        for k in 0..free_count {
+            self.diagonal[k * block_size + k] *= 1.0 + CLOSED_CHAIN_DAMPING;
         }
-        let mut side: Vec<f64> = (0..own).map(|k| self.side_of(0, k, most)[0]).collect();
-        for (at, weight) in self.steps(0).into_iter().flatten() {
+        let mut side: Vec<f64> = (0..free_count)
+            .map(|k| self.side_of(0, k, block_size)[0])
+            .collect();
+        for (neighbour, weight) in self.steps(0).into_iter().flatten() {
             for (k, side) in side.iter_mut().enumerate() {
-                for m in 0..self.free[at.knot] {
-                    let coupling = -weight * self.metric((0, k), (at.knot, m));
-                    let solved = (at.knot * most + m) * self.columns;
+                for m in 0..self.free[neighbour.knot] {
+                    let coupling = -weight * self.metric((0, k), (neighbour.knot, m));
+                    let solved = (neighbour.knot * block_size + m) * self.columns;
                     *side -= coupling * self.side[solved];
-                    for l in 0..own {
-                        self.diagonal[k * most + l] -= coupling * self.side[solved + 1 + l];
+                    for l in 0..free_count {
+                        self.diagonal[k * block_size + l] -= coupling * self.side[solved + 1 + l];
                     }
                 }
             }
         }
         divide(
-            (&mut self.diagonal, most, own),
+            (&mut self.diagonal, block_size, free_count),
             (&mut [], 0, 0),
             (&mut side, 1, 1),
         );
@@ -367,27 +376,27 @@ struct Neighbour {
 ///
 /// Each matrix comes with its stride and its number of rows (the system's) or columns.
 fn divide(
-    (matrix, stride, own): (&mut [f64], usize, usize),
+    (matrix, stride, size): (&mut [f64], usize, usize),
     (right, right_stride, next): (&mut [f64], usize, usize),
     (side, side_stride, columns): (&mut [f64], usize, usize),
 ) {
-    for k in 0..own {
+    for k in 0..size {
         let pivot = matrix[k * stride + k];
         // A zero pivot means that nothing pulls along this direction.
         let inverse = if pivot > 1e-300 { pivot.recip() } else { 0.0 };
-        for row in 0..own {
+        for row in 0..size {
             if row == k {
                 continue;
             }
-            let by = matrix[row * stride + k] * inverse;
-            for l in k..own {
-                matrix[row * stride + l] -= by * matrix[k * stride + l];
+            let factor = matrix[row * stride + k] * inverse;
+            for l in k..size {
+                matrix[row * stride + l] -= factor * matrix[k * stride + l];
             }
             for l in 0..next {
-                right[row * right_stride + l] -= by * right[k * right_stride + l];
+                right[row * right_stride + l] -= factor * right[k * right_stride + l];
             }
             for l in 0..columns {
-                side[row * side_stride + l] -= by * side[k * side_stride + l];
+                side[row * side_stride + l] -= factor * side[k * side_stride + l];
             }
         }
         for l in 0..next {
@@ -396,7 +405,7 @@ fn divide(
         for l in 0..columns {
             side[k * side_stride + l] *= inverse;
         }
-        for l in k..own {
+        for l in k..size {
             matrix[k * stride + l] *= inverse;
         }
     }
@@ -404,13 +413,13 @@ fn divide(
 
 #[cfg(test)]
 mod tests {
-    use super::{DAMPING_OF_A_RING, Tridiagonal};
+    use super::{CLOSED_CHAIN_DAMPING, Tridiagonal};
     use crate::scalar::elementary;
 
     /// A planar chain between two fixed ends, with inner knots limited to one side of a line: they lie on it, evenly
     /// spaced.
     #[test]
-    fn a_joint_at_its_limit_is_held_alone() {
+    fn limited_joint_locks_alone() {
         let count = 8;
         let last = f64::from(count - 1);
         let mut q = Vec::new();
@@ -419,31 +428,31 @@ mod tests {
         for knot in 0..count {
             let fixed = knot == 0 || knot == count - 1;
             let even = f64::from(knot) / last;
-            let own = match fixed {
+            let configuration = match fixed {
                 true => [even, 0.1],
                 false => [even * even, 0.3 + 0.1 * f64::from(knot % 2)],
             };
             // Both directions move both joints.
             let free: &[f64] = if fixed { &[] } else { &[0.8, 0.6, 0.1, 0.9] };
-            system.push(&own, free, if knot == 0 { 0.0 } else { 1.0 });
-            q.extend(own);
+            system.push(&configuration, free, if knot == 0 { 0.0 } else { 1.0 });
+            q.extend(configuration);
         }
         system.solve(&q, &[(-1.0, 2.0), (0.2, 1.0)]);
-        let came = q.iter().zip(system.moves()).map(|(q, by)| q + by);
-        let came: Vec<f64> = came.collect();
-        for (knot, place) in came.chunks_exact(2).enumerate().skip(1).take(6) {
+        let result = q.iter().zip(system.moves()).map(|(q, delta)| q + delta);
+        let result: Vec<f64> = result.collect();
+        for (knot, row) in result.chunks_exact(2).enumerate().skip(1).take(6) {
             let even = knot as f64 / last;
-            assert!((place[0] - even).abs() < 1e-4, "{knot}: {place:?}");
-            assert!((place[1] - 0.2).abs() < 1e-6, "{knot}: {place:?}");
+            assert!((row[0] - even).abs() < 1e-4, "{knot}: {row:?}");
+            assert!((row[1] - 0.2).abs() < 1e-6, "{knot}: {row:?}");
         }
     }
 
     /// A closed chain with one fixed knot equals the open chain over one cycle from that knot.
     #[test]
-    fn a_ring_is_the_chain_from_where_it_stands() {
+    fn closed_chain_equals_open_chain_from_fixed_knot() {
         let count = 7;
-        let turns = [0.5, -0.25];
-        let place = |knot: usize| {
+        let displacement = [0.5, -0.25];
+        let position = |knot: usize| {
             let knot = knot as f64;
             [
                 0.1 * knot + 0.05 * elementary::sin_cos(knot * 1.3).0,
@@ -453,41 +462,51 @@ mod tests {
         let weight = |knot: usize| 1.0 + 0.1 * (knot % count) as f64;
         let free = [0.8, 0.6, 0.1, 0.9];
         // The third knot is fixed, for every first knot.
-        let stands = 3;
+        let fixed_knot = 3;
         let solved = |first: usize, last: usize, is_ring: bool| {
             let (mut q, mut system) = (Vec::new(), Tridiagonal::default());
             system.begin(2, &[1.0, 2.0]);
             for knot in first..=last {
-                let own = place(knot % count);
+                let configuration = position(knot % count);
                 let round = (knot / count) as f64;
-                let own = [own[0] + round * turns[0], own[1] + round * turns[1]];
-                let free: &[f64] = if knot % count == stands { &[] } else { &free };
+                let configuration = [
+                    configuration[0] + round * displacement[0],
+                    configuration[1] + round * displacement[1],
+                ];
+                let free: &[f64] = if knot % count == fixed_knot {
+                    &[]
+                } else {
+                    &free
+                };
                 let weight = if knot == first { 0.0 } else { weight(knot) };
-                system.push(&own, free, weight);
-                q.extend(own);
+                system.push(&configuration, free, weight);
+                q.extend(configuration);
             }
             if is_ring {
-                system.close(&turns, weight(first));
+                system.close(&displacement, weight(first));
             }
             system.solve(&q, &[(-9.0, 9.0), (-9.0, 9.0)]);
             system.moves().to_vec()
         };
         let ring = solved(0, count - 1, true);
-        let chain = solved(stands, stands + count, false);
+        let chain = solved(fixed_knot, fixed_knot + count, false);
         for knot in 0..count {
-            let in_chain = (knot + count - stands) % count;
+            let in_chain = (knot + count - fixed_knot) % count;
             for joint in 0..2 {
                 let (a, b) = (ring[2 * knot + joint], chain[2 * in_chain + joint]);
                 // The first knot of a closed chain has additional damping.
-                assert!((a - b).abs() < 3.0 * DAMPING_OF_A_RING, "{knot}: {a} {b}");
+                assert!(
+                    (a - b).abs() < 3.0 * CLOSED_CHAIN_DAMPING,
+                    "{knot}: {a} {b}"
+                );
             }
         }
-        assert!(ring.iter().any(|by| by.abs() > 0.05), "{ring:?}");
+        assert!(ring.iter().any(|delta| delta.abs() > 0.05), "{ring:?}");
     }
 
     /// A free knot between two fixed ones is at their weighted mean.
     #[test]
-    fn a_step_draws_by_its_weight() {
+    fn free_knot_ends_at_weighted_mean() {
         let mut system = Tridiagonal::default();
         system.begin(1, &[1.0]);
         let q = [0.0, 0.9, 1.0];
@@ -496,7 +515,7 @@ mod tests {
             system.push(&[*q], free, weight);
         }
         system.solve(&q, &[(-1.0, 2.0)]);
-        let came = q[1] + system.moves()[1];
-        assert!((came - 0.75).abs() < 1e-5, "{came}");
+        let result = q[1] + system.moves()[1];
+        assert!((result - 0.75).abs() < 1e-5, "{result}");
     }
 }

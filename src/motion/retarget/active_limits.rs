@@ -7,7 +7,7 @@ use crate::motion::trajectory::MotionBound;
 use crate::solver::Side;
 
 /// Distance from a limit that counts as active, relative to the range or to the displacement bound.
-const NEAR: f64 = 1e-9;
+const RELATIVE_TOLERANCE: f64 = 1e-9;
 
 /// Limit that is active for a joint over a span of samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,20 +28,20 @@ impl Retargeting<'_> {
     ///
     /// Limits of mimic joints count through their source joints.
     #[must_use]
-    pub fn active_limits(&self, found: &Retargeted) -> Vec<LimitMet> {
+    pub fn active_limits(&self, retargeted: &Retargeted) -> Vec<LimitMet> {
         let model = self.robot.model();
         let width = model.configuration_len();
-        let moves = self.robot.moves_within(1.0 / self.frame_rate);
+        let max_steps = self.robot.moves_within(1.0 / self.frame_rate);
         let mut met = Vec::new();
         for (coordinate, id) in model.moving_joints().iter().enumerate() {
             let joint = &model.joints()[id.index()];
             if joint.kind.coordinates() != 1 {
                 continue;
             }
-            let values = || found.q.iter().skip(coordinate).step_by(width.max(1));
+            let values = || retargeted.q.iter().skip(coordinate).step_by(width.max(1));
             let (low, high) = (joint.limits.lower, joint.limits.upper);
-            let room = (high - low).min(1.0);
-            let most = moves.get(coordinate).copied().unwrap_or(f64::INFINITY);
+            let scale = (high - low).min(1.0);
+            let max_step = max_steps.get(coordinate).copied().unwrap_or(f64::INFINITY);
             let position = |side: Side, is_at: &dyn Fn(f64) -> bool| {
                 let frames = values().enumerate().filter(|(_, value)| is_at(**value));
                 spans(frames.map(|(frame, _)| frame), |frames| LimitMet {
@@ -51,13 +51,18 @@ impl Retargeting<'_> {
                     frames,
                 })
             };
-            met.extend(position(Side::Lower, &|value| value <= low + NEAR * room));
-            met.extend(position(Side::Upper, &|value| value >= high - NEAR * room));
-            if most.is_finite() {
+            met.extend(position(Side::Lower, &|value| {
+                value <= low + RELATIVE_TOLERANCE * scale
+            }));
+            met.extend(position(Side::Upper, &|value| {
+                value >= high - RELATIVE_TOLERANCE * scale
+            }));
+            if max_step.is_finite() {
                 for (side, sign) in [(Side::Lower, -1.0), (Side::Upper, 1.0)] {
                     let steps = values().zip(values().skip(1)).enumerate();
-                    let fast = steps
-                        .filter(|(_, (from, to))| sign * (**to - **from) >= (1.0 - NEAR) * most);
+                    let fast = steps.filter(|(_, (from, to))| {
+                        sign * (**to - **from) >= (1.0 - RELATIVE_TOLERANCE) * max_step
+                    });
                     met.extend(spans(fast.map(|(frame, _)| frame + 1), |frames| LimitMet {
                         joint: joint.name.clone(),
                         bound: MotionBound::Speed,
@@ -74,7 +79,7 @@ impl Retargeting<'_> {
 /// Groups ascending samples into spans without gaps.
 fn spans(
     frames: impl Iterator<Item = usize>,
-    told: impl Fn(Range<usize>) -> LimitMet,
+    make_limit: impl Fn(Range<usize>) -> LimitMet,
 ) -> Vec<LimitMet> {
     let mut spans: Vec<Range<usize>> = Vec::new();
     for frame in frames {
@@ -83,5 +88,5 @@ fn spans(
             _ => spans.push(frame..frame + 1),
         }
     }
-    spans.into_iter().map(told).collect()
+    spans.into_iter().map(make_limit).collect()
 }

@@ -15,10 +15,10 @@ use crate::bad_option::{BadOption, Range};
 use crate::spatial::{Matrix3, Vector3};
 
 /// Ranges in which squared weights and scaled positions stay finite.
-const WEIGHT: Range = (|v| (0.0..=1e6).contains(&v), "within [0, 1e6]");
-const SCALE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
-const OFFSET: Range = (|v| v.abs() <= 1e6, "within [-1e6, 1e6] m");
-const FRAME_RATE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
+const WEIGHT_RANGE: Range = (|v| (0.0..=1e6).contains(&v), "within [0, 1e6]");
+const SCALE_RANGE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
+const OFFSET_RANGE: Range = (|v| v.abs() <= 1e6, "within [-1e6, 1e6] m");
+const FRAME_RATE_RANGE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
 
 /// Assignment of a captured joint to a frame of the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,10 +65,10 @@ impl UpAxis {
     }
 
     /// Returns a vector rotated by [`turned_to_z`](Self::turned_to_z), without a matrix product.
-    pub(super) fn upright(self, at: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn upright(self, vector: Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Y => Vector3::new(at.x, -at.z, at.y),
-            Self::Z => at,
+            Self::Y => Vector3::new(vector.x, -vector.z, vector.y),
+            Self::Z => vector,
         }
     }
 }
@@ -140,9 +140,9 @@ pub(super) enum DriveText {
 /// Untagged enum with a better error than that of serde, which only reports that no variant matches.
 impl<'de> Deserialize<'de> for DriveText {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EitherWay;
+        struct DriveTextVisitor;
 
-        impl<'de> Visitor<'de> for EitherWay {
+        impl<'de> Visitor<'de> for DriveTextVisitor {
             type Value = DriveText;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -159,7 +159,7 @@ impl<'de> Deserialize<'de> for DriveText {
             }
         }
 
-        deserializer.deserialize_any(EitherWay)
+        deserializer.deserialize_any(DriveTextVisitor)
     }
 }
 
@@ -225,33 +225,35 @@ impl BodyMap {
     /// Returns an error, with its position, if the text is malformed. Returns an error if `drives` is empty, a joint
     /// appears twice, or the frame rate is not positive.
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
-        let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
+        let map_error = |error: serde_json::Error| RetargetError::Map(error.to_string());
         if text.trim_start().starts_with('[') {
-            let list = "a map must be an object with `drives`, not a list";
-            return Err(RetargetError::Map(list.to_owned()));
+            let message = "a map must be an object with `drives`, not a list";
+            return Err(RetargetError::Map(message.to_owned()));
         }
-        let file: File = serde_json::from_str(text).map_err(wrong)?;
+        let file: File = serde_json::from_str(text).map_err(map_error)?;
         if file.drives.as_ref().is_some_and(BTreeMap::is_empty) {
             return Err(RetargetError::NoDrives {
                 model: robot.to_owned(),
             });
         }
         if let Some(rate) = file.fps {
-            BadOption::check("frames a second", rate, FRAME_RATE)?;
+            BadOption::check("frames a second", rate, FRAME_RATE_RANGE)?;
         }
         check_named_once(&file.joints)?;
         let drives = file.drives.unwrap_or_default();
-        let of_robots = |value: &Value| value.is_object() && value.get("frame").is_none();
-        let drives = match drives.values().any(of_robots) {
+        let is_per_robot = |value: &Value| value.is_object() && value.get("frame").is_none();
+        let drives = match drives.values().any(is_per_robot) {
             false => drives,
             true => match drives.get(robot) {
-                Some(own) => serde_json::from_value(own.clone()).map_err(wrong)?,
+                Some(robot_drives) => {
+                    serde_json::from_value(robot_drives.clone()).map_err(map_error)?
+                }
                 None => BTreeMap::new(),
             },
         };
         let drives = drives.into_iter().map(|(joint, value)| {
-            let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
-            let drive: DriveText = serde_json::from_value(value).map_err(told)?;
+            let parse_error = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
+            let drive: DriveText = serde_json::from_value(value).map_err(parse_error)?;
             let drive = drive.into_drive(joint);
             drive.check()?;
             Ok(drive)
@@ -284,8 +286,8 @@ impl BodyMap {
         }
         let drives = self.drives.iter().map(|drive| {
             let joint = text(Value::from(drive.joint.clone()));
-            let told = serde_json::to_string(&DriveText::of(drive)).unwrap_or_default();
-            format!("    {joint}: {told}")
+            let json = serde_json::to_string(&DriveText::of(drive)).unwrap_or_default();
+            format!("    {joint}: {json}")
         });
         let drives: Vec<String> = drives.collect();
         parts.push(format!("\"drives\": {{\n{}\n  }}", drives.join(",\n")));
@@ -317,16 +319,17 @@ impl Drive {
     /// # Errors
     /// Returns an error if a weight, a scale or an offset is out of its range.
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::check("weight", self.weight, WEIGHT)?;
+        BadOption::check("weight", self.weight, WEIGHT_RANGE)?;
         for offset in self.offset.to_array() {
-            BadOption::check("offset", offset, OFFSET)?;
+            BadOption::check("offset", offset, OFFSET_RANGE)?;
         }
-        self.scale
-            .map_or(Ok(()), |scale| BadOption::check("scale", scale, SCALE))
+        self.scale.map_or(Ok(()), |scale| {
+            BadOption::check("scale", scale, SCALE_RANGE)
+        })
     }
 
     /// Returns whether the joint's name contains that of a foot part.
-    pub(super) fn is_of_a_foot(&self) -> bool {
+    pub(super) fn names_foot_part(&self) -> bool {
         let name = self.joint.to_lowercase();
         ["foot", "toe", "ankle", "heel", "sole"]
             .iter()

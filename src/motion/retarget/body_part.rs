@@ -68,8 +68,8 @@ impl BodyPart {
     /// Name in files, such as `left_knee`.
     #[must_use]
     pub fn name(self) -> &'static str {
-        let own = Self::ALL.iter().find(|(part, _)| *part == self);
-        own.map_or("", |(_, name)| name)
+        let entry = Self::ALL.iter().find(|(part, _)| *part == self);
+        entry.map_or("", |(_, name)| name)
     }
 
     /// Returns whether the part makes contact: ankles and toes.

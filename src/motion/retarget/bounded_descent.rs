@@ -11,19 +11,19 @@ use crate::solver::{BranchedMatrix, LeastSquares, dot, half_squared};
 
 /// Initial damping, relative to the scale of JᵀJ, its bounds, and its factors after success and failure.
 const DAMPING: f64 = 1e-8;
-const LEAST_DAMPING: f64 = 1e-10;
-const MOST_DAMPING: f64 = 1.0;
+const MIN_DAMPING: f64 = 1e-10;
+const MAX_DAMPING: f64 = 1.0;
 /// Damping up to which a step is almost as long as without damping.
 const LIGHT_DAMPING: f64 = 1e-7;
-const AFTER_SUCCESS: f64 = 0.2;
-const AFTER_FAILURE: f64 = 30.0;
+const DAMPING_DECREASE: f64 = 0.2;
+const DAMPING_INCREASE: f64 = 30.0;
 /// Maximum number of active set changes per step.
-const ROUNDS: usize = 8;
+const MAX_ACTIVE_SET_CHANGES: usize = 8;
 /// Maximum number of second-order corrections of a step before damping increases.
-const CORRECTIONS: usize = 2;
+const MAX_CORRECTIONS: usize = 2;
 /// Relative decrease of the cost below which the descent ends. It also ends if the model predicted the cost this
 /// accurately, because the next step would gain no more than the prediction error.
-const FLAT: f64 = 1e-4;
+const MIN_RELATIVE_DECREASE: f64 = 1e-4;
 
 /// Scratch memory, and the current damping.
 #[derive(Clone, Debug)]
@@ -32,13 +32,13 @@ pub(super) struct BoundedDescent {
     trial_residual: Vec<f64>,
     equations: NormalEquations,
     /// Normal equations at the end of a rejected step.
-    equations_there: NormalEquations,
+    trial_equations: NormalEquations,
     factor: BranchedMatrix,
     /// Product of JᵀJ and the step.
-    curved: Vec<f64>,
+    hessian_step: Vec<f64>,
     step: Vec<f64>,
-    right: Vec<f64>,
-    held: Vec<bool>,
+    rhs: Vec<f64>,
+    fixed: Vec<bool>,
     trial: Vec<f64>,
     damping: f64,
     /// Scale of the diagonal of JᵀJ, without stiff rows.
@@ -54,12 +54,12 @@ impl BoundedDescent {
             residual: vec![0.0; rows],
             trial_residual: vec![0.0; rows],
             factor: equations.matrix().clone(),
-            equations_there: equations.clone(),
+            trial_equations: equations.clone(),
             equations,
-            curved: vec![0.0; n],
+            hessian_step: vec![0.0; n],
             step: vec![0.0; n],
-            right: vec![0.0; n],
-            held: vec![false; n],
+            rhs: vec![0.0; n],
+            fixed: vec![false; n],
             trial: vec![0.0; n],
             damping: DAMPING,
             size,
@@ -86,15 +86,18 @@ impl BoundedDescent {
                 return false;
             }
             problem.normal_equations(x, &self.residual, &mut self.equations);
-            let Some((lower, told)) = self.try_steps(problem, x, cost) else {
+            let Some((lower, predicted)) = self.try_steps(problem, x, cost) else {
                 break;
             };
             x.copy_from_slice(&self.trial);
             self.residual.copy_from_slice(&self.trial_residual);
-            let won = cost - lower;
+            let decrease = cost - lower;
             cost = lower;
-            let was_told = told.is_some_and(|told| (lower - told).abs() < FLAT * cost);
-            if won < FLAT * cost || (was_told && self.damping <= LIGHT_DAMPING) {
+            let is_predicted = predicted
+                .is_some_and(|predicted| (lower - predicted).abs() < MIN_RELATIVE_DECREASE * cost);
+            if decrease < MIN_RELATIVE_DECREASE * cost
+                || (is_predicted && self.damping <= LIGHT_DAMPING)
+            {
                 break;
             }
         }
@@ -111,24 +114,24 @@ impl BoundedDescent {
     ) -> Option<(f64, Option<f64>)> {
         let mut is_first = true;
         loop {
-            let is_last = self.damping >= MOST_DAMPING;
+            let is_last = self.damping >= MAX_DAMPING;
             if self.solve(problem, x) {
                 self.trial.copy_from_slice(x);
-                self.step_on(problem);
-                let told = cost + self.change_by_step();
-                for correction in 0..=CORRECTIONS {
+                self.apply_step(problem);
+                let predicted = cost + self.model_change();
+                for correction in 0..=MAX_CORRECTIONS {
                     if correction > 0 {
                         self.correct(problem, x);
                     }
                     problem.residual(&self.trial, &mut self.trial_residual);
                     let trial_cost = half_squared(&self.trial_residual);
                     if trial_cost < cost {
-                        self.damping = (AFTER_SUCCESS * self.damping).max(LEAST_DAMPING);
-                        return Some((trial_cost, Some(told)));
+                        self.damping = (DAMPING_DECREASE * self.damping).max(MIN_DAMPING);
+                        return Some((trial_cost, Some(predicted)));
                     }
                 }
                 if is_first || is_last {
-                    if let Some(lower) = self.go_on(problem, x, cost) {
+                    if let Some(lower) = self.try_second_step(problem, x, cost) {
                         return Some((lower, None));
                     }
                 }
@@ -138,12 +141,12 @@ impl BoundedDescent {
                 self.damping = DAMPING;
                 return None;
             }
-            self.damping = (AFTER_FAILURE * self.damping).min(MOST_DAMPING);
+            self.damping = (DAMPING_INCREASE * self.damping).min(MAX_DAMPING);
         }
     }
 
     /// Moves the trial by the step, within the bounds.
-    fn step_on(&mut self, problem: &Evaluation<'_>) {
+    fn apply_step(&mut self, problem: &Evaluation<'_>) {
         let bounds = problem.lower().iter().zip(problem.upper());
         for ((trial, step), (lower, upper)) in self.trial.iter_mut().zip(&self.step).zip(bounds) {
             *trial = (*trial + step).max(*lower).min(*upper);
@@ -155,29 +158,34 @@ impl BoundedDescent {
     ///
     /// The second step uses the model at its start. The model at x lacks residuals that act only there, such as the
     /// ground under a foot at its edge. It would repeat the rejected step.
-    fn go_on(&mut self, problem: &mut Evaluation<'_>, x: &[f64], cost: f64) -> Option<f64> {
+    fn try_second_step(
+        &mut self,
+        problem: &mut Evaluation<'_>,
+        x: &[f64],
+        cost: f64,
+    ) -> Option<f64> {
         self.trial.copy_from_slice(x);
-        self.step_on(problem);
+        self.apply_step(problem);
         problem.residual(&self.trial, &mut self.trial_residual);
-        let there = &mut self.equations_there;
-        problem.normal_equations(&self.trial, &self.trial_residual, there);
-        let at = std::mem::take(&mut self.trial);
-        std::mem::swap(&mut self.equations, &mut self.equations_there);
-        let is_solved = self.solve(problem, &at);
-        std::mem::swap(&mut self.equations, &mut self.equations_there);
-        self.trial = at;
-        self.step_on(problem);
+        let trial_equations = &mut self.trial_equations;
+        problem.normal_equations(&self.trial, &self.trial_residual, trial_equations);
+        let trial = std::mem::take(&mut self.trial);
+        std::mem::swap(&mut self.equations, &mut self.trial_equations);
+        let is_solved = self.solve(problem, &trial);
+        std::mem::swap(&mut self.equations, &mut self.trial_equations);
+        self.trial = trial;
+        self.apply_step(problem);
         problem.residual(&self.trial, &mut self.trial_residual);
         let lower = half_squared(&self.trial_residual);
         (is_solved && lower < cost).then_some(lower)
     }
 
     /// Returns the change of the model's cost by the step.
-    fn change_by_step(&mut self) -> f64 {
+    fn model_change(&mut self) -> f64 {
         self.equations
             .matrix()
-            .multiply(&self.step, &mut self.curved);
-        dot(self.equations.gradient(), &self.step) + 0.5 * dot(&self.curved, &self.step)
+            .multiply(&self.step, &mut self.hessian_step);
+        dot(self.equations.gradient(), &self.step) + 0.5 * dot(&self.hessian_step, &self.step)
     }
 
     /// Corrects the trial with its own residual and the same model (second-order correction).
@@ -185,15 +193,17 @@ impl BoundedDescent {
     /// Otherwise long steps along stiff rows would be rejected because of curvature (Maratos 1978; Nocedal & Wright
     /// 2006, "Numerical optimization", 18.3).
     fn correct(&mut self, problem: &mut Evaluation<'_>, x: &[f64]) {
-        let mut no_memory = DMatrix::zeros(0, 0);
-        problem.gradient(x, &self.trial_residual, &mut self.right, &mut no_memory);
-        for (right, held) in self.right.iter_mut().zip(&self.held) {
-            *right = if *held { 0.0 } else { -*right };
+        let mut empty_matrix = DMatrix::zeros(0, 0);
+        problem.gradient(x, &self.trial_residual, &mut self.rhs, &mut empty_matrix);
+        for (rhs, fixed) in self.rhs.iter_mut().zip(&self.fixed) {
+            *rhs = if *fixed { 0.0 } else { -*rhs };
         }
-        self.factor.solve(&mut self.right);
+        self.factor.solve(&mut self.rhs);
         let bounds = problem.lower().iter().zip(problem.upper());
-        for ((trial, by), (lower, upper)) in self.trial.iter_mut().zip(&self.right).zip(bounds) {
-            *trial = (*trial + by).max(*lower).min(*upper);
+        for ((trial, correction), (lower, upper)) in
+            self.trial.iter_mut().zip(&self.rhs).zip(bounds)
+        {
+            *trial = (*trial + correction).max(*lower).min(*upper);
         }
     }
 
@@ -204,23 +214,23 @@ impl BoundedDescent {
         self.step.fill(0.0);
         // Variables at a bound stay there if the gradient pushes outward, until the step of the free variables pulls
         // them inward.
-        for (k, held) in self.held.iter_mut().enumerate() {
+        for (k, fixed) in self.fixed.iter_mut().enumerate() {
             let slope = self.equations.gradient()[k];
-            *held = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);
+            *fixed = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);
         }
-        for round in 0..ROUNDS {
+        for round in 0..MAX_ACTIVE_SET_CHANGES {
             if !self.solve_free() {
                 return false;
             }
-            let mut beyond = round == 0 && self.let_go(x, lower);
+            let mut changed = round == 0 && self.release_inward(x, lower);
             for k in 0..n {
                 let (down, up) = (lower[k] - x[k], upper[k] - x[k]);
-                if !self.held[k] && (self.step[k] < down || self.step[k] > up) {
+                if !self.fixed[k] && (self.step[k] < down || self.step[k] > up) {
                     self.step[k] = self.step[k].max(down).min(up);
-                    (self.held[k], beyond) = (true, true);
+                    (self.fixed[k], changed) = (true, true);
                 }
             }
-            if !beyond {
+            if !changed {
                 break;
             }
         }
@@ -228,23 +238,23 @@ impl BoundedDescent {
     }
 
     /// Releases fixed variables that are pulled inward. Returns whether there were any.
-    fn let_go(&mut self, x: &[f64], lower: &[f64]) -> bool {
-        if !self.held.contains(&true) {
+    fn release_inward(&mut self, x: &[f64], lower: &[f64]) -> bool {
+        if !self.fixed.contains(&true) {
             return false;
         }
         self.equations
             .matrix()
-            .multiply(&self.step, &mut self.curved);
+            .multiply(&self.step, &mut self.hessian_step);
         let mut any = false;
-        for (k, held) in self.held.iter_mut().enumerate().filter(|own| *own.1) {
-            let slope = self.equations.gradient()[k] + self.curved[k];
+        for (k, fixed) in self.fixed.iter_mut().enumerate().filter(|entry| *entry.1) {
+            let slope = self.equations.gradient()[k] + self.hessian_step[k];
             let inward = if x[k] <= lower[k] {
                 slope < 0.0
             } else {
                 slope > 0.0
             };
             if inward {
-                (*held, any) = (false, true);
+                (*fixed, any) = (false, true);
             }
         }
         any
@@ -252,19 +262,18 @@ impl BoundedDescent {
 
     /// Writes the step of the variables that are not fixed. Returns false if the model has no minimum.
     fn solve_free(&mut self) -> bool {
-        for (right, slope) in self.right.iter_mut().zip(self.equations.gradient()) {
-            *right = -slope;
+        for (rhs, slope) in self.rhs.iter_mut().zip(self.equations.gradient()) {
+            *rhs = -slope;
         }
         let damping = self.damping * self.size;
-        let held = (self.held.as_slice(), self.step.as_slice());
+        let fixed = (self.fixed.as_slice(), self.step.as_slice());
         let matrix = self.equations.matrix();
-        self.factor
-            .copy_free(matrix, damping, held, &mut self.right);
+        self.factor.copy_free(matrix, damping, fixed, &mut self.rhs);
         if !self.factor.factorise() {
             return false;
         }
-        self.factor.solve(&mut self.right);
-        self.step.copy_from_slice(&self.right);
+        self.factor.solve(&mut self.rhs);
+        self.step.copy_from_slice(&self.rhs);
         true
     }
 }

@@ -7,10 +7,10 @@ use crate::model::UnknownName;
 use crate::spatial::Vector3;
 
 /// Maximum number of capture frames of a clip: a day at 100 frames per second, over 10 GB for 53 joints.
-pub(super) const MOST_FRAMES: usize = 10_000_000;
+pub(super) const MAX_FRAMES: usize = 10_000_000;
 
 /// Largest coordinate, in the capture's unit; the resolution of doubles there is about 1e-4.
-pub(super) const FARTHEST: f64 = 1e12;
+pub(super) const MAX_COORDINATE: f64 = 1e12;
 
 /// Positions of named joints in capture frames at a constant rate, in any unit of length.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,21 +50,26 @@ impl Capture {
         if numbers.is_empty() {
             return Err(RetargetError::NoFrames);
         }
-        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+        if let Some(index) = numbers.iter().position(|number| !number.is_finite()) {
             return Err(RetargetError::NotFinite {
-                frame: at / width,
-                joint: names[at % width / 3].clone(),
+                frame: index / width,
+                joint: names[index % width / 3].clone(),
             });
         }
-        if let Some(at) = numbers.iter().position(|number| number.abs() > FARTHEST) {
+        if let Some(index) = numbers
+            .iter()
+            .position(|number| number.abs() > MAX_COORDINATE)
+        {
             return Err(RetargetError::TooFar {
-                frame: at / width,
-                joint: names[at % width / 3].clone(),
+                frame: index / width,
+                joint: names[index % width / 3].clone(),
             });
         }
         let places = numbers.chunks_exact(3);
         Ok(Self {
-            places: places.map(|at| Vector3::new(at[0], at[1], at[2])).collect(),
+            places: places
+                .map(|position| Vector3::new(position[0], position[1], position[2]))
+                .collect(),
             names,
             rest: None,
             frame_rate,
@@ -86,7 +91,7 @@ impl Capture {
             return Err(RetargetError::NoFrames);
         }
         let steps = (clip.duration() * frame_rate + 0.5).floor();
-        if steps >= MOST_FRAMES as f64 {
+        if steps >= MAX_FRAMES as f64 {
             return Err(RetargetError::TooManyFrames {
                 duration: clip.duration(),
                 frame_rate,
@@ -94,20 +99,25 @@ impl Capture {
         }
         let frames = steps as usize + 1;
         let mut pose = armature.rest().clone();
-        let mut placed = vec![glam::Affine3A::IDENTITY; armature.bones()];
-        let origin = |placed: &glam::Affine3A| placed.translation.to_array().map(f64::from);
-        let is_placed = armature.local_to_model(&pose, &mut placed).is_ok();
-        let rest = is_placed.then(|| placed.iter().map(|at| origin(at).into()).collect());
+        let mut transforms = vec![glam::Affine3A::IDENTITY; armature.bones()];
+        let origin = |transforms: &glam::Affine3A| transforms.translation.to_array().map(f64::from);
+        let is_placed = armature.local_to_model(&pose, &mut transforms).is_ok();
+        let rest = is_placed.then(|| {
+            transforms
+                .iter()
+                .map(|transform| origin(transform).into())
+                .collect()
+        });
         let mut cursor = Cursor::new();
         let mut numbers = Vec::with_capacity(3 * frames * armature.bones());
         for frame in 0..frames {
             let time = clip.start() + frame as f64 / frame_rate;
             let sampled = clip.sample(time, Playback::Hold, &mut cursor, &mut pose);
-            let located = armature.local_to_model(&pose, &mut placed);
+            let located = armature.local_to_model(&pose, &mut transforms);
             if sampled.is_err() || located.is_err() {
                 return Err(RetargetError::NoFrames);
             }
-            numbers.extend(placed.iter().flat_map(origin));
+            numbers.extend(transforms.iter().flat_map(origin));
         }
         let capture = Self::new(armature.names().to_vec(), &numbers, frame_rate)?;
         Ok(Self { rest, ..capture })
@@ -127,8 +137,8 @@ impl Capture {
     /// # Errors
     /// Returns an error that lists the valid names if the joint does not exist.
     pub fn joint(&self, name: &str) -> Result<usize, UnknownName> {
-        let found = self.names.iter().position(|own| own == name);
-        found.ok_or_else(|| {
+        let index = self.names.iter().position(|known| known == name);
+        index.ok_or_else(|| {
             UnknownName::new(
                 "captured joint",
                 name,

@@ -27,9 +27,9 @@ impl DrivenPoint {
     }
 
     /// Returns the position of the point for its residual.
-    pub(super) fn place(&self, residual: &[f64]) -> Vector3<f64> {
-        let miss = Vector3::new(residual[0], residual[1], residual[2]);
-        self.point.target() + miss * (1.0 / self.weight)
+    pub(super) fn position(&self, residual: &[f64]) -> Vector3<f64> {
+        let error = Vector3::new(residual[0], residual[1], residual[2]);
+        self.point.target() + error * (1.0 / self.weight)
     }
 }
 

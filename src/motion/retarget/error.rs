@@ -69,7 +69,7 @@ pub enum RetargetError {
     /// A position is too far from the origin.
     #[error(
         "frame {frame}: the position of joint `{joint}` is outside ±{most:e}",
-        most = super::capture::FARTHEST
+        most = super::capture::MAX_COORDINATE
     )]
     TooFar {
         /// Index of the capture frame.
@@ -83,7 +83,7 @@ pub enum RetargetError {
     /// A clip has too many samples.
     #[error(
         "{duration} s at {frame_rate} frames per second: at most {most} frames are allowed",
-        most = super::capture::MOST_FRAMES
+        most = super::capture::MAX_FRAMES
     )]
     TooManyFrames {
         /// Duration of the clip, seconds.

@@ -12,7 +12,7 @@ use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Placement, Vector3};
 
 /// Length of the free base in a configuration: x, y, z and a quaternion w, x, y, z.
-const BASE: usize = 7;
+const BASE_LEN: usize = 7;
 
 /// Skeleton on a free base as a [`Robot`] with z up, and the conversion to poses of its file.
 ///
@@ -58,12 +58,12 @@ impl FigureTarget {
         let turning: Vec<bool> = skeleton
             .bones()
             .iter()
-            .map(|bone| bone.limits.iter().any(|own| own.upper > own.lower))
+            .map(|bone| bone.limits.iter().any(|limits| limits.upper > limits.lower))
             .collect();
         let parent_of = |bone: BoneId| skeleton.bones()[bone.index()].parent;
         let is_topmost = |bone: &BoneId| {
-            let mut above = std::iter::successors(parent_of(*bone), |own| parent_of(*own));
-            turning[bone.index()] && !above.any(|own| turning[own.index()])
+            let mut above = std::iter::successors(parent_of(*bone), |parent| parent_of(*parent));
+            turning[bone.index()] && !above.any(|ancestor| turning[ancestor.index()])
         };
         Ok(Self {
             robot: robot.with_base_joint(BaseJoint::FREE)?,
@@ -109,26 +109,26 @@ impl FigureTarget {
     pub fn poses(
         &self,
         armature: &Armature,
-        stands: &Pose,
+        reference: &Pose,
         q: &[f64],
     ) -> Result<Vec<Pose>, RetargetError> {
-        let theirs = armature.names();
-        let other = (0..self.names.len()).find(|&bone| theirs.get(bone) != self.names.get(bone));
+        let names = armature.names();
+        let other = (0..self.names.len()).find(|&bone| names.get(bone) != self.names.get(bone));
         if let Some(bone) = other {
             return Err(RetargetError::OtherBone {
-                given: theirs.get(bone).cloned().unwrap_or_default(),
+                given: names.get(bone).cloned().unwrap_or_default(),
                 bone: self.names[bone].clone(),
             });
         }
         let width = self.robot.model().configuration_len();
         let frames = q.chunks_exact(width).map(|q| {
-            let mut pose = stands.clone();
-            let (base, angles) = q.split_at(BASE);
+            let mut pose = reference.clone();
+            let (base, angles) = q.split_at(BASE_LEN);
             self.angles.pose_of(angles, &mut pose)?;
             let moved = self.moved(base);
             for &bone in &self.topmost {
-                let stood = armature.model_from_bone(&pose, bone)?;
-                armature.set_model_from_bone(&mut pose, bone, moved * stood)?;
+                let placement = armature.model_from_bone(&pose, bone)?;
+                armature.set_model_from_bone(&mut pose, bone, moved * placement)?;
             }
             Ok(pose)
         });
@@ -157,13 +157,13 @@ impl FigureTarget {
         let &[x, y, z, w, i, j, k] = base else {
             return Affine3A::IDENTITY;
         };
-        let (turn, way) = (DQuat::from_xyzw(i, j, k, w), DVec3::new(x, y, z));
+        let (rotation, translation) = (DQuat::from_xyzw(i, j, k, w), DVec3::new(x, y, z));
         let file_from_upright = match self.up {
             UpAxis::Y => DQuat::from_xyzw(-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2),
             UpAxis::Z => DQuat::IDENTITY,
         };
-        let turn = file_from_upright * turn * file_from_upright.inverse();
-        let way = file_from_upright * way;
-        Affine3A::from_rotation_translation(turn.as_quat().normalize(), way.as_vec3())
+        let rotation = file_from_upright * rotation * file_from_upright.inverse();
+        let translation = file_from_upright * translation;
+        Affine3A::from_rotation_translation(rotation.as_quat().normalize(), translation.as_vec3())
     }
 }

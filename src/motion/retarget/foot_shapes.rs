@@ -6,7 +6,7 @@ use crate::scalar::elementary;
 use crate::spatial::{Placement, Vector3};
 
 /// Number of vertices that approximate a circle.
-const CORNERS: usize = 16;
+const CIRCLE_VERTICES: usize = 16;
 
 /// Shapes of a model as balls fixed to its frames: each shape is the convex hull of its balls, approximately for round
 /// ones.
@@ -39,14 +39,14 @@ impl FootShapes {
     /// Creates shapes from the primitive collision shapes of a robot's file. Mesh files are not read.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
-        let mut own = Self::default();
+        let mut result = Self::default();
         for frame in robot.model().frame_ids() {
             let shapes = robot.link(frame).map(|link| link.collisions.iter());
             for shape in shapes.into_iter().flatten() {
-                own.add_geometry(frame, &shape.link_from_shape, &shape.geometry);
+                result.add_geometry(frame, &shape.link_from_shape, &shape.geometry);
             }
         }
-        own
+        result
     }
 
     /// Creates shapes from a robot's collision shapes and the hulls of its meshes. Missing meshes are left out.
@@ -66,35 +66,37 @@ impl FootShapes {
     #[must_use]
     pub fn of_collision_model(model: &crate::collision::CollisionModel) -> Self {
         use crate::collision::ShapeKind;
-        let mut own = Self::default();
+        let mut result = Self::default();
         for object in model.objects() {
             let (frame, placed) = (object.link, &object.link_from_shape);
             match object.shape.kind() {
-                ShapeKind::Sphere { radius } => own.add(frame, placed, [Vector3::zero()], *radius),
+                ShapeKind::Sphere { radius } => {
+                    result.add(frame, placed, [Vector3::zero()], *radius)
+                }
                 &ShapeKind::Capsule { radius, length } => {
-                    own.add_geometry(frame, placed, &Geometry::Capsule { radius, length });
+                    result.add_geometry(frame, placed, &Geometry::Capsule { radius, length });
                 }
                 &ShapeKind::Cylinder { radius, length } => {
-                    own.add_geometry(frame, placed, &Geometry::Cylinder { radius, length });
+                    result.add_geometry(frame, placed, &Geometry::Cylinder { radius, length });
                 }
                 &ShapeKind::Cuboid { size } => {
-                    own.add_geometry(frame, placed, &Geometry::Box { size });
+                    result.add_geometry(frame, placed, &Geometry::Box { size });
                 }
                 ShapeKind::Convex(hull) => {
-                    own.add(frame, placed, hull.vertices().iter().copied(), 0.0);
+                    result.add(frame, placed, hull.vertices().iter().copied(), 0.0);
                 }
                 ShapeKind::Mesh(mesh) => {
-                    own.add(frame, placed, mesh.vertices().iter().copied(), 0.0);
+                    result.add(frame, placed, mesh.vertices().iter().copied(), 0.0);
                 }
                 ShapeKind::Points(cloud) => {
                     let points = cloud.positions().iter().copied();
-                    own.add(frame, placed, points, cloud.radius());
+                    result.add(frame, placed, points, cloud.radius());
                 }
                 // Ground, not part of a model.
                 ShapeKind::HalfSpace | ShapeKind::HeightField(_) => {}
             }
         }
-        own
+        result
     }
 
     fn add(
@@ -118,7 +120,8 @@ impl FootShapes {
         frame_from_shape: &Placement<f64>,
         geometry: &Geometry,
     ) {
-        let ends = |length: f64| [-0.5, 0.5].map(|share| Vector3::new(0.0, 0.0, share * length));
+        let ends =
+            |length: f64| [-0.5, 0.5].map(|fraction| Vector3::new(0.0, 0.0, fraction * length));
         match *geometry {
             Geometry::Sphere { radius } => {
                 self.add(frame, frame_from_shape, [Vector3::zero()], radius);
@@ -137,15 +140,16 @@ impl FootShapes {
             }
             Geometry::Cylinder { radius, length } => {
                 for end in ends(length) {
-                    let rim = around().map(|(c, s)| end + Vector3::new(c, s, 0.0) * radius);
+                    let rim =
+                        circle_directions().map(|(c, s)| end + Vector3::new(c, s, 0.0) * radius);
                     self.add(frame, frame_from_shape, rim, 0.0);
                 }
             }
             Geometry::Ellipsoid { radii: [x, y, z] } => {
                 let height = std::f64::consts::FRAC_1_SQRT_2;
-                for (level, share) in [(-height, height), (0.0, 1.0), (height, height)] {
-                    let rim = around()
-                        .map(|(c, s)| Vector3::new(share * c * x, share * s * y, level * z));
+                for (level, ratio) in [(-height, height), (0.0, 1.0), (height, height)] {
+                    let rim = circle_directions()
+                        .map(|(c, s)| Vector3::new(ratio * c * x, ratio * s * y, level * z));
                     self.add(frame, frame_from_shape, rim, 0.0);
                 }
                 self.add(frame, frame_from_shape, ends(2.0 * z), 0.0);
@@ -156,10 +160,10 @@ impl FootShapes {
 }
 
 /// Returns unit directions around a circle, as cosines and sines.
-fn around() -> impl Iterator<Item = (f64, f64)> {
-    let turn = std::f64::consts::TAU / CORNERS as f64;
-    (0..CORNERS).map(move |k| {
-        let (sine, cosine) = elementary::sin_cos(turn * k as f64);
+fn circle_directions() -> impl Iterator<Item = (f64, f64)> {
+    let angle_step = std::f64::consts::TAU / CIRCLE_VERTICES as f64;
+    (0..CIRCLE_VERTICES).map(move |k| {
+        let (sine, cosine) = elementary::sin_cos(angle_step * k as f64);
         (cosine, sine)
     })
 }

@@ -10,14 +10,14 @@ use crate::spatial::Placement;
 
 /// Weight of ground penetration per metre, relative to the largest weight of a point; as large as that of contact
 /// sliding.
-const OVER: f64 = 200.0;
+const PENETRATION_WEIGHT: f64 = 200.0;
 /// Allowed penetration of a locked foot beyond its reference, metres, because the cost is not smooth at the boundary.
-const SLACK: f64 = 2e-4;
+const PENETRATION_SLACK: f64 = 2e-4;
 /// Largest penetration of a reference, metres.
-const DEEPEST: f64 = 4e-4;
+const MAX_REFERENCE_PENETRATION: f64 = 4e-4;
 
 /// Penetration above which the ground under a foot is raised, metres.
-const SUNK: f64 = 9e-4;
+const MAX_PENETRATION: f64 = 9e-4;
 
 /// Task of each foot at each sample.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(super) struct Footholds {
 
 impl Retargeting<'_> {
     /// Returns the poses of all feet at all samples.
-    fn placed_soles(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
+    fn sole_poses(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
         let model = self.body.model();
         let soles = self.limbs.soles.iter().map(|sole| sole.frame);
         let frames: Vec<FrameId> = soles.collect();
@@ -44,47 +44,57 @@ impl Retargeting<'_> {
     /// Feet with all limbs in contact keep their tilt from the online result. With an ankle lock alone, a leg at its
     /// limits would tip the foot.
     pub(super) fn footholds(&self, q: &[f64]) -> Result<Footholds, RetargetError> {
-        let placed = self.placed_soles(q)?;
+        let placed = self.sole_poses(q)?;
         let mut soles = Vec::with_capacity(self.limbs.soles.len());
         for (k, sole) in self.limbs.soles.iter().enumerate() {
             let spans = |limb: usize| {
-                let own = self.standing.iter().filter(move |own| own.limb == limb);
-                own.map(|own| own.span.clone())
+                let contact = self
+                    .limb_contacts
+                    .iter()
+                    .filter(move |contact| contact.limb == limb);
+                contact.map(|contact| contact.span.clone())
             };
-            let mut on_ground = vec![vec![0.0; sole.balls.len()]; self.frames()];
-            let mut standing = vec![0; self.frames()];
-            for (ball, (own, limb)) in sole.balls.iter().enumerate() {
+            let mut ground_heights = vec![vec![0.0; sole.balls.len()]; self.frames()];
+            let mut contact_counts = vec![0; self.frames()];
+            for (ball, (shape, limb)) in sole.balls.iter().enumerate() {
                 for span in spans(*limb) {
                     // The lowest height of the contact, so that a resting foot is not lifted.
                     let heights = placed[span.clone()].iter();
-                    let heights = heights.map(|placed| own.height(&placed[k]));
-                    let lowest = heights.fold(f64::INFINITY, f64::min).max(-DEEPEST);
+                    let heights = heights.map(|placed| shape.height(&placed[k]));
+                    let lowest = heights
+                        .fold(f64::INFINITY, f64::min)
+                        .max(-MAX_REFERENCE_PENETRATION);
                     for frame in span {
-                        on_ground[frame][ball] = lowest;
-                        standing[frame] += 1;
+                        ground_heights[frame][ball] = lowest;
+                        contact_counts[frame] += 1;
                     }
                 }
             }
             let mut footings: Vec<Footing> = Vec::with_capacity(self.frames());
-            let mut held: Option<Vec<f64>> = None;
-            for (frame, heights) in on_ground.into_iter().enumerate() {
-                let all = standing[frame] == sole.balls.len();
-                if !all {
-                    held = None;
-                    let levelling = match standing[frame] {
+            let mut locked_tilts: Option<Vec<f64>> = None;
+            for (frame, heights) in ground_heights.into_iter().enumerate() {
+                let is_locked = contact_counts[frame] == sole.balls.len();
+                if !is_locked {
+                    locked_tilts = None;
+                    let levelling = match contact_counts[frame] {
                         0 => 1.0,
                         _ => self.options.landing_weight,
                     };
-                    footings.push(Footing::Over { heights, levelling });
+                    footings.push(Footing::Above { heights, levelling });
                     continue;
                 }
-                let tilts = held.take().unwrap_or_else(|| sole.tilts(&placed[frame][k]));
-                footings.push(Footing::Held {
+                let tilts = locked_tilts
+                    .take()
+                    .unwrap_or_else(|| sole.tilts(&placed[frame][k]));
+                footings.push(Footing::Locked {
                     tilts: tilts.clone(),
-                    firmly: false,
-                    heights: heights.iter().map(|height| height - SLACK).collect(),
+                    orientation_locked: false,
+                    heights: heights
+                        .iter()
+                        .map(|height| height - PENETRATION_SLACK)
+                        .collect(),
                 });
-                held = Some(tilts);
+                locked_tilts = Some(tilts);
             }
             soles.push(footings);
         }
@@ -104,8 +114,8 @@ impl Retargeting<'_> {
         q: &[f64],
         footholds: &mut Footholds,
     ) -> Result<bool, RetargetError> {
-        let placed = self.placed_soles(q)?;
-        let mut deepest: f64 = 0.0;
+        let placed = self.sole_poses(q)?;
+        let mut max_depth: f64 = 0.0;
         let Footholds { soles, raised } = footholds;
         for (k, (sole, (footings, raised))) in self
             .limbs
@@ -120,14 +130,14 @@ impl Retargeting<'_> {
             for ((footing, raised), placed) in frames.zip(&placed) {
                 let balls = sole.balls.iter().zip(footing.heights_mut()).zip(raised);
                 for (((ball, _), height), raised) in balls {
-                    let deep = (*height - *raised - ball.height(&placed[k])).max(-*raised);
-                    deepest = deepest.max(deep);
-                    *height += deep;
-                    *raised += deep;
+                    let depth = (*height - *raised - ball.height(&placed[k])).max(-*raised);
+                    max_depth = max_depth.max(depth);
+                    *height += depth;
+                    *raised += depth;
                 }
             }
         }
-        Ok(deepest > SUNK)
+        Ok(max_depth > MAX_PENETRATION)
     }
 
     /// Adds the foot constraints to a trajectory problem.
@@ -137,9 +147,13 @@ impl Retargeting<'_> {
         motion: &mut MotionProblemBuilder<'_>,
     ) {
         for (sole, footings) in self.limbs.soles.iter().zip(&footholds.soles) {
-            let task = motion.add(OverGround::new(sole, OVER, self.limbs.heaviest()));
+            let task = motion.add(OverGround::new(
+                sole,
+                PENETRATION_WEIGHT,
+                self.limbs.max_weight(),
+            ));
             let footings = footings.clone();
-            motion.follow(task, move |frame, own| own.set(&footings[frame]));
+            motion.follow(task, move |frame, residual| residual.set(&footings[frame]));
         }
     }
 }

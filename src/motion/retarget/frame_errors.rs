@@ -15,19 +15,19 @@ impl Retargeting<'_> {
     ///
     /// # Errors
     /// Returns an error if the configurations do not fit the model.
-    pub fn errors(&self, found: &Retargeted) -> Result<Vec<f64>, RetargetError> {
-        let told =
+    pub fn errors(&self, retargeted: &Retargeted) -> Result<Vec<f64>, RetargetError> {
+        let map_error =
             |error: crate::kinematics::KinematicsError| RetargetError::Map(error.to_string());
         let mut kinematics =
-            ForwardKinematics::of_frames(self.robot.model(), &self.driven()).map_err(told)?;
-        let mut errors = Vec::with_capacity(found.frames() * self.limbs.all.len());
-        let width = found.configuration_len.max(1);
-        for (frame, q) in found.q.chunks_exact(width).enumerate() {
-            let placed = kinematics.place(q).map_err(told)?;
+            ForwardKinematics::of_frames(self.robot.model(), &self.driven()).map_err(map_error)?;
+        let mut errors = Vec::with_capacity(retargeted.frames() * self.limbs.all.len());
+        let width = retargeted.configuration_len.max(1);
+        for (frame, q) in retargeted.q.chunks_exact(width).enumerate() {
+            let placed = kinematics.place(q).map_err(map_error)?;
             let targets = self.targets(frame).unwrap_or_default();
             let limbs = self.limbs.all.iter().zip(placed).zip(targets);
             errors.extend(limbs.map(|((limb, placed), target)| {
-                let offset = limb.offset * self.unit.back();
+                let offset = limb.offset * self.unit.inverse_scale();
                 (placed.apply(offset) - *target).norm()
             }));
         }

@@ -8,7 +8,11 @@ use crate::spatial::Vector3;
 
 impl Limbs {
     /// Returns the neutral configuration, with the base at the root's target position and the best yaw for all targets.
-    pub(super) fn first_stance(&self, robot: &Robot, places: &[Vector3<f64>]) -> Vec<f64> {
+    pub(super) fn initial_configuration(
+        &self,
+        robot: &Robot,
+        targets: &[Vector3<f64>],
+    ) -> Vec<f64> {
         let model = robot.model();
         let mut q = model.neutral();
         let Some(base) = model.free_coordinates().next() else {
@@ -18,18 +22,20 @@ impl Limbs {
         let Ok(placed) = kinematics.place(&q) else {
             return q;
         };
-        let own: Vec<_> = self
+        let points: Vec<_> = self
             .all
             .iter()
             .map(|limb| placed[limb.frame.index()].apply(limb.offset))
             .collect();
-        let middle = |places: &[Vector3<f64>]| {
-            let sum = places.iter().fold(Vector3::zero(), |sum, at| sum + *at);
-            sum * (1.0 / places.len() as f64)
+        let mean = |targets: &[Vector3<f64>]| {
+            let sum = targets
+                .iter()
+                .fold(Vector3::zero(), |sum, position| sum + *position);
+            sum * (1.0 / targets.len() as f64)
         };
-        let (from, to) = (middle(&own), middle(places));
+        let (from, to) = (mean(&points), mean(targets));
         let (mut sine, mut cosine) = (0.0, 0.0);
-        for (a, b) in own.iter().zip(places) {
+        for (a, b) in points.iter().zip(targets) {
             let (a, b) = (*a - from, *b - to);
             sine += a.x * b.y - a.y * b.x;
             cosine += a.x * b.x + a.y * b.y;
@@ -43,9 +49,13 @@ impl Limbs {
         }
         // Rotation about the vertical axis through the mean position.
         let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
-        let seen = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
-        let seen = Vector3::new(c * seen.x - s * seen.y, s * seen.x + c * seen.y, seen.z);
-        q[base.start..base.start + 3].copy_from_slice(&(to + seen).to_array());
+        let base_offset = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
+        let base_offset = Vector3::new(
+            c * base_offset.x - s * base_offset.y,
+            s * base_offset.x + c * base_offset.y,
+            base_offset.z,
+        );
+        q[base.start..base.start + 3].copy_from_slice(&(to + base_offset).to_array());
         q[base.start + 3..base.end].copy_from_slice(&[cos, 0.0, 0.0, sin]);
         q
     }

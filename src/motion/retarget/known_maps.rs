@@ -71,11 +71,11 @@ impl KnownSkeleton {
     /// # Errors
     /// Returns an error that lists the valid names if the skeleton does not exist.
     pub fn named(name: &str) -> Result<Self, RetargetError> {
-        let known = SKELETONS.iter().find(|(own, _)| *own == name);
+        let known = SKELETONS.iter().find(|(key, _)| *key == name);
         let unknown = || UnknownName::new("skeleton", name, Self::names());
         let (name, text) = known.ok_or_else(unknown)?;
-        let wrong = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
-        let file: SkeletonFile = serde_json::from_str(text).map_err(wrong)?;
+        let map_error = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
+        let file: SkeletonFile = serde_json::from_str(text).map_err(map_error)?;
         Ok(Self {
             name,
             joints: file.joints,
@@ -87,9 +87,9 @@ impl KnownSkeleton {
     /// Returns the first built-in skeleton whose parts are all among the joints of a capture.
     #[must_use]
     pub fn of_joints(joints: &[String]) -> Option<Self> {
-        let all = Self::names().filter_map(|name| Self::named(name).ok());
-        let mut all = all.filter(|known| known.parts_in(joints).is_some());
-        all.next()
+        let known_skeletons = Self::names().filter_map(|name| Self::named(name).ok());
+        let mut known_skeletons = known_skeletons.filter(|known| known.parts_in(joints).is_some());
+        known_skeletons.next()
     }
 
     getters! {
@@ -105,21 +105,25 @@ impl KnownSkeleton {
         let last = self
             .parts
             .values()
-            .filter_map(|own| self.joints.iter().position(|name| name == own));
-        let least = last.max()? + 1;
-        self.joints.get(..joints).filter(|_| joints >= least)
+            .filter_map(|joint| self.joints.iter().position(|name| name == joint));
+        let min_joints = last.max()? + 1;
+        self.joints.get(..joints).filter(|_| joints >= min_joints)
     }
 
     /// Returns the joint index of each part, or `None` if one is missing. Namespace prefixes of names are ignored.
     pub(super) fn parts_in(&self, joints: &[String]) -> Option<BTreeMap<BodyPart, usize>> {
-        let own: Vec<String> = joints.iter().map(|name| bare(name)).collect();
-        let place = |name: &String| own.iter().position(|own| *own == bare(name));
-        if !self.known_by.iter().all(|name| place(name).is_some()) {
+        let bare_names: Vec<String> = joints.iter().map(|name| bare(name)).collect();
+        let position_of = |name: &String| {
+            bare_names
+                .iter()
+                .position(|candidate| *candidate == bare(name))
+        };
+        if !self.known_by.iter().all(|name| position_of(name).is_some()) {
             return None;
         }
         let parts = self.parts.iter();
         parts
-            .map(|(part, name)| Some((*part, place(name)?)))
+            .map(|(part, name)| Some((*part, position_of(name)?)))
             .collect()
     }
 }
@@ -135,8 +139,9 @@ impl KnownBody {
     /// Returns the first built-in body whose frames all exist in a model.
     pub(super) fn of_model(model: &Model) -> Result<Option<Self>, RetargetError> {
         for (name, text) in BODIES {
-            let wrong = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
-            let BodyFile { parts, .. } = serde_json::from_str(text).map_err(wrong)?;
+            let map_error =
+                |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
+            let BodyFile { parts, .. } = serde_json::from_str(text).map_err(map_error)?;
             let mut frames = parts.values().map(DriveText::frame);
             if frames.all(|frame| model.frame(frame).is_ok()) {
                 return Ok(Some(Self { name, parts }));

@@ -10,52 +10,54 @@ use crate::model::{JointId, Model};
 use crate::spatial::{Placement, Vector3};
 
 /// Number of capture frames, and of random configurations of a model, from which lengths are measured.
-const MEASURED: usize = 256;
+const SAMPLES: usize = 256;
 /// Quantile of the measured lengths that counts as limb length: that of a stretched limb of two bones, without
 /// outliers.
-const QUANTILE: f64 = 0.9;
+const LENGTH_QUANTILE: f64 = 0.9;
 
 /// Returns the positions of the driven points in random configurations of a model.
-pub(super) fn model_places(
+pub(super) fn model_positions(
     model: &Model,
     all: &[Limb],
 ) -> Result<Vec<Vector3<f64>>, RetargetError> {
     let mut kinematics = ForwardKinematics::new(model);
-    let mut places = Vec::with_capacity(MEASURED * all.len());
-    for seed in 0..MEASURED {
+    let mut positions = Vec::with_capacity(SAMPLES * all.len());
+    for seed in 0..SAMPLES {
         let q = model.random_configuration(seed as u64);
         let placed = kinematics
             .place(&q)
             .map_err(|error| RetargetError::Map(error.to_string()))?;
-        places.extend(
+        positions.extend(
             all.iter()
                 .map(|limb| placed[limb.frame.index()].apply(limb.offset)),
         );
     }
-    Ok(places)
+    Ok(positions)
 }
 
 /// Returns the positions of the driving joints in capture frames spread over a capture.
-pub(super) fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
-    let step = capture.frames().div_ceil(MEASURED).max(1);
+pub(super) fn capture_positions(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
+    let step = capture.frames().div_ceil(SAMPLES).max(1);
     let frames = (0..capture.frames())
         .step_by(step)
         .filter_map(|frame| capture.frame(frame));
-    let places = frames.flat_map(|at| all.iter().map(|limb| up.upright(at[limb.joint])));
-    places.collect()
+    let positions = frames.flat_map(|joints| all.iter().map(|limb| up.upright(joints[limb.joint])));
+    positions.collect()
 }
 
 /// Returns the length of each limb; 0 for the root.
-pub(super) fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
-    let of_limb = |(k, limb): (usize, &Limb)| {
+pub(super) fn lengths(all: &[Limb], positions: &[Vector3<f64>]) -> Vec<f64> {
+    let limb_length = |(k, limb): (usize, &Limb)| {
         let Some(parent) = limb.parent else {
             return 0.0;
         };
-        let frames = places.chunks_exact(all.len());
-        let mut lengths: Vec<f64> = frames.map(|at| (at[k] - at[parent]).norm()).collect();
-        quantile(&mut lengths, QUANTILE)
+        let frames = positions.chunks_exact(all.len());
+        let mut lengths: Vec<f64> = frames
+            .map(|points| (points[k] - points[parent]).norm())
+            .collect();
+        quantile(&mut lengths, LENGTH_QUANTILE)
     };
-    all.iter().enumerate().map(of_limb).collect()
+    all.iter().enumerate().map(limb_length).collect()
 }
 
 /// Returns the length of a limb at rest if one of its joints has no limits, because random configurations would fold
@@ -75,13 +77,13 @@ pub(super) fn rest_length(
         joint.kind.is_ball() || (joint.kind.moves() && !joint.kind.slides() && range >= TAU - 1e-6)
     };
     let folds = inside.any(|id| !above_parent.contains(&id) && unlimited(id));
-    let at = |limb: &Limb| rest[limb.frame.index()].apply(limb.offset);
-    folds.then(|| (at(limb) - at(parent)).norm())
+    let end_position = |limb: &Limb| rest[limb.frame.index()].apply(limb.offset);
+    folds.then(|| (end_position(limb) - end_position(parent)).norm())
 }
 
-pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
+pub(super) fn quantile(values: &mut [f64], fraction: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
-    let at = (share * last as f64) as usize;
-    values.get(at).copied().unwrap_or(0.0)
+    let index = (fraction * last as f64) as usize;
+    values.get(index).copied().unwrap_or(0.0)
 }

@@ -8,7 +8,7 @@ use crate::motion::ContactDetection;
 use crate::spatial::Vector3;
 
 /// Number of capture frames over which the speed of a point is measured, because captures are noisy.
-const BACK: usize = 4;
+const SPEED_WINDOW: usize = 4;
 
 /// Live retargeter: one capture frame in, its configuration out, in a bounded number of iterations.
 ///
@@ -21,12 +21,12 @@ pub struct LiveFollower {
     contacts: ContactDetection,
     frame_rate: f64,
     joints: usize,
-    places: Vec<Vector3<f64>>,
+    positions: Vec<Vector3<f64>>,
     /// Previous targets of the driven points, the last ones at the end.
-    before: VecDeque<Vec<Vector3<f64>>>,
+    history: VecDeque<Vec<Vector3<f64>>>,
     /// Number of capture frames for which each point has been still.
-    still: Vec<usize>,
-    firmness: Vec<f64>,
+    still_frames: Vec<usize>,
+    contact_levels: Vec<f64>,
 }
 
 impl Retargeting<'_> {
@@ -42,10 +42,10 @@ impl Retargeting<'_> {
             contacts: self.options.contacts,
             frame_rate: self.frame_rate,
             joints: self.joints,
-            places: Vec::with_capacity(driven),
-            before: VecDeque::with_capacity(BACK),
-            still: vec![0; driven],
-            firmness: vec![0.0; driven],
+            positions: Vec::with_capacity(driven),
+            history: VecDeque::with_capacity(SPEED_WINDOW),
+            still_frames: vec![0; driven],
+            contact_levels: vec![0.0; driven],
             limbs,
         })
     }
@@ -78,33 +78,34 @@ impl LiveFollower {
         if !captured.iter().all(Vector3::is_finite) {
             return Ok(self.follower.q());
         }
-        self.limbs.place(captured, &mut self.places);
-        self.feel();
-        self.follower.follow(&self.places, &self.firmness)?;
+        self.limbs.write_targets(captured, &mut self.positions);
+        self.detect_contacts();
+        self.follower
+            .follow(&self.positions, &self.contact_levels)?;
         Ok(self.follower.q())
     }
 
     /// Detects contacts from the speeds over the last capture frames, and keeps contact points above the ground.
-    fn feel(&mut self) {
+    fn detect_contacts(&mut self) {
         let shortest = (self.contacts.shortest_s * self.frame_rate).ceil().max(1.0) as usize;
-        let oldest = self.before.front();
-        let frames = self.before.len().max(1) as f64;
+        let oldest = self.history.front();
+        let frames = self.history.len().max(1) as f64;
         let limbs = self.limbs.all.iter().enumerate();
-        for (k, limb) in limbs.filter(|(_, limb)| limb.stands) {
-            let at = &mut self.places[k];
-            let moved = oldest.map_or(f64::INFINITY, |places| (*at - places[k]).norm());
+        for (k, limb) in limbs.filter(|(_, limb)| limb.makes_contact) {
+            let position = &mut self.positions[k];
+            let moved = oldest.map_or(f64::INFINITY, |positions| (*position - positions[k]).norm());
             let is_still = moved * self.frame_rate / frames <= self.contacts.speed
-                && at.z - limb.clearance <= self.contacts.height;
-            self.still[k] = match is_still {
-                true => (self.still[k] + 1).min(shortest),
+                && position.z - limb.clearance <= self.contacts.height;
+            self.still_frames[k] = match is_still {
+                true => (self.still_frames[k] + 1).min(shortest),
                 false => 0,
             };
-            self.firmness[k] = self.still[k] as f64 / shortest as f64;
-            at.z = at.z.max(limb.clearance);
+            self.contact_levels[k] = self.still_frames[k] as f64 / shortest as f64;
+            position.z = position.z.max(limb.clearance);
         }
-        if self.before.len() == BACK {
-            self.before.pop_front();
+        if self.history.len() == SPEED_WINDOW {
+            self.history.pop_front();
         }
-        self.before.push_back(self.places.clone());
+        self.history.push_back(self.positions.clone());
     }
 }

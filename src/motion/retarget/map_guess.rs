@@ -7,16 +7,16 @@ use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
 use super::proportions::Proportions;
-use super::up_detection::stands_along;
+use super::up_detection::upright_axis;
 use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
 use crate::spatial::Vector3;
 
 /// Minimum number of parts of a body.
-const FEWEST: usize = 3;
+const MIN_PARTS: usize = 3;
 /// Distance below which two frames coincide, relative to the model's reach.
-const NEAR: f64 = 0.01;
+const MIN_FRAME_DISTANCE: f64 = 0.01;
 
 /// Guessed map, with its sources.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,8 @@ pub(super) fn parts_of_capture(
 }
 
 /// Warning about a map without assignments.
-const LACKING: &str = "the map drives no frame of the target, so drives are guessed from names";
+const NO_DRIVES_NOTE: &str =
+    "the map drives no frame of the target, so drives are guessed from names";
 
 impl BodyMap {
     /// Guesses the assignment of captured joints to frames of a model.
@@ -75,8 +76,8 @@ impl BodyMap {
                 contacts: self.contacts.or(guess.map.contacts),
                 ..self
             };
-            let lacking = LACKING.to_owned();
-            let notes = std::iter::once(lacking).chain(guess.notes).collect();
+            let note = NO_DRIVES_NOTE.to_owned();
+            let notes = std::iter::once(note).chain(guess.notes).collect();
             return Ok(MapGuess {
                 map,
                 notes,
@@ -84,7 +85,7 @@ impl BodyMap {
             });
         }
         let (mut parts, _) = parts_of_capture(capture);
-        let up = stands_along(capture, &parts);
+        let up = upright_axis(capture, &parts);
         let drives = |joint: &String| self.drives.iter().any(|drive| drive.joint == *joint);
         parts.retain(|_, joint| drives(&capture.names()[*joint]));
         Ok(MapGuess {
@@ -92,7 +93,7 @@ impl BodyMap {
             skeleton: None,
             body: None,
             up,
-            notes: Proportions::of(capture, &parts).faults(),
+            notes: Proportions::of(capture, &parts).warnings(),
         })
     }
 
@@ -110,7 +111,7 @@ impl BodyMap {
                 .parts_in(capture.names())
                 .ok_or_else(|| RetargetError::OtherSkeleton {
                     skeleton: skeleton.name(),
-                    joints: some_of(capture.names().iter().map(String::as_str)),
+                    joints: first_names(capture.names().iter().map(String::as_str)),
                 })?;
         Self::of_parts(capture, joints, Some(skeleton.name()), model)
     }
@@ -121,13 +122,13 @@ impl BodyMap {
         skeleton: Option<&'static str>,
         model: &Model,
     ) -> Result<MapGuess, RetargetError> {
-        if joints.len() < FEWEST {
+        if joints.len() < MIN_PARTS {
             return Err(RetargetError::NoBody {
                 of: "the capture's joints",
-                names: some_of(capture.names().iter().map(String::as_str)),
+                names: first_names(capture.names().iter().map(String::as_str)),
             });
         }
-        let up = stands_along(capture, &joints);
+        let up = upright_axis(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let mut notes = Vec::new();
         let (body, parts) = match KnownBody::of_model(model)? {
@@ -137,17 +138,19 @@ impl BodyMap {
                     .frame_ids()
                     .map(|id| moving_joint(model, id))
                     .collect();
-                let moves = |on: usize, frame: usize| moving[on] != moving[frame];
-                let told = parts_where(frames(), moves).into_iter();
-                let frame = |at: usize| DriveText::Frame(model.frames()[at].name.clone());
-                let told = told.map(|(part, at)| (part, frame(at))).collect();
-                (None, apart(model, told, &mut notes)?)
+                let moves = |base: usize, frame: usize| moving[base] != moving[frame];
+                let named_parts = parts_where(frames(), moves).into_iter();
+                let frame = |index: usize| DriveText::Frame(model.frames()[index].name.clone());
+                let named_parts = named_parts
+                    .map(|(part, index)| (part, frame(index)))
+                    .collect();
+                (None, without_coincident(model, named_parts, &mut notes)?)
             }
         };
-        if parts.len() < FEWEST {
+        if parts.len() < MIN_PARTS {
             return Err(RetargetError::NoBody {
                 of: "the model's frames",
-                names: some_of(frames()),
+                names: first_names(frames()),
             });
         }
         let mut drives: Vec<Drive> = Vec::new();
@@ -171,7 +174,7 @@ impl BodyMap {
                 (None, None) => {}
             }
         }
-        if drives.len() < FEWEST {
+        if drives.len() < MIN_PARTS {
             return Err(RetargetError::NothingInCommon {
                 capture: named(joints.keys()),
                 model: named(parts.keys()),
@@ -179,7 +182,7 @@ impl BodyMap {
         }
         // The order of a map file, so that a written and read map gives equal results.
         drives.sort_by(|a, b| a.joint.cmp(&b.joint));
-        notes.extend(Proportions::of(capture, &driving).faults());
+        notes.extend(Proportions::of(capture, &driving).warnings());
         let map = BodyMap {
             drives,
             contacts: Some(contacts),
@@ -196,7 +199,7 @@ impl BodyMap {
 }
 
 /// Returns the parts without those at the position of an earlier part, which would compete with it.
-fn apart(
+fn without_coincident(
     model: &Model,
     mut parts: BTreeMap<BodyPart, DriveText>,
     notes: &mut Vec<String>,
@@ -204,15 +207,18 @@ fn apart(
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(&model.neutral());
     let placed = placed.map_err(|error| RetargetError::Map(error.to_string()))?;
-    let mut taken: Vec<(Vector3<f64>, String)> = Vec::new();
-    let near = NEAR * model.reach();
+    let mut occupied: Vec<(Vector3<f64>, String)> = Vec::new();
+    let min_distance = MIN_FRAME_DISTANCE * model.reach();
     for (part, name) in BodyPart::ALL {
-        let Some(frame) = parts.get(&part).map(|own| own.frame().to_owned()) else {
+        let Some(frame) = parts.get(&part).map(|text| text.frame().to_owned()) else {
             continue;
         };
-        let at = placed[model.frame(&frame)?.index()].translation;
-        match taken.iter().find(|(other, _)| (at - *other).norm() <= near) {
-            None => taken.push((at, frame)),
+        let position = placed[model.frame(&frame)?.index()].translation;
+        match occupied
+            .iter()
+            .find(|(other, _)| (position - *other).norm() <= min_distance)
+        {
+            None => occupied.push((position, frame)),
             Some((_, other)) => {
                 notes.push(format!(
                     "{name}: `{frame}` is where `{other}` is, so it is left out"
@@ -225,12 +231,12 @@ fn apart(
 }
 
 /// The first of many names, for a message.
-fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const LISTED: usize = 12;
+fn first_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MAX_LISTED_NAMES: usize = 12;
     let all: Vec<&str> = names.collect();
-    let listed = all.get(..LISTED).unwrap_or(&all).join(", ");
-    match all.len() > LISTED {
-        true => format!("{listed} and {} more", all.len() - LISTED),
+    let listed = all.get(..MAX_LISTED_NAMES).unwrap_or(&all).join(", ");
+    match all.len() > MAX_LISTED_NAMES {
+        true => format!("{listed} and {} more", all.len() - MAX_LISTED_NAMES),
         false => listed,
     }
 }

@@ -10,7 +10,7 @@ mod body_map;
 mod body_part;
 mod bounded_descent;
 mod capture;
-mod clear_frames;
+mod collision_free_frames;
 mod contacts;
 mod driven_point;
 mod error;
@@ -40,7 +40,7 @@ mod sole;
 mod switchable_residual;
 mod unit;
 mod up_detection;
-mod whole_movement;
+mod whole_trajectory;
 
 pub use super::ContactDetection;
 pub use active_limits::LimitMet;

@@ -9,16 +9,16 @@ use crate::problem::{AnyClearanceCheck, CollisionAvoidance, ProblemBuilder};
 use crate::task::Task;
 
 /// Weight of collision avoidance relative to a point, in a whole trajectory.
-const HOLDING: f64 = 100.0;
+const AVOIDANCE_WEIGHT: f64 = 100.0;
 
-type OfFrame = dyn Fn(&mut ProblemBuilder<'_>) + Send + Sync;
-type OfMotion = dyn Fn(&mut MotionProblemBuilder<'_>, Arc<[bool]>) + Send + Sync;
+type AddFrameTasks = dyn Fn(&mut ProblemBuilder<'_>) + Send + Sync;
+type AddMotionTasks = dyn Fn(&mut MotionProblemBuilder<'_>, Arc<[bool]>) + Send + Sync;
 
 /// Type-erased collision checker.
 #[derive(Clone)]
 pub(super) struct Obstacles {
-    of_frame: Arc<OfFrame>,
-    of_motion: Arc<OfMotion>,
+    add_frame_tasks: Arc<AddFrameTasks>,
+    add_motion_tasks: Arc<AddMotionTasks>,
     check: Box<dyn AnyClearanceCheck>,
 }
 
@@ -32,15 +32,15 @@ impl fmt::Debug for Obstacles {
 
 impl Obstacles {
     pub(super) fn of<C: CollisionAvoidance + Clone + Send + Sync + 'static>(checker: &C) -> Self {
-        let [of_frame, of_motion] = [checker.clone(), checker.clone()];
+        let [frame_checker, motion_checker] = [checker.clone(), checker.clone()];
         Self {
-            of_frame: Arc::new(move |tasks| {
-                tasks.keep_clear(&of_frame);
+            add_frame_tasks: Arc::new(move |tasks| {
+                tasks.keep_clear(&frame_checker);
             }),
-            of_motion: Arc::new(move |motion, near| {
-                let clearance = Switchable::new(of_motion.clearance().residual);
-                let task = motion.add(Task::new(clearance).scale(HOLDING));
-                motion.follow(task, move |frame, own| own.set(near[frame]));
+            add_motion_tasks: Arc::new(move |motion, enabled| {
+                let clearance = Switchable::new(motion_checker.clearance().residual);
+                let task = motion.add(Task::new(clearance).scale(AVOIDANCE_WEIGHT));
+                motion.follow(task, move |frame, residual| residual.set(enabled[frame]));
             }),
             check: Box::new(checker.check()),
         }
@@ -53,11 +53,15 @@ impl Obstacles {
 
     /// Adds collision avoidance to the tasks of a sample.
     pub(super) fn add_to(&self, tasks: &mut ProblemBuilder<'_>) {
-        (self.of_frame)(tasks);
+        (self.add_frame_tasks)(tasks);
     }
 
-    /// Adds collision avoidance to a trajectory, at the samples marked in `near`.
-    pub(super) fn add_to_motion(&self, motion: &mut MotionProblemBuilder<'_>, near: Arc<[bool]>) {
-        (self.of_motion)(motion, near);
+    /// Adds collision avoidance to a trajectory, at the samples marked in `enabled`.
+    pub(super) fn add_to_motion(
+        &self,
+        motion: &mut MotionProblemBuilder<'_>,
+        enabled: Arc<[bool]>,
+    ) {
+        (self.add_motion_tasks)(motion, enabled);
     }
 }

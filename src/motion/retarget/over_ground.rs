@@ -7,12 +7,12 @@ use crate::spatial::{Placement, Vector3};
 use crate::task::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
 
 /// Weight of the tilt of a foot, in metres of position per radian.
-const TILTED: f64 = 0.15;
+const TILT_WEIGHT: f64 = 0.15;
 
 /// Weight of the tilt of a locked foot, in metres of position per radian, relative to the largest weight of a point.
-const TURNED: f64 = 1.5;
+const LOCKED_TILT_WEIGHT: f64 = 1.5;
 /// Weight of the tilt of a foot with locked orientation: that of its position times the length of a foot.
-const TURNED_FIRMLY: f64 = 30.0;
+const LOCKED_ORIENTATION_WEIGHT: f64 = 30.0;
 
 /// Residual r = w min(z − radius − height, 0) for each ball of a foot. Rows r = w ((R e)·z − tilt) for each level
 /// direction follow.
@@ -33,12 +33,12 @@ pub(super) struct OverGround {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Footing {
     /// Stays above the ground heights of its balls, metres. `levelling` scales the weight of its tilt.
-    Over { heights: Vec<f64>, levelling: f64 },
+    Above { heights: Vec<f64>, levelling: f64 },
     /// Keeps the tilts of its level directions, and stays above the ground heights of its balls if there are any.
-    /// `firmly` selects the weight of a locked orientation.
-    Held {
+    /// `orientation_locked` selects the weight of a locked orientation.
+    Locked {
         tilts: Vec<f64>,
-        firmly: bool,
+        orientation_locked: bool,
         heights: Vec<f64>,
     },
 }
@@ -47,22 +47,27 @@ impl Footing {
     /// Returns the ground heights of the balls.
     pub(super) fn heights_mut(&mut self) -> &mut [f64] {
         match self {
-            Self::Over { heights, .. } | Self::Held { heights, .. } => heights,
+            Self::Above { heights, .. } | Self::Locked { heights, .. } => heights,
         }
     }
 }
 
 impl OverGround {
-    /// Creates the task. `heaviest` is the largest weight of a point.
-    pub(super) fn new(sole: &Sole, over: f64, heaviest: f64) -> Self {
+    /// Creates the task. `max_weight` is the largest weight of a point.
+    pub(super) fn new(sole: &Sole, penetration_weight: f64, max_weight: f64) -> Self {
         Self {
-            footing: Footing::Over {
+            footing: Footing::Above {
                 heights: vec![0.0; sole.balls.len()],
                 levelling: 1.0,
             },
             raised: vec![0.0; sole.balls.len()],
             sole: sole.clone(),
-            weights: [over, TURNED, TURNED_FIRMLY].map(|weight| weight * heaviest),
+            weights: [
+                penetration_weight,
+                LOCKED_TILT_WEIGHT,
+                LOCKED_ORIENTATION_WEIGHT,
+            ]
+            .map(|weight| weight * max_weight),
         }
     }
 
@@ -72,23 +77,24 @@ impl OverGround {
         self.raised.fill(0.0);
     }
 
-    /// Raises the ground under all balls by their penetration if one exceeds `deeper` metres. Returns whether one did.
+    /// Raises the ground under all balls by their penetration if one exceeds `max_penetration` metres. Returns whether
+    /// one did.
     ///
     /// The ground is a soft penalty. Raising it, as an augmented Lagrangian method does (Nocedal & Wright 2006,
     /// "Numerical optimization", 17.4), brings the foot to rest on the actual ground.
-    pub(super) fn push_out(&mut self, residual: &[f64], deeper: f64) -> bool {
-        let Footing::Over { heights, .. } = &mut self.footing else {
+    pub(super) fn raise_ground(&mut self, residual: &[f64], max_penetration: f64) -> bool {
+        let Footing::Above { heights, .. } = &mut self.footing else {
             return false;
         };
         // The penalty force balances the raise. The rest of the displacement is penetration.
-        let pressed = residual.iter().map(|row| -row / self.weights[0]);
-        let mut balls = pressed.clone().zip(&self.raised);
-        if !balls.any(|(pressed, raised)| pressed - raised > deeper) {
+        let depth = residual.iter().map(|row| -row / self.weights[0]);
+        let mut balls = depth.clone().zip(&self.raised);
+        if !balls.any(|(depth, raised)| depth - raised > max_penetration) {
             return false;
         }
-        for ((height, raised), pressed) in heights.iter_mut().zip(&mut self.raised).zip(pressed) {
-            *height += pressed - *raised;
-            *raised = pressed;
+        for ((height, raised), depth) in heights.iter_mut().zip(&mut self.raised).zip(depth) {
+            *height += depth - *raised;
+            *raised = depth;
         }
         true
     }
@@ -96,16 +102,21 @@ impl OverGround {
     /// Returns the target slope of a direction and its weight per radian.
     fn tilt(&self, direction: usize) -> (f64, f64) {
         match &self.footing {
-            Footing::Over { levelling, .. } => (0.0, TILTED * levelling),
-            Footing::Held { tilts, firmly, .. } => {
-                (tilts[direction], self.weights[1 + usize::from(*firmly)])
-            }
+            Footing::Above { levelling, .. } => (0.0, TILT_WEIGHT * levelling),
+            Footing::Locked {
+                tilts,
+                orientation_locked,
+                ..
+            } => (
+                tilts[direction],
+                self.weights[1 + usize::from(*orientation_locked)],
+            ),
         }
     }
 
     fn heights(&self) -> &[f64] {
         match &self.footing {
-            Footing::Over { heights, .. } | Footing::Held { heights, .. } => heights,
+            Footing::Above { heights, .. } | Footing::Locked { heights, .. } => heights,
         }
     }
 }
@@ -122,18 +133,18 @@ impl Residual for OverGround {
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
-        let (over, level) = residual.split_at_mut(self.sole.balls.len());
-        over.fill(S::zero());
+        let (ground_rows, level) = residual.split_at_mut(self.sole.balls.len());
+        ground_rows.fill(S::zero());
         let balls = self.sole.balls.iter().zip(self.heights());
-        for (row, ((ball, _), height)) in over.iter_mut().zip(balls) {
-            let at = frames[0].apply(Vector3::constant(ball.at));
-            let over = at.z - S::constant(ball.radius + height);
-            *row = over.min(S::zero()) * S::constant(self.weights[0]);
+        for (row, ((ball, _), height)) in ground_rows.iter_mut().zip(balls) {
+            let position = frames[0].apply(Vector3::constant(ball.at));
+            let clearance = position.z - S::constant(ball.radius + height);
+            *row = clearance.min(S::zero()) * S::constant(self.weights[0]);
         }
-        for (k, (row, way)) in level.iter_mut().zip(&self.sole.level).enumerate() {
+        for (k, (row, direction)) in level.iter_mut().zip(&self.sole.level).enumerate() {
             let (tilt, weight) = self.tilt(k);
-            let way = frames[0].rotation * Vector3::constant(*way);
-            *row = (way.z - S::constant(tilt)) * S::constant(weight);
+            let direction = frames[0].rotation * Vector3::constant(*direction);
+            *row = (direction.z - S::constant(tilt)) * S::constant(weight);
         }
     }
 
@@ -147,9 +158,9 @@ impl Residual for OverGround {
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let balls = self.sole.balls.iter().zip(self.heights());
         for (slack, ((ball, _), height)) in slacks.iter_mut().zip(balls) {
-            let at = frames[0].apply(Vector3::constant(ball.at));
-            let over = at.z - S::constant(ball.radius + height);
-            *slack = over * S::constant(self.weights[0]);
+            let position = frames[0].apply(Vector3::constant(ball.at));
+            let clearance = position.z - S::constant(ball.radius + height);
+            *slack = clearance * S::constant(self.weights[0]);
         }
     }
 
@@ -163,9 +174,9 @@ impl Residual for OverGround {
         let n = self.sole.balls.len();
         let foot = &frames[0];
         let level = &mut jacobian.angular_mut(0)[n..];
-        for (k, (row, way)) in level.iter_mut().zip(&self.sole.level).enumerate() {
+        for (k, (row, direction)) in level.iter_mut().zip(&self.sole.level).enumerate() {
             // Uses (ω × e)·z = ω · (e × z).
-            *row = (foot.rotation * *way).cross(up) * self.tilt(k).1;
+            *row = (foot.rotation * *direction).cross(up) * self.tilt(k).1;
         }
         let balls = self.sole.balls.iter().zip(self.heights()).enumerate();
         for (k, ((ball, _), height)) in balls {
@@ -191,7 +202,7 @@ mod tests {
 
     /// A ball 5 mm deep is raised by 5 mm, and by 1 mm more while it is still 1 mm deep.
     #[test]
-    fn what_is_deep_is_raised_by_its_depth() {
+    fn ground_is_raised_by_penetration_depth() {
         let mut builder = Model::builder("foot");
         let frame = builder.frame("foot", None, Placement::identity());
         builder.build().unwrap();
@@ -201,22 +212,22 @@ mod tests {
             balls: vec![(Ball { frame, at, radius }, 0)],
             level: Vec::new(),
         };
-        let mut over = OverGround::new(&sole, 3.0, 2.0);
-        let mut pushed = |height: f64| {
+        let mut task = OverGround::new(&sole, 3.0, 2.0);
+        let mut raise = |height: f64| {
             let placed = Placement::translation(Vector3::new(0.0, 0.0, height));
             let mut residual = [0.0];
-            over.evaluate(&[placed], &[], &mut residual);
-            let pushed = over.push_out(&residual, 2e-4);
-            (pushed, over.heights()[0])
+            task.evaluate(&[placed], &[], &mut residual);
+            let is_raised = task.raise_ground(&residual, 2e-4);
+            (is_raised, task.heights()[0])
         };
         for (height, expected) in [
             (0.015, (true, 0.005)),
             (0.019, (true, 0.006)),
             (0.0199, (false, 0.006)),
         ] {
-            let (was, raised) = pushed(height);
+            let (is_raised, raised) = raise(height);
             assert!(
-                was == expected.0 && (raised - expected.1).abs() < 1e-12,
+                is_raised == expected.0 && (raised - expected.1).abs() < 1e-12,
                 "{raised}"
             );
         }

@@ -6,7 +6,7 @@ use super::BodyPart;
 
 /// Names of parts, without side, case and separators, in order of preference. Many rigs call a collarbone `shoulder`
 /// and an upper arm `arm`.
-const MIDDLE: [(BodyPart, &[&str]); 3] = [
+const CENTRAL_NAMES: [(BodyPart, &[&str]); 3] = [
     (
         BodyPart::Pelvis,
         &[
@@ -32,7 +32,7 @@ const MIDDLE: [(BodyPart, &[&str]); 3] = [
 ];
 
 /// Names of paired parts, in order of preference.
-const SIDES: [([BodyPart; 2], &[&str]); 7] = [
+const PAIRED_NAMES: [([BodyPart; 2], &[&str]); 7] = [
     (
         [BodyPart::LeftKnee, BodyPart::RightKnee],
         &[
@@ -112,7 +112,7 @@ const SIDES: [([BodyPart; 2], &[&str]); 7] = [
 ];
 
 /// Words that are ignored in names.
-const NOISE: [&str; 9] = [
+const IGNORED_WORDS: [&str; 9] = [
     "link", "joint", "bone", "jnt", "def", "bip", "j", "b", "frame",
 ];
 
@@ -142,42 +142,42 @@ pub(super) fn parts_where<'a>(
     names: impl Iterator<Item = &'a str>,
     moves: impl Fn(usize, usize) -> bool,
 ) -> BTreeMap<BodyPart, usize> {
-    let told: Vec<NameParts> = names.map(name_parts).collect();
-    let mut found: BTreeMap<BodyPart, usize> = BTreeMap::new();
-    let mut look = |part: BodyPart, side: Option<Side>, called: &[&str]| {
-        let free = |at: &usize| !found.values().any(|other| other == at);
+    let parsed: Vec<NameParts> = names.map(name_parts).collect();
+    let mut indices: BTreeMap<BodyPart, usize> = BTreeMap::new();
+    let mut find_part = |part: BodyPart, side: Option<Side>, aliases: &[&str]| {
+        let is_free = |index: &usize| !indices.values().any(|other| other == index);
         let knee = match part {
-            BodyPart::LeftAnkle => found.get(&BodyPart::LeftKnee),
-            BodyPart::RightAnkle => found.get(&BodyPart::RightKnee),
+            BodyPart::LeftAnkle => indices.get(&BodyPart::LeftKnee),
+            BodyPart::RightAnkle => indices.get(&BodyPart::RightKnee),
             _ => None,
         };
         let knee = knee.copied();
-        let first_of = |on: Option<usize>| {
-            called.iter().find_map(|word| {
-                let fits = |(at, own): &(usize, &NameParts)| {
-                    let is_called = own.side == side && own.rest == *word;
-                    is_called && on.is_none_or(|knee| moves(knee, *at))
+        let first_of = |base: Option<usize>| {
+            aliases.iter().find_map(|word| {
+                let fits = |(index, name): &(usize, &NameParts)| {
+                    let is_match = name.side == side && name.rest == *word;
+                    is_match && base.is_none_or(|knee| moves(knee, *index))
                 };
-                let first = told.iter().enumerate().find(fits);
-                first.map(|(at, _)| at).filter(free)
+                let first = parsed.iter().enumerate().find(fits);
+                first.map(|(index, _)| index).filter(is_free)
             })
         };
         let first = knee
             .and_then(|knee| first_of(Some(knee)))
             .or_else(|| first_of(None));
-        if let Some(at) = first {
-            found.insert(part, at);
+        if let Some(index) = first {
+            indices.insert(part, index);
         }
     };
-    for (part, called) in MIDDLE {
-        look(part, None, called);
+    for (part, aliases) in CENTRAL_NAMES {
+        find_part(part, None, aliases);
     }
-    for (parts, called) in SIDES {
+    for (parts, aliases) in PAIRED_NAMES {
         for (part, side) in parts.into_iter().zip([Side::Left, Side::Right]) {
-            look(part, Some(side), called);
+            find_part(part, Some(side), aliases);
         }
     }
-    found
+    indices
 }
 
 /// Returns a name in lower case, without namespace prefixes of Mixamo, Maya and similar tools, and without separators.
@@ -192,15 +192,15 @@ fn name_parts(name: &str) -> NameParts {
         match word.as_str() {
             "left" | "l" | "lft" => side = side.or(Some(Side::Left)),
             "right" | "r" | "rgt" => side = side.or(Some(Side::Right)),
-            word if is_noise(word) => {}
+            word if is_ignored(word) => {}
             word => rest.push_str(word),
         }
     }
     // Lower-case names such as `leftupleg`.
     if side.is_none() {
-        for (start, own) in [("left", Side::Left), ("right", Side::Right)] {
+        for (start, named_side) in [("left", Side::Left), ("right", Side::Right)] {
             if let Some(after) = rest.strip_prefix(start).filter(|after| !after.is_empty()) {
-                (side, rest) = (Some(own), after.to_owned());
+                (side, rest) = (Some(named_side), after.to_owned());
                 break;
             }
         }
@@ -209,8 +209,8 @@ fn name_parts(name: &str) -> NameParts {
 }
 
 /// Returns whether a word is ignored, such as `Bip01` at the start of names.
-fn is_noise(word: &str) -> bool {
-    NOISE.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit()))
+fn is_ignored(word: &str) -> bool {
+    IGNORED_WORDS.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit()))
 }
 
 /// Splits a name into lower-case words at changes of case and at separators.
@@ -225,26 +225,26 @@ fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before: Option<char> = None;
     let mut letters = after.chars().peekable();
-    while let Some(own) = letters.next() {
+    while let Some(letter) = letters.next() {
         let begins = match before {
             None => true,
             Some(before) if !before.is_alphanumeric() => true,
             // A word begins at A in `LeftArm`, and at H in `LHip`.
             Some(before) => {
-                own.is_uppercase()
+                letter.is_uppercase()
                     && (before.is_lowercase()
                         || before.is_ascii_digit()
                         || letters.peek().is_some_and(|next| next.is_lowercase()))
             }
         };
-        before = Some(own);
-        if !own.is_alphanumeric() {
+        before = Some(letter);
+        if !letter.is_alphanumeric() {
             continue;
         }
-        let small = own.to_lowercase();
+        let lower = letter.to_lowercase();
         match words.last_mut() {
-            Some(word) if !begins => word.extend(small),
-            _ => words.push(small.collect()),
+            Some(word) if !begins => word.extend(lower),
+            _ => words.push(lower.collect()),
         }
     }
     let is_number = |word: &String| word.chars().all(|c| c.is_ascii_digit());

@@ -7,9 +7,9 @@ use crate::spatial::{Placement, Vector3};
 use crate::task::{LocalJacobian, Quantity, Residual, RowBlock};
 
 /// Weight of the rotation of the hip line, in metres of position per radian.
-const TURN: f64 = 0.3;
+const ROTATION_WEIGHT: f64 = 0.3;
 /// Distance of the hips below which they define no line, metres.
-const NO_LINE: f64 = 1e-3;
+const MIN_HIP_DISTANCE: f64 = 1e-3;
 
 /// Residual r = w (a − b − target) of the vector from one hip to the other.
 ///
@@ -25,33 +25,33 @@ pub(super) struct HipLine {
 }
 
 impl HipLine {
-    /// Creates the task from the first two hips, if there are two. `stood` has the end positions of all limbs in a
-    /// configuration.
-    pub(super) fn new(limbs: &Limbs, stood: &[Vector3<f64>]) -> Option<Self> {
+    /// Creates the task from the first two hips, if there are two. `stance_positions` has the end positions of all
+    /// limbs in a configuration.
+    pub(super) fn new(limbs: &Limbs, stance_positions: &[Vector3<f64>]) -> Option<Self> {
         let [a, b] = *limbs.hips.first_chunk::<2>()?;
         let frames = [a, b].map(|k| limbs.all[k].frame);
-        let length = (stood[a] - stood[b]).norm();
-        (length > NO_LINE && frames[0] != frames[1]).then(|| Self {
+        let length = (stance_positions[a] - stance_positions[b]).norm();
+        (length > MIN_HIP_DISTANCE && frames[0] != frames[1]).then(|| Self {
             limbs: [a, b],
             frames,
             offsets: [a, b].map(|k| limbs.all[k].offset),
             length,
-            target: stood[a] - stood[b],
+            target: stance_positions[a] - stance_positions[b],
         })
     }
 
     /// Sets the direction of the line from the targets of the hips. The direction stays if these coincide.
-    pub(super) fn aim(&mut self, places: &[Vector3<f64>]) {
+    pub(super) fn set_direction(&mut self, targets: &[Vector3<f64>]) {
         let [a, b] = self.limbs;
-        let way = places[a] - places[b];
-        let length = way.norm();
+        let direction = targets[a] - targets[b];
+        let length = direction.norm();
         if length > 0.0 {
-            self.target = way * (self.length / length);
+            self.target = direction * (self.length / length);
         }
     }
 
     fn weight(&self) -> f64 {
-        TURN / self.length
+        ROTATION_WEIGHT / self.length
     }
 }
 
@@ -65,8 +65,8 @@ impl Residual for HipLine {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         let [a, b] = [0, 1].map(|k| frames[k].apply(Vector3::constant(self.offsets[k])));
-        let miss = (a - b - Vector3::constant(self.target)) * S::constant(self.weight());
-        residual.copy_from_slice(&miss.to_array());
+        let error = (a - b - Vector3::constant(self.target)) * S::constant(self.weight());
+        residual.copy_from_slice(&error.to_array());
     }
 
     fn differentiate(

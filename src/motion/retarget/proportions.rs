@@ -29,11 +29,11 @@ const LIMBS: [(&str, [BodyPart; 2], [BodyPart; 2]); 4] = [
     ),
 ];
 /// Largest relative difference of the two sides.
-const ALIKE: f64 = 0.25;
+const MAX_ASYMMETRY: f64 = 0.25;
 /// Largest relative variation of a bone's length over a capture.
-const RIGID: f64 = 0.2;
+const MAX_LENGTH_VARIATION: f64 = 0.2;
 /// Number of capture frames that are checked.
-const FRAMES: usize = 64;
+const CHECKED_FRAMES: usize = 64;
 
 /// Limb lengths in capture frames spread over a capture.
 #[derive(Clone, Debug)]
@@ -44,13 +44,13 @@ pub(super) struct Proportions {
 
 impl Proportions {
     pub(super) fn of(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Self {
-        let step = capture.frames().div_ceil(FRAMES).max(1);
+        let step = capture.frames().div_ceil(CHECKED_FRAMES).max(1);
         let length = |ends: [BodyPart; 2]| -> Option<[f64; 2]> {
             let [from, to] = [joints.get(&ends[0])?, joints.get(&ends[1])?];
             let frames = (0..capture.frames()).step_by(step);
             let lengths = frames.filter_map(|frame| {
-                let at: &[Vector3<f64>] = capture.frame(frame)?;
-                Some((at[*to] - at[*from]).norm())
+                let positions: &[Vector3<f64>] = capture.frame(frame)?;
+                Some((positions[*to] - positions[*from]).norm())
             });
             let ends = |[low, high]: [f64; 2], length: f64| [low.min(length), high.max(length)];
             Some(lengths.fold([f64::INFINITY, 0.0], ends))
@@ -64,27 +64,27 @@ impl Proportions {
     }
 
     /// Returns messages about implausible lengths.
-    pub(super) fn faults(&self) -> Vec<String> {
-        let mut faults = Vec::new();
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
         for (name, sides) in &self.limbs {
             for ([shortest, longest], side) in sides.iter().zip(["left", "right"]) {
                 if *longest == 0.0 {
-                    faults.push(format!(
+                    warnings.push(format!(
                         "the {side} {name} has no length: its ends are at one position"
                     ));
-                } else if *shortest < (1.0 - RIGID) * longest {
-                    faults.push(format!(
+                } else if *shortest < (1.0 - MAX_LENGTH_VARIATION) * longest {
+                    warnings.push(format!(
                         "the {side} {name} is between {shortest:.3} and {longest:.3} long: its ends may not be of one bone"
                     ));
                 }
             }
             let [left, right] = [sides[0][1], sides[1][1]];
-            if left.min(right) > 0.0 && left.min(right) < (1.0 - ALIKE) * left.max(right) {
-                faults.push(format!(
+            if left.min(right) > 0.0 && left.min(right) < (1.0 - MAX_ASYMMETRY) * left.max(right) {
+                warnings.push(format!(
                     "the left {name} is {left:.3} long and the right one {right:.3}"
                 ));
             }
         }
-        faults
+        warnings
     }
 }

@@ -4,7 +4,7 @@ use crate::problem::Collision;
 use crate::spatial::Vector3;
 
 /// Distance from its touchdown position at which a contact counts as lost, metres.
-const SLIPPED: f64 = 1e-3;
+const LOST_CONTACT_DISTANCE: f64 = 1e-3;
 
 /// Retargeted motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl Retargeted {
 pub(super) struct Measures {
     sum: f64,
     count: usize,
-    footing: Vec<Footing>,
+    states: Vec<ContactState>,
     pub(super) slip: f64,
     pub(super) ground_penetration: f64,
     /// Lost contacts: sample and limb.
@@ -80,7 +80,7 @@ pub(super) struct Measures {
 
 /// Contact state of a limb, with its touchdown position.
 #[derive(Clone, Copy, Debug)]
-enum Footing {
+enum ContactState {
     None,
     At(Vector3<f64>),
     LostContact,
@@ -91,7 +91,7 @@ impl Measures {
         Self {
             sum: 0.0,
             count: 0,
-            footing: vec![Footing::None; limbs],
+            states: vec![ContactState::None; limbs],
             slip: 0.0,
             ground_penetration: 0.0,
             lost_contacts: Vec::new(),
@@ -99,32 +99,32 @@ impl Measures {
     }
 
     /// Adds one limb at one sample. The flag is its planned contact. Returns whether it is in contact.
-    pub(super) fn take(
+    pub(super) fn add(
         &mut self,
         frame: usize,
         limb: usize,
-        at: Vector3<f64>,
+        position: Vector3<f64>,
         target: Vector3<f64>,
-        stands: bool,
+        planned: bool,
     ) -> bool {
-        self.sum += (at - target).norm();
+        self.sum += (position - target).norm();
         self.count += 1;
-        let footing = &mut self.footing[limb];
-        match (stands, *footing) {
-            (false, _) => *footing = Footing::None,
-            (true, Footing::None) => *footing = Footing::At(at),
-            (true, Footing::At(place)) => {
-                let slipped = (at - place).norm();
-                if slipped > SLIPPED {
-                    *footing = Footing::LostContact;
+        let state = &mut self.states[limb];
+        match (planned, *state) {
+            (false, _) => *state = ContactState::None,
+            (true, ContactState::None) => *state = ContactState::At(position),
+            (true, ContactState::At(touchdown)) => {
+                let slipped = (position - touchdown).norm();
+                if slipped > LOST_CONTACT_DISTANCE {
+                    *state = ContactState::LostContact;
                     self.lost_contacts.push((frame, limb));
                 } else {
                     self.slip = self.slip.max(slipped);
                 }
             }
-            (true, Footing::LostContact) => {}
+            (true, ContactState::LostContact) => {}
         }
-        matches!(footing, Footing::At(_))
+        matches!(state, ContactState::At(_))
     }
 
     pub(super) fn mean_error(&self) -> f64 {
@@ -140,16 +140,16 @@ mod tests {
     #[test]
     fn slipped_contact_counts_again_only_after_release() {
         let mut measures = Measures::new(1);
-        let mut take = |frame: usize, x: f64, stands: bool| {
-            let at = Vector3::new(x, 0.0, 0.0);
-            measures.take(frame, 0, at, at, stands)
+        let mut add = |frame: usize, x: f64, planned: bool| {
+            let position = Vector3::new(x, 0.0, 0.0);
+            measures.add(frame, 0, position, position, planned)
         };
-        assert!(take(0, 0.0, true) && take(1, 0.9e-3, true));
+        assert!(add(0, 0.0, true) && add(1, 0.9e-3, true));
         // A slide counts once, independent of its length.
         for frame in 2..9 {
-            assert!(!take(frame, 2e-3 * frame as f64, true), "{frame}");
+            assert!(!add(frame, 2e-3 * frame as f64, true), "{frame}");
         }
-        assert!(!take(9, 0.1, false) && take(10, 0.1, true));
+        assert!(!add(9, 0.1, false) && add(10, 0.1, true));
         assert_eq!(measures.lost_contacts, [(2, 0)]);
         assert_eq!(measures.slip, 0.9e-3);
     }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::clear_frames::ClearFrames;
-use super::contacts::Standing;
+use super::collision_free_frames::CollisionFreeFrames;
+use super::contacts::LimbContact;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::retargeted::{LostContact, Measures};
@@ -18,7 +18,7 @@ use super::{
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::motion::trajectory::{MotionError, Windows};
 use crate::problem::CollisionAvoidance;
 use crate::robot::Robot;
@@ -79,7 +79,7 @@ impl RetargetOptions {
         /// Sets the weight of an acceleration of 1 rad/s², in metres of position.
         pub fn with_acceleration(mut self, metres: f64) { self.acceleration = metres }
         /// Sets the tolerance of each window, relative to its cost.
-        pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
+        pub fn with_tolerance(mut self, ratio: f64) { self.tolerance = ratio }
         /// Sets the windows of whole trajectories.
         pub fn with_windows(mut self, windows: Windows) { self.windows = windows }
     }
@@ -100,8 +100,8 @@ pub struct Retargeting<'r> {
     /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
     /// Targets in the robot's unit, by capture frame.
-    own_targets: Arc<[Vector3<f64>]>,
-    pub(super) standing: Vec<Standing>,
+    model_targets: Arc<[Vector3<f64>]>,
+    pub(super) limb_contacts: Vec<LimbContact>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
@@ -137,31 +137,34 @@ impl<'r> Retargeting<'r> {
             options.contacts.height *= unit.scale();
         }
         if limbs.leg > 0.0 {
-            options.contacts.speed *= limbs.leg / USUAL_LEG_M;
+            options.contacts.speed *= limbs.leg / NOMINAL_LEG_LENGTH_M;
         }
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
-        let mut places = Vec::new();
+        let mut positions = Vec::new();
         for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
-            limbs.place(captured, &mut places);
-            targets.extend_from_slice(&places);
+            limbs.write_targets(captured, &mut positions);
+            targets.extend_from_slice(&positions);
         }
-        let standing = options.contacts.plant(&limbs, frame_rate, &mut targets);
+        let limb_contacts = options.contacts.plant(&limbs, frame_rate, &mut targets);
         let targets: Arc<[Vector3<f64>]> = targets.into();
-        let own_targets = match unit.is_identity() {
+        let model_targets = match unit.is_identity() {
             true => Arc::clone(&targets),
-            false => targets.iter().map(|at| *at * unit.back()).collect(),
+            false => targets
+                .iter()
+                .map(|target| *target * unit.inverse_scale())
+                .collect(),
         };
         Ok(Self {
             robot,
             body,
             unit,
-            own_targets,
+            model_targets,
             options,
             limbs,
             frame_rate,
             joints: capture.names().len(),
             targets,
-            standing,
+            limb_contacts,
             obstacles: None,
             cancelled: None,
         })
@@ -174,13 +177,13 @@ impl<'r> Retargeting<'r> {
     #[must_use]
     pub fn keep_clear<C: CollisionAvoidance + Clone + Send + Sync + 'static>(
         mut self,
-        of: &C,
+        checker: &C,
     ) -> Self {
         self.obstacles = Some(match self.unit.is_identity() {
-            true => Obstacles::of(of),
+            true => Obstacles::of(checker),
             false => {
                 let model = self.robot.model();
-                Obstacles::of(&ScaledObstacles::new(of.clone(), self.unit, model))
+                Obstacles::of(&ScaledObstacles::new(checker.clone(), self.unit, model))
             }
         });
         self
@@ -201,7 +204,7 @@ impl<'r> Retargeting<'r> {
     /// See [`Robot::with_base_joint`](crate::robot::Robot::with_base_joint).
     #[must_use]
     pub fn legs_on_fixed_base(&self) -> bool {
-        self.limbs.all.iter().any(|limb| limb.stands) && !self.robot.moves_as_a_whole()
+        self.limbs.all.iter().any(|limb| limb.makes_contact) && !self.robot.moves_as_a_whole()
     }
 
     getters! {
@@ -212,7 +215,7 @@ impl<'r> Retargeting<'r> {
         /// Driven frames of the model, in the order of [`targets`](Self::targets).
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
         /// Ratio of the model's steps to the subject's, in the model's unit.
-        pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.back();
+        pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.inverse_scale();
         /// Axis along which the model's root is above its contact points in the neutral configuration. It is z unless
         /// the model's file has another upward axis; `None` if it cannot be determined.
         pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
@@ -222,7 +225,7 @@ impl<'r> Retargeting<'r> {
     #[must_use]
     pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.limbs.all.len();
-        self.own_targets.get(frame * n..(frame + 1) * n)
+        self.model_targets.get(frame * n..(frame + 1) * n)
     }
 
     /// Returns the target positions of the solved body, in its unit.
@@ -233,36 +236,42 @@ impl<'r> Retargeting<'r> {
     }
 
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
-    fn firmness(&self, frame: usize, firmness: &mut [f64]) {
+    fn contact_levels(&self, frame: usize, contact_levels: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
-        for (limb, firmness) in firmness.iter_mut().enumerate() {
-            let shares = self.next_to(limb, frame).map(|span| {
-                let off = match frame < span.start {
+        for (limb, contact_levels) in contact_levels.iter_mut().enumerate() {
+            let levels = self.neighbouring_spans(limb, frame).map(|span| {
+                let distance = match frame < span.start {
                     true => span.start - frame,
                     false => (frame + 1).saturating_sub(span.end),
                 };
-                1.0 - off as f64 / (lead + 1) as f64
+                1.0 - distance as f64 / (lead + 1) as f64
             });
-            *firmness = shares.fold(0.0, f64::max);
+            *contact_levels = levels.fold(0.0, f64::max);
         }
     }
 
     /// Writes whether each driven point is in contact in a capture frame.
-    fn stand(&self, frame: usize, stands: &mut [bool]) {
-        for (limb, stands) in stands.iter_mut().enumerate() {
-            *stands = self.next_to(limb, frame).any(|span| span.contains(&frame));
+    fn write_contacts(&self, frame: usize, contacts: &mut [bool]) {
+        for (limb, contacts) in contacts.iter_mut().enumerate() {
+            *contacts = self
+                .neighbouring_spans(limb, frame)
+                .any(|span| span.contains(&frame));
         }
     }
 
     /// Returns the contact spans of a limb next to a capture frame: the last one that begins up to it, and the next.
     ///
     /// A binary search keeps the cost per capture frame independent of the length of the motion.
-    fn next_to(&self, limb: usize, frame: usize) -> impl Iterator<Item = &Range<usize>> {
-        let before = |own: &Standing| (own.limb, own.span.start) <= (limb, frame);
-        let after = self.standing.partition_point(before);
-        let near = &self.standing[after.saturating_sub(1)..self.standing.len().min(after + 1)];
-        let own = near.iter().filter(move |own| own.limb == limb);
-        own.map(|own| &own.span)
+    fn neighbouring_spans(&self, limb: usize, frame: usize) -> impl Iterator<Item = &Range<usize>> {
+        let starts_before =
+            |contact: &LimbContact| (contact.limb, contact.span.start) <= (limb, frame);
+        let after = self.limb_contacts.partition_point(starts_before);
+        let neighbours =
+            &self.limb_contacts[after.saturating_sub(1)..self.limb_contacts.len().min(after + 1)];
+        let contacts = neighbours
+            .iter()
+            .filter(move |contact| contact.limb == limb);
+        contacts.map(|contact| &contact.span)
     }
 
     /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
@@ -272,7 +281,7 @@ impl<'r> Retargeting<'r> {
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
         let mut follower = BodyFollower::new(self)?;
         let first = self.body_targets(0);
-        follower.set_configuration(&self.limbs.first_stance(&self.body, first));
+        follower.set_configuration(&self.limbs.initial_configuration(&self.body, first));
         Ok(follower)
     }
 
@@ -290,18 +299,22 @@ impl<'r> Retargeting<'r> {
     pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
-        let mut near = Vec::with_capacity(self.frames());
-        let mut firmness = vec![0.0; self.limbs.all.len()];
+        let mut avoiding = Vec::with_capacity(self.frames());
+        let mut contact_levels = vec![0.0; self.limbs.all.len()];
         for frame in 0..self.frames() {
             if (self.cancelled.as_ref()).is_some_and(|cancelled| cancelled.load(Ordering::Relaxed))
             {
                 return Err(MotionError::Cancelled.into());
             }
-            self.firmness(frame, &mut firmness);
-            q.extend_from_slice(follower.follow(self.body_targets(frame), &firmness)?);
-            near.push(follower.clear().is_some_and(ClearFrames::is_near));
+            self.contact_levels(frame, &mut contact_levels);
+            q.extend_from_slice(follower.follow(self.body_targets(frame), &contact_levels)?);
+            avoiding.push(
+                follower
+                    .avoidance()
+                    .is_some_and(CollisionFreeFrames::is_avoiding),
+            );
         }
-        Ok((q, near))
+        Ok((q, avoiding))
     }
 
     /// Measures the errors of configurations of the solved body, and scales them to the robot's unit.
@@ -312,27 +325,27 @@ impl<'r> Retargeting<'r> {
         frames.extend(self.limbs.soles.iter().map(|sole| sole.frame));
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;
         let mut measures = Measures::new(driven);
-        let mut stands = vec![false; driven];
-        let can_stand = self
+        let mut in_contact = vec![false; driven];
+        let contact_limbs = self
             .limbs
             .all
             .iter()
             .enumerate()
-            .filter(|(_, limb)| limb.stands && !limb.is_heel);
-        let can_stand: Vec<usize> = can_stand.map(|(limb, _)| limb).collect();
-        let mut contacts = Vec::with_capacity(self.frames() * can_stand.len());
+            .filter(|(_, limb)| limb.makes_contact && !limb.is_heel);
+        let contact_limbs: Vec<usize> = contact_limbs.map(|(limb, _)| limb).collect();
+        let mut contacts = Vec::with_capacity(self.frames() * contact_limbs.len());
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
-            self.stand(frame, &mut stands);
+            self.write_contacts(frame, &mut in_contact);
             let targets = self.body_targets(frame);
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
-                let at = placed[k].apply(limb.offset);
-                stands[k] = measures.take(frame, k, at, *target, stands[k]);
+                let position = placed[k].apply(limb.offset);
+                in_contact[k] = measures.add(frame, k, position, *target, in_contact[k]);
             }
             for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
                 measures.ground_penetration = measures.ground_penetration.max(-sole.lowest(placed));
             }
-            contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
+            contacts.extend(contact_limbs.iter().map(|&limb| in_contact[limb]));
         }
         let name = |limb: &usize| {
             model.frames()[self.limbs.all[*limb].frame.index()]
@@ -347,22 +360,22 @@ impl<'r> Retargeting<'r> {
                 contact_frame: name(limb),
             });
         let touching = self.touching(&q);
-        let back = self.unit.back();
-        model.scale_slides(back, &mut q);
+        let inverse_scale = self.unit.inverse_scale();
+        model.scale_slides(inverse_scale, &mut q);
         Ok(Retargeted {
             touching,
             lost_contacts: lost_contacts.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
-            contact_frames: can_stand.iter().map(name).collect(),
-            contact_points: can_stand
+            contact_frames: contact_limbs.iter().map(name).collect(),
+            contact_points: contact_limbs
                 .iter()
-                .map(|limb| self.limbs.all[*limb].offset * back)
+                .map(|limb| self.limbs.all[*limb].offset * inverse_scale)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error() * back,
-            slip: measures.slip * back,
-            ground_penetration: measures.ground_penetration * back,
+            mean_error: measures.mean_error() * inverse_scale,
+            slip: measures.slip * inverse_scale,
+            ground_penetration: measures.ground_penetration * inverse_scale,
             q,
         })
     }

@@ -9,11 +9,11 @@ use crate::spatial::{Placement, Vector3};
 
 /// Number of horizontal directions in which the outermost points of a foot are searched, and their angles from straight
 /// down, radians.
-const AROUND: usize = 8;
-const LEANING: [f64; 2] = [0.5, 1.1];
+const SOLE_DIRECTIONS: usize = 8;
+const TILT_ANGLES: [f64; 2] = [0.5, 1.1];
 
 /// Largest height of a body of the sole above the lowest point of the foot, as a fraction of the limb's height.
-const NEAR_GROUND: f64 = 0.25;
+const MAX_HEIGHT_RATIO: f64 = 0.25;
 
 /// Contact geometry of a foot, in the axes of a frame that is fixed to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +29,10 @@ pub(super) struct Sole {
 impl Sole {
     /// Returns the tilt of each level direction, as the sine of its angle from the horizontal.
     pub(super) fn tilts(&self, placed: &Placement<f64>) -> Vec<f64> {
-        let tilted = self.level.iter().map(|way| (placed.rotation * *way).z);
+        let tilted = self
+            .level
+            .iter()
+            .map(|direction| (placed.rotation * *direction).z);
         tilted.collect()
     }
 
@@ -51,20 +54,23 @@ fn bodies_below(
     placed: &[Placement<f64>],
 ) -> Vec<FrameId> {
     let moving = |frame: FrameId| moving_joint(model, frame);
-    let Some(own) = moving(limb.frame) else {
+    let Some(limb_joint) = moving(limb.frame) else {
         return Vec::new();
     };
     let height = |ball: &Ball| ball.height(&placed[ball.frame.index()]);
-    let beyond = |ball: &&Ball| joints_above(model, ball.frame).contains(&own);
-    let mut balls: Vec<&Ball> = shapes.balls.iter().filter(beyond).collect();
+    let is_at_or_beyond = |ball: &&Ball| joints_above(model, ball.frame).contains(&limb_joint);
+    let mut balls: Vec<&Ball> = shapes.balls.iter().filter(is_at_or_beyond).collect();
     balls.sort_by(|a, b| height(a).total_cmp(&height(b)));
     let Some(ground) = balls.first().map(|lowest| height(lowest)) else {
         return Vec::new();
     };
     let end = placed[limb.frame.index()].apply(limb.offset);
-    let highest = ground + (NEAR_GROUND * (end.z - ground)).max(0.0);
+    let max_height = ground + (MAX_HEIGHT_RATIO * (end.z - ground)).max(0.0);
     let mut bodies: Vec<FrameId> = Vec::new();
-    for ball in balls.into_iter().take_while(|ball| height(ball) <= highest) {
+    for ball in balls
+        .into_iter()
+        .take_while(|ball| height(ball) <= max_height)
+    {
         if bodies
             .iter()
             .all(|frame| moving(*frame) != moving(ball.frame))
@@ -82,9 +88,9 @@ pub(super) fn ends_on_ground(
     shapes: &FootShapes,
     placed: &[Placement<f64>],
 ) -> bool {
-    let own = moving_joint(model, limb.frame);
+    let limb_joint = moving_joint(model, limb.frame);
     let mut bodies = bodies_below(model, limb, shapes, placed).into_iter();
-    bodies.any(|frame| moving_joint(model, frame) == own)
+    bodies.any(|frame| moving_joint(model, frame) == limb_joint)
 }
 
 /// Returns the soles of all limbs that make contact and have shapes. `placed` are the frames of the model in a
@@ -96,37 +102,44 @@ pub(super) fn soles(
     placed: &[Placement<f64>],
 ) -> Vec<Sole> {
     let moving = |frame: FrameId| moving_joint(model, frame);
-    let standing = all.iter().enumerate().filter(|(_, limb)| limb.stands);
-    let standing = standing.flat_map(|(k, limb)| {
-        let at = placed[limb.frame.index()].apply(limb.offset);
+    let contacts = all
+        .iter()
+        .enumerate()
+        .filter(|(_, limb)| limb.makes_contact);
+    let contacts = contacts.flat_map(|(k, limb)| {
+        let position = placed[limb.frame.index()].apply(limb.offset);
         let bodies = bodies_below(model, limb, shapes, placed).into_iter();
-        bodies.map(move |frame| (frame, Standing { limb: k, at }))
+        bodies.map(move |frame| (frame, ContactPoint { limb: k, position }))
     });
-    let mut feet: Vec<(FrameId, Vec<Standing>)> = Vec::new();
-    for (frame, own) in standing {
+    let mut feet: Vec<(FrameId, Vec<ContactPoint>)> = Vec::new();
+    for (frame, contact) in contacts {
         let foot = feet.iter_mut().find(|foot| moving(foot.0) == moving(frame));
         match foot {
-            Some((_, limbs)) => limbs.push(own),
-            None => feet.push((frame, vec![own])),
+            Some((_, limbs)) => limbs.push(contact),
+            None => feet.push((frame, vec![contact])),
         }
     }
-    let sole = |(frame, limbs): (FrameId, Vec<Standing>)| {
+    let sole = |(frame, limbs): (FrameId, Vec<ContactPoint>)| {
         let foot = moving(frame);
-        let of_foot = shapes
+        let foot_balls = shapes
             .balls
             .iter()
             .filter(|ball| moving(ball.frame) == foot);
-        let of_foot = of_foot.map(|ball| (placed[ball.frame.index()].apply(ball.at), ball.radius));
+        let foot_balls =
+            foot_balls.map(|ball| (placed[ball.frame.index()].apply(ball.at), ball.radius));
         let foot_from_world = placed[frame.index()].inverse();
-        let balls = outermost(&of_foot.collect::<Vec<_>>()).into_iter();
+        let balls = outermost(&foot_balls.collect::<Vec<_>>()).into_iter();
         let balls = balls.filter_map(|(at, radius)| {
-            let off = |own: &&Standing| (own.at - at).norm();
-            let limb = limbs.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?.limb;
+            let distance = |contact: &&ContactPoint| (contact.position - at).norm();
+            let limb = limbs
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?
+                .limb;
             let at = foot_from_world.apply(at);
             Some((Ball { frame, at, radius }, limb))
         });
         let level = level_directions(&limbs).into_iter();
-        let level = level.map(|way| foot_from_world.rotation * way);
+        let level = level.map(|direction| foot_from_world.rotation * direction);
         Sole {
             frame,
             balls: balls.collect(),
@@ -138,34 +151,34 @@ pub(super) fn soles(
 
 /// Limb that makes contact, with the position of its end.
 #[derive(Clone, Copy, Debug)]
-struct Standing {
+struct ContactPoint {
     limb: usize,
-    at: Vector3<f64>,
+    position: Vector3<f64>,
 }
 
 /// Returns the balls that are outermost downward and sideways.
 fn outermost(balls: &[(Vector3<f64>, f64)]) -> Vec<(Vector3<f64>, f64)> {
-    let mut found: Vec<usize> = Vec::new();
-    let turn = std::f64::consts::TAU / AROUND as f64;
-    for leaning in LEANING {
-        let (aside, down) = elementary::sin_cos(leaning);
-        for k in 0..AROUND {
-            let (sine, cosine) = elementary::sin_cos(turn * (k as f64 + 0.5));
-            let way = Vector3::new(aside * cosine, aside * sine, -down);
-            let out = |k: &usize| balls[*k].0.dot(way) + balls[*k].1;
-            let outer = (0..balls.len()).max_by(|a, b| out(a).total_cmp(&out(b)));
-            found.extend(outer.filter(|own| !found.contains(own)));
+    let mut indices: Vec<usize> = Vec::new();
+    let angle_step = std::f64::consts::TAU / SOLE_DIRECTIONS as f64;
+    for tilt in TILT_ANGLES {
+        let (sideways, down) = elementary::sin_cos(tilt);
+        for k in 0..SOLE_DIRECTIONS {
+            let (sine, cosine) = elementary::sin_cos(angle_step * (k as f64 + 0.5));
+            let direction = Vector3::new(sideways * cosine, sideways * sine, -down);
+            let extent = |k: &usize| balls[*k].0.dot(direction) + balls[*k].1;
+            let outer = (0..balls.len()).max_by(|a, b| extent(a).total_cmp(&extent(b)));
+            indices.extend(outer.filter(|index| !indices.contains(index)));
         }
     }
-    found.into_iter().map(|k| balls[k]).collect()
+    indices.into_iter().map(|k| balls[k]).collect()
 }
 
 /// Returns the level directions: across a foot, or two for a single contact point.
-fn level_directions(limbs: &[Standing]) -> Vec<Vector3<f64>> {
+fn level_directions(limbs: &[ContactPoint]) -> Vec<Vector3<f64>> {
     let [x, y, z] = Vector3::UNITS;
     // Limbs are sorted from the joint outward.
     let along = match limbs {
-        [first, .., last] => last.at - first.at,
+        [first, .., last] => last.position - first.position,
         _ => Vector3::zero(),
     };
     let along = Vector3::new(along.x, along.y, 0.0);

@@ -7,34 +7,37 @@ use crate::task::{LocalJacobian, Residual};
 /// Wrapper that evaluates to the wrapped residual, or to 0.
 #[derive(Clone, Debug)]
 pub(super) struct Switchable<R> {
-    of: R,
-    counts: bool,
+    inner: R,
+    enabled: bool,
 }
 
 impl<R> Switchable<R> {
-    pub(super) fn new(of: R) -> Self {
-        Self { of, counts: true }
+    pub(super) fn new(inner: R) -> Self {
+        Self {
+            inner,
+            enabled: true,
+        }
     }
 
     /// Enables or disables the residual.
-    pub(super) fn set(&mut self, counts: bool) {
-        self.counts = counts;
+    pub(super) fn set(&mut self, enabled: bool) {
+        self.enabled = enabled;
     }
 }
 
 impl<R: Residual> Residual for Switchable<R> {
-    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
+    as_inner!(inner: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        match self.counts {
-            true => self.of.evaluate(frames, joints, residual),
+        match self.enabled {
+            true => self.inner.evaluate(frames, joints, residual),
             false => residual.fill(S::constant(0.0)),
         }
     }
 
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        match self.counts {
-            true => self.of.slacks(frames, joints, slacks),
+        match self.enabled {
+            true => self.inner.slacks(frames, joints, slacks),
             false => slacks.fill(S::constant(f64::INFINITY)),
         }
     }
@@ -45,7 +48,7 @@ impl<R: Residual> Residual for Switchable<R> {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        !self.counts || self.of.differentiate(frames, joints, jacobian)
+        !self.enabled || self.inner.differentiate(frames, joints, jacobian)
     }
 
     fn differentiate_depths(
@@ -54,6 +57,6 @@ impl<R: Residual> Residual for Switchable<R> {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        !self.counts || self.of.differentiate_depths(frames, joints, jacobian)
+        !self.enabled || self.inner.differentiate_depths(frames, joints, jacobian)
     }
 }

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use super::limbs::Limbs;
 use super::{BodyMap, FootShapes, RetargetError};
 use crate::model::{LengthUnit, Model};
-use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -22,12 +22,14 @@ pub(super) struct Unit(f64);
 impl Unit {
     /// Returns the ratio for a model with these limbs.
     pub(super) fn of(model: &Model, limbs: &Limbs) -> Self {
-        let [own, solved] = match limbs.leg > 0.0 {
-            true => [limbs.leg, USUAL_LEG_M],
+        let [model_length, solved] = match limbs.leg > 0.0 {
+            true => [limbs.leg, NOMINAL_LEG_LENGTH_M],
             false => [model.reach(), 1.0],
         };
         match model.length_unit() {
-            LengthUnit::Own if own > 0.0 && own.is_finite() => Self(solved / own),
+            LengthUnit::Own if model_length > 0.0 && model_length.is_finite() => {
+                Self(solved / model_length)
+            }
             _ => Self(1.0),
         }
     }
@@ -43,7 +45,7 @@ impl Unit {
     }
 
     /// Factor from the unit of the solved body to the model's unit.
-    pub(super) fn back(self) -> f64 {
+    pub(super) fn inverse_scale(self) -> f64 {
         1.0 / self.0
     }
 
@@ -76,16 +78,16 @@ impl Unit {
 /// Collision avoidance of the solved body, from that of the model.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledObstacles<C> {
-    of: C,
+    inner: C,
     unit: Unit,
     model: Model,
 }
 
 impl<C> ScaledObstacles<C> {
     /// Wraps a checker. `model` is that of the checker.
-    pub(super) fn new(of: C, unit: Unit, model: &Model) -> Self {
+    pub(super) fn new(inner: C, unit: Unit, model: &Model) -> Self {
         let model = model.clone();
-        Self { of, unit, model }
+        Self { inner, unit, model }
     }
 }
 
@@ -94,12 +96,12 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
     type Check = ScaledCheck<C::Check>;
 
     answers! {
-        fn configuration_len(&self) -> usize = self.of.configuration_len();
+        fn configuration_len(&self) -> usize = self.inner.configuration_len();
     }
 
     fn clearance(&self) -> Task<Self::Clearance> {
-        let own = self.of.clearance();
-        let mut tolerances = own.tolerances;
+        let task = self.inner.clearance();
+        let mut tolerances = task.tolerances;
         for (quantity, tolerance) in &mut tolerances {
             if *quantity == Quantity::Metres {
                 *tolerance *= self.unit.scale();
@@ -107,21 +109,21 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
         }
         Task {
             residual: ScaledClearance {
-                of: own.residual,
+                inner: task.residual,
                 unit: self.unit,
             },
-            name: own.name,
-            weights: own.weights,
-            factor: own.factor,
+            name: task.name,
+            weights: task.weights,
+            factor: task.factor,
             tolerances,
-            role: own.role,
-            level: own.level,
+            role: task.role,
+            level: task.level,
         }
     }
 
     fn check(&self) -> Self::Check {
         ScaledCheck {
-            of: self.of.check(),
+            inner: self.inner.check(),
             unit: self.unit,
             model: self.model.clone(),
         }
@@ -131,32 +133,34 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
 /// Clearance in the unit of the solved body.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledClearance<R> {
-    of: R,
+    inner: R,
     unit: Unit,
 }
 
 impl<R> ScaledClearance<R> {
-    fn own<S: Scalar>(&self, frames: &[Placement<S>]) -> Vec<Placement<S>> {
-        let back = S::constant(self.unit.back());
-        let own = frames.iter().map(|frame| {
-            let translation = frame.translation * back;
+    fn to_model_unit<S: Scalar>(&self, frames: &[Placement<S>]) -> Vec<Placement<S>> {
+        let inverse_scale = S::constant(self.unit.inverse_scale());
+        let placements = frames.iter().map(|frame| {
+            let translation = frame.translation * inverse_scale;
             Placement::new(frame.rotation, translation)
         });
-        own.collect()
+        placements.collect()
     }
 }
 
 impl<R: Residual> Residual for ScaledClearance<R> {
-    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
+    as_inner!(inner: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.of.evaluate(&self.own(frames), joints, residual);
+        self.inner
+            .evaluate(&self.to_model_unit(frames), joints, residual);
         let scale = S::constant(self.unit.scale());
         residual.iter_mut().for_each(|row| *row *= scale);
     }
 
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        self.of.slacks(&self.own(frames), joints, slacks);
+        self.inner
+            .slacks(&self.to_model_unit(frames), joints, slacks);
         let scale = S::constant(self.unit.scale());
         slacks.iter_mut().for_each(|row| *row *= scale);
     }
@@ -165,35 +169,36 @@ impl<R: Residual> Residual for ScaledClearance<R> {
 /// Collision check of configurations of the solved body.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledCheck<C> {
-    of: C,
+    inner: C,
     unit: Unit,
     model: Model,
 }
 
 impl<C> ScaledCheck<C> {
-    fn own(&self, q: &[f64]) -> Vec<f64> {
-        let mut own = q.to_vec();
-        self.model.scale_slides(self.unit.back(), &mut own);
-        own
+    fn to_model_unit(&self, q: &[f64]) -> Vec<f64> {
+        let mut scaled = q.to_vec();
+        self.model
+            .scale_slides(self.unit.inverse_scale(), &mut scaled);
+        scaled
     }
 }
 
 impl<C: ClearanceCheck> ClearanceCheck for ScaledCheck<C> {
     fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
-        self.of.collisions(&self.own(q))
+        self.inner.collisions(&self.to_model_unit(q))
     }
 
     fn is_free(&mut self, q: &[f64]) -> bool {
-        self.of.is_free(&self.own(q))
+        self.inner.is_free(&self.to_model_unit(q))
     }
 
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
-        let [from, to] = [self.own(from), self.own(to)];
-        self.of.blocked(&from, &to)
+        let [from, to] = [self.to_model_unit(from), self.to_model_unit(to)];
+        self.inner.blocked(&from, &to)
     }
 
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
-        let [from, to] = [self.own(from), self.own(to)];
-        self.of.free_share(&from, &to)
+        let [from, to] = [self.to_model_unit(from), self.to_model_unit(to)];
+        self.inner.free_share(&from, &to)
     }
 }

@@ -7,7 +7,7 @@ use super::{BodyPart, Capture, UpAxis};
 use crate::spatial::Vector3;
 
 /// Smallest ratio of the extent along the vertical axis to that along each other axis.
-const MIN_RATIO: f64 = 2.0;
+const MIN_EXTENT_RATIO: f64 = 2.0;
 
 impl Capture {
     /// Returns the axis from the ankles to the pelvis. The joints are found by their names.
@@ -26,7 +26,7 @@ impl Capture {
     #[must_use]
     pub fn up_axis(&self) -> Option<UpAxis> {
         let (joints, _) = parts_of_capture(self);
-        let moving = stands_along(self, &joints);
+        let moving = upright_axis(self, &joints);
         let resting = self.rest().and_then(|rest| {
             let legs = leg_joints(&joints)?;
             upright(pelvis_above_ankles(rest, legs))
@@ -39,14 +39,14 @@ impl Capture {
 }
 
 /// Returns the axis along which the pelvis is above the ankles, in the mean over all capture frames.
-pub(super) fn stands_along(
+pub(super) fn upright_axis(
     capture: &Capture,
     joints: &BTreeMap<BodyPart, usize>,
 ) -> Option<UpAxis> {
     let legs = leg_joints(joints)?;
     let frames = (0..capture.frames()).filter_map(|frame| capture.frame(frame));
-    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
-        sum + pelvis_above_ankles(at, legs)
+    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, positions| {
+        sum + pelvis_above_ankles(positions, legs)
     });
     upright(above)
 }
@@ -61,8 +61,11 @@ fn leg_joints(joints: &BTreeMap<BodyPart, usize>) -> Option<[usize; 3]> {
     ])
 }
 
-fn pelvis_above_ankles(at: &[Vector3<f64>], [pelvis, left, right]: [usize; 3]) -> Vector3<f64> {
-    at[pelvis] - (at[left] + at[right]) * 0.5
+fn pelvis_above_ankles(
+    positions: &[Vector3<f64>],
+    [pelvis, left, right]: [usize; 3],
+) -> Vector3<f64> {
+    positions[pelvis] - (positions[left] + positions[right]) * 0.5
 }
 
 /// Returns the axis in whose positive direction a displacement points, if one dominates.
@@ -78,8 +81,8 @@ fn upright(above: Vector3<f64>) -> Option<UpAxis> {
 pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     let [x, y, z] = above.to_array().map(f64::abs);
     match () {
-        () if y > MIN_RATIO * x.max(z) => Some(UpAxis::Y),
-        () if z > MIN_RATIO * x.max(y) => Some(UpAxis::Z),
+        () if y > MIN_EXTENT_RATIO * x.max(z) => Some(UpAxis::Y),
+        () if z > MIN_EXTENT_RATIO * x.max(y) => Some(UpAxis::Z),
         () => None,
     }
 }

@@ -6,33 +6,33 @@ use super::length_bounds::LengthBound;
 use crate::scalar::elementary;
 
 /// Largest fraction of the step to the first zero slack or multiplier that is taken.
-const TO_THE_BOUNDARY: f64 = 0.995;
+const BOUNDARY_FRACTION: f64 = 0.995;
 /// Number of slacks that are multiplied before one logarithm is taken.
-const TOGETHER: usize = 8;
+const SLACKS_PER_LOGARITHM: usize = 8;
 
 /// Bound sign · (x[at] − x[before]) ≤ limit, with slack s ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bound {
-    pub(super) at: usize,
+    pub(super) index: usize,
     /// Index of the same variable one sample before, for a bound on a displacement.
     pub(super) before: Option<usize>,
     /// Sign of the bound: 1 for an upper bound, −1 for a lower one.
     pub(super) sign: f64,
-    room: f64,
+    limit: f64,
     /// Scale of the bounded quantity: a range or a displacement.
     pub(super) size: f64,
 }
 
 impl Bound {
-    fn way(&self, x: &[f64]) -> f64 {
+    fn value(&self, x: &[f64]) -> f64 {
         match self.before {
-            None => x[self.at],
-            Some(before) => x[self.at] - x[before],
+            None => x[self.index],
+            Some(before) => x[self.index] - x[before],
         }
     }
 
     pub(super) fn slack(&self, x: &[f64]) -> f64 {
-        self.room - self.sign * self.way(x)
+        self.limit - self.sign * self.value(x)
     }
 }
 
@@ -47,31 +47,31 @@ pub(super) struct Barrier<'a> {
     /// Linear changes of the slacks by a step.
     slack_steps: Vec<f64>,
     /// Quadratic decreases of the slacks of lengths by a full step.
-    bends: Vec<f64>,
-    /// Part of `bends` that the current step compensates.
-    allowed: Vec<f64>,
+    curvatures: Vec<f64>,
+    /// Part of `curvatures` that the current step compensates.
+    compensated: Vec<f64>,
     multiplier_steps: Vec<f64>,
 }
 
 impl<'a> Barrier<'a> {
     /// Creates the bounds of consecutive samples. Bounds between fixed samples are left out.
     pub(super) fn new(limits: &'a FrameBounds, fixed: &[bool]) -> Self {
-        let n = limits.most.len();
+        let n = limits.max_step.len();
         let mut bounds = Vec::new();
         for frame in 0..fixed.len() {
-            let moves = |variable: &usize| !limits.still[*variable];
+            let moves = |variable: &usize| !limits.is_constant[*variable];
             for variable in (0..n).filter(moves) {
-                let at = frame * n + variable;
+                let index = frame * n + variable;
                 let range = limits.upper[variable] - limits.lower[variable];
                 let range = if range.is_finite() { range } else { 1.0 };
-                let mut add = |before: Option<usize>, sign: f64, room: f64| {
-                    if room.is_finite() {
+                let mut add = |before: Option<usize>, sign: f64, limit: f64| {
+                    if limit.is_finite() {
                         bounds.push(Bound {
-                            at,
+                            index,
                             before,
                             sign,
-                            room,
-                            size: before.map_or(range, |_| limits.most[variable]),
+                            limit,
+                            size: before.map_or(range, |_| limits.max_step[variable]),
                         });
                     }
                 };
@@ -80,22 +80,22 @@ impl<'a> Barrier<'a> {
                     add(None, 1.0, limits.upper[variable]);
                 }
                 if frame > 0 && !(fixed[frame] && fixed[frame - 1]) {
-                    add(Some(at - n), -1.0, limits.most[variable]);
-                    add(Some(at - n), 1.0, limits.most[variable]);
+                    add(Some(index - n), -1.0, limits.max_step[variable]);
+                    add(Some(index - n), 1.0, limits.max_step[variable]);
                 }
             }
         }
         let mut lengths = Vec::new();
         for limit in &limits.lengths {
-            let first = usize::from(limit.is_of_move());
+            let first = usize::from(limit.limits_displacement());
             let moves = |frame: &usize| !(fixed[*frame] && (first == 0 || fixed[frame - 1]));
             let frames = (first..fixed.len()).filter(moves);
             lengths.extend(frames.map(|frame| LengthBound::new(limit, frame, n)));
         }
         let zero = vec![0.0; bounds.len() + lengths.len()];
         Self {
-            bends: vec![0.0; lengths.len()],
-            allowed: vec![0.0; lengths.len()],
+            curvatures: vec![0.0; lengths.len()],
+            compensated: vec![0.0; lengths.len()],
             lengths,
             slacks: zero.clone(),
             multipliers: zero.clone(),
@@ -115,21 +115,21 @@ impl<'a> Barrier<'a> {
     }
 
     /// Computes the slacks at x. Returns a variable of the first bound without positive slack, if there is one.
-    pub(super) fn look(&mut self, x: &[f64]) -> Option<usize> {
-        let (slacks, of_lengths) = self.slacks.split_at_mut(self.bounds.len());
+    pub(super) fn update(&mut self, x: &[f64]) -> Option<usize> {
+        let (slacks, length_slacks) = self.slacks.split_at_mut(self.bounds.len());
         for (slack, bound) in slacks.iter_mut().zip(&self.bounds) {
             *slack = bound.slack(x);
         }
-        for (slack, bound) in of_lengths.iter_mut().zip(&mut self.lengths) {
-            *slack = bound.look(x);
+        for (slack, bound) in length_slacks.iter_mut().zip(&mut self.lengths) {
+            *slack = bound.update(x);
         }
-        let broken = self
+        let violated = self
             .slacks
             .iter()
             .position(|slack| *slack <= 0.0 || slack.is_nan());
-        broken.map(|k| match self.bounds.get(k) {
-            Some(bound) => bound.at,
-            None => self.lengths[k - self.bounds.len()].at(),
+        violated.map(|k| match self.bounds.get(k) {
+            Some(bound) => bound.index,
+            None => self.lengths[k - self.bounds.len()].index(),
         })
     }
 
@@ -149,7 +149,7 @@ impl<'a> Barrier<'a> {
     /// Returns −Σ ln s at x; infinity beyond a bound.
     pub(super) fn cost(&self, x: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for bounds in self.bounds.chunks(TOGETHER) {
+        for bounds in self.bounds.chunks(SLACKS_PER_LOGARITHM) {
             let mut product = 1.0;
             for bound in bounds {
                 let slack = bound.slack(x);
@@ -173,8 +173,8 @@ impl<'a> Barrier<'a> {
     /// Returns the bounds of lengths with their slacks and multipliers.
     pub(super) fn with_lengths(&self) -> impl Iterator<Item = (&LengthBound<'a>, f64, f64)> {
         let pairs = self.slacks.iter().zip(&self.multipliers);
-        let own = self.lengths.iter().zip(pairs.skip(self.bounds.len()));
-        own.map(|(bound, (slack, multiplier))| (bound, *slack, *multiplier))
+        let lengths = self.lengths.iter().zip(pairs.skip(self.bounds.len()));
+        lengths.map(|(bound, (slack, multiplier))| (bound, *slack, *multiplier))
     }
 
     /// Adds Σ (z/s) a aᵀ and the curvature of the lengths to the Hessian.
@@ -182,7 +182,7 @@ impl<'a> Barrier<'a> {
         let stiffness = self.multipliers.iter().zip(&self.slacks);
         for (bound, (multiplier, slack)) in self.bounds.iter().zip(stiffness) {
             let stiff = multiplier / slack;
-            let (frame, variable) = (bound.at / variables, bound.at % variables);
+            let (frame, variable) = (bound.index / variables, bound.index % variables);
             hessian.add(frame, 0, variable, variable, stiff);
             if bound.before.is_some() {
                 hessian.add(frame - 1, 0, variable, variable, stiff);
@@ -195,108 +195,119 @@ impl<'a> Barrier<'a> {
     }
 
     /// Adds the barrier gradient for μ to the right-hand side of a step.
-    pub(super) fn add_push(&self, mu: f64, downhill: &mut [f64]) {
+    pub(super) fn add_force(&self, mu: f64, rhs: &mut [f64]) {
         for (bound, slack) in self.bounds.iter().zip(&self.slacks) {
             let push = bound.sign * mu / slack;
-            downhill[bound.at] -= push;
+            rhs[bound.index] -= push;
             if let Some(before) = bound.before {
-                downhill[before] += push;
+                rhs[before] += push;
             }
         }
         for (bound, slack, _) in self.with_lengths() {
-            bound.add_push(mu / slack, downhill);
+            bound.add_force(mu / slack, rhs);
         }
     }
 
     /// Computes the steps of slacks and multipliers for a step of x towards s z = μ.
-    pub(super) fn take_step(&mut self, step: &[f64], mu: f64) {
+    pub(super) fn compute_steps(&mut self, step: &[f64], mu: f64) {
         for (k, bound) in self.bounds.iter().enumerate() {
             let (slack, multiplier) = (self.slacks[k], self.multipliers[k]);
-            let by = -bound.sign * bound.way(step);
-            self.slack_steps[k] = by;
-            self.multiplier_steps[k] = (mu - multiplier * by) / slack - multiplier;
+            let slack_step = -bound.sign * bound.value(step);
+            self.slack_steps[k] = slack_step;
+            self.multiplier_steps[k] = (mu - multiplier * slack_step) / slack - multiplier;
         }
-        let plain = self.bounds.len();
+        let first_length = self.bounds.len();
         for (k, bound) in self.lengths.iter().enumerate() {
-            let (slack, multiplier) = (self.slacks[plain + k], self.multipliers[plain + k]);
-            let (by, bend) = bound.along(step);
-            self.slack_steps[plain + k] = by;
-            self.bends[k] = bend;
-            let allowed = by - self.allowed[k];
-            self.multiplier_steps[plain + k] = (mu - multiplier * allowed) / slack - multiplier;
+            let (slack, multiplier) = (
+                self.slacks[first_length + k],
+                self.multipliers[first_length + k],
+            );
+            let (slack_step, curvature) = bound.along(step);
+            self.slack_steps[first_length + k] = slack_step;
+            self.curvatures[k] = curvature;
+            let net_step = slack_step - self.compensated[k];
+            self.multiplier_steps[first_length + k] =
+                (mu - multiplier * net_step) / slack - multiplier;
         }
     }
 
     /// Stores the curvature of lengths along the last step. Returns whether there is any.
-    pub(super) fn bend(&mut self) -> bool {
-        self.allowed.copy_from_slice(&self.bends);
-        self.allowed.iter().any(|bend| *bend > 0.0)
+    pub(super) fn store_curvature(&mut self) -> bool {
+        self.compensated.copy_from_slice(&self.curvatures);
+        self.compensated.iter().any(|curvature| *curvature > 0.0)
     }
 
     /// Clears the stored curvature.
-    pub(super) fn forget_bends(&mut self) {
-        self.allowed.fill(0.0);
+    pub(super) fn clear_curvature(&mut self) {
+        self.compensated.fill(0.0);
     }
 
     /// Adds the stored curvature of lengths to the right-hand side of a step, as an inward force.
-    pub(super) fn add_bends(&self, downhill: &mut [f64]) {
-        for ((bound, slack, multiplier), bend) in self.with_lengths().zip(&self.allowed) {
-            bound.add_push(multiplier * bend / slack, downhill);
+    pub(super) fn add_curvature(&self, rhs: &mut [f64]) {
+        for ((bound, slack, multiplier), curvature) in self.with_lengths().zip(&self.compensated) {
+            bound.add_force(multiplier * curvature / slack, rhs);
         }
     }
 
     /// Returns the largest fractions of the step for slacks and for multipliers.
-    pub(super) fn longest(&self) -> (f64, f64) {
-        let (of_slacks, of_multipliers) = self.longest_straight();
-        let plain = self.bounds.len();
-        let steps = self.slacks[plain..].iter().zip(&self.slack_steps[plain..]);
+    pub(super) fn max_fractions(&self) -> (f64, f64) {
+        let (slack_fraction, multiplier_fraction) = self.max_linear_fractions();
+        let first_length = self.bounds.len();
+        let steps = self.slacks[first_length..]
+            .iter()
+            .zip(&self.slack_steps[first_length..]);
         // Fraction α at which the allowed part of the slack is used up: s + α ds − α² bend = (1 − 0.995) s.
-        let ends = steps.zip(&self.bends).map(|((slack, by), bend)| {
-            let root = (by * by + 4.0 * bend * TO_THE_BOUNDARY * slack).sqrt();
-            // The form without cancellation.
-            match *by < 0.0 {
-                true => 2.0 * TO_THE_BOUNDARY * slack / (root - by),
-                false => (root + by) / (2.0 * bend),
-            }
-        });
-        (ends.fold(of_slacks, f64::min), of_multipliers)
+        let ends = steps
+            .zip(&self.curvatures)
+            .map(|((slack, slack_step), curvature)| {
+                let root =
+                    (slack_step * slack_step + 4.0 * curvature * BOUNDARY_FRACTION * slack).sqrt();
+                // The form without cancellation.
+                match *slack_step < 0.0 {
+                    true => 2.0 * BOUNDARY_FRACTION * slack / (root - slack_step),
+                    false => (root + slack_step) / (2.0 * curvature),
+                }
+            });
+        (ends.fold(slack_fraction, f64::min), multiplier_fraction)
     }
 
-    fn longest_straight(&self) -> (f64, f64) {
-        let most = |values: &[f64], steps: &[f64]| {
+    fn max_linear_fractions(&self) -> (f64, f64) {
+        let max_fraction = |values: &[f64], steps: &[f64]| {
             let ends = values.iter().zip(steps).filter(|(_, step)| **step < 0.0);
-            ends.map(|(value, step)| -TO_THE_BOUNDARY * value / step)
+            ends.map(|(value, step)| -BOUNDARY_FRACTION * value / step)
                 .fold(1.0, f64::min)
         };
         (
-            most(&self.slacks, &self.slack_steps),
-            most(&self.multipliers, &self.multiplier_steps),
+            max_fraction(&self.slacks, &self.slack_steps),
+            max_fraction(&self.multipliers, &self.multiplier_steps),
         )
     }
 
     /// Returns Σ s z after fractions of the step.
-    pub(super) fn gap_after(&self, of_slacks: f64, of_multipliers: f64) -> f64 {
+    pub(super) fn gap_after(&self, slack_fraction: f64, multiplier_fraction: f64) -> f64 {
         let slacks = self.slacks.iter().zip(&self.slack_steps);
         let multipliers = self.multipliers.iter().zip(&self.multiplier_steps);
-        let straight: f64 = slacks
+        let linear: f64 = slacks
             .zip(multipliers)
-            .map(|((s, ds), (z, dz))| (s + of_slacks * ds) * (z + of_multipliers * dz))
+            .map(|((s, ds), (z, dz))| (s + slack_fraction * ds) * (z + multiplier_fraction * dz))
             .sum();
-        let plain = self.bounds.len();
-        let multipliers = self.multipliers[plain..].iter();
-        let multipliers = multipliers.zip(&self.multiplier_steps[plain..]);
-        let bent = self
-            .bends
+        let first_length = self.bounds.len();
+        let multipliers = self.multipliers[first_length..].iter();
+        let multipliers = multipliers.zip(&self.multiplier_steps[first_length..]);
+        let curved = self
+            .curvatures
             .iter()
             .zip(multipliers)
-            .map(|(bend, (z, dz))| of_slacks * of_slacks * bend * (z + of_multipliers * dz));
-        straight - bent.sum::<f64>()
+            .map(|(curvature, (z, dz))| {
+                slack_fraction * slack_fraction * curvature * (z + multiplier_fraction * dz)
+            });
+        linear - curved.sum::<f64>()
     }
 
     /// Moves the multipliers by a fraction of their step.
-    pub(super) fn move_multipliers(&mut self, share: f64) {
+    pub(super) fn move_multipliers(&mut self, fraction: f64) {
         for (multiplier, step) in self.multipliers.iter_mut().zip(&self.multiplier_steps) {
-            *multiplier += share * step;
+            *multiplier += fraction * step;
         }
     }
 }

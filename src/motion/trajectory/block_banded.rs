@@ -5,7 +5,7 @@ use crate::solver::dot;
 /// Tile size of the inner loops in both directions. Blocks are padded to a multiple of this size.
 const TILE: usize = 4;
 /// Pivot, relative to the largest diagonal entry, below which the matrix is not positive definite.
-const NEGLIGIBLE: f64 = 1e-14;
+const PIVOT_TOLERANCE: f64 = 1e-14;
 
 /// Upper triangle of a symmetric matrix whose block (s, t) is zero if |s − t| exceeds the bandwidth.
 #[derive(Clone, Debug)]
@@ -23,15 +23,15 @@ impl BlockBanded {
     pub(super) fn new(blocks: usize, order: usize, bandwidth: usize) -> Self {
         let padded = order.next_multiple_of(TILE);
         let width = (bandwidth + 1) * padded;
-        let mut own = Self {
+        let mut matrix = Self {
             blocks,
             order,
             padded,
             width,
             entries: vec![0.0; blocks * padded * width],
         };
-        own.clear();
-        own
+        matrix.clear();
+        matrix
     }
 
     /// Sets all entries to zero, and the padding to the identity.
@@ -39,8 +39,8 @@ impl BlockBanded {
         self.entries.fill(0.0);
         for block in 0..self.blocks {
             for k in self.order..self.padded {
-                let at = self.at(block, k) + k;
-                self.entries[at] = 1.0;
+                let index = self.row_start(block, k) + k;
+                self.entries[index] = 1.0;
             }
         }
     }
@@ -50,51 +50,58 @@ impl BlockBanded {
     }
 
     /// Returns the start of a row. The columns of the diagonal block come first.
-    fn at(&self, block: usize, row: usize) -> usize {
+    fn row_start(&self, block: usize, row: usize) -> usize {
         (block * self.padded + row) * self.width
     }
 
     /// Adds to an entry of the block (`block`, `block + ahead`). Diagonal blocks accept `row ≤ column` only.
-    pub(super) fn add(&mut self, block: usize, ahead: usize, row: usize, column: usize, by: f64) {
-        let at = self.at(block, row) + ahead * self.padded + column;
-        self.entries[at] += by;
+    pub(super) fn add(
+        &mut self,
+        block: usize,
+        ahead: usize,
+        row: usize,
+        column: usize,
+        value: f64,
+    ) {
+        let index = self.row_start(block, row) + ahead * self.padded + column;
+        self.entries[index] += value;
     }
 
     /// Returns a row of a diagonal block.
     pub(super) fn row_mut(&mut self, block: usize, row: usize) -> &mut [f64] {
-        let at = self.at(block, row);
-        &mut self.entries[at..at + self.order]
+        let start = self.row_start(block, row);
+        &mut self.entries[start..start + self.order]
     }
 
     /// Returns the largest diagonal entry.
     pub(super) fn largest(&self) -> f64 {
         let rows = (0..self.blocks).flat_map(|block| (0..self.order).map(move |k| (block, k)));
-        rows.map(|(block, k)| self.entries[self.at(block, k) + k])
+        rows.map(|(block, k)| self.entries[self.row_start(block, k) + k])
             .fold(0.0, f64::max)
     }
 
     /// Adds to all diagonal entries.
-    pub(super) fn add_to_diagonal(&mut self, by: f64) {
+    pub(super) fn add_to_diagonal(&mut self, value: f64) {
         for block in 0..self.blocks {
             for k in 0..self.order {
-                self.add(block, 0, k, k, by);
+                self.add(block, 0, k, k, value);
             }
         }
     }
 
     /// Eliminates one unknown: its row and column become those of the identity.
-    pub(super) fn take_out(&mut self, block: usize, unknown: usize) {
+    pub(super) fn eliminate(&mut self, block: usize, unknown: usize) {
         let bandwidth = self.width / self.padded - 1;
         for above in block.saturating_sub(bandwidth)..=block {
             let last = if above == block { unknown } else { self.order };
             for row in 0..last {
-                let at = self.at(above, row) + (block - above) * self.padded + unknown;
-                self.entries[at] = 0.0;
+                let index = self.row_start(above, row) + (block - above) * self.padded + unknown;
+                self.entries[index] = 0.0;
             }
         }
-        let at = self.at(block, unknown);
-        self.entries[at..at + self.width].fill(0.0);
-        self.entries[at + unknown] = 1.0;
+        let start = self.row_start(block, unknown);
+        self.entries[start..start + self.width].fill(0.0);
+        self.entries[start + unknown] = 1.0;
     }
 
     /// Computes Cholesky's A = UᵀU in place, block row by block row (Golub & Van Loan 2013, "Matrix Computations",
@@ -108,16 +115,16 @@ impl BlockBanded {
             width,
             ..
         } = *self;
-        let least = NEGLIGIBLE * self.largest();
+        let min_pivot = PIVOT_TOLERANCE * self.largest();
         let size = padded * width;
         for block in 0..blocks {
-            let (_, from_here) = self.entries.split_at_mut(block * size);
-            let (own, below) = from_here.split_at_mut(size);
+            let (_, remaining) = self.entries.split_at_mut(block * size);
+            let (block_rows, below) = remaining.split_at_mut(size);
             // Rows of the diagonal block, four at a time.
             for first in (0..padded).step_by(TILE) {
-                let (_, rest) = own.split_at_mut(first * width);
+                let (_, rest) = block_rows.split_at_mut(first * width);
                 let (four, later) = rest.split_at_mut(TILE * width);
-                if !factorise_rows(four, first, width, least) {
+                if !factorise_rows(four, first, width, min_pivot) {
                     return false;
                 }
                 for (k, rows) in later.chunks_exact_mut(TILE * width).enumerate() {
@@ -132,7 +139,7 @@ impl BlockBanded {
                     break;
                 }
                 for (row, rows) in next.chunks_exact_mut(TILE * width).enumerate() {
-                    subtract_products(rows, TILE * row, own, shift + TILE * row, width);
+                    subtract_products(rows, TILE * row, block_rows, shift + TILE * row, width);
                 }
             }
         }
@@ -140,7 +147,7 @@ impl BlockBanded {
     }
 
     /// Solves A x = b in place after [`factorise`](Self::factorise). The last argument is a buffer.
-    pub(super) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
+    pub(super) fn solve(&self, b: &mut [f64], buffer: &mut Vec<f64>) {
         let Self {
             blocks,
             order,
@@ -148,50 +155,50 @@ impl BlockBanded {
             width,
             ..
         } = *self;
-        room.clear();
-        room.resize(blocks * padded + width, 0.0);
-        for (to, from) in room.chunks_mut(padded).zip(b.chunks(order)) {
+        buffer.clear();
+        buffer.resize(blocks * padded + width, 0.0);
+        for (to, from) in buffer.chunks_mut(padded).zip(b.chunks(order)) {
             to[..order].copy_from_slice(from);
         }
         for row in 0..blocks * padded {
-            let own = row % padded;
-            let entries = &self.entries[row * width + own..(row + 1) * width];
-            let value = room[row] * entries[0];
-            room[row] = value;
-            for (rest, entry) in room[row + 1..].iter_mut().zip(&entries[1..]) {
+            let offset = row % padded;
+            let entries = &self.entries[row * width + offset..(row + 1) * width];
+            let value = buffer[row] * entries[0];
+            buffer[row] = value;
+            for (rest, entry) in buffer[row + 1..].iter_mut().zip(&entries[1..]) {
                 *rest -= value * entry;
             }
         }
         for row in (0..blocks * padded).rev() {
-            let own = row % padded;
-            let entries = &self.entries[row * width + own..(row + 1) * width];
-            let taken = dot(&entries[1..], &room[row + 1..]);
-            room[row] = (room[row] - taken) * entries[0];
+            let offset = row % padded;
+            let entries = &self.entries[row * width + offset..(row + 1) * width];
+            let product = dot(&entries[1..], &buffer[row + 1..]);
+            buffer[row] = (buffer[row] - product) * entries[0];
         }
-        for (from, to) in room.chunks(padded).zip(b.chunks_mut(order)) {
+        for (from, to) in buffer.chunks(padded).zip(b.chunks_mut(order)) {
             to.copy_from_slice(&from[..order]);
         }
     }
 }
 
 /// Factorises four rows whose diagonal begins at column `first`.
-fn factorise_rows(rows: &mut [f64], first: usize, width: usize, least: f64) -> bool {
+fn factorise_rows(rows: &mut [f64], first: usize, width: usize, min_pivot: f64) -> bool {
     for k in 0..TILE {
-        let (_, from_here) = rows.split_at_mut(k * width);
-        let (own, later) = from_here.split_at_mut(width);
-        let pivot = own[first + k];
-        if pivot <= least || pivot.is_nan() {
+        let (_, remaining) = rows.split_at_mut(k * width);
+        let (pivot_row, later) = remaining.split_at_mut(width);
+        let pivot = pivot_row[first + k];
+        if pivot <= min_pivot || pivot.is_nan() {
             return false;
         }
         let inverse = 1.0 / pivot.sqrt();
-        own[first + k] = inverse;
-        let own = &mut own[first + k + 1..];
-        own.iter_mut().for_each(|entry| *entry *= inverse);
+        pivot_row[first + k] = inverse;
+        let pivot_row = &mut pivot_row[first + k + 1..];
+        pivot_row.iter_mut().for_each(|entry| *entry *= inverse);
         for (ahead, row) in later.chunks_exact_mut(width).enumerate() {
-            let factor = own[ahead];
+            let factor = pivot_row[ahead];
             let row = &mut row[first + k + 1..];
-            for (entry, own) in row.iter_mut().zip(&*own) {
-                *entry -= factor * own;
+            for (entry, pivot_row) in row.iter_mut().zip(&*pivot_row) {
+                *entry -= factor * pivot_row;
             }
         }
     }
@@ -235,7 +242,7 @@ mod tests {
     use crate::random::RandomStream;
 
     #[test]
-    fn it_solves_as_a_dense_factorisation_does() {
+    fn solution_equals_dense_factorisation() {
         let mut random = RandomStream::new(3, 0);
         for (blocks, order, bandwidth) in [(1, 1, 1), (2, 3, 2), (7, 4, 1), (9, 5, 3), (6, 11, 2)] {
             let n = blocks * order;
@@ -243,8 +250,8 @@ mod tests {
             let mut dense = DMatrix::zeros(n, n);
             for a in 0..n {
                 for b in a..n.min((a / order + bandwidth + 1) * order) {
-                    let own = if a == b { 10.0 * n as f64 } else { 0.0 };
-                    let entry = own + 2.0 * random.unit() - 1.0;
+                    let diagonal = if a == b { 10.0 * n as f64 } else { 0.0 };
+                    let entry = diagonal + 2.0 * random.unit() - 1.0;
                     (dense[(a, b)], dense[(b, a)]) = (entry, entry);
                     banded.add(
                         a / order,
@@ -255,23 +262,23 @@ mod tests {
                     );
                 }
             }
-            let out = n / 2;
-            banded.take_out(out / order, out % order);
-            dense.row_mut(out).fill(0.0);
-            dense.column_mut(out).fill(0.0);
-            dense[(out, out)] = 1.0;
+            let removed = n / 2;
+            banded.eliminate(removed / order, removed % order);
+            dense.row_mut(removed).fill(0.0);
+            dense.column_mut(removed).fill(0.0);
+            dense[(removed, removed)] = 1.0;
             let b = DVector::from_fn(n, |_, _| random.unit());
             let expected = dense.cholesky().map(|factor| factor.solve(&b));
             assert!(banded.factorise());
-            let (mut x, mut room) = (b.as_slice().to_vec(), Vec::new());
-            banded.solve(&mut x, &mut room);
-            let miss = expected.map(|expected| (expected - DVector::from_vec(x)).amax());
-            assert!(miss.is_some_and(|miss| miss < 1e-14), "{miss:?}");
+            let (mut x, mut buffer) = (b.as_slice().to_vec(), Vec::new());
+            banded.solve(&mut x, &mut buffer);
+            let error = expected.map(|expected| (expected - DVector::from_vec(x)).amax());
+            assert!(error.is_some_and(|error| error < 1e-14), "{error:?}");
         }
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_refused() {
+    fn indefinite_matrix_is_rejected() {
         let mut banded = BlockBanded::new(2, 1, 1);
         for (block, ahead, entry) in [(0, 0, 1.0), (0, 1, 2.0), (1, 0, 1.0)] {
             banded.add(block, ahead, 0, 0, entry);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::bounds::FrameBounds;
+use super::contact_springs::{contact_problem, stiffness};
 use super::fixed_frames::fixed_frame;
-use super::held_points::{points_of, stiffness};
-use super::motion_problem::Follow;
+use super::motion_problem::SetTargets;
 use super::space::FrameSpace;
-use super::step_limits::{longest_slide, step_limits};
+use super::step_limits::{step_limits, translation_limit};
 use super::{Contact, MotionError, MotionProblem, RateCost};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::{JointRef, Limits, Model, ParameterMap, UnknownName};
@@ -22,7 +22,7 @@ pub struct MotionProblemBuilder<'m> {
     problem: ProblemBuilder<'m>,
     frames: usize,
     time_step_s: f64,
-    follow: Vec<Follow>,
+    follow: Vec<SetTargets>,
     weights: Vec<(usize, Vec<f64>)>,
     rate_costs: Vec<RateCost>,
     /// Velocity limit of each number of a configuration.
@@ -32,7 +32,7 @@ pub struct MotionProblemBuilder<'m> {
     contacts: Vec<Contact>,
     ends: [Option<Vec<f64>>; 2],
     /// First invalid name or number.
-    wrong: Option<MotionError>,
+    first_error: Option<MotionError>,
 }
 
 impl std::fmt::Debug for MotionProblemBuilder<'_> {
@@ -58,7 +58,7 @@ impl<'m> MotionProblemBuilder<'m> {
             free_speeds: Vec::new(),
             contacts: Vec::new(),
             ends: [None, None],
-            wrong: None,
+            first_error: None,
         }
     }
 
@@ -72,7 +72,7 @@ impl<'m> MotionProblemBuilder<'m> {
     pub fn bound<'a>(&mut self, joint: impl Into<JointRef<'a>>, limits: Limits) -> &mut Self {
         match joint.into().resolve(self.model) {
             Ok(joint) => drop(self.problem.bound(joint, limits)),
-            Err(unknown) => self.note(unknown),
+            Err(unknown) => self.record_error(unknown),
         }
         self
     }
@@ -129,10 +129,10 @@ impl<'m> MotionProblemBuilder<'m> {
                 let moving = self.model.moving_joints().iter();
                 let valid = moving.map(|id| self.model.joints()[id.index()].name.as_str());
                 let unknown = UnknownName::new("moving joint", fixed, valid);
-                self.note(unknown);
+                self.record_error(unknown);
             }
-            (Err(unknown), _) => self.note(unknown),
-            (_, Err(bad)) => self.note(bad),
+            (Err(unknown), _) => self.record_error(unknown),
+            (_, Err(bad)) => self.record_error(bad),
         }
         self
     }
@@ -146,11 +146,11 @@ impl<'m> MotionProblemBuilder<'m> {
         let slides = joints.map(|id| (id, &self.model.joints()[id.index()].name));
         let named = slides.filter_map(|(id, slide)| Some((*id, slide.strip_suffix("/x")?)));
         let named: Vec<_> = named.collect();
-        match named.iter().find(|(_, own)| *own == name) {
+        match named.iter().find(|(_, stem)| *stem == name) {
             Some((slide, _)) => {
                 for speed in [linear, angular] {
                     if let Err(bad) = BadOption::check("max_free_speed", speed, POSITIVE) {
-                        self.note(bad);
+                        self.record_error(bad);
                     }
                 }
                 self.free_speeds
@@ -158,9 +158,9 @@ impl<'m> MotionProblemBuilder<'m> {
                 self.max_speed(format!("{name}/rotation").as_str(), angular)
             }
             None => {
-                let valid = named.iter().map(|(_, own)| *own);
+                let valid = named.iter().map(|(_, stem)| *stem);
                 let unknown = UnknownName::new("free joint", name, valid);
-                self.note(unknown);
+                self.record_error(unknown);
                 self
             }
         }
@@ -178,8 +178,8 @@ impl<'m> MotionProblemBuilder<'m> {
     }
 
     fn limit_speed(&mut self, coordinate: usize, speed: f64) {
-        if let Some(own) = self.speeds.get_mut(coordinate) {
-            *own = own.min(speed);
+        if let Some(limit) = self.speeds.get_mut(coordinate) {
+            *limit = limit.min(speed);
         }
     }
 
@@ -201,8 +201,8 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    fn note(&mut self, wrong: impl Into<MotionError>) {
-        self.wrong.get_or_insert(wrong.into());
+    fn record_error(&mut self, first_error: impl Into<MotionError>) {
+        self.first_error.get_or_insert(first_error.into());
     }
 
     /// Checks all inputs and compiles the kinematics.
@@ -222,20 +222,20 @@ impl<'m> MotionProblemBuilder<'m> {
             time_step_s,
             ..
         } = self;
-        if let Some(wrong) = self.wrong {
-            return Err(wrong);
+        if let Some(first_error) = self.first_error {
+            return Err(first_error);
         }
         if frames == 0 {
             return Err(MotionError::NoFrames);
         }
         BadOption::check("time_step_s", time_step_s, POSITIVE)?;
         let problem = self.problem.build()?;
-        refuse_levels(&problem)?;
+        check_levels(&problem)?;
         let map = problem.parameters();
         let mut moves = step_limits(&problem, &self.speeds, time_step_s)?;
         for (first, speed) in self.free_speeds {
-            let slide = longest_slide(map, first, speed, time_step_s)?;
-            moves.together.extend(slide);
+            let limit = translation_limit(map, first, speed, time_step_s)?;
+            moves.lengths.extend(limit);
         }
         let compiled = self.rate_costs.iter();
         let rate_costs = compiled
@@ -244,11 +244,11 @@ impl<'m> MotionProblemBuilder<'m> {
         let mut weights = vec![Vec::new(); problem.tasks()];
         for (task, by_frame) in self.weights {
             check_weights(&problem, task, &by_frame, frames)?;
-            if let Some(own) = weights.get_mut(task) {
-                *own = by_frame;
+            if let Some(task_weights) = weights.get_mut(task) {
+                *task_weights = by_frame;
             }
         }
-        let held = points_of(model, map, &self.contacts, frames)?;
+        let contact_points = contact_problem(model, map, &self.contacts, frames)?;
         let mut ends = [None, None];
         for (end, q) in ends.iter_mut().zip(self.ends) {
             *end = q.map(|q| fixed_frame(&problem, &q)).transpose()?;
@@ -268,14 +268,14 @@ impl<'m> MotionProblemBuilder<'m> {
             weights,
             rate_costs,
             contacts: self.contacts,
-            held,
+            contact_points,
             ends,
         })
     }
 }
 
 /// Returns an error for required tasks on several levels, because all tasks are weighted together.
-fn refuse_levels(problem: &Problem) -> Result<(), MotionError> {
+fn check_levels(problem: &Problem) -> Result<(), MotionError> {
     let levels = &problem.names().task_levels;
     let below = (0..problem.tasks()).find(|&task| levels[task] > 0);
     match below {

@@ -44,7 +44,7 @@ impl Contact {
     }
 
     /// Returns whether the contact is active at a sample and the next.
-    pub(super) fn holds_from(&self, frame: usize) -> bool {
+    pub(super) fn is_active_over_step(&self, frame: usize) -> bool {
         self.span.contains(&frame) && self.span.contains(&(frame + 1))
     }
 }

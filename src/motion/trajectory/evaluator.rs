@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 
 use super::block_banded::BlockBanded;
+use super::contact_springs::ContactSprings;
 use super::frame_residuals::FrameResiduals;
-use super::held_points::HeldPoints;
 use super::{MotionCounts, MotionError, MotionProblem};
 use crate::solver::{InnerProducts, dot, half_squared};
 
 /// Step of finite differences, relative to a variable's unit.
-const ASIDE: f64 = 1e-6;
+const DIFFERENCE_STEP: f64 = 1e-6;
 
 /// Evaluator of samples of one trajectory, with its memory.
 pub(super) struct Evaluator<'a> {
@@ -19,11 +19,11 @@ pub(super) struct Evaluator<'a> {
     jacobian: DMatrix<f64>,
     products: InnerProducts,
     gram: Vec<f64>,
-    all: Vec<usize>,
-    ways: Vec<f64>,
+    all_variables: Vec<usize>,
+    differences: Vec<f64>,
     /// True for the full Hessian of each sample, false for JᵀJ.
     pub(super) curved: bool,
-    pub(super) held: HeldPoints<'a>,
+    pub(super) contact_springs: ContactSprings<'a>,
     pub(super) counts: MotionCounts,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Stretch {
     /// Index of the first sample in the trajectory.
     pub(super) first: usize,
     /// Number of leading samples that stay fixed.
-    pub(super) held: usize,
+    pub(super) fixed_count: usize,
 }
 
 impl<'a> Evaluator<'a> {
@@ -48,18 +48,18 @@ impl<'a> Evaluator<'a> {
             jacobian: DMatrix::zeros(rows, n),
             products,
             gram: vec![0.0; n * n],
-            all: (0..n).collect(),
-            ways: Vec::new(),
+            all_variables: (0..n).collect(),
+            differences: Vec::new(),
             curved: false,
-            held: HeldPoints::new(motion),
+            contact_springs: ContactSprings::new(motion),
             counts: MotionCounts::default(),
             motion,
         }
     }
 
     /// Returns each task's rows at a sample, without the sample's weights.
-    pub(super) fn unweighed(&mut self, frame: usize, x: &[f64]) -> &[f64] {
-        self.residuals.unweighed(frame, x, &mut self.residual);
+    pub(super) fn unweighted(&mut self, frame: usize, x: &[f64]) -> &[f64] {
+        self.residuals.unweighted(frame, x, &mut self.residual);
         &self.residual
     }
 
@@ -76,20 +76,20 @@ impl<'a> Evaluator<'a> {
     /// Computes the symmetric Hessian of ½‖r‖² of a sample's tasks by a step, from differences of its exact gradient.
     fn frame_hessian(&mut self, frame: usize, x: &[f64], gradient: &[f64]) {
         let n = x.len();
-        let mut aside = vec![0.0; n];
+        let mut offset = vec![0.0; n];
         let mut moved = vec![0.0; n];
         let mut slopes = vec![0.0; n];
         self.gram.fill(0.0);
         for k in 0..n {
-            aside[k] = ASIDE * self.motion.unit(k);
-            self.motion.space.integrate(x, 1.0, &aside, &mut moved);
+            offset[k] = DIFFERENCE_STEP * self.motion.unit(k);
+            self.motion.space.integrate(x, 1.0, &offset, &mut moved);
             self.frame_gradient(frame, &moved, &mut slopes);
             for (row, (slope, before)) in slopes.iter().zip(gradient).enumerate() {
-                let half = 0.5 * (slope - before) / aside[k];
+                let half = 0.5 * (slope - before) / offset[k];
                 self.gram[row * n + k] += half;
                 self.gram[k * n + row] += half;
             }
-            aside[k] = 0.0;
+            offset[k] = 0.0;
         }
     }
 
@@ -97,55 +97,68 @@ impl<'a> Evaluator<'a> {
     pub(super) fn frame_cost(&mut self, frame: usize, x: &[f64]) -> [f64; 2] {
         self.counts.residuals += 1;
         self.residuals.residual(frame, x, &mut self.residual);
-        let (tasks, loops) = self.residual.split_at(self.residuals.rows_of_tasks());
+        let (tasks, loops) = self.residual.split_at(self.residuals.task_rows());
         [half_squared(tasks), half_squared(loops)]
     }
 
     /// Updates the multipliers of loops at samples that are not fixed. Returns the largest closure error.
-    pub(super) fn tighten_loops(&mut self, at: Stretch, x: &[f64], fixed: &[bool]) -> f64 {
+    pub(super) fn update_loop_multipliers(
+        &mut self,
+        stretch: Stretch,
+        x: &[f64],
+        fixed: &[bool],
+    ) -> f64 {
         let n = self.motion.variables();
         let frames = x.chunks_exact(n).zip(fixed).enumerate();
-        let mut most = 0.0_f64;
+        let mut max_error = 0.0_f64;
         for (local, (x, _)) in frames.filter(|(_, (_, fixed))| !**fixed) {
-            let open = self
-                .residuals
-                .tighten(at.first + local, x, &mut self.residual);
-            most = most.max(open);
+            let error =
+                self.residuals
+                    .update_multipliers(stretch.first + local, x, &mut self.residual);
+            max_error = max_error.max(error);
         }
-        self.residuals.stiffen(most);
-        most
+        self.residuals.increase_penalty(max_error);
+        max_error
     }
 
     /// Resets the multipliers for other samples.
-    pub(super) fn begin(&mut self, frames: usize) {
-        self.held.begin(frames);
-        self.residuals.begin();
+    pub(super) fn reset(&mut self, frames: usize) {
+        self.contact_springs.reset(frames);
+        self.residuals.reset();
     }
 
     /// Returns the cost of tasks and rates, and the penalty of contacts and loops.
-    pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> [f64; 2] {
+    pub(super) fn cost(&mut self, stretch: Stretch, x: &[f64]) -> [f64; 2] {
         let n = self.motion.variables();
         let (mut tasks, mut loops) = (0.0, 0.0);
-        for (frame, x) in x.chunks_exact(n).enumerate().skip(at.held) {
-            let [own, open] = self.frame_cost(at.first + frame, x);
-            tasks += own;
-            loops += open;
+        for (frame, x) in x.chunks_exact(n).enumerate().skip(stretch.fixed_count) {
+            let [task_cost, loop_cost] = self.frame_cost(stretch.first + frame, x);
+            tasks += task_cost;
+            loops += loop_cost;
         }
-        [tasks + self.rates(at, x), self.held.cost(at, x) + loops]
+        [
+            tasks + self.rates(stretch, x),
+            self.contact_springs.cost(stretch, x) + loops,
+        ]
     }
 
     /// Returns the cost of rates, and stores the differences between samples.
-    pub(super) fn rates(&mut self, at: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn rates(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
         let n = self.motion.variables();
         let frames = x.len() / n;
-        self.ways.resize((frames - 1) * n, 0.0);
+        self.differences.resize((frames - 1) * n, 0.0);
         let pairs = x.chunks_exact(n).zip(x[n..].chunks_exact(n));
-        for ((from, to), way) in pairs.zip(self.ways.chunks_exact_mut(n)) {
-            self.motion.space.difference(to, from, way);
+        for ((from, to), difference) in pairs.zip(self.differences.chunks_exact_mut(n)) {
+            self.motion.space.difference(to, from, difference);
         }
         let costs = self.motion.rate_costs.iter();
         costs
-            .map(|cost| cost.cost(&self.ways, at.held.saturating_sub(cost.order)))
+            .map(|cost| {
+                cost.cost(
+                    &self.differences,
+                    stretch.fixed_count.saturating_sub(cost.order),
+                )
+            })
             .sum()
     }
 
@@ -155,7 +168,7 @@ impl<'a> Evaluator<'a> {
     /// Returns an error if a sample has a number that is not finite.
     pub(super) fn linearise(
         &mut self,
-        at: Stretch,
+        stretch: Stretch,
         x: &[f64],
         hessian: &mut BlockBanded,
         gradient: &mut [f64],
@@ -164,24 +177,26 @@ impl<'a> Evaluator<'a> {
         hessian.clear();
         gradient.fill(0.0);
         let (mut tasks, mut loops) = (0.0, 0.0);
-        let mut slopes_of_frame = Vec::with_capacity(n);
-        for (local, x) in x.chunks_exact(n).enumerate().skip(at.held) {
-            let frame = at.first + local;
-            let [cost, open] = self.frame_cost(frame, x);
+        let mut gradient_copy = Vec::with_capacity(n);
+        for (local, x) in x.chunks_exact(n).enumerate().skip(stretch.fixed_count) {
+            let frame = stretch.first + local;
+            let [cost, loop_cost] = self.frame_cost(frame, x);
             self.differentiate(frame, x);
-            let own = &mut gradient[local * n..(local + 1) * n];
+            let sample_gradient = &mut gradient[local * n..(local + 1) * n];
             let slopes = self.jacobian.column_iter();
-            for (slope, column) in own.iter_mut().zip(slopes) {
+            for (slope, column) in sample_gradient.iter_mut().zip(slopes) {
                 *slope += dot(column.as_slice(), &self.residual);
             }
-            if !((cost + open).is_finite() && own.iter().all(|slope| slope.is_finite())) {
+            if !((cost + loop_cost).is_finite()
+                && sample_gradient.iter().all(|slope| slope.is_finite()))
+            {
                 return Err(MotionError::NotFinite { frame });
             }
             match self.curved {
-                false => (self.products).fill(&self.jacobian, &self.all, &mut self.gram),
+                false => (self.products).fill(&self.jacobian, &self.all_variables, &mut self.gram),
                 true => {
-                    own.clone_into(&mut slopes_of_frame);
-                    self.frame_hessian(frame, x, &slopes_of_frame);
+                    sample_gradient.clone_into(&mut gradient_copy);
+                    self.frame_hessian(frame, x, &gradient_copy);
                 }
             }
             for row in 0..n {
@@ -191,15 +206,24 @@ impl<'a> Evaluator<'a> {
                 }
             }
             tasks += cost;
-            loops += open;
+            loops += loop_cost;
         }
-        let rates = self.rates(at, x);
+        let rates = self.rates(stretch, x);
         for cost in &self.motion.rate_costs {
-            let first = at.held.saturating_sub(cost.order);
-            cost.add_to(&self.motion.space, x, &self.ways, first, hessian, gradient);
+            let first = stretch.fixed_count.saturating_sub(cost.order);
+            cost.add_to(
+                &self.motion.space,
+                x,
+                &self.differences,
+                first,
+                hessian,
+                gradient,
+            );
         }
-        let held = self.held.linearise(at, x, hessian, gradient);
-        Ok([tasks + rates, held + loops])
+        let contacts = self
+            .contact_springs
+            .linearise(stretch, x, hessian, gradient);
+        Ok([tasks + rates, contacts + loops])
     }
 
     /// Computes J of a sample's tasks by steps of its variables.

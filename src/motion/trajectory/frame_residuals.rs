@@ -16,86 +16,86 @@ pub(super) struct FrameResiduals<'a> {
     scratch: Scratch,
     targets: Targets,
     /// Sample of the current targets.
-    at: Option<usize>,
+    current_frame: Option<usize>,
     /// True for derivatives by steps that respect the limits of ball joints, false for derivatives by the variables.
-    edges: bool,
+    respects_limits: bool,
     /// Index of the first loop row.
-    rows_of_tasks: usize,
+    task_rows: usize,
     /// Scaled multiplier (offset) of each loop row, sample by sample.
-    rests: Vec<f64>,
+    offsets: Vec<f64>,
     /// Weight of a closure error, per metre or radian.
     stiffness: f64,
     /// Largest closure error at the last multiplier update.
-    open: f64,
+    closure_error: f64,
 }
 
 /// Initial penalty of loops, relative to its maximum.
-const SOFT: f64 = 0.01;
+const INITIAL_PENALTY_RATIO: f64 = 0.01;
 /// Ratio of closure errors above which the penalty increases, and the factor of the increase.
-const FAST: f64 = 0.25;
-const STIFFEN: f64 = 10.0;
+const MAX_ERROR_RATIO: f64 = 0.25;
+const PENALTY_FACTOR: f64 = 10.0;
 
 impl<'a> FrameResiduals<'a> {
     pub(super) fn new(motion: &'a MotionProblem) -> Self {
         Self {
             scratch: motion.problem.scratch(),
             targets: motion.problem.targets(),
-            at: None,
-            edges: true,
-            rows_of_tasks: motion.rows_of_tasks(),
-            rests: vec![0.0; motion.frames * (motion.problem.rows() - motion.rows_of_tasks())],
-            stiffness: SOFT * motion.stiffness,
-            open: f64::INFINITY,
+            current_frame: None,
+            respects_limits: true,
+            task_rows: motion.task_rows(),
+            offsets: vec![0.0; motion.frames * (motion.problem.rows() - motion.task_rows())],
+            stiffness: INITIAL_PENALTY_RATIO * motion.stiffness,
+            closure_error: f64::INFINITY,
             motion,
         }
     }
 
     getters! {
         /// Number of task rows. Loop rows follow them.
-        pub(super) fn rows_of_tasks(&self) -> usize = self.rows_of_tasks;
+        pub(super) fn task_rows(&self) -> usize = self.task_rows;
     }
 
     setters! {
         /// Selects derivatives by the variables everywhere.
-        pub(super) fn by_variables(mut self) { self.edges = false }
+        pub(super) fn by_variables(mut self) { self.respects_limits = false }
     }
 
     fn evaluation(&mut self, frame: usize) -> Evaluation<'_> {
-        if self.at != Some(frame) {
-            self.motion.move_targets(frame, &mut self.targets);
-            self.at = Some(frame);
+        if self.current_frame != Some(frame) {
+            self.motion.set_targets(frame, &mut self.targets);
+            self.current_frame = Some(frame);
         }
-        let question = ProblemInstance::from(&self.motion.problem).with_targets(&self.targets);
-        let question = match self.edges {
-            true => question,
-            false => question.by_variables(),
+        let instance = ProblemInstance::from(&self.motion.problem).with_targets(&self.targets);
+        let instance = match self.respects_limits {
+            true => instance,
+            false => instance.by_variables(),
         };
-        Evaluation::new(question, &mut self.scratch)
+        Evaluation::new(instance, &mut self.scratch)
     }
 
     /// Writes each task's rows, without the sample's weights.
-    pub(super) fn unweighed(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
+    pub(super) fn unweighted(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
         self.evaluation(frame).residual(x, residual);
     }
 
     /// Writes r of a sample.
     pub(super) fn residual(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
-        self.unweighed(frame, x, residual);
-        let loops = &mut residual[self.rows_of_tasks..];
-        let rests = &self.rests[frame * loops.len()..];
-        for (row, rest) in loops.iter_mut().zip(rests) {
-            *row += rest;
+        self.unweighted(frame, x, residual);
+        let loops = &mut residual[self.task_rows..];
+        let offsets = &self.offsets[frame * loops.len()..];
+        for (row, offset) in loops.iter_mut().zip(offsets) {
+            *row += offset;
         }
-        self.weigh(frame, residual);
+        self.apply_weights(frame, residual);
     }
 
     /// Writes ∂r/∂x of a sample, by its variables.
     pub(super) fn jacobian(&mut self, frame: usize, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.evaluation(frame).jacobian(x, jacobian);
         let rows = jacobian.nrows();
-        if self.motion.weighs(frame) || self.rows_of_tasks < rows {
+        if self.motion.has_weights(frame) || self.task_rows < rows {
             for column in jacobian.as_mut_slice().chunks_exact_mut(rows) {
-                self.weigh(frame, column);
+                self.apply_weights(frame, column);
             }
         }
     }
@@ -109,42 +109,47 @@ impl<'a> FrameResiduals<'a> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.weigh(frame, residual);
+        self.apply_weights(frame, residual);
         self.evaluation(frame)
             .gradient(x, residual, gradient, jacobian);
     }
 
     /// Resets the last closure error for other samples.
-    pub(super) fn begin(&mut self) {
-        self.open = f64::INFINITY;
+    pub(super) fn reset(&mut self) {
+        self.closure_error = f64::INFINITY;
     }
 
     /// Increases the penalty of loops if the closure error has not decreased fast enough. The forces stay unchanged.
-    pub(super) fn stiffen(&mut self, open: f64) {
-        if open > FAST * self.open {
-            let stiffer = (STIFFEN * self.stiffness).min(self.motion.stiffness);
-            let softer = self.stiffness / stiffer;
-            self.rests
+    pub(super) fn increase_penalty(&mut self, closure_error: f64) {
+        if closure_error > MAX_ERROR_RATIO * self.closure_error {
+            let increased = (PENALTY_FACTOR * self.stiffness).min(self.motion.stiffness);
+            let ratio = self.stiffness / increased;
+            self.offsets
                 .iter_mut()
-                .for_each(|rest| *rest *= softer * softer);
-            self.stiffness = stiffer;
+                .for_each(|offset| *offset *= ratio * ratio);
+            self.stiffness = increased;
         }
-        self.open = open;
+        self.closure_error = closure_error;
     }
 
     /// Updates the multipliers of a sample's loops. Returns the largest closure error, metres or radians.
-    pub(super) fn tighten(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) -> f64 {
-        self.unweighed(frame, x, residual);
-        let loops = &residual[self.rows_of_tasks..];
-        let rests = &mut self.rests[frame * loops.len()..];
-        for (rest, row) in rests.iter_mut().zip(loops) {
-            *rest += row;
+    pub(super) fn update_multipliers(
+        &mut self,
+        frame: usize,
+        x: &[f64],
+        residual: &mut [f64],
+    ) -> f64 {
+        self.unweighted(frame, x, residual);
+        let loops = &residual[self.task_rows..];
+        let offsets = &mut self.offsets[frame * loops.len()..];
+        for (offset, row) in offsets.iter_mut().zip(loops) {
+            *offset += row;
         }
-        self.motion.open_by(residual)
+        self.motion.max_closure_error(residual)
     }
 
     /// Multiplies the rows of each task by its weight at a sample.
-    fn weigh(&self, frame: usize, rows: &mut [f64]) {
+    fn apply_weights(&self, frame: usize, rows: &mut [f64]) {
         for (index, task) in self.motion.problem.compiled_tasks().iter().enumerate() {
             let weight = match task.is_loop {
                 true => self.stiffness,
@@ -159,14 +164,14 @@ impl<'a> FrameResiduals<'a> {
 }
 
 /// Least-squares problem of a single sample with its own bounds.
-pub(super) struct FrameAlone<'r, 'a> {
+pub(super) struct SingleFrame<'r, 'a> {
     pub(super) residuals: &'r mut FrameResiduals<'a>,
     pub(super) frame: usize,
     pub(super) lower: &'r [f64],
     pub(super) upper: &'r [f64],
 }
 
-impl LeastSquares for FrameAlone<'_, '_> {
+impl LeastSquares for SingleFrame<'_, '_> {
     answers! {
         fn variables(&self) -> usize = self.residuals.motion.variables();
         fn rows(&self) -> usize = self.residuals.motion.problem.rows();
@@ -176,8 +181,8 @@ impl LeastSquares for FrameAlone<'_, '_> {
     }
 
     fn space(&self) -> ConfigurationSpace<'_> {
-        let question = ProblemInstance::from(&self.residuals.motion.problem);
-        question.within(self.lower, self.upper, &[]).space()
+        let instance = ProblemInstance::from(&self.residuals.motion.problem);
+        instance.within(self.lower, self.upper, &[]).space()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {

@@ -16,27 +16,27 @@ use crate::model::Loop;
 use crate::solver::dot;
 
 /// Initial Σ s z, relative to the cost.
-const FIRST_GAP: f64 = 0.1;
+const INITIAL_GAP_RATIO: f64 = 0.1;
 /// Smallest ratio of actual to predicted decrease (Armijo), and maximum number of halvings.
-const SUFFICIENT: f64 = 1e-4;
+const ARMIJO_RATIO: f64 = 1e-4;
 const HALVINGS: usize = 12;
 /// First damping after a failed step, relative to the largest diagonal entry, and the factors of its increase and
 /// decrease.
-const FIRST_DAMPING: f64 = 1e-6;
-const MORE_DAMPING: f64 = 10.0;
-const LESS_DAMPING: f64 = 0.1;
+const INITIAL_DAMPING: f64 = 1e-6;
+const DAMPING_INCREASE: f64 = 10.0;
+const DAMPING_DECREASE: f64 = 0.1;
 /// Smallest damping, which keeps undetermined variables fixed, and largest damping that is tried.
-const LEAST_DAMPING: f64 = 1e-13;
-const MOST_DAMPING: f64 = 1e3;
+const MIN_DAMPING: f64 = 1e-13;
+const MAX_DAMPING: f64 = 1e3;
 /// Smallest ratio of successive values of μ.
-const LEAST_CENTRING: f64 = 1e-4;
+const MIN_CENTRING: f64 = 1e-4;
 /// Smallest Σ s z relative to the other predicted decrease; keeps the iterates away from bounds at first.
-const LEAST_GAP: f64 = 0.3;
+const MIN_GAP_RATIO: f64 = 0.3;
 /// Number of Gauss-Newton steps before the full Hessian is used.
-const PLAIN_STEPS: usize = 10;
+const GAUSS_NEWTON_STEPS: usize = 10;
 /// Maximum number of multiplier updates; more with loops, whose penalty starts softer.
-const MOST_TIGHTENINGS: usize = 6;
-const MOST_TIGHTENINGS_OF_LOOPS: usize = 30;
+const MAX_MULTIPLIER_UPDATES: usize = 6;
+const MAX_LOOP_MULTIPLIER_UPDATES: usize = 30;
 
 /// Stopping criteria and options.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ pub(super) struct Limits {
 pub(super) struct Window<'a, 'e> {
     pub(super) motion: &'a MotionProblem,
     pub(super) evaluator: &'e mut Evaluator<'a>,
-    pub(super) at: Stretch,
+    pub(super) stretch: Stretch,
     pub(super) fixed: Vec<bool>,
     /// Flag that cancels the search.
     pub(super) cancelled: Option<&'e AtomicBool>,
@@ -76,10 +76,10 @@ struct Step {
     hessian: BlockBanded,
     factor: BlockBanded,
     gradient: Vec<f64>,
-    way: Vec<f64>,
-    room: Vec<f64>,
+    direction: Vec<f64>,
+    buffer: Vec<f64>,
     damping: f64,
-    was_cut: bool,
+    was_shortened: bool,
 }
 
 impl<'a> Window<'a, '_> {
@@ -92,62 +92,68 @@ impl<'a> Window<'a, '_> {
         let n = self.motion.variables();
         let frames = self.fixed.len();
         let fixed = &self.fixed;
-        let within = self
+        let moved = self
             .motion
             .bounds
-            .draw_within(&mut Frames { x, fixed }, limits.inward);
-        within.map_err(|too_far| self.too_far(too_far.variable))?;
-        self.evaluator.begin(frames);
+            .move_inside(&mut Frames { x, fixed }, limits.inward);
+        moved.map_err(|too_far| self.too_far(too_far.variable))?;
+        self.evaluator.reset(frames);
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
-        if let Some(at) = barrier.look(x) {
-            return Err(self.too_far(at % n));
+        if let Some(variable) = barrier.update(x) {
+            return Err(self.too_far(variable % n));
         }
         let hessian = BlockBanded::new(frames, n, self.motion.bandwidth());
         let mut step = Step {
             factor: hessian.clone(),
             hessian,
             gradient: vec![0.0; frames * n],
-            way: vec![0.0; frames * n],
-            room: Vec::new(),
+            direction: vec![0.0; frames * n],
+            buffer: Vec::new(),
             damping: 0.0,
-            was_cut: false,
+            was_shortened: false,
         };
-        let most_tightenings = match self.motion.has_loops() {
-            true => MOST_TIGHTENINGS_OF_LOOPS,
-            false => MOST_TIGHTENINGS,
+        let max_updates = match self.motion.has_loops() {
+            true => MAX_LOOP_MULTIPLIER_UPDATES,
+            false => MAX_MULTIPLIER_UPDATES,
         };
-        let (mut iterations, mut tightenings) = (0, 0);
+        let (mut iterations, mut updates) = (0, 0);
         let mut termination = MotionTermination::IterationLimit;
         let mut last_cost = f64::INFINITY;
         while iterations < limits.iterations {
             if (self.cancelled).is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
                 return Err(MotionError::Cancelled);
             }
-            self.evaluator.curved = limits.curvature && (step.was_cut || iterations >= PLAIN_STEPS);
+            self.evaluator.curved =
+                limits.curvature && (step.was_shortened || iterations >= GAUSS_NEWTON_STEPS);
             let costs = self.linearise(x, &mut step)?;
             let cost = costs[0] + costs[1];
             last_cost = costs[0];
             if iterations == 0 && !barrier.is_empty() {
-                let least = f64::MIN_POSITIVE.sqrt();
-                barrier.centre((FIRST_GAP * cost).max(least) / barrier.len() as f64);
+                let min_gap = f64::MIN_POSITIVE.sqrt();
+                barrier.centre((INITIAL_GAP_RATIO * cost).max(min_gap) / barrier.len() as f64);
             }
             barrier.add_to(n, &mut step.hessian);
-            self.take_out_fixed(&mut step.hessian);
+            self.eliminate_fixed(&mut step.hessian);
             iterations += 1;
-            let won = self.step(x, cost, &mut barrier, &mut step)?;
-            let Some((promised, gap)) = won else {
+            let result = self.step(x, cost, &mut barrier, &mut step)?;
+            let Some((predicted, gap)) = result else {
                 termination = MotionTermination::SmallStep;
                 break;
             };
-            if promised + gap <= limits.tolerance * costs[0] {
-                let slip = self.evaluator.held.tighten(self.at, x);
-                let open = self.evaluator.tighten_loops(self.at, x, &self.fixed);
-                let holds = slip <= limits.slip_m && open <= Loop::TOLERANCE;
-                if holds || tightenings == most_tightenings {
+            if predicted + gap <= limits.tolerance * costs[0] {
+                let slip = self
+                    .evaluator
+                    .contact_springs
+                    .update_multipliers(self.stretch, x);
+                let closure_error =
+                    self.evaluator
+                        .update_loop_multipliers(self.stretch, x, &self.fixed);
+                let within_tolerance = slip <= limits.slip_m && closure_error <= Loop::TOLERANCE;
+                if within_tolerance || updates == max_updates {
                     termination = MotionTermination::Stationary;
                     break;
                 }
-                tightenings += 1;
+                updates += 1;
             }
         }
         Ok(Outcome {
@@ -162,7 +168,7 @@ impl<'a> Window<'a, '_> {
         let Step {
             hessian, gradient, ..
         } = step;
-        self.evaluator.linearise(self.at, x, hessian, gradient)
+        self.evaluator.linearise(self.stretch, x, hessian, gradient)
     }
 
     /// Takes one step. Returns its predicted decrease and the new Σ s z, or `None` if no step decreases the merit.
@@ -177,59 +183,65 @@ impl<'a> Window<'a, '_> {
         let mut trial = x.to_vec();
         loop {
             self.factorise(step, largest);
-            barrier.forget_bends();
+            barrier.clear_curvature();
             // The Σ s z after a full step with μ = 0 determines how far μ may decrease.
             let mu = match barrier.is_empty() {
                 true => 0.0,
                 false => {
-                    let to_win = 0.5 * self.aim(step, barrier, 0.0);
-                    barrier.take_step(&step.way, 0.0);
-                    let (of_slacks, of_multipliers) = barrier.longest();
+                    let predicted_gain = 0.5 * self.solve_step(step, barrier, 0.0);
+                    barrier.compute_steps(&step.direction, 0.0);
+                    let (slack_fraction, multiplier_fraction) = barrier.max_fractions();
                     let gap = barrier.gap();
-                    let left = barrier.gap_after(of_slacks, of_multipliers) / gap;
-                    let centring = (left * left * left).clamp(LEAST_CENTRING, 1.0);
-                    (centring * gap).max(LEAST_GAP * to_win) / barrier.len() as f64
+                    let ratio = barrier.gap_after(slack_fraction, multiplier_fraction) / gap;
+                    let centring = (ratio * ratio * ratio).clamp(MIN_CENTRING, 1.0);
+                    (centring * gap).max(MIN_GAP_RATIO * predicted_gain) / barrier.len() as f64
                 }
             };
-            let mut downhill = self.aim(step, barrier, mu);
-            barrier.take_step(&step.way, mu);
-            if barrier.bend() {
-                downhill = self.aim_bent(step, barrier, mu).unwrap_or(downhill);
-                barrier.take_step(&step.way, mu);
+            let mut slope = self.solve_step(step, barrier, mu);
+            barrier.compute_steps(&step.direction, mu);
+            if barrier.store_curvature() {
+                slope = self.solve_curved_step(step, barrier, mu).unwrap_or(slope);
+                barrier.compute_steps(&step.direction, mu);
             }
-            let (longest, of_multipliers) = barrier.longest();
+            let (max_fractions, multiplier_fraction) = barrier.max_fractions();
             let merit = cost + mu * barrier.cost(x);
-            let mut share = longest;
+            let mut step_scale = max_fractions;
             for _ in 0..HALVINGS {
-                self.move_by(x, share, &step.way, &mut trial);
-                let beyond = mu * barrier.cost(&trial);
-                let trial_cost = match beyond.is_finite() {
-                    true => self.evaluator.cost(self.at, &trial).iter().sum::<f64>() + beyond,
+                self.move_by(x, step_scale, &step.direction, &mut trial);
+                let trial_barrier = mu * barrier.cost(&trial);
+                let trial_cost = match trial_barrier.is_finite() {
+                    true => {
+                        self.evaluator
+                            .cost(self.stretch, &trial)
+                            .iter()
+                            .sum::<f64>()
+                            + trial_barrier
+                    }
                     false => f64::INFINITY,
                 };
-                let enough = merit - SUFFICIENT * share * downhill;
+                let threshold = merit - ARMIJO_RATIO * step_scale * slope;
                 // Steps whose decrease is within rounding are accepted.
-                if trial_cost <= enough + 4.0 * f64::EPSILON * merit.abs() {
+                if trial_cost <= threshold + 4.0 * f64::EPSILON * merit.abs() {
                     x.copy_from_slice(&trial);
-                    barrier.move_multipliers(of_multipliers);
-                    if let Some(at) = barrier.look(x) {
-                        return Err(self.too_far(at % self.motion.variables()));
+                    barrier.move_multipliers(multiplier_fraction);
+                    if let Some(variable) = barrier.update(x) {
+                        return Err(self.too_far(variable % self.motion.variables()));
                     }
-                    if share == longest {
-                        step.damping *= LESS_DAMPING;
+                    if step_scale == max_fractions {
+                        step.damping *= DAMPING_DECREASE;
                     } else {
                         // JᵀJ overestimated the decrease.
-                        step.was_cut = true;
+                        step.was_shortened = true;
                     }
-                    let promised = 0.5 * downhill.max(0.0) / share;
-                    return Ok(Some((promised, barrier.gap())));
+                    let predicted = 0.5 * slope.max(0.0) / step_scale;
+                    return Ok(Some((predicted, barrier.gap())));
                 }
-                share *= 0.5;
+                step_scale *= 0.5;
             }
-            if step.damping > MOST_DAMPING {
+            if step.damping > MAX_DAMPING {
                 return Ok(None);
             }
-            step.damping = (MORE_DAMPING * step.damping).max(FIRST_DAMPING);
+            step.damping = (DAMPING_INCREASE * step.damping).max(INITIAL_DAMPING);
         }
     }
 
@@ -237,80 +249,88 @@ impl<'a> Window<'a, '_> {
     fn factorise(&mut self, step: &mut Step, largest: f64) {
         loop {
             step.factor.copy_from(&step.hessian);
-            let damping = step.damping.max(LEAST_DAMPING) * largest;
+            let damping = step.damping.max(MIN_DAMPING) * largest;
             step.factor.add_to_diagonal(damping);
             self.evaluator.counts.factored_frames += self.fixed.len();
-            if step.factor.factorise() || step.damping > MOST_DAMPING {
+            if step.factor.factorise() || step.damping > MAX_DAMPING {
                 return;
             }
-            step.damping = (MORE_DAMPING * step.damping).max(FIRST_DAMPING);
+            step.damping = (DAMPING_INCREASE * step.damping).max(INITIAL_DAMPING);
         }
     }
 
     /// Solves for the step with barrier parameter μ. Returns the slope of the barrier problem along it.
-    fn aim(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
-        let way = &mut step.way;
-        for (way, slope) in way.iter_mut().zip(&step.gradient) {
-            *way = -slope;
+    fn solve_step(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
+        let direction = &mut step.direction;
+        for (direction, slope) in direction.iter_mut().zip(&step.gradient) {
+            *direction = -slope;
         }
-        barrier.add_push(mu, way);
-        self.keep_fixed(way);
-        let downhill = way.clone();
-        step.factor.solve(way, &mut step.room);
-        self.keep_fixed(way);
-        dot(&downhill, way)
+        barrier.add_force(mu, direction);
+        self.keep_fixed(direction);
+        let rhs = direction.clone();
+        step.factor.solve(direction, &mut step.buffer);
+        self.keep_fixed(direction);
+        dot(&rhs, direction)
     }
 
     /// Corrects the step for the curvature of length bounds, so that it follows them instead of being cut.
     ///
     /// Returns the slope of the barrier problem along the step. Returns `None` and keeps the step if that is not a
     /// descent direction.
-    fn aim_bent(&self, step: &mut Step, barrier: &mut Barrier<'_>, mu: f64) -> Option<f64> {
-        let straight = step.way.clone();
+    fn solve_curved_step(
+        &self,
+        step: &mut Step,
+        barrier: &mut Barrier<'_>,
+        mu: f64,
+    ) -> Option<f64> {
+        let uncorrected = step.direction.clone();
         let mut steepest: Vec<f64> = step.gradient.iter().map(|slope| -slope).collect();
-        barrier.add_push(mu, &mut steepest);
-        step.way.copy_from_slice(&steepest);
-        barrier.add_bends(&mut step.way);
-        self.keep_fixed(&mut step.way);
-        step.factor.solve(&mut step.way, &mut step.room);
-        self.keep_fixed(&mut step.way);
-        let downhill = dot(&steepest, &step.way);
-        if downhill > 0.0 {
-            return Some(downhill);
+        barrier.add_force(mu, &mut steepest);
+        step.direction.copy_from_slice(&steepest);
+        barrier.add_curvature(&mut step.direction);
+        self.keep_fixed(&mut step.direction);
+        step.factor.solve(&mut step.direction, &mut step.buffer);
+        self.keep_fixed(&mut step.direction);
+        let slope = dot(&steepest, &step.direction);
+        if slope > 0.0 {
+            return Some(slope);
         }
-        barrier.forget_bends();
-        step.way.copy_from_slice(&straight);
+        barrier.clear_curvature();
+        step.direction.copy_from_slice(&uncorrected);
         None
     }
 
-    fn move_by(&self, x: &[f64], share: f64, way: &[f64], to: &mut [f64]) {
+    fn move_by(&self, x: &[f64], fraction: f64, direction: &[f64], to: &mut [f64]) {
         let n = self.motion.variables();
-        let frames = x.chunks_exact(n).zip(way.chunks_exact(n));
-        for (((x, way), to), fixed) in frames.zip(to.chunks_exact_mut(n)).zip(&self.fixed) {
+        let frames = x.chunks_exact(n).zip(direction.chunks_exact(n));
+        for (((x, direction), to), fixed) in frames.zip(to.chunks_exact_mut(n)).zip(&self.fixed) {
             match fixed {
                 true => to.copy_from_slice(x),
-                false => self.motion.space.integrate(x, share, way, to),
+                false => self.motion.space.integrate(x, fraction, direction, to),
             }
         }
     }
 
     /// Zeroes the entries of fixed samples and of variables with equal bounds.
-    fn keep_fixed(&self, way: &mut [f64]) {
-        let still = &self.motion.bounds.still;
-        for (way, &fixed) in way.chunks_exact_mut(still.len()).zip(&self.fixed) {
-            for (way, &still) in way.iter_mut().zip(still) {
-                if fixed || still {
-                    *way = 0.0;
+    fn keep_fixed(&self, direction: &mut [f64]) {
+        let is_constant = &self.motion.bounds.is_constant;
+        for (direction, &fixed) in direction
+            .chunks_exact_mut(is_constant.len())
+            .zip(&self.fixed)
+        {
+            for (direction, &is_constant) in direction.iter_mut().zip(is_constant) {
+                if fixed || is_constant {
+                    *direction = 0.0;
                 }
             }
         }
     }
 
-    fn take_out_fixed(&self, hessian: &mut BlockBanded) {
+    fn eliminate_fixed(&self, hessian: &mut BlockBanded) {
         for (frame, &fixed) in self.fixed.iter().enumerate() {
-            for (variable, &still) in self.motion.bounds.still.iter().enumerate() {
-                if fixed || still {
-                    hessian.take_out(frame, variable);
+            for (variable, &is_constant) in self.motion.bounds.is_constant.iter().enumerate() {
+                if fixed || is_constant {
+                    hessian.eliminate(frame, variable);
                 }
             }
         }

@@ -2,22 +2,22 @@
 //!
 //! They limit translations and rotations between samples, and swing and rotation angles of ball joints.
 
-use super::space::{is_bounded, rotation, turn_slopes};
+use super::space::{is_bounded, rotation, rotation_jacobian};
 use crate::model::{BallVariables, ParameterMap, Source};
 use crate::spatial::{Matrix3, Vector3};
 
 /// Tolerance for rounding of quaternions, in radians and relative.
 const ROUNDING: f64 = 1e-14;
 /// Largest rotation angle. A limit of at least that has no effect.
-const FARTHEST_TURN: f64 = std::f64::consts::PI;
+const MAX_ROTATION: f64 = std::f64::consts::PI;
 
 /// Measure of a length limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Measure {
     /// Translation of three variables from the previous sample, scaled by factors.
-    Slide([f64; 3]),
+    Translation([f64; 3]),
     /// Rotation angle of a ball joint from the previous sample.
-    Turn(BallVariables),
+    Rotation(BallVariables),
     /// Swing of a ball joint, scaled so that its ellipse becomes a circle with the geometric mean of the half axes.
     Swing(BallVariables, [f64; 2]),
     /// Rotation angle of a ball joint from zero.
@@ -30,7 +30,7 @@ pub(super) struct LengthLimit {
     pub(super) measure: Measure,
     /// Indices of the variables, ascending.
     pub(super) variables: [usize; 3],
-    pub(super) most: f64,
+    pub(super) max_length: f64,
 }
 
 /// Value of ρ, with its derivatives by steps of both samples.
@@ -51,14 +51,14 @@ impl Default for Measured {
     }
 }
 
-fn diagonal(by: [f64; 3]) -> Matrix3<f64> {
+fn diagonal(factors: [f64; 3]) -> Matrix3<f64> {
     let [x, y, z] = Vector3::UNITS;
-    Matrix3::from_columns(x * by[0], y * by[1], z * by[2])
+    Matrix3::from_columns(x * factors[0], y * factors[1], z * factors[2])
 }
 
 impl LengthLimit {
     /// Creates the swing and angle limits of ball joints.
-    pub(super) fn of_balls(map: &ParameterMap) -> Vec<Self> {
+    pub(super) fn for_balls(map: &ParameterMap) -> Vec<Self> {
         let mut limits = Vec::new();
         for ball in map.balls().iter().filter(|ball| is_bounded(ball)) {
             let variables = [0, 1, 2].map(|k| ball.variable + k);
@@ -67,14 +67,14 @@ impl LengthLimit {
                 limits.push(Self {
                     measure: Measure::Swing(*ball, half_axes),
                     variables,
-                    most: mean * (1.0 - ROUNDING),
+                    max_length: mean * (1.0 - ROUNDING),
                 });
             }
-            if let Some(angle) = ball.angle.filter(|angle| *angle < FARTHEST_TURN) {
+            if let Some(angle) = ball.angle.filter(|angle| *angle < MAX_ROTATION) {
                 limits.push(Self {
                     measure: Measure::Angle(*ball),
                     variables,
-                    most: angle * (1.0 - ROUNDING) - ROUNDING,
+                    max_length: angle * (1.0 - ROUNDING) - ROUNDING,
                 });
             }
         }
@@ -82,18 +82,22 @@ impl LengthLimit {
     }
 
     /// Creates a limit on the rotation of a ball joint between samples; `None` if it has no effect.
-    pub(super) fn of_turn(ball: &BallVariables, angle: f64) -> Option<Self> {
-        (angle < FARTHEST_TURN).then(|| Self {
-            measure: Measure::Turn(*ball),
+    pub(super) fn for_rotation(ball: &BallVariables, angle: f64) -> Option<Self> {
+        (angle < MAX_ROTATION).then(|| Self {
+            measure: Measure::Rotation(*ball),
             variables: [0, 1, 2].map(|k| ball.variable + k),
-            most: angle * (1.0 - ROUNDING) - ROUNDING,
+            max_length: angle * (1.0 - ROUNDING) - ROUNDING,
         })
     }
 
     /// Creates a limit on the translation of three prismatic joints between samples, the first with coordinate `first`.
     ///
     /// Returns `None` if no variable moves them.
-    pub(super) fn of_slides(map: &ParameterMap, first: usize, most: f64) -> Option<Self> {
+    pub(super) fn for_translation(
+        map: &ParameterMap,
+        first: usize,
+        max_length: f64,
+    ) -> Option<Self> {
         let mut variables = [usize::MAX; 3];
         let mut squares = [0.0; 3];
         let slopes = map.sources()[first..]
@@ -103,10 +107,10 @@ impl LengthLimit {
         for (variable, ratio) in slopes.filter(|(_, ratio)| *ratio != 0.0) {
             let known = variables
                 .iter()
-                .position(|own| [variable, usize::MAX].contains(own));
-            let own = known.unwrap_or_default();
-            variables[own] = variable;
-            squares[own] += ratio * ratio;
+                .position(|candidate| [variable, usize::MAX].contains(candidate));
+            let index = known.unwrap_or_default();
+            variables[index] = variable;
+            squares[index] += ratio * ratio;
         }
         let any = variables[0];
         let mut parts = [0, 1, 2].map(|k| match variables[k] {
@@ -116,35 +120,37 @@ impl LengthLimit {
         });
         parts.sort_by_key(|(variable, _)| *variable);
         (any != usize::MAX).then(|| Self {
-            measure: Measure::Slide(parts.map(|(_, factor)| factor)),
+            measure: Measure::Translation(parts.map(|(_, factor)| factor)),
             variables: parts.map(|(variable, _)| variable),
-            most,
+            max_length,
         })
     }
 
     /// Returns the limited ball joint, if there is one.
     pub(super) fn ball(&self) -> Option<&BallVariables> {
         match &self.measure {
-            Measure::Slide(_) => None,
-            Measure::Turn(ball) | Measure::Swing(ball, _) | Measure::Angle(ball) => Some(ball),
+            Measure::Translation(_) => None,
+            Measure::Rotation(ball) | Measure::Swing(ball, _) | Measure::Angle(ball) => Some(ball),
         }
     }
 
     /// Returns whether it limits a displacement from the previous sample.
-    pub(super) fn is_of_move(&self) -> bool {
-        matches!(self.measure, Measure::Slide(_) | Measure::Turn(_))
+    pub(super) fn limits_displacement(&self) -> bool {
+        matches!(self.measure, Measure::Translation(_) | Measure::Rotation(_))
     }
 
     /// Returns ρ of a sample. `from` is the previous sample, used for displacements only.
     pub(super) fn rho(&self, from: &[f64], to: &[f64]) -> Vector3<f64> {
         let [a, b, c] = self.variables;
         match &self.measure {
-            Measure::Slide(by) => Vector3::new(
-                by[0] * (to[a] - from[a]),
-                by[1] * (to[b] - from[b]),
-                by[2] * (to[c] - from[c]),
+            Measure::Translation(factors) => Vector3::new(
+                factors[0] * (to[a] - from[a]),
+                factors[1] * (to[b] - from[b]),
+                factors[2] * (to[c] - from[c]),
             ),
-            Measure::Turn(ball) => (rotation(ball, from).conjugate() * rotation(ball, to)).log(),
+            Measure::Rotation(ball) => {
+                (rotation(ball, from).conjugate() * rotation(ball, to)).log()
+            }
             Measure::Swing(_, [first, second]) => {
                 let mean = (first * second).sqrt();
                 Vector3::new(to[a] * (mean / first), to[b] * (mean / second), 0.0)
@@ -158,17 +164,19 @@ impl LengthLimit {
         let rho = self.rho(from, to);
         let none = diagonal([0.0; 3]);
         let (by_from, by_to) = match &self.measure {
-            Measure::Slide(by) => (diagonal(by.map(|by| -by)), diagonal(*by)),
-            Measure::Turn(ball) => {
-                let back = turn_slopes(ball, from, -rho);
-                let by_from = Matrix3::from_columns(-back.x, -back.y, -back.z);
-                (by_from, turn_slopes(ball, to, rho))
+            Measure::Translation(factors) => {
+                (diagonal(factors.map(|factor| -factor)), diagonal(*factors))
+            }
+            Measure::Rotation(ball) => {
+                let backward = rotation_jacobian(ball, from, -rho);
+                let by_from = Matrix3::from_columns(-backward.x, -backward.y, -backward.z);
+                (by_from, rotation_jacobian(ball, to, rho))
             }
             Measure::Swing(_, [first, second]) => {
                 let mean = (first * second).sqrt();
                 (none, diagonal([mean / first, mean / second, 0.0]))
             }
-            Measure::Angle(ball) => (none, turn_slopes(ball, to, rho)),
+            Measure::Angle(ball) => (none, rotation_jacobian(ball, to, rho)),
         };
         Measured {
             rho,
@@ -180,6 +188,6 @@ impl LengthLimit {
     /// Returns the slack (most² − ‖ρ‖²) / (2 most), which approximates the distance from the limit near it.
     pub(super) fn slack(&self, rho: Vector3<f64>) -> f64 {
         let length = rho.norm();
-        0.5 * (self.most - length) * (1.0 + length / self.most)
+        0.5 * (self.max_length - length) * (1.0 + length / self.max_length)
     }
 }

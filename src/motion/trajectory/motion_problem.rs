@@ -14,7 +14,8 @@ use crate::problem::{Problem, ProblemError, Targets, TaskSubset};
 use crate::search::slide_per_radian;
 
 /// Function that sets the targets of one task at a sample.
-pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemError> + Send + Sync>;
+pub(super) type SetTargets =
+    Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemError> + Send + Sync>;
 
 /// Trajectory of one model over T samples as a bounded nonlinear least-squares problem:
 ///
@@ -68,13 +69,13 @@ pub struct MotionProblem {
     pub(super) time_step_s: f64,
     pub(super) space: FrameSpace,
     pub(super) bounds: FrameBounds,
-    pub(super) follow: Vec<Follow>,
+    pub(super) follow: Vec<SetTargets>,
     /// Weights by task and sample; empty for 1 at all samples.
     pub(super) weights: Vec<Vec<f64>>,
     pub(super) rate_costs: Vec<CompiledRateCost>,
     pub(super) contacts: Vec<Contact>,
     /// Points of all contacts, as residuals to the world's origin.
-    pub(super) held: Option<Problem>,
+    pub(super) contact_points: Option<Problem>,
     /// Weight of contact sliding and of loop closure errors, per metre.
     pub(super) stiffness: f64,
     /// Fixed variables of the first and the last sample.
@@ -128,7 +129,7 @@ impl MotionProblem {
     }
 
     /// Returns the index of the first loop row. Loop rows follow those of tasks.
-    pub(super) fn rows_of_tasks(&self) -> usize {
+    pub(super) fn task_rows(&self) -> usize {
         let tasks = self.problem.compiled_tasks().iter();
         let mut loops = tasks.filter(|task| task.is_loop);
         loops
@@ -137,11 +138,11 @@ impl MotionProblem {
     }
 
     pub(super) fn has_loops(&self) -> bool {
-        self.rows_of_tasks() < self.problem.rows()
+        self.task_rows() < self.problem.rows()
     }
 
     /// Returns the largest loop closure error in unweighted rows, metres or radians.
-    pub(super) fn open_by(&self, residual: &[f64]) -> f64 {
+    pub(super) fn max_closure_error(&self, residual: &[f64]) -> f64 {
         let errors = self.problem.errors(TaskSubset::All, residual);
         let tasks = self.problem.compiled_tasks();
         let loops = errors.filter(|block| tasks[block.task].is_loop);
@@ -158,12 +159,12 @@ impl MotionProblem {
     }
 
     /// Returns whether any task has a weight other than 1 at a sample.
-    pub(super) fn weighs(&self, frame: usize) -> bool {
+    pub(super) fn has_weights(&self, frame: usize) -> bool {
         (0..self.weights.len()).any(|task| self.weight(task, frame) != 1.0)
     }
 
     /// Sets the targets of a sample.
-    pub(super) fn move_targets(&self, frame: usize, targets: &mut Targets) {
+    pub(super) fn set_targets(&self, frame: usize, targets: &mut Targets) {
         for follow in &self.follow {
             // Cannot fail, because the problem is built with these tasks.
             let moved = follow(frame, targets);
@@ -172,10 +173,10 @@ impl MotionProblem {
     }
 
     /// Returns for each sample of a window whether it is fixed.
-    pub(super) fn fixed(&self, window: &Range<usize>, held: usize) -> Vec<bool> {
+    pub(super) fn fixed(&self, window: &Range<usize>, fixed_count: usize) -> Vec<bool> {
         let [first, last] = self.ends.each_ref().map(Option::is_some);
         let is_fixed = |frame: usize| {
-            frame < window.start + held
+            frame < window.start + fixed_count
                 || (first && frame == 0)
                 || (last && frame + 1 == self.frames)
         };

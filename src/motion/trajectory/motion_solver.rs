@@ -56,7 +56,7 @@ impl Default for MotionSolver {
             curvature: true,
             slip_m: 1e-8,
             windows: None,
-            inward: Inward::ALL,
+            inward: Inward::ALL_VARIABLES,
         }
     }
 }
@@ -64,7 +64,7 @@ impl Default for MotionSolver {
 impl MotionSolver {
     setters! {
         /// Sets the tolerance: the predicted decrease and the complementarity gap, relative to the cost. At least 0.
-        pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
+        pub fn with_tolerance(mut self, ratio: f64) { self.tolerance = ratio }
         /// Sets the maximum number of iterations per window.
         pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
         /// Sets whether the full Hessian is used, after ten steps or after a shortened step. Otherwise it is always
@@ -82,7 +82,7 @@ impl MotionSolver {
     /// Treats the start as good and moves it only slightly off its bounds.
     #[must_use]
     pub(in crate::motion) fn with_good_start(mut self) -> Self {
-        self.inward = Inward::LITTLE;
+        self.inward = Inward::ACTIVE_BOUNDS;
         self
     }
 
@@ -190,24 +190,24 @@ impl MotionSolver {
         let mut report = Report::new(motion);
         let mut begin = 0;
         while begin < motion.frames {
-            let keep = (begin + windows.frames).min(motion.frames);
-            let end = (keep + windows.ahead).min(motion.frames);
-            let held = begin.min(motion.bandwidth());
-            let stretch = begin - held..end;
+            let kept_end = (begin + windows.frames).min(motion.frames);
+            let end = (kept_end + windows.ahead).min(motion.frames);
+            let fixed_count = begin.min(motion.bandwidth());
+            let stretch = begin - fixed_count..end;
             let mut window = Window {
                 motion,
                 evaluator: &mut evaluator,
-                at: Stretch {
+                stretch: Stretch {
                     first: stretch.start,
-                    held,
+                    fixed_count,
                 },
-                fixed: motion.fixed(&stretch, held),
+                fixed: motion.fixed(&stretch, fixed_count),
                 cancelled,
             };
-            let own = &mut x[stretch.start * n..stretch.end * n];
-            let outcome = window.minimise(own, limits)?;
-            report.take(&outcome, stretch.start, begin..keep);
-            begin = if end == motion.frames { end } else { keep };
+            let window_x = &mut x[stretch.start * n..stretch.end * n];
+            let outcome = window.minimise(window_x, limits)?;
+            report.add(&outcome, stretch.start, begin..kept_end);
+            begin = if end == motion.frames { end } else { kept_end };
             progress(begin);
         }
         Ok(report.finish(&mut evaluator, &x))

@@ -1,12 +1,12 @@
 //! Initial trajectory, sample by sample: each starts at the previous result, within the velocity limits.
 
-use super::frame_residuals::{FrameAlone, FrameResiduals};
+use super::frame_residuals::{FrameResiduals, SingleFrame};
 use super::{MotionError, MotionProblem};
 use crate::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
 
 /// Maximum number of iterations of the first sample, and of each later sample.
-const FIRST_STEPS: usize = 200;
-const STEPS: usize = 8;
+const FIRST_FRAME_ITERATIONS: usize = 200;
+const FRAME_ITERATIONS: usize = 8;
 /// Gradient tolerance; an initial trajectory need not be more accurate.
 const GRADIENT_TOLERANCE: f64 = 1e-4;
 
@@ -21,27 +21,38 @@ pub(super) fn per_frame(
     let mut state = SolverState::default();
     let bounds = &motion.bounds;
     let (mut lower, mut upper) = (bounds.lower.clone(), bounds.upper.clone());
-    let mut at = start.to_vec();
-    for (frame, x) in x.chunks_exact_mut(at.len()).enumerate() {
-        let steps = if frame == 0 { FIRST_STEPS } else { STEPS };
+    let mut previous = start.to_vec();
+    for (frame, x) in x.chunks_exact_mut(previous.len()).enumerate() {
+        let steps = if frame == 0 {
+            FIRST_FRAME_ITERATIONS
+        } else {
+            FRAME_ITERATIONS
+        };
         let stopping = Stopping::default()
             .with_max_iterations(steps)
             .with_gradient_tolerance(GRADIENT_TOLERANCE);
-        let mut alone = FrameAlone {
+        let mut single_frame = SingleFrame {
             residuals: &mut *residuals,
             frame,
             lower: &lower,
             upper: &upper,
         };
-        minimise(&mut alone, &method, &at, &stopping, &mut Silent, &mut state)?;
+        minimise(
+            &mut single_frame,
+            &method,
+            &previous,
+            &stopping,
+            &mut Silent,
+            &mut state,
+        )?;
         if !state.cost().is_finite() {
             return Err(MotionError::NotFinite { frame });
         }
-        at.copy_from_slice(state.x());
-        x.copy_from_slice(&at);
-        for (variable, &most) in bounds.most.iter().enumerate() {
-            lower[variable] = bounds.lower[variable].max(at[variable] - most);
-            upper[variable] = bounds.upper[variable].min(at[variable] + most);
+        previous.copy_from_slice(state.x());
+        x.copy_from_slice(&previous);
+        for (variable, &step) in bounds.max_step.iter().enumerate() {
+            lower[variable] = bounds.lower[variable].max(previous[variable] - step);
+            upper[variable] = bounds.upper[variable].min(previous[variable] + step);
         }
     }
     Ok(())

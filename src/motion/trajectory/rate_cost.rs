@@ -65,16 +65,16 @@ impl RateCost {
         let joints = &problem.names().joints;
         for (name, factor) in &self.by_joint {
             BadOption::check("the factor of a rate cost", *factor, NOT_NEGATIVE)?;
-            let mut found = false;
+            let mut is_known = false;
             for (weight, _) in weights
                 .iter_mut()
                 .zip(joints)
-                .filter(|(_, own)| *own == name)
+                .filter(|(_, joint)| *joint == name)
             {
                 *weight *= factor;
-                found = true;
+                is_known = true;
             }
-            if !found {
+            if !is_known {
                 let names = joints.iter().map(String::as_str);
                 return Err(UnknownName::new("moving joint", name, names).into());
             }
@@ -96,9 +96,9 @@ pub(super) enum RateCostError {
 }
 
 /// Coefficients of consecutive sample differences in a difference of each order.
-const OF_WAYS: [&[f64]; 3] = [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0]];
+const STEP_COEFFICIENTS: [&[f64]; 3] = [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0]];
 /// Coefficients of consecutive samples in a difference of each order.
-const OF_FRAMES: [&[f64]; 3] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
+const FRAME_COEFFICIENTS: [&[f64]; 3] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
 
 /// Rate cost of one problem.
 #[derive(Clone, Debug)]
@@ -109,57 +109,66 @@ pub(super) struct CompiledRateCost {
 }
 
 impl CompiledRateCost {
-    /// Returns one unweighted difference, from the `order` sample differences at the start of `ways`.
-    fn difference(&self, ways: &[f64], variable: usize) -> f64 {
+    /// Returns one unweighted difference, from the `order` sample differences at the start of `differences`.
+    fn difference(&self, differences: &[f64], variable: usize) -> f64 {
         let n = self.weights.len();
-        let parts = OF_WAYS[self.order - 1].iter().enumerate();
-        parts.map(|(k, by)| by * ways[k * n + variable]).sum()
+        let parts = STEP_COEFFICIENTS[self.order - 1].iter().enumerate();
+        parts
+            .map(|(k, coefficient)| coefficient * differences[k * n + variable])
+            .sum()
     }
 
-    /// Returns the cost of the differences that begin at samples from `first` on. `ways` are the sample differences.
-    pub(super) fn cost(&self, ways: &[f64], first: usize) -> f64 {
+    /// Returns the cost of the differences that begin at samples from `first` on. `differences` are the sample
+    /// differences.
+    pub(super) fn cost(&self, differences: &[f64], first: usize) -> f64 {
         let n = self.weights.len();
-        let frames = ways.len() / n + 1;
+        let frames = differences.len() / n + 1;
         let mut sum = 0.0;
         for frame in first..frames.saturating_sub(self.order) {
-            let ways = &ways[frame * n..];
+            let differences = &differences[frame * n..];
             for (variable, weight) in self.weights.iter().enumerate() {
-                let row = weight * self.difference(ways, variable);
+                let row = weight * self.difference(differences, variable);
                 sum += row * row;
             }
         }
         0.5 * sum
     }
 
-    /// Adds the gradient and JᵀJ of that cost. `ways` are the differences between the samples x.
+    /// Adds the gradient and JᵀJ of that cost. `differences` are the differences between the samples x.
     pub(super) fn add_to(
         &self,
         space: &FrameSpace,
         x: &[f64],
-        ways: &[f64],
+        differences: &[f64],
         first: usize,
         hessian: &mut BlockBanded,
         gradient: &mut [f64],
     ) {
         let n = self.weights.len();
-        let frames = ways.len() / n + 1;
-        let of_frames = OF_FRAMES[self.order - 1];
+        let frames = differences.len() / n + 1;
+        let coefficients = FRAME_COEFFICIENTS[self.order - 1];
         let numbers: Vec<usize> = (0..n)
             .filter(|&variable| space.is_number(variable))
             .collect();
         for frame in first..frames.saturating_sub(self.order) {
-            let ways = &ways[frame * n..];
+            let differences = &differences[frame * n..];
             for &variable in &numbers {
                 let squared = self.weights[variable] * self.weights[variable];
-                let pull = squared * self.difference(ways, variable);
-                for (a, by) in of_frames.iter().enumerate() {
-                    gradient[(frame + a) * n + variable] += by * pull;
-                    for (ahead, other) in of_frames[a..].iter().enumerate() {
-                        hessian.add(frame + a, ahead, variable, variable, by * other * squared);
+                let pull = squared * self.difference(differences, variable);
+                for (a, coefficient) in coefficients.iter().enumerate() {
+                    gradient[(frame + a) * n + variable] += coefficient * pull;
+                    for (ahead, other) in coefficients[a..].iter().enumerate() {
+                        hessian.add(
+                            frame + a,
+                            ahead,
+                            variable,
+                            variable,
+                            coefficient * other * squared,
+                        );
                     }
                 }
             }
-            self.add_balls(space, x, ways, frame, hessian, gradient);
+            self.add_balls(space, x, differences, frame, hessian, gradient);
         }
     }
 
@@ -168,28 +177,28 @@ impl CompiledRateCost {
         &self,
         space: &FrameSpace,
         x: &[f64],
-        ways: &[f64],
+        differences: &[f64],
         frame: usize,
         hessian: &mut BlockBanded,
         gradient: &mut [f64],
     ) {
         let n = self.weights.len();
-        let of_ways = OF_WAYS[self.order - 1];
+        let coefficients = STEP_COEFFICIENTS[self.order - 1];
         let mut slopes = [const { Vec::new() }; 3];
         for (k, slopes) in slopes.iter_mut().enumerate().take(self.order) {
-            let [from, to] = [frame + k, frame + k + 1].map(|at| &x[at * n..(at + 1) * n]);
-            slopes.extend(space.slopes(&ways[k * n..(k + 1) * n], [from, to]));
+            let [from, to] = [frame + k, frame + k + 1].map(|index| &x[index * n..(index + 1) * n]);
+            slopes.extend(space.slopes(&differences[k * n..(k + 1) * n], [from, to]));
         }
         for (ball, first) in slopes[0].iter().map(|ball| ball.first).enumerate() {
             let squared = self.weights[first] * self.weights[first];
-            let rows = [0, 1, 2].map(|k| self.difference(ways, first + k));
+            let rows = [0, 1, 2].map(|k| self.difference(differences, first + k));
             // Derivatives of the combined difference by a step of each sample.
             let mut by_frame = [[[0.0; 3]; 3]; 4];
-            for (k, by) in of_ways.iter().enumerate() {
-                let own = &slopes[k][ball];
+            for (k, coefficient) in coefficients.iter().enumerate() {
+                let derivative = &slopes[k][ball];
                 for (row, column) in (0..9).map(|entry| (entry / 3, entry % 3)) {
-                    by_frame[k][row][column] += by * own.by_from[row][column];
-                    by_frame[k + 1][row][column] += by * own.by_to[row][column];
+                    by_frame[k][row][column] += coefficient * derivative.by_from[row][column];
+                    by_frame[k + 1][row][column] += coefficient * derivative.by_to[row][column];
                 }
             }
             for a in 0..=self.order {

@@ -151,8 +151,8 @@ impl MotionSolution {
 
     /// Returns the required tasks with errors beyond their tolerances at a sample.
     pub fn missed(&self, frame: usize) -> impl Iterator<Item = MotionMiss<'_>> {
-        let own = of_frame(&self.missed, frame, |missed| missed.frame);
-        own.iter().map(|missed| MotionMiss {
+        let entries = entries_of_frame(&self.missed, frame, |missed| missed.frame);
+        entries.iter().map(|missed| MotionMiss {
             task: self.names.tasks.get(missed.task).map_or("", String::as_str),
             quantity: missed.quantity,
             error: missed.error,
@@ -161,8 +161,8 @@ impl MotionSolution {
 
     /// Returns the active limits of a sample.
     pub fn active_limits(&self, frame: usize) -> impl Iterator<Item = MotionLimit<'_>> {
-        let own = of_frame(&self.held, frame, |held| held.frame);
-        own.iter().map(|held| MotionLimit {
+        let entries = entries_of_frame(&self.held, frame, |held| held.frame);
+        entries.iter().map(|held| MotionLimit {
             joint: self
                 .names
                 .variables
@@ -176,14 +176,14 @@ impl MotionSolution {
 }
 
 /// Returns the entries of one sample from a list sorted by sample.
-fn of_frame<T>(list: &[T], frame: usize, of: impl Fn(&T) -> usize) -> &[T] {
-    let begin = list.partition_point(|own| of(own) < frame);
-    let end = list.partition_point(|own| of(own) <= frame);
+fn entries_of_frame<T>(list: &[T], frame: usize, frame_of: impl Fn(&T) -> usize) -> &[T] {
+    let begin = list.partition_point(|entry| frame_of(entry) < frame);
+    let end = list.partition_point(|entry| frame_of(entry) <= frame);
     &list[begin..end]
 }
 
 /// Multiplier times size, relative to the cost, below which a limit counts as inactive.
-const NEGLIGIBLE: f64 = 1e-6;
+const MIN_RELATIVE_PUSH: f64 = 1e-6;
 
 /// Collects the results of windows.
 pub(super) struct Report<'a> {
@@ -203,27 +203,27 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Adds the result of a window that begins at sample `first` and keeps the samples in `kept`.
-    pub(super) fn take(&mut self, outcome: &Outcome<'_>, first: usize, kept: Range<usize>) {
+    /// Adds the result of a window that begins at sample `first` and keeps the samples in `kept_frames`.
+    pub(super) fn add(&mut self, outcome: &Outcome<'_>, first: usize, kept_frames: Range<usize>) {
         self.iterations += outcome.iterations;
         if outcome.termination != MotionTermination::Stationary {
             self.termination = outcome.termination;
         }
         let n = self.motion.variables();
         let barrier = &outcome.barrier;
-        let kind = |is_of_move: bool| match is_of_move {
+        let kind = |limits_displacement: bool| match limits_displacement {
             true => MotionBound::Speed,
             false => MotionBound::Position,
         };
         // The product of slack and multiplier is nearly the same for all bounds, so one of them is small.
-        let holds = |slack: f64, push: f64, size: f64| {
-            let (room_left, pushed) = (slack / size, push * size / outcome.cost);
-            pushed > NEGLIGIBLE && pushed > room_left
+        let is_active = |slack: f64, push: f64, size: f64| {
+            let (relative_slack, relative_push) = (slack / size, push * size / outcome.cost);
+            relative_push > MIN_RELATIVE_PUSH && relative_push > relative_slack
         };
         let pairs = barrier.slacks.iter().zip(&barrier.multipliers);
         for (bound, (&slack, &push)) in barrier.bounds.iter().zip(pairs) {
-            let (frame, variable) = (first + bound.at / n, bound.at % n);
-            if kept.contains(&frame) && holds(slack, push, bound.size) {
+            let (frame, variable) = (first + bound.index / n, bound.index % n);
+            if kept_frames.contains(&frame) && is_active(slack, push, bound.size) {
                 self.held.push(Held {
                     frame,
                     variable,
@@ -238,11 +238,11 @@ impl<'a> Report<'a> {
         }
         for (bound, slack, push) in barrier.with_lengths() {
             let (frame, limit) = (first + bound.frame, bound.limit);
-            if kept.contains(&frame) && holds(slack, push, limit.most) {
+            if kept_frames.contains(&frame) && is_active(slack, push, limit.max_length) {
                 self.held.push(Held {
                     frame,
                     variable: limit.variables[0],
-                    bound: kind(limit.is_of_move()),
+                    bound: kind(limit.limits_displacement()),
                     side: Side::Upper,
                     push,
                 });
@@ -264,12 +264,13 @@ impl<'a> Report<'a> {
         let frames = x.chunks_exact(n).zip(q.chunks_exact_mut(width));
         for (frame, (x, q)) in frames.enumerate() {
             problem.parameters().scatter_within_limits(x, q);
-            let residual = evaluator.unweighed(frame, x);
-            loop_gap = loop_gap.max(motion.open_by(residual));
+            let residual = evaluator.unweighted(frame, x);
+            loop_gap = loop_gap.max(motion.max_closure_error(residual));
             let errors = problem.errors(TaskSubset::All, residual);
             missed.extend(errors.filter_map(|block| {
-                let asked = block.role == Role::Goal && motion.weight(block.task, frame) > 0.0;
-                (asked && !block.reached).then_some(Missed {
+                let is_required =
+                    block.role == Role::Goal && motion.weight(block.task, frame) > 0.0;
+                (is_required && !block.reached).then_some(Missed {
                     frame,
                     task: block.task,
                     quantity: block.quantity,
@@ -278,9 +279,12 @@ impl<'a> Report<'a> {
             }));
             costs.push(evaluator.frame_cost(frame, x)[0]);
         }
-        let all = Stretch { first: 0, held: 0 };
-        let rates = evaluator.rates(all, x);
-        let slip = evaluator.held.slip(all, x);
+        let whole = Stretch {
+            first: 0,
+            fixed_count: 0,
+        };
+        let rates = evaluator.rates(whole, x);
+        let slip = evaluator.contact_springs.slip(whole, x);
         MotionSolution {
             q,
             configuration_len: width,

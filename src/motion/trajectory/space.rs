@@ -22,21 +22,25 @@ pub(super) fn is_bounded(ball: &BallVariables) -> bool {
 
 /// Returns the rotation of a ball joint.
 pub(super) fn rotation(ball: &BallVariables, x: &[f64]) -> Quaternion<f64> {
-    let own = ball.of(x).unwrap_or([f64::NAN; 3]);
-    ball.chart.rotation(own)
+    let variables = ball.of(x).unwrap_or([f64::NAN; 3]);
+    ball.chart.rotation(variables)
 }
 
-/// Returns the derivative of the rotation vector `turn`, which leads to the ball's rotation, by steps of that ball
+/// Returns the derivative of `rotation_vector`, which leads to the ball's rotation, by steps of that ball
 /// joint.
-pub(super) fn turn_slopes(ball: &BallVariables, x: &[f64], turn: Vector3<f64>) -> Matrix3<f64> {
-    let by_turn = rotation_log_jacobian(-turn);
+pub(super) fn rotation_jacobian(
+    ball: &BallVariables,
+    x: &[f64],
+    rotation_vector: Vector3<f64>,
+) -> Matrix3<f64> {
+    let by_rotation = rotation_log_jacobian(-rotation_vector);
     match is_bounded(ball) {
-        false => by_turn,
+        false => by_rotation,
         true => {
-            let own = ball.of(x).unwrap_or([f64::NAN; 3]);
-            let back = ball.chart.rotation(own).to_matrix().transpose();
-            let [first, second, third] = ball.chart.axes(own);
-            by_turn * back * Matrix3::from_columns(first, second, third)
+            let variables = ball.of(x).unwrap_or([f64::NAN; 3]);
+            let inverse_rotation = ball.chart.rotation(variables).to_matrix().transpose();
+            let [first, second, third] = ball.chart.axes(variables);
+            by_rotation * inverse_rotation * Matrix3::from_columns(first, second, third)
         }
     }
 }
@@ -65,39 +69,44 @@ impl FrameSpace {
     }
 
     /// Writes x ⊕ share · step.
-    pub(super) fn integrate(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
+    pub(super) fn integrate(&self, x: &[f64], fraction: f64, step: &[f64], to: &mut [f64]) {
         for ((to, x), step) in to.iter_mut().zip(x).zip(step) {
-            *to = x + share * step;
+            *to = x + fraction * step;
         }
         for ball in self.balls.iter().filter(|ball| !is_bounded(ball)) {
-            let own = ball.variable..ball.variable + 3;
-            let by = &step[own.clone()];
-            let by = Quaternion::exp(Vector3::new(by[0], by[1], by[2]) * share);
-            let turned = rotation(ball, x) * by;
-            to[own].copy_from_slice(&ball.chart.variables(turned));
+            let range = ball.variable..ball.variable + 3;
+            let delta = &step[range.clone()];
+            let delta = Quaternion::exp(Vector3::new(delta[0], delta[1], delta[2]) * fraction);
+            let rotated = rotation(ball, x) * delta;
+            to[range].copy_from_slice(&ball.chart.variables(rotated));
         }
     }
 
     /// Writes to ⊖ from.
-    pub(super) fn difference(&self, to: &[f64], from: &[f64], way: &mut [f64]) {
-        for ((way, to), from) in way.iter_mut().zip(to).zip(from) {
-            *way = to - from;
+    pub(super) fn difference(&self, to: &[f64], from: &[f64], displacement: &mut [f64]) {
+        for ((displacement, to), from) in displacement.iter_mut().zip(to).zip(from) {
+            *displacement = to - from;
         }
         for ball in &self.balls {
-            let turned = rotation(ball, from).conjugate() * rotation(ball, to);
-            way[ball.variable..ball.variable + 3].copy_from_slice(&turned.log().to_array());
+            let rotated = rotation(ball, from).conjugate() * rotation(ball, to);
+            displacement[ball.variable..ball.variable + 3]
+                .copy_from_slice(&rotated.log().to_array());
         }
     }
 
     /// Returns the derivatives of the rotations in a [`difference`](Self::difference) by steps of both samples.
     pub(super) fn slopes<'a>(
         &'a self,
-        way: &'a [f64],
+        displacement: &'a [f64],
         [from, to]: [&'a [f64]; 2],
     ) -> impl Iterator<Item = BallSlopes> + 'a {
         self.balls.iter().map(move |ball| {
             let first = ball.variable;
-            let way = Vector3::new(way[first], way[first + 1], way[first + 2]);
+            let displacement = Vector3::new(
+                displacement[first],
+                displacement[first + 1],
+                displacement[first + 2],
+            );
             let rows = |columns: Matrix3<f64>, sign: f64| {
                 let columns = [columns.x, columns.y, columns.z];
                 let [x, y, z] = columns.map(|column| (column * sign).to_array());
@@ -105,8 +114,8 @@ impl FrameSpace {
             };
             BallSlopes {
                 first,
-                by_from: rows(turn_slopes(ball, from, -way), -1.0),
-                by_to: rows(turn_slopes(ball, to, way), 1.0),
+                by_from: rows(rotation_jacobian(ball, from, -displacement), -1.0),
+                by_to: rows(rotation_jacobian(ball, to, displacement), 1.0),
             }
         })
     }
@@ -118,12 +127,15 @@ impl FrameSpace {
                 continue;
             };
             // ẋ = J_r(x)⁻¹ ω in the rotated frame, with J_r(x) = J_l(−x).
-            let by = rotation_log_jacobian(-Vector3::new(a, b, c));
-            let at = |column: usize, row: usize| (ball.variable + column) * rows + row;
+            let inverse_jacobian = rotation_log_jacobian(-Vector3::new(a, b, c));
+            let index = |column: usize, row: usize| (ball.variable + column) * rows + row;
             for row in 0..rows {
-                let own = Vector3::from([0, 1, 2].map(|k| entries[at(k, row)]));
-                for (k, column) in [by.x, by.y, by.z].into_iter().enumerate() {
-                    entries[at(k, row)] = own.dot(column);
+                let row_vector = Vector3::from([0, 1, 2].map(|k| entries[index(k, row)]));
+                for (k, column) in [inverse_jacobian.x, inverse_jacobian.y, inverse_jacobian.z]
+                    .into_iter()
+                    .enumerate()
+                {
+                    entries[index(k, row)] = row_vector.dot(column);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::MotionError;
-use super::bounds::{Moves, longest_move};
+use super::bounds::{DisplacementLimits, max_displacement};
 use super::length_limits::LengthLimit;
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::{ParameterMap, Source};
@@ -17,16 +17,16 @@ pub(in crate::motion) fn step_limits(
     problem: &Problem,
     speeds: &[f64],
     time_step_s: f64,
-) -> Result<Moves, MotionError> {
+) -> Result<DisplacementLimits, MotionError> {
     let map = problem.parameters();
-    let mut most = vec![f64::INFINITY; problem.variables()];
-    let mut together = Vec::new();
+    let mut max_step = vec![f64::INFINITY; problem.variables()];
+    let mut lengths = Vec::new();
     for ball in map.balls() {
         let speed = speeds[ball.coordinate];
         if speed.is_finite() {
-            let angle = longest_move(speed, time_step_s, PI);
+            let angle = max_displacement(speed, time_step_s, PI);
             BadOption::check("max_speed", angle, POSITIVE)?;
-            together.extend(LengthLimit::of_turn(ball, angle));
+            lengths.extend(LengthLimit::for_rotation(ball, angle));
         }
     }
     for (source, &speed) in map
@@ -51,24 +51,24 @@ pub(in crate::motion) fn step_limits(
                     }
                 });
                 let size = ratio.abs() * size[0].max(size[1]) + offset.abs();
-                let own = longest_move(speed, time_step_s, size) / ratio.abs();
-                BadOption::check("max_speed", own, POSITIVE)?;
-                most[variable] = most[variable].min(own);
+                let step = max_displacement(speed, time_step_s, size) / ratio.abs();
+                BadOption::check("max_speed", step, POSITIVE)?;
+                max_step[variable] = max_step[variable].min(step);
             }
             Source::Variable { .. } => {}
         }
     }
-    Ok(Moves { most, together })
+    Ok(DisplacementLimits { max_step, lengths })
 }
 
 /// Returns the bound on the translation of a free joint, in any direction. `first` is its first coordinate.
-pub(super) fn longest_slide(
+pub(super) fn translation_limit(
     map: &ParameterMap,
     first: usize,
     speed: f64,
     time_step_s: f64,
 ) -> Result<Option<LengthLimit>, MotionError> {
-    let most = longest_move(speed, time_step_s, UNBOUNDED_SIZE);
-    BadOption::check("max_free_speed", most, POSITIVE)?;
-    Ok(LengthLimit::of_slides(map, first, most))
+    let max_length = max_displacement(speed, time_step_s, UNBOUNDED_SIZE);
+    BadOption::check("max_free_speed", max_length, POSITIVE)?;
+    Ok(LengthLimit::for_translation(map, first, max_length))
 }

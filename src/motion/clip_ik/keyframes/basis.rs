@@ -29,10 +29,10 @@ impl KeyAngle {
         key: usize,
         angle: usize,
     ) -> Result<Self, ClipIkError> {
-        let own = &clip.tracks()[track];
-        let mut unit = vec![0.0; own.keys.len()];
+        let euler_track = &clip.tracks()[track];
+        let mut unit = vec![0.0; euler_track.keys.len()];
         unit[key] = 1.0;
-        let times: Vec<f64> = own.keys.iter().map(|key| key.time).collect();
+        let times: Vec<f64> = euler_track.keys.iter().map(|key| key.time).collect();
         // Before its first key and after its last key a track is constant.
         let ends = [key.checked_sub(2), Some(key + 2)];
         let [from, to] = ends.map(|key| key.and_then(|key| times.get(key).copied()));
@@ -40,8 +40,8 @@ impl KeyAngle {
             track,
             key,
             angle,
-            coordinate: ANGLES_PER_BONE * own.bone.index() + angle,
-            gain: clip.interpolation(own.bone).curve(times, unit)?,
+            coordinate: ANGLES_PER_BONE * euler_track.bone.index() + angle,
+            gain: clip.interpolation(euler_track.bone).curve(times, unit)?,
             support: [
                 from.unwrap_or(f64::NEG_INFINITY),
                 to.unwrap_or(f64::INFINITY),
@@ -78,7 +78,7 @@ pub(super) struct Row {
 
 impl Row {
     /// Returns the excess over the limit, radians.
-    pub(super) fn beyond(&self, x: &DVector<f64>) -> f64 {
+    pub(super) fn limit_excess(&self, x: &DVector<f64>) -> f64 {
         self.base + self.change(x)
     }
 
@@ -106,7 +106,7 @@ pub(super) fn limit_rows(
     track: &EulerTrack,
     angle: usize,
     limits: Limits,
-    own: &[(usize, &KeyAngle)],
+    track_keys: &[(usize, &KeyAngle)],
 ) -> Result<Vec<Row>, ClipIkError> {
     let times: Vec<f64> = track.keys.iter().map(|key| key.time).collect();
     let values = track.keys.iter().map(|key| key.angles[angle]).collect();
@@ -122,66 +122,83 @@ pub(super) fn limit_rows(
         time,
     };
     let sides = [(1.0, limits.upper), (-1.0, -limits.lower)];
-    let solved = |key: usize| own.iter().find(|(_, own)| own.key == key);
-    let over = |key: usize, (sign, limit): (f64, f64)| sign * track.keys[key].angles[angle] - limit;
+    let changing_key = |key: usize| {
+        track_keys
+            .iter()
+            .find(|(_, key_angle)| key_angle.key == key)
+    };
+    let key_excess =
+        |key: usize, (sign, limit): (f64, f64)| sign * track.keys[key].angles[angle] - limit;
     let mut rows = Vec::new();
     // A single key is a constant angle.
-    if let ([time], Some((variable, _))) = (&times[..], solved(0)) {
-        let own = sides.map(|side| row(over(0, side), vec![(*variable, side.0)], 0.0, *time));
-        rows.extend(own.into_iter().filter(|row| row.base.is_finite()));
+    if let ([time], Some((variable, _))) = (&times[..], changing_key(0)) {
+        let single_rows =
+            sides.map(|side| row(key_excess(0, side), vec![(*variable, side.0)], 0.0, *time));
+        rows.extend(single_rows.into_iter().filter(|row| row.base.is_finite()));
     }
     for (first, segment) in times.windows(2).enumerate() {
         let [from, to] = [segment[0], segment[1]];
         let ends = [first, first + 1];
         let middle = 0.5 * (from + to);
-        let moving: Vec<&(usize, &KeyAngle)> = own
+        let moving: Vec<&(usize, &KeyAngle)> = track_keys
             .iter()
-            .filter(|(_, own)| own.support[0] < middle && middle < own.support[1])
+            .filter(|(_, key_angle)| key_angle.support[0] < middle && middle < key_angle.support[1])
             .collect();
         if moving.is_empty() {
             continue;
         }
         for piece in 0..PIECES {
-            let at = |share: f64| {
-                let share = (piece as f64 + share) / PIECES as f64;
-                if share >= 1.0 {
+            let time_at = |fraction: f64| {
+                let fraction = (piece as f64 + fraction) / PIECES as f64;
+                if fraction >= 1.0 {
                     to
                 } else {
-                    from + (to - from) * share
+                    from + (to - from) * fraction
                 }
             };
-            let moments = [at(0.0), at(1.0 / 3.0), at(2.0 / 3.0), at(1.0)];
-            let still = controls(moments.map(|time| base.at(time)));
-            let gains = moving.iter().map(|(variable, own)| {
-                (*variable, controls(moments.map(|time| own.gain.at(time))))
+            let sample_times = [
+                time_at(0.0),
+                time_at(1.0 / 3.0),
+                time_at(2.0 / 3.0),
+                time_at(1.0),
+            ];
+            let base_controls = controls(sample_times.map(|time| base.at(time)));
+            let gains = moving.iter().map(|(variable, key_angle)| {
+                (
+                    *variable,
+                    controls(sample_times.map(|time| key_angle.gain.at(time))),
+                )
             });
             let gains: Vec<(usize, [f64; 4])> = gains.collect();
             // The last control point of a piece is the first of the next piece.
             let last = if piece + 1 == PIECES { 4 } else { 3 };
             for point in 0..last {
                 let at_key = match (piece, point) {
-                    (0, 0) => solved(first).is_some(),
-                    (_, 3) => solved(first + 1).is_some(),
+                    (0, 0) => changing_key(first).is_some(),
+                    (_, 3) => changing_key(first + 1).is_some(),
                     _ => false,
                 };
                 for side in sides {
                     let (sign, limit) = side;
-                    let base = sign * still[point] - limit;
+                    let base = sign * base_controls[point] - limit;
                     if !base.is_finite() {
                         continue;
                     }
-                    let stays = |key: &usize| solved(*key).is_none();
+                    let is_unchanged = |key: &usize| changing_key(*key).is_none();
                     let allowed = if at_key {
                         0.0
-                    } else if ends.iter().any(|key| stays(key) && over(*key, side) > 0.0) {
+                    } else if ends
+                        .iter()
+                        .any(|key| is_unchanged(key) && key_excess(*key, side) > 0.0)
+                    {
                         f64::INFINITY
-                    } else if ends.iter().all(stays) {
+                    } else if ends.iter().all(is_unchanged) {
                         base.max(0.0)
                     } else {
                         0.0
                     };
-                    let gains = gains.iter().map(|(v, own)| (*v, sign * own[point]));
-                    rows.push(row(base, gains.collect(), allowed, moments[point]));
+                    let gains = gains.iter().map(|(v, values)| (*v, sign * values[point]));
+                    rows.push(row(base, gains.collect(), allowed, sample_times[point]));
                 }
             }
         }

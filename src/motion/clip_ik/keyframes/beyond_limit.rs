@@ -20,32 +20,32 @@ pub struct BeyondLimit {
 }
 
 /// Excess below which a limit counts as satisfied, radians: an allowance for rounding.
-const HIDDEN: f64 = 1e-9;
+const EXCESS_TOLERANCE: f64 = 1e-9;
 
 impl BeyondLimit {
     /// Returns the largest excess of each angle, in the order of the rows.
     pub(super) fn all(rows: &[Row], x: &DVector<f64>) -> Vec<Self> {
-        let mut all: Vec<Self> = Vec::new();
+        let mut limits: Vec<Self> = Vec::new();
         for row in rows {
-            let by = row.beyond(x);
-            if by <= HIDDEN {
+            let by = row.limit_excess(x);
+            if by <= EXCESS_TOLERANCE {
                 continue;
             }
-            let told = Self {
+            let entry = Self {
                 bone: row.bone,
                 angle: row.angle,
                 by,
                 at: row.time,
             };
-            match all.last_mut() {
-                Some(last) if (last.bone, last.angle) == (told.bone, told.angle) => {
+            match limits.last_mut() {
+                Some(last) if (last.bone, last.angle) == (entry.bone, entry.angle) => {
                     if by > last.by {
-                        *last = told;
+                        *last = entry;
                     }
                 }
-                _ => all.push(told),
+                _ => limits.push(entry),
             }
         }
-        all
+        limits
     }
 }

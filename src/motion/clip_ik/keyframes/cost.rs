@@ -13,7 +13,7 @@ use crate::task::Point;
 
 /// Sample time of the clip.
 #[derive(Debug)]
-struct Moment {
+struct Sample {
     /// Values of the problem's variables in the clip.
     x: Vec<f64>,
     targets: Targets,
@@ -28,14 +28,14 @@ struct Moment {
 pub(super) struct KeyCost {
     problem: Problem,
     scratch: Scratch,
-    moments: Vec<Moment>,
-    keep: f64,
+    samples: Vec<Sample>,
+    change_weight: f64,
     residual: Vec<f64>,
     jacobian: DMatrix<f64>,
 }
 
 /// Number of rows of a point.
-const ROWS: usize = 3;
+const ROWS_PER_POINT: usize = 3;
 
 impl KeyCost {
     pub(super) fn new(
@@ -43,7 +43,7 @@ impl KeyCost {
         reaches: &[Reach],
         keys: &[KeyAngle],
         times: &[f64],
-        (span, keep): ([f64; 2], f64),
+        (span, change_weight): ([f64; 2], f64),
     ) -> Result<Self, ClipIkError> {
         // Keys may exceed their limits, which are rows instead of bounds.
         let model = skeleton.model().without_limits();
@@ -56,7 +56,7 @@ impl KeyCost {
         let map = problem.parameters();
         let (variables, rows) = (problem.variables(), problem.rows());
         let mut q = vec![0.0; skeleton.angles()];
-        let mut moments = Vec::with_capacity(times.len());
+        let mut samples = Vec::with_capacity(times.len());
         for &time in times {
             clip.sample(time, Playback::Hold, &mut q)?;
             let mut x = vec![0.0; variables];
@@ -75,7 +75,7 @@ impl KeyCost {
                 (gain != 0.0).then(|| (variable, k, gain / ratio))
             });
             let gains = gains.collect();
-            moments.push(Moment {
+            samples.push(Sample {
                 x,
                 targets,
                 weights,
@@ -87,8 +87,8 @@ impl KeyCost {
             residual: vec![0.0; rows],
             jacobian: DMatrix::zeros(rows, variables),
             problem,
-            moments,
-            keep,
+            samples,
+            change_weight,
         })
     }
 
@@ -97,34 +97,34 @@ impl KeyCost {
         &mut self,
         keys: &DVector<f64>,
     ) -> Result<Vec<Vec<Option<f64>>>, ClipIkError> {
-        let mut all = Vec::with_capacity(self.moments.len());
-        for k in 0..self.moments.len() {
+        let mut all_misses = Vec::with_capacity(self.samples.len());
+        for k in 0..self.samples.len() {
             self.evaluate(k, keys, false)?;
-            let weights = self.moments[k]
+            let weights = self.samples[k]
                 .weights
                 .iter()
-                .zip(self.residual.chunks(ROWS));
+                .zip(self.residual.chunks(ROWS_PER_POINT));
             let miss = weights.map(|(weight, rows)| {
                 (*weight >= 1.0).then(|| crate::solver::dot(rows, rows).sqrt())
             });
-            all.push(miss.collect());
+            all_misses.push(miss.collect());
         }
-        Ok(all)
+        Ok(all_misses)
     }
 
     fn evaluate(
         &mut self,
-        moment: usize,
+        index: usize,
         keys: &DVector<f64>,
         differentiate: bool,
     ) -> Result<(), ClipIkError> {
-        let own = &self.moments[moment];
-        let mut x = own.x.clone();
-        for &(variable, key, gain) in &own.gains {
+        let sample = &self.samples[index];
+        let mut x = sample.x.clone();
+        for &(variable, key, gain) in &sample.gains {
             x[variable] += gain * keys[key];
         }
-        let question = self.problem.with_targets(&own.targets)?;
-        let mut evaluation = Evaluation::new(question, &mut self.scratch);
+        let instance = self.problem.with_targets(&sample.targets)?;
+        let mut evaluation = Evaluation::new(instance, &mut self.scratch);
         evaluation.residual(&x, &mut self.residual);
         if differentiate {
             evaluation.jacobian(&x, &mut self.jacobian);
@@ -135,19 +135,19 @@ impl KeyCost {
     fn sum(
         &mut self,
         keys: &DVector<f64>,
-        mut each: impl FnMut(&Self, usize),
+        mut visit: impl FnMut(&Self, usize),
     ) -> Result<f64, ClipIkError> {
-        let mut sum = self.keep * self.keep * keys.norm_squared();
-        for k in 0..self.moments.len() {
+        let mut sum = self.change_weight * self.change_weight * keys.norm_squared();
+        for k in 0..self.samples.len() {
             self.evaluate(k, keys, true)?;
-            let weighed = self.moments[k]
+            let weighted = self.samples[k]
                 .weights
                 .iter()
-                .zip(self.residual.chunks(ROWS));
-            sum += weighed
+                .zip(self.residual.chunks(ROWS_PER_POINT));
+            sum += weighted
                 .map(|(w, rows)| w * w * crate::solver::dot(rows, rows))
                 .sum::<f64>();
-            each(self, k);
+            visit(self, k);
         }
         Ok(0.5 * sum)
     }
@@ -166,23 +166,23 @@ impl Cost for KeyCost {
         gradient: &mut DVector<f64>,
         hessian: &mut DMatrix<f64>,
     ) -> Result<f64, ClipIkError> {
-        let squared = self.keep * self.keep;
+        let squared = self.change_weight * self.change_weight;
         gradient.copy_from(&(keys * squared));
         hessian.fill(0.0);
         hessian.fill_diagonal(squared);
-        self.sum(keys, |own, k| {
-            let moment = &own.moments[k];
-            for (row, residual) in own.residual.iter().enumerate() {
-                let weight = moment.weights[row / ROWS];
+        self.sum(keys, |cost, k| {
+            let sample = &cost.samples[k];
+            for (row, residual) in cost.residual.iter().enumerate() {
+                let weight = sample.weights[row / ROWS_PER_POINT];
                 let weight = weight * weight;
                 if weight == 0.0 {
                     continue;
                 }
-                for &(variable, a, gain) in &moment.gains {
-                    let slope = weight * gain * own.jacobian[(row, variable)];
+                for &(variable, a, gain) in &sample.gains {
+                    let slope = weight * gain * cost.jacobian[(row, variable)];
                     gradient[a] += slope * residual;
-                    for &(other, b, gain) in &moment.gains {
-                        hessian[(a, b)] += slope * gain * own.jacobian[(row, other)];
+                    for &(other, b, gain) in &sample.gains {
+                        hessian[(a, b)] += slope * gain * cost.jacobian[(row, other)];
                     }
                 }
             }

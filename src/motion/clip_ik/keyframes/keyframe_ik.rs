@@ -6,10 +6,10 @@ use super::basis::{KeyAngle, Row, limit_rows};
 use super::beyond_limit::BeyondLimit;
 use super::cost::KeyCost;
 use super::interior::minimise;
-use super::within::brought_within;
+use super::within::limited_change;
 use crate::animation::{Armature, EulerClip, EulerTrack};
 use crate::bad_option::{BadOption, POSITIVE};
-use crate::motion::clip_ik::root_bone::{above, branching_above};
+use crate::motion::clip_ik::root_bone::{ancestors, branching_above};
 use crate::motion::clip_ik::{ClipIkError, Reach, ReachResult};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
@@ -60,9 +60,9 @@ pub struct EditedKeys {
 }
 
 /// Weight of a key's displacement of one radian, as a fraction of the skeleton's size.
-const KEPT: f64 = 1e-3;
+const CHANGE_WEIGHT_RATIO: f64 = 1e-3;
 /// Number of sample times above which a rate is rejected as a mistake.
-const MOST_MOMENTS: f64 = 1e6;
+const MAX_SAMPLES: f64 = 1e6;
 
 impl<'a> KeyframeIk<'a> {
     /// Creates a solver for a skeleton without reaches, with 60 sample times per second.
@@ -103,43 +103,43 @@ impl<'a> KeyframeIk<'a> {
         if keys.is_empty() {
             return Err(ClipIkError::NoKeys);
         }
-        let keep = KEPT * self.skeleton.size();
+        let change_weight = CHANGE_WEIGHT_RATIO * self.skeleton.size();
         let times = self.times(span)?;
         let mut cost = KeyCost::new(
             (self.skeleton, clip),
             &self.reaches,
             &keys,
             &times,
-            (span, keep),
+            (span, change_weight),
         )?;
         let limits = |key: &KeyAngle| {
             let bone = clip.tracks()[key.track].bone;
             self.skeleton.bones()[bone.index()].limits[key.angle]
         };
-        let was = |key: &KeyAngle| clip.tracks()[key.track].keys[key.key].angles[key.angle];
+        let original = |key: &KeyAngle| clip.tracks()[key.track].keys[key.key].angles[key.angle];
         let clamped = keys
             .iter()
-            .map(|key| limits(key).clamp(was(key)) - was(key));
+            .map(|key| limits(key).clamp(original(key)) - original(key));
         let clamped = DVector::from_iterator(keys.len(), clamped);
         let mut rows = self.rows(clip, &keys)?;
-        let start = brought_within(&mut rows, clamped);
-        let kept = rows.iter().filter(|row| row.allowed.is_finite());
-        let hard: Vec<Row> = kept.cloned().collect();
-        let mut found = minimise(&mut cost, &hard, start)?;
+        let start = limited_change(&mut rows, clamped);
+        let enforced = rows.iter().filter(|row| row.allowed.is_finite());
+        let hard: Vec<Row> = enforced.cloned().collect();
+        let mut changes = minimise(&mut cost, &hard, start)?;
         // Clamping makes the values satisfy the limits exactly.
         let values: Vec<f64> = keys
             .iter()
-            .zip(&found)
-            .map(|(key, change)| limits(key).clamp(was(key) + change))
+            .zip(&changes)
+            .map(|(key, change)| limits(key).clamp(original(key) + change))
             .collect();
-        for ((change, value), key) in found.iter_mut().zip(&values).zip(&keys) {
-            *change = value - was(key);
+        for ((change, value), key) in changes.iter_mut().zip(&values).zip(&keys) {
+            *change = value - original(key);
         }
-        let misses = cost.misses(&found)?;
+        let misses = cost.misses(&changes)?;
         let led = self.reaches.iter().enumerate().map(|(k, reach)| {
-            let own = misses.iter().zip(&times);
-            let own = own.filter_map(|(miss, time)| Some((miss[k]?, *time)));
-            let worst = own.max_by(|one, other| one.0.total_cmp(&other.0));
+            let errors = misses.iter().zip(&times);
+            let errors = errors.filter_map(|(miss, time)| Some((miss[k]?, *time)));
+            let worst = errors.max_by(|one, other| one.0.total_cmp(&other.0));
             let (miss, at) = worst.unwrap_or((0.0, span[0]));
             ReachResult {
                 bone: reach.bone,
@@ -166,7 +166,7 @@ impl<'a> KeyframeIk<'a> {
             clip,
             led: led.collect(),
             keys_changed,
-            beyond: BeyondLimit::all(&rows, &found),
+            beyond: BeyondLimit::all(&rows, &changes),
         })
     }
 
@@ -190,7 +190,7 @@ impl<'a> KeyframeIk<'a> {
             }
             if let Some(root) = self
                 .root
-                .filter(|&root| !above(armature, reach.bone).contains(&root))
+                .filter(|&root| !ancestors(armature, reach.bone).contains(&root))
             {
                 let root = armature.names().get(root.index());
                 return Err(ClipIkError::NotBelowRoot {
@@ -213,27 +213,29 @@ impl<'a> KeyframeIk<'a> {
         let root = self.root.or_else(|| branching_above(armature, &tips));
         let carries = |bone: BoneId, reach: &Reach| {
             let mut chain = vec![reach.bone];
-            chain.extend(above(armature, reach.bone));
+            chain.extend(ancestors(armature, reach.bone));
             chain
                 .into_iter()
-                .take_while(|own| Some(*own) != root)
-                .any(|own| own == bone)
+                .take_while(|ancestor| Some(*ancestor) != root)
+                .any(|ancestor| ancestor == bone)
         };
         let mut keys = Vec::new();
         for (index, track) in clip.tracks().iter().enumerate() {
-            let Some(own) = self.skeleton.bones().get(track.bone.index()) else {
+            let Some(skeleton_bone) = self.skeleton.bones().get(track.bone.index()) else {
                 let (bone, bones) = (track.bone.index(), armature.bones());
                 return Err(ClipIkError::UnknownBone { bone, bones });
             };
-            for (key, at) in track.keys.iter().enumerate() {
+            for (key, keyframe) in track.keys.iter().enumerate() {
                 let within = |reach: &Reach| {
                     let [from, to] = reach.span(span);
-                    (from..=to).contains(&at.time) && carries(track.bone, reach)
+                    (from..=to).contains(&keyframe.time) && carries(track.bone, reach)
                 };
                 if !self.reaches.iter().any(within) {
                     continue;
                 }
-                for angle in (0..ANGLES_PER_BONE).filter(|&angle| !own.limits[angle].is_locked()) {
+                for angle in
+                    (0..ANGLES_PER_BONE).filter(|&angle| !skeleton_bone.limits[angle].is_locked())
+                {
                     keys.push(KeyAngle::new(clip, index, key, angle)?);
                 }
             }
@@ -251,7 +253,7 @@ impl<'a> KeyframeIk<'a> {
             BadOption::check(
                 "sample times of a span",
                 steps,
-                (|n| n <= MOST_MOMENTS, "at most a million"),
+                (|n| n <= MAX_SAMPLES, "at most a million"),
             )?;
             times.extend((0..=steps as usize).map(|k| from + (to - from) * k as f64 / steps));
         }
@@ -264,13 +266,13 @@ impl<'a> KeyframeIk<'a> {
         let mut rows = Vec::new();
         for (index, track) in clip.tracks().iter().enumerate() {
             for angle in 0..ANGLES_PER_BONE {
-                let own = keys.iter().enumerate();
-                let own: Vec<_> = own
+                let angle_keys = keys.iter().enumerate();
+                let angle_keys: Vec<_> = angle_keys
                     .filter(|(_, key)| key.track == index && key.angle == angle)
                     .collect();
-                if !own.is_empty() {
+                if !angle_keys.is_empty() {
                     let limits = self.skeleton.bones()[track.bone.index()].limits[angle];
-                    rows.extend(limit_rows(clip, track, angle, limits, &own)?);
+                    rows.extend(limit_rows(clip, track, angle, limits, &angle_keys)?);
                 }
             }
         }

@@ -5,25 +5,25 @@ use super::cubic_curve::{CubicCurve, Jet};
 
 /// Angle beyond which a corner is a reversal, radians. The path stops there, as a blend would save no time and not
 /// reach the corner.
-const MIN_REVERSAL: f64 = 2.8;
+const MIN_REVERSAL_ANGLE: f64 = 2.8;
 /// Largest fraction of an adjacent curve that a blend replaces.
-const MAX_SHARE: f64 = 0.45;
+const MAX_CURVE_FRACTION: f64 = 0.45;
 /// Distance from a corner between straight lines to its blend, per half length and per change of the tangent.
-const CORNER_DISTANCE: f64 = 13.0 / 72.0;
+const CORNER_DISTANCE_FACTOR: f64 = 13.0 / 72.0;
 /// Fraction of the tolerance that a first blend uses, to allow for rounding.
-const TOLERANCE_SHARE: f64 = 0.999;
+const TOLERANCE_FRACTION: f64 = 0.999;
 /// Factor that shortens a blend that is too far from the corner, and maximum number of shortenings.
-const SHRINK: f64 = 0.85;
+const SHRINK_FACTOR: f64 = 0.85;
 const MAX_SHRINKS: usize = 48;
 /// Number of samples on each side of a corner at which the distance is checked.
-const CHECKS: usize = 8;
+const CHECK_SAMPLES: usize = 8;
 
 /// Three cubic pieces of equal length around a corner.
 struct Blend {
     /// Half of the length of all three pieces, in the curve parameter.
     half: f64,
     /// Second derivatives and values at the two inner knots, one row each.
-    bends: [Vec<f64>; 2],
+    second_derivatives: [Vec<f64>; 2],
     values: [Vec<f64>; 2],
 }
 
@@ -39,14 +39,14 @@ pub(super) fn joined(stretches: Vec<CubicCurve>, tolerance: f64) -> Vec<CubicCur
     let mut curves = Vec::new();
     let mut joined = CubicCurve::default();
     for (index, stretch) in stretches.into_iter().enumerate() {
-        let cut = |blend: Option<&Option<Blend>>| {
+        let half_length = |blend: Option<&Option<Blend>>| {
             let half = blend.and_then(Option::as_ref).map(|blend| blend.half);
             half.unwrap_or(0.0)
         };
         let before = index.checked_sub(1).and_then(|index| blends.get(index));
         let (from, to) = (
-            stretch.start() + cut(before),
-            stretch.end() - cut(blends.get(index)),
+            stretch.start() + half_length(before),
+            stretch.end() - half_length(blends.get(index)),
         );
         joined.joints = stretch.joints;
         append(&mut joined, &stretch, from, to);
@@ -69,7 +69,7 @@ fn append(joined: &mut CubicCurve, curve: &CubicCurve, from: f64, to: f64) {
         joined.push(
             *s,
             curve.values[row.clone()].iter().copied(),
-            curve.bends[row].iter().copied(),
+            curve.second_derivatives[row].iter().copied(),
         );
     }
     push_point(joined, curve, to);
@@ -94,20 +94,20 @@ impl Blend {
         };
         let arriving = first(before, before.piece(corner), corner);
         let leaving = first(after, 0, corner);
-        if tolerance <= 0.0 || angle(&arriving, &leaving) > MIN_REVERSAL {
+        if tolerance <= 0.0 || angle(&arriving, &leaving) > MIN_REVERSAL_ANGLE {
             return None;
         }
         let changes = arriving.iter().zip(&leaving).map(|(a, b)| (b - a).abs());
         let change = changes.fold(0.0, f64::max);
-        let longest = MAX_SHARE * (corner - before.start()).min(after.end() - corner);
-        let widest = TOLERANCE_SHARE * tolerance / (CORNER_DISTANCE * change);
+        let longest = MAX_CURVE_FRACTION * (corner - before.start()).min(after.end() - corner);
+        let widest = TOLERANCE_FRACTION * tolerance / (CORNER_DISTANCE_FACTOR * change);
         let mut half = widest.min(longest);
         for _ in 0..MAX_SHRINKS {
             let blend = Self::of_half_length(before, after, half);
             if blend.is_within(before, after, tolerance) {
                 return Some(blend);
             }
-            half *= SHRINK;
+            half *= SHRINK_FACTOR;
         }
         None
     }
@@ -119,7 +119,7 @@ impl Blend {
         let step = 2.0 * half / 3.0;
         let mut blend = Self {
             half,
-            bends: Default::default(),
+            second_derivatives: Default::default(),
             values: Default::default(),
         };
         let ends = before
@@ -130,8 +130,8 @@ impl Blend {
             let moved = to.value - from.value - 3.0 * step * from.first;
             let twice = moved / (step * step) - 4.0 / 3.0 * from.second - to.second / 6.0;
             let [first, second] = [twice - sum, 2.0 * sum - twice];
-            blend.bends[0].push(first);
-            blend.bends[1].push(second);
+            blend.second_derivatives[0].push(first);
+            blend.second_derivatives[1].push(second);
             blend.values[0]
                 .push(from.value + step * (from.first + step * (from.second / 3.0 + first / 6.0)));
             blend.values[1]
@@ -142,9 +142,15 @@ impl Blend {
 
     /// Appends the two inner knots of the blend.
     fn append(&self, curve: &mut CubicCurve, corner: f64) {
-        for (side, (values, bends)) in self.values.iter().zip(&self.bends).enumerate() {
+        for (side, (values, second_derivatives)) in
+            self.values.iter().zip(&self.second_derivatives).enumerate()
+        {
             let s = corner + (2.0 * side as f64 - 1.0) * self.half / 3.0;
-            curve.push(s, values.iter().copied(), bends.iter().copied());
+            curve.push(
+                s,
+                values.iter().copied(),
+                second_derivatives.iter().copied(),
+            );
         }
     }
 
@@ -158,14 +164,14 @@ impl Blend {
         push_point(&mut blended, before, corner - self.half);
         self.append(&mut blended, corner);
         push_point(&mut blended, after, corner + self.half);
-        let near = |curve: &CubicCurve, s: f64| {
+        let is_near = |curve: &CubicCurve, s: f64| {
             let jets = blended.jets(blended.piece(s), s);
-            let mut offs = jets.zip(curve.jets(curve.piece(s), s));
-            offs.all(|(a, b)| (a.value - b.value).abs() <= tolerance)
+            let mut pairs = jets.zip(curve.jets(curve.piece(s), s));
+            pairs.all(|(a, b)| (a.value - b.value).abs() <= tolerance)
         };
-        (0..=CHECKS).all(|k| {
-            let by = self.half * k as f64 / CHECKS as f64;
-            near(before, corner - by) && near(after, corner + by)
+        (0..=CHECK_SAMPLES).all(|k| {
+            let offset = self.half * k as f64 / CHECK_SAMPLES as f64;
+            is_near(before, corner - offset) && is_near(after, corner + offset)
         })
     }
 }

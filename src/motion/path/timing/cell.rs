@@ -62,13 +62,16 @@ impl Cell {
             time = if closed.is_finite() { closed } else { time };
         }
         // Newton's method, bracketed by the times at the largest and smallest speed; bisection outside the bracket.
-        let turn = (-self.acceleration / self.slope).clamp(0.0, distance);
-        let turn = squared(turn);
-        let (least, most) = (
-            ends[0].min(ends[1]).min(turn),
-            ends[0].max(ends[1]).max(turn),
+        let extremum = (-self.acceleration / self.slope).clamp(0.0, distance);
+        let extremum = squared(extremum);
+        let (min_squared, max_squared) = (
+            ends[0].min(ends[1]).min(extremum),
+            ends[0].max(ends[1]).max(extremum),
         );
-        let (mut early, mut late) = (distance / most.sqrt(), distance / least.max(0.0).sqrt());
+        let (mut early, mut late) = (
+            distance / max_squared.sqrt(),
+            distance / min_squared.max(0.0).sqrt(),
+        );
         for _ in 0..MAX_STEPS {
             let state = self.at(time);
             let excess = state.position - self.start - distance;
@@ -81,9 +84,9 @@ impl Cell {
             if !is_between {
                 next = 0.5 * (early + late.min(2.0 * time));
             }
-            let by = next - time;
+            let correction = next - time;
             time = next;
-            if by.abs() <= 1e-15 * time {
+            if correction.abs() <= 1e-15 * time {
                 break;
             }
         }
@@ -93,15 +96,15 @@ impl Cell {
     /// Returns the time to a distance at which the speed is known, from logarithms or angles.
     fn closed_time(&self, distance: f64, speed: f64) -> f64 {
         let rate = self.slope.abs().sqrt();
-        let gained = self.slope * distance;
+        let acceleration_change = self.slope * distance;
         if self.slope > 0.0 {
             let start = rate * self.speed + self.acceleration;
-            let change = rate * (speed - self.speed) + gained;
+            let change = rate * (speed - self.speed) + acceleration_change;
             return ln_1p(change / start) / rate;
         }
         // The speed is a cosine.
         let start = atan2(self.acceleration / rate, self.speed);
-        let end = atan2(-(self.acceleration + gained) / rate, speed);
+        let end = atan2(-(self.acceleration + acceleration_change) / rate, speed);
         (start + end) / rate
     }
 

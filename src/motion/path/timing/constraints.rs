@@ -52,7 +52,7 @@ struct Range {
 /// Maximum number of rounds of the search for the largest x. Each takes the intersection of two lines.
 const MAX_ROUNDS: usize = 64;
 /// Largest relative gap between bounds of u that counts as zero.
-const NEGLIGIBLE: f64 = 1e-12;
+const RELATIVE_GAP_TOLERANCE: f64 = 1e-12;
 
 impl Constraints {
     /// Creates the constraints from velocity and acceleration limits of joints and tool on a grid.
@@ -65,42 +65,49 @@ impl Constraints {
         tool: Option<&ToolMotion>,
         scales: &[f64],
     ) -> Self {
-        let mut all = Self {
+        let mut constraints = Self {
             speed: vec![f64::INFINITY; grid.points.len()],
             ..Self::default()
         };
-        for (point, most) in all.speed.iter_mut().enumerate() {
+        for (point, max_squared_speed) in constraints.speed.iter_mut().enumerate() {
             for (joint, limit) in velocity.iter().enumerate() {
                 let (first, _) = grid.derivatives(point, joint);
                 let ratio = limit / first.abs();
-                *most = most.min(ratio * ratio);
+                *max_squared_speed = max_squared_speed.min(ratio * ratio);
             }
             if let Some(tool) = tool {
-                *most = most.min(tool.largest_squared_speed(point));
+                *max_squared_speed = max_squared_speed.min(tool.largest_squared_speed(point));
             }
         }
         let finite: Vec<(usize, f64)> = acceleration.iter().copied().enumerate().collect();
         let finite: Vec<(usize, f64)> = finite.into_iter().filter(|(_, a)| a.is_finite()).collect();
-        all.both.lines.reserve(2 * finite.len() * grid.cells());
+        constraints
+            .both
+            .lines
+            .reserve(2 * finite.len() * grid.cells());
         for (cell, scale) in scales.iter().enumerate() {
-            for lines in [&mut all.both, &mut all.upper, &mut all.lower] {
+            for lines in [
+                &mut constraints.both,
+                &mut constraints.upper,
+                &mut constraints.lower,
+            ] {
                 lines.starts.push(lines.lines.len());
             }
             let twice = 2.0 * grid.step(cell);
             for (joint, limit) in &finite {
                 let limit = limit * scale;
                 let (first, second) = grid.derivatives(cell, *joint);
-                all.push_both(cell, [first, second, limit]);
+                constraints.push_both(cell, [first, second, limit]);
                 let (first, second) = grid.derivatives(cell + 1, *joint);
-                all.push_both(cell, [first + twice * second, second, limit]);
+                constraints.push_both(cell, [first + twice * second, second, limit]);
             }
             if let Some(tool) = tool {
                 tool.half_planes(cell, twice, *scale, |half_plane| {
-                    all.push_half_plane(cell, half_plane);
+                    constraints.push_half_plane(cell, half_plane);
                 });
             }
         }
-        all
+        constraints
     }
 
     /// Adds the constraint |a u + b x| ≤ c.
@@ -171,7 +178,7 @@ impl Constraints {
         for _ in 0..MAX_ROUNDS {
             let range = self.range(cell, x, half_inverse, next);
             let size = range.upper.abs().max(range.lower.abs());
-            if range.upper - range.lower >= -NEGLIGIBLE * size {
+            if range.upper - range.lower >= -RELATIVE_GAP_TOLERANCE * size {
                 break;
             }
             let (above, below) = (range.upper_line, range.lower_line);

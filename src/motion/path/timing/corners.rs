@@ -11,20 +11,20 @@ use crate::scalar::elementary::acos;
 ///
 /// Closer rows would amplify the tolerance of their solver, about 1e-6. The first distance is safe from that. The
 /// second distinguishes tight bends of dense rows from corners.
-const REACHES: [f64; 2] = [MIN_REACH, 3e-4];
-pub(super) const MIN_REACH: f64 = 2e-3;
+const TANGENT_DISTANCES: [f64; 2] = [MIN_TANGENT_DISTANCE, 3e-4];
+pub(super) const MIN_TANGENT_DISTANCE: f64 = 2e-3;
 /// Smallest angle between two one-sided tangents that counts as a corner, radians.
-const MIN_BEND: f64 = 0.05;
-/// Cosine of [`MIN_BEND`], rounded up.
-const MIN_BEND_COSINE: f64 = 0.99876;
+const MIN_CORNER_ANGLE: f64 = 0.05;
+/// Cosine of [`MIN_CORNER_ANGLE`], rounded up.
+const MIN_CORNER_ANGLE_COSINE: f64 = 0.99876;
 /// Smallest ratio of the angle between tangents to the angle between chords at a corner.
-const MIN_LASTING_SHARE: f64 = 0.6;
-/// As `MIN_LASTING_SHARE`, if one tangent is a chord because a corner or an end is near.
-const MIN_LASTING_SHARE_BESIDE: f64 = 0.9;
+const MIN_ANGLE_RATIO: f64 = 0.6;
+/// As `MIN_ANGLE_RATIO`, if one tangent is a chord because a corner or an end is near.
+const MIN_ANGLE_RATIO_NEAR_END: f64 = 0.9;
 
 /// Smallest ratio of the angle between tangents to the angle between chords at neighbouring rows that bend to the same
 /// side. A tight bend of a smooth curve spreads over several rows.
-const MIN_ISOLATION: f64 = 2.0;
+const MIN_NEIGHBOUR_ANGLE_RATIO: f64 = 2.0;
 
 /// Consecutive rows, with their joint lengths from the first row.
 #[derive(Clone, Copy)]
@@ -57,9 +57,13 @@ impl Rows<'_> {
     fn chord(&self, from: usize, to: usize) -> Vec<f64> {
         let moves = self.rows[to].iter().zip(self.rows[from]);
         let mut chord: Vec<f64> = moves.map(|(b, a)| b - a).collect();
-        let length = chord.iter().map(|by| by * by).sum::<f64>().sqrt();
+        let length = chord
+            .iter()
+            .map(|component| component * component)
+            .sum::<f64>()
+            .sqrt();
         if length > 0.0 {
-            chord.iter_mut().for_each(|by| *by /= length);
+            chord.iter_mut().for_each(|component| *component /= length);
         }
         chord
     }
@@ -72,27 +76,27 @@ impl Rows<'_> {
         if near != far {
             let outer = self.chord(far.min(near), far.max(near));
             let reach = |a: usize, b: usize| (self.lengths[a] - self.lengths[b]).abs();
-            let share = reach(row, near) / (reach(row, near) + reach(near, far));
+            let ratio = reach(row, near) / (reach(row, near) + reach(near, far));
             for (entry, outer) in tangent.iter_mut().zip(outer) {
-                *entry += share * (*entry - outer);
+                *entry += ratio * (*entry - outer);
             }
         }
         tangent
     }
 
     /// Returns the angle between the chords to the rows before and after, radians.
-    fn turn(&self, row: usize, first: usize, last: usize) -> f64 {
+    fn chord_angle(&self, row: usize, first: usize, last: usize) -> f64 {
         let (before, after) = (self.before(row, first), self.after(row, last));
         self.angle_of_chords([before, row], [row, after])
     }
 
     /// Returns the change of direction from one row to a later one, radians.
-    pub(super) fn turn_between(&self, from: usize, to: usize) -> f64 {
+    pub(super) fn direction_change(&self, from: usize, to: usize) -> f64 {
         let (after, before) = (self.after(from, to), self.before(to, from));
         self.angle_of_chords([from, after], [before, to])
     }
 
-    /// Returns the angle between two chords, radians; 0 if it is less than [`MIN_BEND`] or a chord is zero.
+    /// Returns the angle between two chords, radians; 0 if it is less than [`MIN_CORNER_ANGLE`] or a chord is zero.
     fn angle_of_chords(&self, first: [usize; 2], second: [usize; 2]) -> f64 {
         let ends = |[from, to]: [usize; 2]| self.rows[from].iter().zip(self.rows[to]);
         let (mut product, mut squares) = (0.0, [0.0; 2]);
@@ -103,31 +107,31 @@ impl Rows<'_> {
             squares[1] += v * v;
         }
         let sizes = (squares[0] * squares[1]).sqrt();
-        match product < MIN_BEND_COSINE * sizes {
+        match product < MIN_CORNER_ANGLE_COSINE * sizes {
             true => acos((product / sizes).clamp(-1.0, 1.0)),
             false => 0.0,
         }
     }
 
     /// Returns the largest angle between chords at the neighbouring rows that bend to the same side, radians.
-    fn turn_beside(&self, row: usize, first: usize, last: usize) -> f64 {
+    fn max_neighbour_angle(&self, row: usize, first: usize, last: usize) -> f64 {
         let change = |row: usize| {
             let (before, after) = (self.before(row, first), self.after(row, last));
             let (arriving, leaving) = (self.chord(before, row), self.chord(row, after));
             arriving.into_iter().zip(leaving).map(|(a, b)| b - a)
         };
-        let beside = [self.before(row, first), self.after(row, last)];
-        let inner = beside
+        let neighbours = [self.before(row, first), self.after(row, last)];
+        let inner = neighbours
             .into_iter()
-            .filter(|beside| *beside != first && *beside != last);
-        let turns = inner.map(|beside| {
-            let product: f64 = change(row).zip(change(beside)).map(|(a, b)| a * b).sum();
+            .filter(|neighbour| *neighbour != first && *neighbour != last);
+        let chord_angles = inner.map(|neighbour| {
+            let product: f64 = change(row).zip(change(neighbour)).map(|(a, b)| a * b).sum();
             match product > 0.0 {
-                true => self.turn(beside, first, last),
+                true => self.chord_angle(neighbour, first, last),
                 false => 0.0,
             }
         });
-        turns.fold(0.0, f64::max)
+        chord_angles.fold(0.0, f64::max)
     }
 
     /// Returns whether a row is a corner between two bounds, which are known corners or ends.
@@ -137,14 +141,14 @@ impl Rows<'_> {
         let far_after = self.after(after, last);
         let arriving = self.tangent(row, before, far_before);
         let leaving = self.tangent(row, after, far_after);
-        let bend = angle(&arriving, &leaving);
-        let share = match before == far_before || after == far_after {
-            true => MIN_LASTING_SHARE_BESIDE,
-            false => MIN_LASTING_SHARE,
+        let corner_angle = angle(&arriving, &leaving);
+        let min_ratio = match before == far_before || after == far_after {
+            true => MIN_ANGLE_RATIO_NEAR_END,
+            false => MIN_ANGLE_RATIO,
         };
-        bend > MIN_BEND
-            && bend > share * self.turn(row, first, last)
-            && bend > MIN_ISOLATION * self.turn_beside(row, first, last)
+        corner_angle > MIN_CORNER_ANGLE
+            && corner_angle > min_ratio * self.chord_angle(row, first, last)
+            && corner_angle > MIN_NEIGHBOUR_ANGLE_RATIO * self.max_neighbour_angle(row, first, last)
     }
 }
 
@@ -164,16 +168,21 @@ pub(super) fn corners(rows: Rows<'_>) -> Vec<usize> {
     let Some(last) = rows.rows.len().checked_sub(1) else {
         return Vec::new();
     };
-    let turns = (1..last).map(|row| (rows.turn(row, 0, last), row));
-    let mut candidates: Vec<(f64, usize)> = turns.filter(|(turn, _)| *turn > MIN_BEND).collect();
+    let chord_angles = (1..last).map(|row| (rows.chord_angle(row, 0, last), row));
+    let mut candidates: Vec<(f64, usize)> = chord_angles
+        .filter(|(angle, _)| *angle > MIN_CORNER_ANGLE)
+        .collect();
     // The sharpest first, because a corner distorts the chords of its neighbours.
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut corners = vec![0, last];
     for (_, row) in candidates {
-        let place = corners.partition_point(|corner| *corner < row);
-        let (first, last) = (corners[place - 1], corners[place]);
+        let index = corners.partition_point(|corner| *corner < row);
+        let (first, last) = (corners[index - 1], corners[index]);
         let clearance = |corner: usize| (rows.lengths[corner] - rows.lengths[row]).abs();
-        if first == row || last == row || clearance(first).min(clearance(last)) < MIN_REACH {
+        if first == row
+            || last == row
+            || clearance(first).min(clearance(last)) < MIN_TANGENT_DISTANCE
+        {
             continue;
         }
         let is_corner = |reach: &f64| {
@@ -183,8 +192,8 @@ pub(super) fn corners(rows: Rows<'_>) -> Vec<usize> {
             };
             rows.has_corner(row, first, last)
         };
-        if REACHES.iter().all(is_corner) {
-            corners.insert(place, row);
+        if TANGENT_DISTANCES.iter().all(is_corner) {
+            corners.insert(index, row);
         }
     }
     corners.pop();

@@ -9,7 +9,7 @@ pub(super) struct CubicCurve {
     /// Joint values at the knots, one row per knot.
     pub(super) values: Vec<f64>,
     /// Second derivatives at the knots, one row per knot.
-    pub(super) bends: Vec<f64>,
+    pub(super) second_derivatives: Vec<f64>,
 }
 
 /// Value and derivatives of one joint at one curve parameter.
@@ -34,7 +34,7 @@ impl CubicCurve {
         let count = knots.len();
         let mut curve = Self {
             joints,
-            bends: vec![0.0; values.len()],
+            second_derivatives: vec![0.0; values.len()],
             knots,
             values,
         };
@@ -43,20 +43,20 @@ impl CubicCurve {
         }
         let step = |k: usize| curve.knots[k + 1] - curve.knots[k];
         // Second divided differences, times six.
-        let mut sides = vec![0.0; (count - 2) * joints];
+        let mut rhs = vec![0.0; (count - 2) * joints];
         for k in 1..count - 1 {
             let (before, after) = (step(k - 1).recip(), step(k).recip());
             for j in 0..joints {
-                let at = |k: usize| curve.values[k * joints + j];
-                sides[(k - 1) * joints + j] =
-                    6.0 * ((at(k + 1) - at(k)) * after - (at(k) - at(k - 1)) * before);
+                let value = |k: usize| curve.values[k * joints + j];
+                rhs[(k - 1) * joints + j] =
+                    6.0 * ((value(k + 1) - value(k)) * after - (value(k) - value(k - 1)) * before);
             }
         }
         if count == 3 {
-            let whole = (3.0 * (step(0) + step(1))).recip();
-            for row in curve.bends.chunks_exact_mut(joints) {
-                for (bend, side) in row.iter_mut().zip(&sides) {
-                    *bend = side * whole;
+            let factor = (3.0 * (step(0) + step(1))).recip();
+            for row in curve.second_derivatives.chunks_exact_mut(joints) {
+                for (bend, side) in row.iter_mut().zip(&rhs) {
+                    *bend = side * factor;
                 }
             }
             return curve;
@@ -83,31 +83,32 @@ impl CubicCurve {
         diagonal[inner - 1] += upper[inner - 1] * last.0;
         lower[inner - 1] += upper[inner - 1] * last.1;
         for k in 1..inner {
-            let share = lower[k] / diagonal[k - 1];
-            diagonal[k] -= share * upper[k - 1];
-            let (done, rest) = sides.split_at_mut(k * joints);
+            let factor = lower[k] / diagonal[k - 1];
+            diagonal[k] -= factor * upper[k - 1];
+            let (done, rest) = rhs.split_at_mut(k * joints);
             for (side, above) in rest.iter_mut().zip(&done[(k - 1) * joints..]) {
-                *side -= share * above;
+                *side -= factor * above;
             }
         }
         for k in (0..inner).rev() {
             let pivot = diagonal[k].recip();
             for j in 0..joints {
                 let after = match k + 1 < inner {
-                    true => upper[k] * curve.bends[(k + 2) * joints + j],
+                    true => upper[k] * curve.second_derivatives[(k + 2) * joints + j],
                     false => 0.0,
                 };
-                curve.bends[(k + 1) * joints + j] = (sides[k * joints + j] - after) * pivot;
+                curve.second_derivatives[(k + 1) * joints + j] =
+                    (rhs[k * joints + j] - after) * pivot;
             }
         }
         for j in 0..joints {
-            let bend = |k: usize| curve.bends[k * joints + j];
+            let bend = |k: usize| curve.second_derivatives[k * joints + j];
             let ends = [
                 first.0 * bend(1) + first.1 * bend(2),
                 last.0 * bend(count - 2) + last.1 * bend(count - 3),
             ];
-            curve.bends[j] = ends[0];
-            curve.bends[(count - 1) * joints + j] = ends[1];
+            curve.second_derivatives[j] = ends[0];
+            curve.second_derivatives[(count - 1) * joints + j] = ends[1];
         }
         curve
     }
@@ -139,7 +140,10 @@ impl CubicCurve {
         let (low, high) = (piece * n, (piece + 1) * n);
         (0..n).map(move |j| {
             let (y0, y1) = (self.values[low + j], self.values[high + j]);
-            let (m0, m1) = (self.bends[low + j], self.bends[high + j]);
+            let (m0, m1) = (
+                self.second_derivatives[low + j],
+                self.second_derivatives[high + j],
+            );
             Jet {
                 value: a * y0
                     + b * y1
@@ -157,10 +161,10 @@ impl CubicCurve {
         &mut self,
         s: f64,
         values: impl IntoIterator<Item = f64>,
-        bends: impl IntoIterator<Item = f64>,
+        second_derivatives: impl IntoIterator<Item = f64>,
     ) {
         self.knots.push(s);
         self.values.extend(values);
-        self.bends.extend(bends);
+        self.second_derivatives.extend(second_derivatives);
     }
 }

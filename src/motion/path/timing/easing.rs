@@ -19,7 +19,7 @@ pub(super) struct Easing {
 }
 
 /// Length of a ramp in σ, relative to the curve's length.
-const RAMP: f64 = 0.5;
+const RAMP_RATIO: f64 = 0.5;
 /// Maximum number of Newton steps for σ at a curve parameter.
 const MAX_STEPS: usize = 64;
 
@@ -29,7 +29,7 @@ impl Easing {
         Self {
             start,
             length,
-            ramp: RAMP * length,
+            ramp: RAMP_RATIO * length,
         }
     }
 
@@ -45,12 +45,12 @@ impl Easing {
 
     /// Returns the curve parameter and its first three derivatives by σ.
     pub(super) fn derivatives(&self, parameter: f64) -> [f64; 4] {
-        let left = self.end() - parameter;
+        let remaining = self.end() - parameter;
         if parameter < self.ramp {
             let [s, first, second, third] = self.in_ramp(parameter);
             [self.start + s, first, second, third]
-        } else if left < self.ramp {
-            let [s, first, second, third] = self.in_ramp(left);
+        } else if remaining < self.ramp {
+            let [s, first, second, third] = self.in_ramp(remaining);
             [self.start + self.length - s, first, -second, third]
         } else {
             [self.start + parameter - 0.5 * self.ramp, 1.0, 0.0, 0.0]
@@ -80,19 +80,19 @@ impl Easing {
     /// Returns σ at a curve parameter.
     pub(super) fn parameter(&self, s: f64) -> f64 {
         let moved = (s - self.start).clamp(0.0, self.length);
-        let near = moved.min(self.length - moved);
-        let from_end = if near >= 0.5 * self.ramp {
-            near + 0.5 * self.ramp
+        let end_distance = moved.min(self.length - moved);
+        let from_end = if end_distance >= 0.5 * self.ramp {
+            end_distance + 0.5 * self.ramp
         } else {
             // Newton's method from the right on a convex function.
             let mut parameter = self.ramp;
             for _ in 0..MAX_STEPS {
                 let [value, slope, ..] = self.in_ramp(parameter);
-                let by = (value - near) / slope;
-                if !by.is_finite() || by <= 1e-16 * self.ramp {
+                let correction = (value - end_distance) / slope;
+                if !correction.is_finite() || correction <= 1e-16 * self.ramp {
                     break;
                 }
-                parameter -= by;
+                parameter -= correction;
             }
             parameter.max(0.0)
         };

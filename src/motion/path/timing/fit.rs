@@ -2,10 +2,10 @@
 //!
 //! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1
 //! per radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than
-//! [`KNOT_TURN`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows
-//! are all knots.
+//! [`MAX_DIRECTION_CHANGE`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve.
+//! Sparser rows are all knots.
 
-use super::corners::{MIN_REACH, Rows};
+use super::corners::{MIN_TANGENT_DISTANCE, Rows};
 use super::cubic_curve::CubicCurve;
 
 /// Largest distance of a joint from a row that is not a knot, radians or metres.
@@ -13,7 +13,7 @@ pub(super) const ROW_TOLERANCE: f64 = 1e-5;
 /// Distance of knots along the path, radians or metres of joint length.
 const KNOT_DISTANCE: f64 = 0.03;
 /// Largest change of direction between knots, radians.
-const KNOT_TURN: f64 = 0.1;
+const MAX_DIRECTION_CHANGE: f64 = 0.1;
 /// Smallest distance between a knot inserted for a row and its neighbours, radians or metres of joint length.
 const MIN_KNOT_DISTANCE: f64 = 2e-4;
 /// Maximum number of rounds that insert knots. Each splits the pieces that are too far off.
@@ -41,7 +41,7 @@ fn interpolated(rows: Rows<'_>, knots: &[usize], joints: usize) -> CubicCurve {
     CubicCurve::through(parameters, values.copied().collect(), joints)
 }
 
-/// Returns both ends, and rows between them that are at least [`KNOT_DISTANCE`] or [`KNOT_TURN`] apart.
+/// Returns both ends, and rows between them that are at least [`KNOT_DISTANCE`] or [`MAX_DIRECTION_CHANGE`] apart.
 fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     let lengths = rows.lengths;
     let last = lengths.len() - 1;
@@ -50,15 +50,19 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     for row in 1..last {
         let distance = lengths[row] - lengths[knot];
         if distance >= KNOT_DISTANCE
-            || (distance >= MIN_REACH && rows.turn_between(knot, row) > KNOT_TURN)
+            || (distance >= MIN_TANGENT_DISTANCE
+                && rows.direction_change(knot, row) > MAX_DIRECTION_CHANGE)
         {
             knots.push(row);
             knot = row;
         }
     }
     // Avoids a short last piece.
-    let left = lengths[last] - lengths[knot];
-    if knots.len() > 1 && left < 0.5 * KNOT_DISTANCE && rows.turn_between(knot, last) < KNOT_TURN {
+    let remaining = lengths[last] - lengths[knot];
+    if knots.len() > 1
+        && remaining < 0.5 * KNOT_DISTANCE
+        && rows.direction_change(knot, last) < MAX_DIRECTION_CHANGE
+    {
         knots.pop();
     }
     knots.push(last);
@@ -73,13 +77,13 @@ fn rows_off_curve(rows: Rows<'_>, knots: &[usize], curve: &CubicCurve) -> Vec<us
         let mut farthest = (ROW_TOLERANCE, None);
         for row in pair[0] + 1..pair[1] {
             let jets = curve.jets(piece, lengths[row]);
-            let off = jets
+            let distance = jets
                 .zip(rows.rows[row])
                 .map(|(jet, q)| (jet.value - q).abs());
-            let off = off.fold(0.0, f64::max);
+            let distance = distance.fold(0.0, f64::max);
             let nearest = (lengths[row] - lengths[pair[0]]).min(lengths[pair[1]] - lengths[row]);
-            if off > farthest.0 && nearest >= MIN_KNOT_DISTANCE {
-                farthest = (off, Some(row));
+            if distance > farthest.0 && nearest >= MIN_KNOT_DISTANCE {
+                farthest = (distance, Some(row));
             }
         }
         added.extend(farthest.1);

@@ -15,9 +15,9 @@ pub(super) struct Grid {
 
 /// Minimum number of cells per piece, and maximum number in tight bends.
 const MIN_CELLS: usize = 3;
-const MAX_BENT_CELLS: usize = 64;
+const MAX_BEND_CELLS: usize = 64;
 /// Largest change of direction in a cell, radians.
-const MAX_CELL_TURN: f64 = 0.04;
+const MAX_DIRECTION_CHANGE: f64 = 0.04;
 
 impl Grid {
     /// Divides a curve into cells of at most its length divided by `cells`, and shorter cells in tight bends.
@@ -31,11 +31,12 @@ impl Grid {
         for (piece, pair) in curve.knots.windows(2).enumerate() {
             let length = pair[1] - pair[0];
             let bend = [piece, piece + 1].map(|knot| {
-                let row = &curve.bends[knot * n..(knot + 1) * n];
+                let row = &curve.second_derivatives[knot * n..(knot + 1) * n];
                 row.iter().map(|bend| bend * bend).sum::<f64>().sqrt()
             });
-            let turn = length * bend[0].max(bend[1]);
-            let bent = ((turn / MAX_CELL_TURN).ceil() as usize).min(MAX_BENT_CELLS);
+            let direction_change = length * bend[0].max(bend[1]);
+            let bent =
+                ((direction_change / MAX_DIRECTION_CHANGE).ceil() as usize).min(MAX_BEND_CELLS);
             let count = ((length / longest).ceil() as usize)
                 .max(MIN_CELLS)
                 .max(bent);
@@ -67,7 +68,7 @@ impl Grid {
 
     /// First and second derivatives of a joint at a point.
     pub(super) fn derivatives(&self, point: usize, joint: usize) -> (f64, f64) {
-        let at = point * self.joints + joint;
-        (self.first[at], self.second[at])
+        let index = point * self.joints + joint;
+        (self.first[index], self.second[index])
     }
 }

@@ -29,9 +29,9 @@ pub(super) struct JerkLimits<'a> {
 /// Minimum number of cells per interval between knots.
 const MIN_CELLS: usize = 4;
 /// Points within a cell at which limits are imposed, with the weights of Simpson's rule.
-const PLACES: [(f64, f64); 3] = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
+const CONSTRAINT_POINTS: [(f64, f64); 3] = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
 /// Number of parts of a cell at whose ends the result is checked.
-const CHECKS: usize = 6;
+const CHECK_PARTS: usize = 6;
 /// First and last weight τ of the time, in units of the reciprocal time, and the factor between successive weights.
 const FIRST_WEIGHT: f64 = 3.0;
 const LAST_WEIGHT: f64 = 1e4;
@@ -42,14 +42,14 @@ const MIN_DECREASE: f64 = 1e-3;
 /// Maximum number of halvings of a step.
 const MAX_HALVINGS: usize = 40;
 /// Fraction of the limits that the initial profile uses.
-const START_SHARE: f64 = 0.5;
+const START_LIMIT_FRACTION: f64 = 0.5;
 /// Relative margin of the last check.
 const CHECK_MARGIN: f64 = 1e-5;
 /// Product of slacks below which its logarithm is taken, to avoid underflow.
 const SMALL_PRODUCT: f64 = 1e-200;
 
 /// Joint derivatives by σ at one point, and the spline basis there.
-struct Place {
+struct Sample {
     /// Curve parameter, and its first two derivatives by σ.
     eased: [f64; 3],
     /// Weight of the point in integrals over σ.
@@ -86,14 +86,14 @@ pub(super) fn cells(
         nodes: nodes(curve, easing, count),
         limits,
     };
-    let places = cells.places(&PLACES)?;
+    let samples = cells.samples(&CONSTRAINT_POINTS)?;
     let mut barrier = Barrier {
-        places: &places,
+        samples: &samples,
         limits,
         whole: easing.end(),
         weight: 0.0,
     };
-    let start = START_SHARE * cells.slowest(&places);
+    let start = START_LIMIT_FRACTION * cells.max_constant_z(&samples);
     let mut z = vec![start; cells.count() + 2];
     let mut newton = Newton::default();
     let mut weight = FIRST_WEIGHT;
@@ -109,11 +109,11 @@ pub(super) fn cells(
         }
         weight = (WEIGHT_FACTOR * weight).min(LAST_WEIGHT);
     }
-    let shares: Vec<(f64, f64)> = (0..=CHECKS)
-        .map(|k| (k as f64 / CHECKS as f64, 0.0))
+    let fractions: Vec<(f64, f64)> = (0..=CHECK_PARTS)
+        .map(|k| (k as f64 / CHECK_PARTS as f64, 0.0))
         .collect();
-    let slower = cells.slowing(&cells.places(&shares)?, &z);
-    z.iter_mut().for_each(|z| *z /= slower * slower);
+    let slowdown = cells.required_slowdown(&cells.samples(&fractions)?, &z);
+    z.iter_mut().for_each(|z| *z /= slowdown * slowdown);
     Ok(cells.timed(&z))
 }
 
@@ -140,7 +140,7 @@ fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
 }
 
 /// Returns z, w and w′ for three coefficients.
-fn at(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
+fn spline_values(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
     basis.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
 }
 
@@ -154,7 +154,7 @@ impl Cells<'_> {
     }
 
     /// Returns the basis of z, w and w′ at a fraction of a cell, for its three coefficients.
-    fn basis(&self, cell: usize, share: f64) -> [[f64; 3]; 3] {
+    fn basis(&self, cell: usize, fraction: f64) -> [[f64; 3]; 3] {
         let step = self.step(cell);
         let before = cell.checked_sub(1).map_or(0.0, |cell| self.step(cell));
         let after = match cell + 1 < self.count() {
@@ -162,47 +162,50 @@ impl Cells<'_> {
             false => 0.0,
         };
         let (first, last) = (step / (before + step), step / (step + after));
-        let left = 1.0 - share;
-        let values = [first * left * left, last * share * share];
-        let slopes = [-2.0 * first * left / step, 2.0 * last * share / step];
+        let remaining = 1.0 - fraction;
+        let values = [first * remaining * remaining, last * fraction * fraction];
+        let slopes = [
+            -2.0 * first * remaining / step,
+            2.0 * last * fraction / step,
+        ];
         let bends = [2.0 * first / (step * step), 2.0 * last / (step * step)];
         [
             [values[0], 1.0 - values[0] - values[1], values[1]],
-            [slopes[0], -slopes[0] - slopes[1], slopes[1]].map(|by| 0.5 * by),
-            [bends[0], -bends[0] - bends[1], bends[1]].map(|by| 0.5 * by),
+            [slopes[0], -slopes[0] - slopes[1], slopes[1]].map(|entry| 0.5 * entry),
+            [bends[0], -bends[0] - bends[1], bends[1]].map(|entry| 0.5 * entry),
         ]
     }
 
     /// Returns points at fractions of every cell, with their weights.
-    fn places(&self, shares: &[(f64, f64)]) -> Result<Vec<Place>, QueryError> {
-        let mut places = Vec::with_capacity(shares.len() * self.count());
+    fn samples(&self, fractions: &[(f64, f64)]) -> Result<Vec<Sample>, QueryError> {
+        let mut samples = Vec::with_capacity(fractions.len() * self.count());
         for cell in 0..self.count() {
-            places.extend(shares.iter().map(|(share, weight)| Place {
+            samples.extend(fractions.iter().map(|(fraction, weight)| Sample {
                 weight: weight * self.step(cell),
-                ..self.place(cell, *share)
+                ..self.sample(cell, *fraction)
             }));
         }
         if let Some((arm, limits)) = self.limits.tool {
-            let points = places.iter().map(|place| place.eased[0]);
+            let points = samples.iter().map(|sample| sample.eased[0]);
             let rates = rates(arm, self.curve, points)?;
-            for (place, rate) in places.iter_mut().zip(rates) {
-                let [_, first, second] = place.eased;
+            for (sample, rate) in samples.iter_mut().zip(rates) {
+                let [_, first, second] = sample.eased;
                 let rate = rate.eased(first, second);
-                place.largest = place.largest.min(rate.largest_squared_speed(limits));
-                let push = |half_plane| place.half_planes.push(half_plane);
+                sample.largest = sample.largest.min(rate.largest_squared_speed(limits));
+                let push = |half_plane| sample.half_planes.push(half_plane);
                 rate.half_planes(limits, 0.0, push);
             }
         }
-        Ok(places)
+        Ok(samples)
     }
 
-    fn place(&self, cell: usize, share: f64) -> Place {
-        let parameter = |share: f64| self.nodes[cell] + self.step(cell) * share;
+    fn sample(&self, cell: usize, fraction: f64) -> Sample {
+        let parameter = |fraction: f64| self.nodes[cell] + self.step(cell) * fraction;
         // The third derivative is one-sided, so it is evaluated inside the cell.
         let [inside, .., third] = self
             .easing
-            .derivatives(parameter(share.clamp(1e-6, 1.0 - 1e-6)));
-        let [s, first, second, _] = self.easing.derivatives(parameter(share));
+            .derivatives(parameter(fraction.clamp(1e-6, 1.0 - 1e-6)));
+        let [s, first, second, _] = self.easing.derivatives(parameter(fraction));
         let jets = self.curve.jets(self.curve.piece(inside), s);
         let joints: Vec<[f64; 3]> = jets
             .map(|jet| {
@@ -219,11 +222,11 @@ impl Cells<'_> {
         let ratios = joints.iter().zip(self.limits.velocity);
         let ratios = ratios.map(|(joint, limit)| limit / joint[0].abs());
         let fastest = ratios.fold(f64::INFINITY, f64::min);
-        Place {
+        Sample {
             eased: [s, first, second],
             weight: 0.0,
             cell,
-            basis: self.basis(cell, share),
+            basis: self.basis(cell, fraction),
             joints,
             half_planes: Vec::new(),
             largest: fastest * fastest,
@@ -231,66 +234,68 @@ impl Cells<'_> {
     }
 
     /// Returns the largest constant z within all limits.
-    fn slowest(&self, places: &[Place]) -> f64 {
+    fn max_constant_z(&self, samples: &[Sample]) -> f64 {
         let limits = self.limits;
-        let mut most = f64::MAX;
-        for place in places {
-            most = most.min(place.largest);
-            for (joint, [_, second, third]) in place.joints.iter().enumerate() {
-                most = most.min(limits.acceleration[joint] / second.abs());
+        let mut max_z = f64::MAX;
+        for sample in samples {
+            max_z = max_z.min(sample.largest);
+            for (joint, [_, second, third]) in sample.joints.iter().enumerate() {
+                max_z = max_z.min(limits.acceleration[joint] / second.abs());
                 let root = cbrt(limits.jerk[joint] / third.abs());
-                most = most.min(root * root);
+                max_z = max_z.min(root * root);
             }
-            for [_, b, c] in &place.half_planes {
+            for [_, b, c] in &sample.half_planes {
                 if *b > 0.0 {
-                    most = most.min(c / b);
+                    max_z = max_z.min(c / b);
                 }
             }
         }
-        most
+        max_z
     }
 
-    /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `places` are those of the
-    /// last check.
-    fn slowing(&self, places: &[Place], z: &[f64]) -> f64 {
+    /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `samples` are those of
+    /// the last check.
+    fn required_slowdown(&self, samples: &[Sample], z: &[f64]) -> f64 {
         let limits = self.limits;
-        let mut most = 1.0_f64;
-        for cell in places.chunks_exact(CHECKS + 1) {
-            let motion = |place: &Place| at(&place.basis, &z[place.cell..place.cell + 3]);
-            let mut keep = |ratio: &dyn Fn(&Place) -> f64, root: fn(f64) -> f64| {
-                most = most.max(root(largest(cell.iter().map(ratio))));
+        let mut max_factor = 1.0_f64;
+        for cell in samples.chunks_exact(CHECK_PARTS + 1) {
+            let motion =
+                |sample: &Sample| spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
+            let mut include = |ratio: &dyn Fn(&Sample) -> f64, root: fn(f64) -> f64| {
+                max_factor = max_factor.max(root(largest(cell.iter().map(ratio))));
             };
-            keep(&|place| motion(place)[0] / place.largest, f64::sqrt);
+            include(&|sample| motion(sample)[0] / sample.largest, f64::sqrt);
             for joint in 0..limits.velocity.len() {
-                let acceleration = |place: &Place| {
-                    let ([z, w, _], [first, second, _]) = (motion(place), place.joints[joint]);
+                let acceleration = |sample: &Sample| {
+                    let ([z, w, _], [first, second, _]) = (motion(sample), sample.joints[joint]);
                     (first * w + second * z) / limits.acceleration[joint]
                 };
-                keep(&acceleration, f64::sqrt);
-                let jerk = |place: &Place| {
+                include(&acceleration, f64::sqrt);
+                let jerk = |sample: &Sample| {
                     let ([z, w, bend], [first, second, third]) =
-                        (motion(place), place.joints[joint]);
+                        (motion(sample), sample.joints[joint]);
                     let part = third * z + 3.0 * second * w + first * bend;
                     z.max(0.0).sqrt() * part / limits.jerk[joint]
                 };
-                keep(&jerk, cbrt);
+                include(&jerk, cbrt);
             }
             for k in 0..cell[0].half_planes.len() {
-                let acceleration = |place: &Place| {
-                    let ([z, w, _], [a, b, c]) = (motion(place), place.half_planes[k]);
+                let acceleration = |sample: &Sample| {
+                    let ([z, w, _], [a, b, c]) = (motion(sample), sample.half_planes[k]);
                     ((a * w + b * z) / c).max(0.0)
                 };
-                keep(&acceleration, f64::sqrt);
+                include(&acceleration, f64::sqrt);
             }
         }
-        most * (1.0 + CHECK_MARGIN)
+        max_factor * (1.0 + CHECK_MARGIN)
     }
 
     /// Returns the cells with their start times.
     fn timed(&self, z: &[f64]) -> Vec<Cell> {
         let mut time = 0.0;
         let cells = (0..self.count()).map(|index| {
-            let [z, acceleration, slope] = at(&self.basis(index, 0.0), &z[index..index + 3]);
+            let [z, acceleration, slope] =
+                spline_values(&self.basis(index, 0.0), &z[index..index + 3]);
             let cell = Cell {
                 start: self.nodes[index],
                 length: self.step(index),
@@ -311,20 +316,20 @@ impl Cells<'_> {
 /// It is the largest sample plus an eighth of the largest second difference, which bounds the excess between two
 /// samples.
 fn largest(samples: impl Iterator<Item = f64>) -> f64 {
-    let (mut most, mut bend) = (0.0_f64, 0.0_f64);
+    let (mut max, mut bend) = (0.0_f64, 0.0_f64);
     let mut last = [f64::NAN; 2];
     for sample in samples {
-        most = most.max(sample.abs());
+        max = max.max(sample.abs());
         // The first two differences are NaN, which `max` ignores.
         bend = bend.max((last[0] - 2.0 * last[1] + sample).abs());
         last = [last[1], sample];
     }
-    most + bend / 8.0
+    max + bend / 8.0
 }
 
 /// Objective τ · time − Σ log(slack) over the coefficients of z.
 struct Barrier<'a> {
-    places: &'a [Place],
+    samples: &'a [Sample],
     limits: JerkLimits<'a>,
     /// Length of the eased parameter.
     whole: f64,
@@ -359,7 +364,7 @@ impl Terms {
     }
 
     /// Adds −weight · log(limit − value), given the value's gradient.
-    fn keep_below(&mut self, value: f64, limit: f64, gradient: [f64; 3], weight: f64) {
+    fn add_barrier(&mut self, value: f64, limit: f64, gradient: [f64; 3], weight: f64) {
         let slack = limit - value;
         if slack <= 0.0 || slack.is_nan() {
             self.value = f64::INFINITY;
@@ -376,10 +381,10 @@ impl Terms {
 impl Barrier<'_> {
     /// Returns the duration of the motion, seconds; infinity if z is not positive.
     fn time(&self, z: &[f64]) -> f64 {
-        let times = self.places.iter().map(|place| {
-            let [z, ..] = at(&place.basis, &z[place.cell..place.cell + 3]);
+        let times = self.samples.iter().map(|sample| {
+            let [z, ..] = spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
             match z > 0.0 {
-                true => place.weight / z.sqrt(),
+                true => sample.weight / z.sqrt(),
                 false => f64::INFINITY,
             }
         });
@@ -392,8 +397,8 @@ impl Barrier<'_> {
             true => -z.iter().map(|z| ln(*z)).sum::<f64>() / z.len() as f64,
             false => return f64::INFINITY,
         };
-        for place in self.places {
-            sum += self.terms(place, z).value;
+        for sample in self.samples {
+            sum += self.terms(sample, z).value;
             if !sum.is_finite() {
                 return f64::INFINITY;
             }
@@ -401,8 +406,8 @@ impl Barrier<'_> {
         sum
     }
 
-    fn terms(&self, place: &Place, z: &[f64]) -> Terms {
-        let [z, w, bend] = at(&place.basis, &z[place.cell..place.cell + 3]);
+    fn terms(&self, sample: &Sample, z: &[f64]) -> Terms {
+        let [z, w, bend] = spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
         let mut terms = Terms {
             value: 0.0,
             product: 1.0,
@@ -414,22 +419,22 @@ impl Barrier<'_> {
             return terms;
         }
         let root = z.sqrt();
-        let time = self.weight * place.weight / root;
+        let time = self.weight * sample.weight / root;
         terms.value = time;
         terms.add([1.0, 0.0, 0.0], -0.5 * time / z, 0.75 * time / (z * z));
-        let weight = place.weight / self.whole;
-        if place.largest.is_finite() {
-            terms.keep_below(z, place.largest, [1.0, 0.0, 0.0], weight);
+        let weight = sample.weight / self.whole;
+        if sample.largest.is_finite() {
+            terms.add_barrier(z, sample.largest, [1.0, 0.0, 0.0], weight);
         }
-        for [a, b, c] in &place.half_planes {
-            terms.keep_below(a * w + b * z, *c, [*b, *a, 0.0], weight);
+        for [a, b, c] in &sample.half_planes {
+            terms.add_barrier(a * w + b * z, *c, [*b, *a, 0.0], weight);
         }
         let rates = self.limits.acceleration.iter().zip(self.limits.jerk);
-        for ([first, second, third], (acceleration, jerk)) in place.joints.iter().zip(rates) {
+        for ([first, second, third], (acceleration, jerk)) in sample.joints.iter().zip(rates) {
             if acceleration.is_finite() {
                 let value = first * w + second * z;
-                terms.keep_below(value, *acceleration, [*second, *first, 0.0], weight);
-                terms.keep_below(-value, *acceleration, [-second, -first, 0.0], weight);
+                terms.add_barrier(value, *acceleration, [*second, *first, 0.0], weight);
+                terms.add_barrier(-value, *acceleration, [-second, -first, 0.0], weight);
             }
             if jerk.is_finite() {
                 let part = third * z + 3.0 * second * w + first * bend;
@@ -438,8 +443,8 @@ impl Barrier<'_> {
                     3.0 * root * second,
                     root * first,
                 ];
-                terms.keep_below(root * part, *jerk, gradient, weight);
-                terms.keep_below(-root * part, *jerk, gradient.map(|by| -by), weight);
+                terms.add_barrier(root * part, *jerk, gradient, weight);
+                terms.add_barrier(-root * part, *jerk, gradient.map(|entry| -entry), weight);
             }
         }
         terms.take_logarithm(weight);
@@ -464,27 +469,28 @@ impl Newton {
         self.gradient.clear();
         self.gradient.resize(z.len(), 0.0);
         let mut value = 0.0;
-        for place in barrier.places {
-            let terms = barrier.terms(place, z);
+        for sample in barrier.samples {
+            let terms = barrier.terms(sample, z);
             value += terms.value;
             // Sum over z, w and w′ of a derivative times the basis of one coefficient.
-            let by = |row: &[f64; 3], coefficient: usize| {
-                let each = row.iter().zip(&place.basis);
-                each.map(|(by, basis)| by * basis[coefficient]).sum::<f64>()
+            let project = |row: &[f64; 3], coefficient: usize| {
+                let each = row.iter().zip(&sample.basis);
+                each.map(|(derivative, basis)| derivative * basis[coefficient])
+                    .sum::<f64>()
             };
             for first in 0..3 {
-                let at = place.cell + first;
-                self.gradient[at] += by(&terms.gradient, first);
-                let column = terms.hessian.each_ref().map(|row| by(row, first));
-                let entries = self.band[at].iter_mut().zip(first..3);
-                entries.for_each(|(entry, second)| *entry += by(&column, second));
+                let index = sample.cell + first;
+                self.gradient[index] += project(&terms.gradient, first);
+                let column = terms.hessian.each_ref().map(|row| project(row, first));
+                let entries = self.band[index].iter_mut().zip(first..3);
+                entries.for_each(|(entry, second)| *entry += project(&column, second));
             }
         }
-        let share = (z.len() as f64).recip();
+        let weight = (z.len() as f64).recip();
         for ((z, gradient), band) in z.iter().zip(&mut self.gradient).zip(&mut self.band) {
-            value -= share * ln(*z);
-            *gradient -= share / z;
-            band[0] += share / (z * z);
+            value -= weight * ln(*z);
+            *gradient -= weight / z;
+            band[0] += weight / (z * z);
         }
         let gradient = self.gradient.clone();
         self.solve();
@@ -494,19 +500,19 @@ impl Newton {
             .zip(&gradient)
             .map(|(step, g)| step * g)
             .sum();
-        let mut share = 1.0;
+        let mut step_scale = 1.0;
         for _ in 0..MAX_HALVINGS {
             self.trial.clear();
             let moved = z
                 .iter()
                 .zip(&self.gradient)
-                .map(|(z, step)| z - share * step);
+                .map(|(z, step)| z - step_scale * step);
             self.trial.extend(moved);
-            if barrier.value(&self.trial) <= value - 0.1 * share * decrease {
+            if barrier.value(&self.trial) <= value - 0.1 * step_scale * decrease {
                 z.copy_from_slice(&self.trial);
                 return decrease;
             }
-            share *= 0.5;
+            step_scale *= 0.5;
         }
         0.0
     }
@@ -531,8 +537,9 @@ impl Newton {
         }
         for k in (0..count).rev() {
             let [inverse, one, two] = self.band[k];
-            let at = |k: usize| self.gradient.get(k).copied().unwrap_or(0.0);
-            self.gradient[k] = self.gradient[k] * inverse - one * at(k + 1) - two * at(k + 2);
+            let gradient_at = |k: usize| self.gradient.get(k).copied().unwrap_or(0.0);
+            self.gradient[k] =
+                self.gradient[k] * inverse - one * gradient_at(k + 1) - two * gradient_at(k + 2);
         }
     }
 }

@@ -108,12 +108,12 @@ impl<'a> TimingLimits<'a> {
             });
         }
         let jerk = self.jerk.as_deref();
-        let of_joints = [
+        let joint_limits = [
             ("velocity_limits", Some(&*self.velocity)),
             ("acceleration_limits", Some(&*self.acceleration)),
             ("jerk_limits", jerk),
         ];
-        for (option, limits) in of_joints {
+        for (option, limits) in joint_limits {
             let Some(limits) = limits else { continue };
             if limits.len() != joints {
                 return Err(PathError::Limits {

@@ -27,7 +27,7 @@ pub use trajectory::{Trajectory, TrajectoryPoint};
 use super::PathError;
 use super::solution::PathSolution;
 use cell::Cell;
-use corners::{MIN_REACH, Rows};
+use corners::{MIN_TANGENT_DISTANCE, Rows};
 use cubic_curve::CubicCurve;
 use easing::Easing;
 use grid::Grid;
@@ -36,7 +36,7 @@ use tool_motion::{ToolLimits, ToolMotion};
 use trajectory::Motion;
 
 /// Distance below which rows count as equal, radians or metres of joint length.
-const EQUAL_ROWS: f64 = 1e-9;
+const ROW_DISTANCE_TOLERANCE: f64 = 1e-9;
 /// Minimum number of grid cells of a curve.
 const MIN_CELLS: usize = 100;
 
@@ -166,13 +166,13 @@ impl Trajectory {
         let inner = range.clone().skip(1);
         let mut last = lengths[*range.start()];
         for row in inner {
-            if lengths[row] - last > EQUAL_ROWS {
+            if lengths[row] - last > ROW_DISTANCE_TOLERANCE {
                 distinct.push(row);
                 last = lengths[row];
             }
         }
         if distinct.len() > 1 {
-            let whole = lengths.last().copied().unwrap_or(0.0);
+            let total_length = lengths.last().copied().unwrap_or(0.0);
             for curve in curves(
                 rows,
                 lengths,
@@ -180,8 +180,8 @@ impl Trajectory {
                 self.joints,
                 limits.corner_tolerance,
             ) {
-                let share = (curve.end() - curve.start()) / whole;
-                let cells = (limits.grid_points as f64 * share).ceil() as usize;
+                let fraction = (curve.end() - curve.start()) / total_length;
+                let cells = (limits.grid_points as f64 * fraction).ceil() as usize;
                 let motion = timed(curve, cells.max(MIN_CELLS), limits, self.duration)
                     .map_err(|problem| problem.at_row(lengths, limits))?;
                 self.duration += motion.duration();
@@ -192,7 +192,7 @@ impl Trajectory {
         let end = lengths[*range.end()];
         for row in range.skip(1) {
             let s = lengths[row];
-            if end - s <= EQUAL_ROWS {
+            if end - s <= ROW_DISTANCE_TOLERANCE {
                 self.times.push(self.duration);
                 continue;
             }
@@ -215,7 +215,7 @@ fn lengths(rows: &[&[f64]]) -> Vec<f64> {
     let start = length;
     let steps = rows.windows(2).map(|pair| {
         let moves = pair[1].iter().zip(pair[0]).map(|(b, a)| b - a);
-        length += moves.map(|by| by * by).sum::<f64>().sqrt();
+        length += moves.map(|delta| delta * delta).sum::<f64>().sqrt();
         length
     });
     let first = rows.first().map(|_| start);
@@ -235,7 +235,7 @@ fn curves(
     let corners = corners::corners(Rows {
         rows: &rows,
         lengths: &lengths,
-        reach: MIN_REACH,
+        reach: MIN_TANGENT_DISTANCE,
     });
     let firsts = [0].into_iter().chain(corners.iter().copied());
     let lasts = corners.iter().copied().chain([rows.len() - 1]);
@@ -243,7 +243,7 @@ fn curves(
         let stretch = Rows {
             rows: &rows[first..=last],
             lengths: &lengths[first..=last],
-            reach: MIN_REACH,
+            reach: MIN_TANGENT_DISTANCE,
         };
         fit::fit(stretch, joints)
     });

@@ -34,18 +34,18 @@ pub(super) fn squared_speeds(grid: &Grid, limits: RateLimits<'_>) -> Result<Vec<
     let mut best: Option<(f64, Vec<f64>)> = None;
     for _ in 0..=MAX_TIGHTENINGS {
         let mut x = passes(grid, limits, &scales)?;
-        let mut most = 1.0_f64;
+        let mut max_excess = 1.0_f64;
         for (cell, scale) in scales.iter_mut().enumerate() {
             let excess = excess(grid, limits, cell, &x);
-            most = most.max(excess);
+            max_excess = max_excess.max(excess);
             *scale /= excess.max(1.0);
         }
-        x.iter_mut().for_each(|x| *x /= most);
+        x.iter_mut().for_each(|x| *x /= max_excess);
         let time = time(grid, &x);
-        if best.as_ref().is_none_or(|(least, _)| time < *least) {
+        if best.as_ref().is_none_or(|(best_time, _)| time < *best_time) {
             best = Some((time, x));
         }
-        if most <= 1.0 + SMALL_EXCESS {
+        if max_excess <= 1.0 + SMALL_EXCESS {
             break;
         }
     }
@@ -74,16 +74,16 @@ fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64
     }
     let mut x = vec![0.0; cells + 1];
     for cell in (1..cells).rev() {
-        let most = constraints.largest_squared_speed(cell, grid.step(cell), x[cell + 1]);
+        let largest = constraints.largest_squared_speed(cell, grid.step(cell), x[cell + 1]);
         // In a tightened cell, both the acceleration limit and the speed are reduced.
-        x[cell] = (most * scales[cell].min(scales[cell - 1])).min(constraints.speed[cell]);
+        x[cell] = (largest * scales[cell].min(scales[cell - 1])).min(constraints.speed[cell]);
     }
-    let mut now = 0.0;
+    let mut current = 0.0;
     for cell in 0..cells {
         let step = grid.step(cell);
-        let u = constraints.largest_acceleration(cell, step, now, x[cell + 1]);
-        now = (now + 2.0 * step * u).clamp(0.0, x[cell + 1]);
-        x[cell + 1] = now;
+        let u = constraints.largest_acceleration(cell, step, current, x[cell + 1]);
+        current = (current + 2.0 * step * u).clamp(0.0, x[cell + 1]);
+        x[cell + 1] = current;
     }
     Ok(x)
 }
@@ -93,7 +93,7 @@ fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
     let step = grid.step(cell);
     let (from, to) = (x[cell], x[cell + 1]);
     let u = (to - from) / (2.0 * step);
-    let mut most = 0.0_f64;
+    let mut max_ratio = 0.0_f64;
     let rates = limits.velocity.iter().zip(limits.acceleration);
     for (joint, (velocity, acceleration)) in rates.enumerate() {
         let (first, second) = grid.derivatives(cell, joint);
@@ -105,12 +105,16 @@ fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
             3.0 * second * u + 2.0 * half_third * from,
             5.0 * half_third * u,
         ];
-        let at = |y: f64| a + y * (b + y * c);
-        let end = at(step);
+        let acceleration_at = |y: f64| a + y * (b + y * c);
+        let end = acceleration_at(step);
         let has_summit = b * c < 0.0 && b.abs() < 2.0 * step * c.abs();
-        let summit = if has_summit { at(-0.5 * b / c) } else { a };
+        let summit = if has_summit {
+            acceleration_at(-0.5 * b / c)
+        } else {
+            a
+        };
         let largest = a.abs().max(end.abs()).max(summit.abs());
-        most = most.max(largest / acceleration);
+        max_ratio = max_ratio.max(largest / acceleration);
         // The velocity is extreme at the ends, or at zeros of the acceleration.
         let squared = |y: f64| {
             let slope = first + y * (second + y * half_third);
@@ -126,10 +130,10 @@ fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
                 }
             }
         }
-        most = most.max(fastest / (velocity * velocity));
+        max_ratio = max_ratio.max(fastest / (velocity * velocity));
     }
     match limits.tool {
-        Some(tool) => most.max(tool.excess(cell, step, from, u)),
-        None => most,
+        Some(tool) => max_ratio.max(tool.excess(cell, step, from, u)),
+        None => max_ratio,
     }
 }

@@ -27,9 +27,9 @@ impl ToolLimits {
 }
 
 /// Number of sides of the polygon per quarter of the disc.
-const SIDES: usize = 8;
+const POLYGON_SIDES: usize = 8;
 /// Step of the central differences for second derivatives, relative to the curve's length.
-const DIFFERENCE: f64 = 1e-5;
+const DIFFERENCE_STEP: f64 = 1e-5;
 
 /// Linear and angular motion of the tool per unit of curve parameter at one point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +57,7 @@ pub(super) fn rates(
 ) -> Result<Vec<Rate>, QueryError> {
     let mut jacobian = arm.jacobian()?;
     let (start, end) = (curve.start(), curve.end());
-    let difference = DIFFERENCE * (end - start);
+    let difference = DIFFERENCE_STEP * (end - start);
     let rates = points.into_iter().map(|s| {
         let [from, to] = [s - difference, s + difference].map(|s| s.clamp(start, end));
         let w = twist(&mut jacobian, curve, s)?;
@@ -106,11 +106,11 @@ impl ToolMotion {
     /// Returns the largest ratio by which a limit is exceeded in a cell, in terms of squared speed; sampled at the ends
     /// and halfway.
     pub(super) fn excess(&self, cell: usize, step: f64, from: f64, u: f64) -> f64 {
-        let places = (0..3_usize).map(|k| {
+        let ratios = (0..3_usize).map(|k| {
             let x = from + u * step * k as f64;
             self.rates[2 * cell + k].excess(self.limits, u, x)
         });
-        places.fold(0.0, f64::max)
+        ratios.fold(0.0, f64::max)
     }
 }
 
@@ -118,9 +118,9 @@ impl Rate {
     /// Returns the largest squared speed of the curve parameter, by the velocity limits.
     pub(super) fn largest_squared_speed(&self, limits: ToolLimits) -> f64 {
         let ratios = limits.velocity.iter().zip(self.size);
-        let most = ratios.map(|(limit, size)| limit / size);
-        let most = most.fold(f64::INFINITY, f64::min);
-        most * most
+        let max_speed = ratios.map(|(limit, size)| limit / size);
+        let max_speed = max_speed.fold(f64::INFINITY, f64::min);
+        max_speed * max_speed
     }
 
     /// Passes the half-planes a u + b x ≤ c of the acceleration limits at squared speed x + `later` · u to `push`.
@@ -130,7 +130,7 @@ impl Rate {
         later: f64,
         mut push: impl FnMut([f64; 3]),
     ) {
-        let side = std::f64::consts::FRAC_PI_2 / SIDES as f64;
+        let side = std::f64::consts::FRAC_PI_2 / POLYGON_SIDES as f64;
         for part in 0..2 {
             let limit = limits.acceleration[part];
             if limit.is_infinite() {
@@ -139,7 +139,7 @@ impl Rate {
             let (along, across) = (self.along[part], self.across[part]);
             // Coefficients of u in the components along and across w.
             let [along_u, across_u] = [self.size[part] + later * along, later * across];
-            for k in 0..SIDES {
+            for k in 0..POLYGON_SIDES {
                 let (sine, cosine) = sin_cos((k as f64 + 0.5) * side);
                 let reach = limit * cos(0.5 * side);
                 for cosine in [cosine, -cosine] {
@@ -168,7 +168,7 @@ impl Rate {
     /// Converts to the motion per unit of another parameter, given the first two derivatives of the curve parameter.
     pub(super) fn eased(&self, first: f64, second: f64) -> Self {
         let square = first * first;
-        let each = |values: [f64; 2], by: f64| values.map(|value| value * by);
+        let each = |values: [f64; 2], factor: f64| values.map(|value| value * factor);
         let along = [0, 1].map(|part| self.along[part] * square + self.size[part] * second);
         Self {
             size: each(self.size, first),

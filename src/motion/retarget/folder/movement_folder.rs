@@ -8,10 +8,10 @@ use super::{FolderError, FolderQuestion, QUESTION};
 use crate::file_replacement::write_file;
 
 /// File extensions of motions.
-const KINDS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
+const FILE_EXTENSIONS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
 
 /// Prefix of the names of unfinished files.
-const UNFINISHED: &str = ".part.";
+const UNFINISHED_PREFIX: &str = ".part.";
 
 /// Motions in a folder and its subfolders, and the output folder with files of the same names.
 ///
@@ -22,15 +22,15 @@ const UNFINISHED: &str = ".part.";
 ///
 /// # let into = std::env::temp_dir().join(format!("kinopt-movements-{}", std::process::id()));
 /// let robot = Robot::read("models/aldebaran_nao.urdf")?.with_base_joint(BaseJoint::FREE)?;
-/// let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+/// let settings = FolderQuestion::new(&robot, RetargetOptions::default());
 /// let folder = MovementFolder::find("models/captures".as_ref(), &into, "csv")?;
-/// for movement in folder.begin(&asked, false)?.iter().filter(|own| !own.done_before) {
+/// for movement in folder.begin(&settings, false)?.iter().filter(|movement| !movement.done_before) {
 /// // The motion is retargeted to the robot here.
 ///     let written = unfinished(&movement.out);
 ///     std::fs::write(&written, "0,0,0")?;
 ///     std::fs::rename(&written, &movement.out)?;
 /// }
-/// assert!(folder.begin(&asked, false)?.iter().all(|own| own.done_before));
+/// assert!(folder.begin(&settings, false)?.iter().all(|movement| movement.done_before));
 /// # std::fs::remove_dir_all(&into)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -66,25 +66,25 @@ impl MovementFolder {
             let folder = source.to_owned();
             return Err(FolderError::NoFolder { folder });
         }
-        let own = fs::canonicalize(into).ok();
-        let is_into = |folder: &Path| own.is_some() && fs::canonicalize(folder).ok() == own;
-        if KINDS.contains(&ending) && is_into(source) {
+        let output = fs::canonicalize(into).ok();
+        let is_into = |folder: &Path| output.is_some() && fs::canonicalize(folder).ok() == output;
+        if FILE_EXTENSIONS.contains(&ending) && is_into(source) {
             let folder = into.to_owned();
             return Err(FolderError::IntoItself { folder });
         }
-        let found = movements(source, &is_into)?;
-        if found.is_empty() {
+        let sources = movements(source, &is_into)?;
+        if sources.is_empty() {
             return Err(FolderError::Empty {
                 folder: source.to_owned(),
-                kinds: KINDS.map(|kind| format!(".{kind}")).join(", "),
+                kinds: FILE_EXTENSIONS.map(|kind| format!(".{kind}")).join(", "),
             });
         }
-        let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
-        let mut pairs = Vec::with_capacity(found.len());
-        for second in found {
+        let mut outputs: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+        let mut pairs = Vec::with_capacity(sources.len());
+        for second in sources {
             let name = second.strip_prefix(source).unwrap_or(&second);
             let out = into.join(name).with_extension(ending);
-            if let Some(first) = taken.insert(out.clone(), second.clone()) {
+            if let Some(first) = outputs.insert(out.clone(), second.clone()) {
                 return Err(FolderError::OneName { first, second, out });
             }
             pairs.push((second, out));
@@ -104,77 +104,78 @@ impl MovementFolder {
     /// Returns an error if the folder has results of other settings, or cannot be written.
     pub fn begin(
         &self,
-        asked: &FolderQuestion<'_>,
+        settings: &FolderQuestion<'_>,
         again: bool,
     ) -> Result<Vec<Movement>, FolderError> {
-        make(&self.into)?;
-        let noted = self.into.join(QUESTION);
-        let text = asked.text();
-        if noted.exists() && !again {
-            let before = fs::read(&noted).map_err(|error| FolderError::reading(&noted, error))?;
+        create_folder(&self.into)?;
+        let settings_path = self.into.join(QUESTION);
+        let text = settings.text();
+        if settings_path.exists() && !again {
+            let before = fs::read(&settings_path)
+                .map_err(|error| FolderError::reading(&settings_path, error))?;
             if before != text.as_bytes() {
                 return Err(FolderError::OtherQuestion {
                     folder: self.into.clone(),
-                    differs: asked.differs(&before),
+                    differs: settings.differs(&before),
                 });
             }
         } else {
-            write_file(&noted, text.as_bytes()).map_err(|error| {
+            write_file(&settings_path, text.as_bytes()).map_err(|error| {
                 let problem = std::io::Error::new(error.problem.kind(), error.problem.to_string());
-                FolderError::writing(&noted, problem)
+                FolderError::writing(&settings_path, problem)
             })?;
         }
         let mut last: Option<&Path> = None;
         for folder in self.pairs.iter().filter_map(|(_, out)| out.parent()) {
             if last != Some(folder) {
-                make(folder)?;
-                sweep(folder)?;
+                create_folder(folder)?;
+                remove_unfinished(folder)?;
                 last = Some(folder);
             }
         }
-        let begun = self.pairs.iter().map(|(source, out)| Movement {
+        let motions = self.pairs.iter().map(|(source, out)| Movement {
             source: source.clone(),
             out: out.clone(),
             done_before: !again && is_newer(out, source),
         });
-        Ok(begun.collect())
+        Ok(motions.collect())
     }
 }
 
 /// Returns the path of an unfinished output file, in the same folder with the same extension.
 #[must_use]
 pub fn unfinished(out: &Path) -> PathBuf {
-    let mut name = std::ffi::OsString::from(UNFINISHED);
+    let mut name = std::ffi::OsString::from(UNFINISHED_PREFIX);
     name.push(out.file_name().unwrap_or_default());
     out.with_file_name(name)
 }
 
 /// Returns the motions in a folder and its subfolders, sorted, without the output folder.
 fn movements(folder: &Path, is_into: &impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, FolderError> {
-    let told = |error: std::io::Error| FolderError::reading(folder, error);
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).map_err(told)? {
-        let path = entry.map_err(told)?.path();
+    let read_error = |error: std::io::Error| FolderError::reading(folder, error);
+    let mut motions = Vec::new();
+    for entry in fs::read_dir(folder).map_err(read_error)? {
+        let path = entry.map_err(read_error)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if name.starts_with('.') {
             continue;
         }
         if path.is_dir() {
             if !is_into(&path) {
-                found.extend(movements(&path, is_into)?);
+                motions.extend(movements(&path, is_into)?);
             }
             continue;
         }
         let ending = path.extension().unwrap_or_default().to_string_lossy();
-        if KINDS.contains(&ending.to_lowercase().as_str()) {
-            found.push(path);
+        if FILE_EXTENSIONS.contains(&ending.to_lowercase().as_str()) {
+            motions.push(path);
         }
     }
-    found.sort();
-    Ok(found)
+    motions.sort();
+    Ok(motions)
 }
 
-fn make(folder: &Path) -> Result<(), FolderError> {
+fn create_folder(folder: &Path) -> Result<(), FolderError> {
     fs::create_dir_all(folder).map_err(|error| FolderError::writing(folder, error))
 }
 
@@ -187,13 +188,13 @@ fn is_newer(out: &Path, source: &Path) -> bool {
 }
 
 /// Removes the unfinished files of cancelled runs.
-fn sweep(folder: &Path) -> Result<(), FolderError> {
-    let told = |error: std::io::Error| FolderError::writing(folder, error);
-    for entry in fs::read_dir(folder).map_err(told)? {
-        let path = entry.map_err(told)?.path();
+fn remove_unfinished(folder: &Path) -> Result<(), FolderError> {
+    let write_error = |error: std::io::Error| FolderError::writing(folder, error);
+    for entry in fs::read_dir(folder).map_err(write_error)? {
+        let path = entry.map_err(write_error)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with(UNFINISHED) {
-            fs::remove_file(&path).map_err(told)?;
+        if name.starts_with(UNFINISHED_PREFIX) {
+            fs::remove_file(&path).map_err(write_error)?;
         }
     }
     Ok(())

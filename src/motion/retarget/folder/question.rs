@@ -81,8 +81,8 @@ impl<'a> FolderQuestion<'a> {
 
     /// Returns the text of the settings, equal for equal settings.
     pub(super) fn text(&self) -> String {
-        let asked = Value::from_iter(self.fields());
-        format!("{asked:#}\n")
+        let settings = Value::from_iter(self.fields());
+        format!("{settings:#}\n")
     }
 
     /// Returns the names of the settings that differ from those in a text.
@@ -91,10 +91,10 @@ impl<'a> FolderQuestion<'a> {
         let Some(before) = before else {
             return Vec::new();
         };
-        let asked = BTreeMap::from_iter(self.fields());
-        let differing = asked
+        let settings = BTreeMap::from_iter(self.fields());
+        let differing = settings
             .iter()
-            .filter(|(key, own)| before.get(*key) != Some(own));
+            .filter(|(key, value)| before.get(*key) != Some(value));
         differing.map(|(key, _)| key.clone()).collect()
     }
 
@@ -111,11 +111,14 @@ impl<'a> FolderQuestion<'a> {
         // Separate values override those of the map.
         let rate = self.frame_rate.or(self.map.and_then(|map| map.frame_rate));
         let up = self.up.or(self.map.and_then(|map| map.up));
-        let of_map = || self.map.map(|map| map.joints.as_slice());
-        let joints = self.joints.or_else(of_map).filter(|own| !own.is_empty());
+        let map_joints = || self.map.map(|map| map.joints.as_slice());
+        let joints = self
+            .joints
+            .or_else(map_joints)
+            .filter(|names| !names.is_empty());
         let all = [
             ("kinopt", json!(env!("CARGO_PKG_VERSION"))),
-            ("target", json!(self.of_target())),
+            ("target", json!(self.target_digest())),
             ("map", json!(map.map(|map| as_value(&map)))),
             ("skeleton", json!(self.skeleton)),
             ("joints", json!(joints)),
@@ -142,9 +145,9 @@ impl<'a> FolderQuestion<'a> {
     }
 
     /// Returns a digest of all properties of the target that affect the result.
-    fn of_target(&self) -> String {
+    fn target_digest(&self) -> String {
         let (model, map) = (self.target.model(), self.target.map());
-        let mut digest = Digest(BEGUN);
+        let mut digest = Digest(FNV_OFFSET_BASIS);
         let speeds = model.joint_ids().map(|id| self.target.velocity_limit(id));
         let speeds: Vec<Option<f64>> = speeds.collect();
         let shapes = self.options.shapes.clone();
@@ -177,14 +180,14 @@ fn finite(number: f64) -> Option<f64> {
 
 /// Returns a digest of a text.
 fn digest(text: &str) -> String {
-    let mut digest = Digest(BEGUN);
+    let mut digest = Digest(FNV_OFFSET_BASIS);
     // Writing to the digest cannot fail.
     let _ = digest.write_str(text);
     format!("{:016x}", digest.0)
 }
 
 /// Offset basis of FNV-1a.
-const BEGUN: u64 = 0xCBF2_9CE4_8422_2325;
+const FNV_OFFSET_BASIS: u64 = 0xCBF2_9CE4_8422_2325;
 
 /// FNV-1a hash of the text written to it.
 struct Digest(u64);

@@ -13,55 +13,66 @@ use crate::solver::{LeastSquares, dot};
 use crate::task::{Point, Quantity};
 
 /// Number of rows per point.
-const ROWS: usize = 3;
+const ROWS_PER_POINT: usize = 3;
 
 /// Weight of sliding, relative to the largest weight of a length.
-const STIFFER: f64 = 300.0;
+const STIFFNESS_RATIO: f64 = 300.0;
 
 /// Contact springs of consecutive samples, with the memory to evaluate them.
-pub(super) struct HeldPoints<'a> {
+pub(super) struct ContactSprings<'a> {
     motion: &'a MotionProblem,
     scratch: Option<Scratch>,
     /// Weight of sliding, per metre.
     stiffness: f64,
     /// Rest offset of the spring to the next sample, metres, by sample and row.
-    rests: Vec<f64>,
+    rest_offsets: Vec<f64>,
     /// Positions of the points at two samples, and their Jacobians by steps.
-    places: [Vec<f64>; 2],
+    positions: [Vec<f64>; 2],
     jacobians: [DMatrix<f64>; 2],
 }
 
-impl<'a> HeldPoints<'a> {
+impl<'a> ContactSprings<'a> {
     pub(super) fn new(motion: &'a MotionProblem) -> Self {
-        let rows = motion.held.as_ref().map_or(0, |held| held.rows());
+        let rows = motion
+            .contact_points
+            .as_ref()
+            .map_or(0, |contact_points| contact_points.rows());
         Self {
-            scratch: motion.held.as_ref().map(|held| held.scratch()),
+            scratch: motion
+                .contact_points
+                .as_ref()
+                .map(|contact_points| contact_points.scratch()),
             stiffness: motion.stiffness,
-            rests: Vec::new(),
-            places: [vec![0.0; rows], vec![0.0; rows]],
+            rest_offsets: Vec::new(),
+            positions: [vec![0.0; rows], vec![0.0; rows]],
             jacobians: [(); 2].map(|()| DMatrix::zeros(rows, motion.variables())),
             motion,
         }
     }
 
     fn rows(&self) -> usize {
-        self.places[0].len()
+        self.positions[0].len()
     }
 
     /// Resets the rest offsets for `frames` other samples.
-    pub(super) fn begin(&mut self, frames: usize) {
-        self.rests.clear();
-        self.rests.resize(frames * self.rows(), 0.0);
+    pub(super) fn reset(&mut self, frames: usize) {
+        self.rest_offsets.clear();
+        self.rest_offsets.resize(frames * self.rows(), 0.0);
     }
 
     /// Evaluates the points of a sample into the second entries. The previous ones move to the first.
-    fn look(&mut self, x: &[f64], differentiate: bool) {
-        let (Some(held), Some(scratch)) = (&self.motion.held, &mut self.scratch) else {
+    fn evaluate(&mut self, x: &[f64], differentiate: bool) {
+        let (Some(contact_points), Some(scratch)) =
+            (&self.motion.contact_points, &mut self.scratch)
+        else {
             return;
         };
-        self.places.swap(0, 1);
-        let mut evaluation = Evaluation::new(ProblemInstance::from(held).by_variables(), scratch);
-        evaluation.residual(x, &mut self.places[1]);
+        self.positions.swap(0, 1);
+        let mut evaluation = Evaluation::new(
+            ProblemInstance::from(contact_points).by_variables(),
+            scratch,
+        );
+        evaluation.residual(x, &mut self.positions[1]);
         if differentiate {
             self.jacobians.swap(0, 1);
             evaluation.jacobian(x, &mut self.jacobians[1]);
@@ -72,43 +83,43 @@ impl<'a> HeldPoints<'a> {
     }
 
     /// Returns whether any contact is active at a sample and the next.
-    fn holds_from(&self, frame: usize) -> bool {
+    fn is_active_over_step(&self, frame: usize) -> bool {
         let mut contacts = self.motion.contacts.iter();
-        contacts.any(|contact| contact.holds_from(frame))
+        contacts.any(|contact| contact.is_active_over_step(frame))
     }
 
-    /// Calls `found` with local sample index, row and sliding for each active row between consecutive samples.
-    fn each(
+    /// Calls `visit` with local sample index, row and sliding for each active row between consecutive samples.
+    fn for_each_active(
         &mut self,
-        at: Stretch,
+        stretch: Stretch,
         x: &[f64],
         differentiate: bool,
-        mut found: impl FnMut(&mut Self, usize, usize, f64),
+        mut visit: impl FnMut(&mut Self, usize, usize, f64),
     ) {
-        if self.motion.held.is_none() {
+        if self.motion.contact_points.is_none() {
             return;
         }
         let n = self.motion.variables();
         let frames = x.len() / n;
-        let mut seen = None;
+        let mut last_evaluated = None;
         // Fixed samples do not move relative to each other.
-        for local in at.held.saturating_sub(1)..frames.saturating_sub(1) {
-            if !self.holds_from(at.first + local) {
+        for local in stretch.fixed_count.saturating_sub(1)..frames.saturating_sub(1) {
+            if !self.is_active_over_step(stretch.first + local) {
                 continue;
             }
-            if seen != Some(local) {
-                self.look(&x[local * n..(local + 1) * n], differentiate);
+            if last_evaluated != Some(local) {
+                self.evaluate(&x[local * n..(local + 1) * n], differentiate);
             }
-            self.look(&x[(local + 1) * n..(local + 2) * n], differentiate);
-            seen = Some(local + 1);
+            self.evaluate(&x[(local + 1) * n..(local + 2) * n], differentiate);
+            last_evaluated = Some(local + 1);
             let mut row = 0;
             for contact in &self.motion.contacts {
-                let rows = row..row + ROWS * contact.points.len();
+                let rows = row..row + ROWS_PER_POINT * contact.points.len();
                 row = rows.end;
-                if contact.holds_from(at.first + local) {
+                if contact.is_active_over_step(stretch.first + local) {
                     for row in rows {
-                        let slip = self.places[1][row] - self.places[0][row];
-                        found(self, local, row, slip);
+                        let slip = self.positions[1][row] - self.positions[0][row];
+                        visit(self, local, row, slip);
                     }
                 }
             }
@@ -116,11 +127,12 @@ impl<'a> HeldPoints<'a> {
     }
 
     /// Returns the penalty ½ w² Σ (slip + rest)².
-    pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn cost(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
         let mut sum = 0.0;
-        self.each(at, x, false, |own, local, row, slip| {
-            let stretched = own.stiffness * (slip + own.rests[local * own.rows() + row]);
-            sum += stretched * stretched;
+        self.for_each_active(stretch, x, false, |springs, local, row, slip| {
+            let extension =
+                springs.stiffness * (slip + springs.rest_offsets[local * springs.rows() + row]);
+            sum += extension * extension;
         });
         0.5 * sum
     }
@@ -128,7 +140,7 @@ impl<'a> HeldPoints<'a> {
     /// Returns the same penalty, and adds its gradient and JᵀJ.
     pub(super) fn linearise(
         &mut self,
-        at: Stretch,
+        stretch: Stretch,
         x: &[f64],
         hessian: &mut BlockBanded,
         gradient: &mut [f64],
@@ -138,20 +150,20 @@ impl<'a> HeldPoints<'a> {
         let mut sum = 0.0;
         let (mut from, mut to) = (vec![0.0; n], vec![0.0; n]);
         let mut moving = Vec::with_capacity(n);
-        self.each(at, x, true, |own, local, row, slip| {
-            let stretched = slip + own.rests[local * own.rows() + row];
-            sum += squared * stretched * stretched;
+        self.for_each_active(stretch, x, true, |springs, local, row, slip| {
+            let extension = slip + springs.rest_offsets[local * springs.rows() + row];
+            sum += squared * extension * extension;
             moving.clear();
             for column in 0..n {
-                from[column] = -own.jacobians[0][(row, column)];
-                to[column] = own.jacobians[1][(row, column)];
+                from[column] = -springs.jacobians[0][(row, column)];
+                to[column] = springs.jacobians[1][(row, column)];
                 if from[column] != 0.0 || to[column] != 0.0 {
                     moving.push(column);
                 }
             }
             for (k, &a) in moving.iter().enumerate() {
-                gradient[local * n + a] += squared * from[a] * stretched;
-                gradient[(local + 1) * n + a] += squared * to[a] * stretched;
+                gradient[local * n + a] += squared * from[a] * extension;
+                gradient[(local + 1) * n + a] += squared * to[a] * extension;
                 for &b in &moving[k..] {
                     hessian.add(local, 0, a, b, squared * from[a] * from[b]);
                     hessian.add(local + 1, 0, a, b, squared * to[a] * to[b]);
@@ -165,34 +177,34 @@ impl<'a> HeldPoints<'a> {
     }
 
     /// Updates the rest offsets. Returns the largest sliding between consecutive samples, metres.
-    pub(super) fn tighten(&mut self, at: Stretch, x: &[f64]) -> f64 {
-        let mut most = 0.0_f64;
-        self.each(at, x, false, |own, local, row, slip| {
-            let rows = own.rows();
-            own.rests[local * rows + row] += slip;
-            most = most.max(slip.abs());
+    pub(super) fn update_multipliers(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+        let mut max_sliding = 0.0_f64;
+        self.for_each_active(stretch, x, false, |springs, local, row, slip| {
+            let rows = springs.rows();
+            springs.rest_offsets[local * rows + row] += slip;
+            max_sliding = max_sliding.max(slip.abs());
         });
-        most
+        max_sliding
     }
 
     /// Returns the largest distance of a contact point from its position at the start of the contact, metres.
-    pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
-        let mut most = 0.0_f64;
+    pub(super) fn slip(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+        let mut max_sliding = 0.0_f64;
         // A contact has one span.
-        let mut sums = vec![[0.0; ROWS]; self.rows() / ROWS];
-        self.each(at, x, false, |_, _, row, slip| {
-            let sum = &mut sums[row / ROWS];
-            sum[row % ROWS] += slip;
-            if row % ROWS == ROWS - 1 {
-                most = most.max(dot(sum, sum).sqrt());
+        let mut sums = vec![[0.0; ROWS_PER_POINT]; self.rows() / ROWS_PER_POINT];
+        self.for_each_active(stretch, x, false, |_, _, row, slip| {
+            let sum = &mut sums[row / ROWS_PER_POINT];
+            sum[row % ROWS_PER_POINT] += slip;
+            if row % ROWS_PER_POINT == ROWS_PER_POINT - 1 {
+                max_sliding = max_sliding.max(dot(sum, sum).sqrt());
             }
         });
-        most
+        max_sliding
     }
 }
 
 /// Builds one problem from the points of all contacts.
-pub(super) fn points_of(
+pub(super) fn contact_problem(
     model: &Model,
     map: &ParameterMap,
     contacts: &[Contact],
@@ -225,5 +237,5 @@ pub(super) fn stiffness(problem: &Problem) -> f64 {
         .iter()
         .flat_map(|task| task.blocks());
     let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
-    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
+    STIFFNESS_RATIO * metres.map(|block| block.weight).fold(1.0, f64::max)
 }
