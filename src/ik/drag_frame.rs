@@ -9,12 +9,12 @@ use crate::solver::Silent;
 
 /// Number of consecutive frames that settle without reaching, per perturbation. A perturbation distinguishes a minimum
 /// from a saddle point, such as a stretched arm whose target moves back along it.
-pub(super) const NUDGE_EVERY: usize = 4;
+pub(super) const FRAMES_PER_PERTURBATION: usize = 4;
 /// Largest joint displacement of a frame at rest, radians.
-pub(super) const REST: f64 = 1e-6;
+pub(super) const MAX_REST_MOVE: f64 = 1e-6;
 
 /// Returns the problem instance of a frame: current targets, within the bounds of the frame.
-pub(super) fn near<'a>(
+pub(super) fn frame_instance<'a>(
     problem: &'a Problem,
     targets: &'a Targets,
     moves: &'a MoveLimits,

@@ -20,9 +20,9 @@ pub struct LoopGap {
 }
 
 impl LoopGap {
-    pub(super) fn of(own: &Loop, model: &Model) -> Self {
+    pub(super) fn of(model_loop: &Loop, model: &Model) -> Self {
         Self {
-            name: own.name.clone(),
+            name: model_loop.name.clone(),
             gap: 0.0,
             angle: 0.0,
             unit: model.length_unit().symbol(),

@@ -30,8 +30,8 @@ impl<'a> Minimiser<'a> {
     /// Returns the variables to search, if not all are searched.
     fn moved_variables(&self) -> Option<&'a MovedVariables> {
         let problem = self.question.problem;
-        let whole = self.guard.is_some() || self.share != problem.search_share();
-        problem.moved_variables().filter(|_| !whole)
+        let needs_all = self.guard.is_some() || self.share != problem.searched_subset();
+        problem.moved_variables().filter(|_| !needs_all)
     }
 
     /// Searches over the moved variables.
@@ -44,11 +44,11 @@ impl<'a> Minimiser<'a> {
         (stopping, deadline): (&Stopping, Option<Instant>),
     ) -> Outcome {
         memory.begin(question, moved, x);
-        let (buffers, start, state, seen) = memory.parts();
+        let (buffers, start, state, observed_x) = memory.parts();
         let mut observer = ObserverOfAll {
             observer,
             moved,
-            x: seen,
+            x: observed_x,
         };
         let mut problem = Moved {
             evaluation,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::collision_free_search::{ClearEngine, SearchWorkspace};
+use super::collision_free_search::{CollisionFreeEngine, SearchWorkspace};
 use super::minimiser::Minimiser;
 use super::priority::{Extent, PriorityDescent, Ranked};
 use super::step_guard::{StepGuard, reborrowed};
@@ -138,9 +138,11 @@ impl Solver {
             guard: None,
             clear: None,
         };
-        match question.problem.fence() {
+        match question.problem.collision_constraint() {
             None => self.run(question, start, workspace, &mut run)?,
-            Some(fence) => self.run_clear(fence, question, start, workspace, &mut run)?,
+            Some(constraint) => {
+                self.run_collision_free(constraint, question, start, workspace, &mut run)?
+            }
         }
         Ok(&workspace.solution)
     }
@@ -161,14 +163,15 @@ impl Solver {
         let map = problem.parameters();
         map.gather(start, &mut workspace.search.start);
 
-        let share = problem.search_share();
+        let subset = problem.searched_subset();
         // Weighted soft tasks have a minimum instead of a tolerance, and progress may stall on the path to it.
-        let patient = problem.pulls_in(share);
-        let asked = (question, share);
-        let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
+        let has_weighted_tasks = problem.pulls_in(subset);
+        let query = (question, subset);
+        let schedule =
+            Schedule::of_searches(query, self.restarts, self.stopping, has_weighted_tasks);
         let mut engine = Minimiser {
             question,
-            share,
+            share: subset,
             method: &*self.method,
             deadline,
             observer: &mut *run.observer,
@@ -179,16 +182,17 @@ impl Solver {
             moved: run.clear.is_none().then_some(&mut workspace.moved),
         };
         let search = &mut workspace.search;
-        let mut clear_engine;
+        let mut collision_free_engine;
         let engine: &mut dyn Engine = match &mut run.clear {
             None => &mut engine,
-            Some((fence, room)) => {
-                clear_engine = ClearEngine::new(engine, fence, room);
-                &mut clear_engine
+            Some((constraint, search_workspace)) => {
+                collision_free_engine =
+                    CollisionFreeEngine::new(engine, constraint, search_workspace);
+                &mut collision_free_engine
             }
         };
-        let mut found = search::run(question, share, &schedule, deadline, engine, search);
-        if share != TaskSubset::All {
+        let mut result = search::run(question, subset, &schedule, deadline, engine, search);
+        if subset != TaskSubset::All {
             let mut ranked = Ranked {
                 question,
                 by: PriorityDescent {
@@ -204,19 +208,24 @@ impl Solver {
                 observer: &mut *run.observer,
                 guard: reborrowed(&mut run.guard),
             };
-            let strict = problem.ranks().levels() > 1;
-            let touches =
-                run.clear.is_some() && problem.is_reached_by(share, &search.keeper.residual);
-            let all = self.refining != Extent::Attempt;
-            if strict && all && !found.reached && !touches && !found.termination.is_cut() {
-                ranked.solve_levels(search, &mut found);
+            let has_levels = problem.ranks().levels() > 1;
+            let reaches_in_collision =
+                run.clear.is_some() && problem.is_reached_by(subset, &search.keeper.residual);
+            let uses_all_levels = self.refining != Extent::Attempt;
+            if has_levels
+                && uses_all_levels
+                && !result.reached
+                && !reaches_in_collision
+                && !result.termination.is_cut()
+            {
+                ranked.solve_levels(search, &mut result);
             }
-            ranked.descend_preferences(search, &mut found);
-            if strict {
+            ranked.descend_preferences(search, &mut result);
+            if has_levels {
                 ranked.take_multipliers(&search.keeper.x, &search.keeper.residual);
             }
         }
-        workspace.report(question, &self.stopping, &mut scratch, &found);
+        workspace.report(question, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
         Ok(())
     }
@@ -226,16 +235,16 @@ impl Solver {
         &self,
         question: ProblemInstance<'_>,
         x: &[f64],
-        found: SearchResult,
+        result: SearchResult,
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) {
         let problem = question.problem;
-        let share = problem.search_share();
+        let subset = problem.searched_subset();
         let mut scratch = workspace.fit(question);
-        let kept = &mut workspace.search.keeper;
-        kept.x.copy_from_slice(x);
-        Evaluation::of(share, question, &mut scratch).residual(x, &mut kept.residual);
+        let keeper = &mut workspace.search.keeper;
+        keeper.x.copy_from_slice(x);
+        Evaluation::of(subset, question, &mut scratch).residual(x, &mut keeper.residual);
         if problem.ranks().levels() > 1 {
             let mut ranked = Ranked {
                 question,
@@ -243,7 +252,7 @@ impl Solver {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule: Schedule::of_searches(
-                        (question, share),
+                        (question, subset),
                         self.restarts,
                         self.stopping,
                         false,
@@ -257,9 +266,9 @@ impl Solver {
                 observer,
                 guard: None,
             };
-            ranked.take_multipliers(&kept.x, &kept.residual);
+            ranked.take_multipliers(&keeper.x, &keeper.residual);
         }
-        workspace.report(question, &self.stopping, &mut scratch, &found);
+        workspace.report(question, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
     }
 }

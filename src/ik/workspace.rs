@@ -46,23 +46,25 @@ impl Workspace {
         half_squared(&self.search.keeper.residual)
     }
 
-    /// Returns whether the required tasks of the last solve cost less than `share` times those of another workspace.
-    pub(super) fn is_better(&self, problem: &Problem, share: f64, than: &Self) -> bool {
+    /// Returns whether the required tasks of the last solve cost less than `max_ratio` times those of another
+    /// workspace.
+    pub(super) fn is_better(&self, problem: &Problem, max_ratio: f64, other: &Self) -> bool {
         match problem.ranks().levels() > 1 {
             true => {
-                let [own, other] = [self, than].map(|of| &of.search.keeper.residual);
-                is_better(problem, share, own, other)
+                let [residual, other_residual] =
+                    [self, other].map(|workspace| &workspace.search.keeper.residual);
+                is_better(problem, max_ratio, residual, other_residual)
             }
-            false => self.searched_cost() < share * than.searched_cost(),
+            false => self.searched_cost() < max_ratio * other.searched_cost(),
         }
     }
 
     /// Resizes the memory for the problem and returns scratch memory, which is new only for a new problem.
     pub(super) fn fit(&mut self, question: ProblemInstance<'_>) -> Scratch {
         let problem = question.problem;
-        let share = problem.search_share();
-        self.search.fit(question, share);
-        if share != TaskSubset::All {
+        let subset = problem.searched_subset();
+        self.search.fit(question, subset);
+        if subset != TaskSubset::All {
             self.whole_residual.resize(problem.rows(), 0.0);
             self.ranks.fit(question);
         }
@@ -84,46 +86,46 @@ impl Workspace {
         question: ProblemInstance<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
-        found: &SearchResult,
+        result: &SearchResult,
     ) {
         let problem = question.problem;
         let solution = &mut self.solution;
-        let (share, kept) = (problem.search_share(), &self.search.keeper);
-        let residual = match share {
-            TaskSubset::All => &kept.residual,
+        let (subset, keeper) = (problem.searched_subset(), &self.search.keeper);
+        let residual = match subset {
+            TaskSubset::All => &keeper.residual,
             _ => {
-                let mut whole = Evaluation::new(question, scratch);
-                whole.residual(&kept.x, &mut self.whole_residual);
+                let mut evaluation = Evaluation::new(question, scratch);
+                evaluation.residual(&keeper.x, &mut self.whole_residual);
                 &self.whole_residual
             }
         };
         let end = End {
             question,
-            x: &kept.x,
-            share,
+            x: &keeper.x,
+            share: subset,
             searched: match problem.ranks().levels() > 1 {
                 true => &self.ranks.multipliers,
-                false => &kept.residual,
+                false => &keeper.residual,
             },
             residual,
         };
-        solution.record(found);
+        solution.record(result);
         let slope = solution.measure(&end, stopping, scratch, &mut self.memory);
-        if solution.reached || !found.termination.is_settled() {
+        if solution.reached || !result.termination.is_settled() {
             solution.agreeing = 0;
         }
         if solution.reached {
             return;
         }
         solution.find_beyond(question);
-        if let (Some(slope), TaskSubset::All, true) = (slope, share, problem.has_preferences()) {
-            let pulls = PreferenceConflict {
+        if let (Some(slope), TaskSubset::All, true) = (slope, subset, problem.has_preferences()) {
+            let conflict = PreferenceConflict {
                 question,
                 jacobian: self.memory.jacobian(),
                 residual,
                 negligible: slope.negligible,
             };
-            pulls.list(&kept.x, &mut self.search.x, &mut solution.pulling);
+            conflict.list(&keeper.x, &mut self.search.x, &mut solution.pulling);
         }
     }
 }

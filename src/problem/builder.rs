@@ -163,10 +163,12 @@ impl<'m> ProblemBuilder<'m> {
     /// - bounds that leave no value;
     /// - a checker of another model.
     pub fn build(mut self) -> Result<Problem, ProblemError> {
-        let asked = self.clear_of.take();
-        let fence = asked.map(|asked| self.fence(asked)).transpose()?;
+        let request = self.clear_of.take();
+        let constraint = request
+            .map(|request| self.collision_constraint(request))
+            .transpose()?;
         let mut problem = self.compile(None)?;
-        problem.fence = fence.map(Arc::new);
+        problem.collision_constraint = constraint.map(Arc::new);
         Ok(problem)
     }
 
@@ -310,7 +312,7 @@ impl<'m> ProblemBuilder<'m> {
             derivatives: self.derivatives,
             moving: Vec::new(),
             moved: None,
-            fence: None,
+            collision_constraint: None,
         };
         problem.mark_moving();
         problem.choose_sweeps();

@@ -140,11 +140,11 @@ impl ProblemBuilder<'_> {
     }
 
     /// The collision constraint: the problem with the clearance among its tasks.
-    pub(super) fn fence(
+    pub(super) fn collision_constraint(
         &self,
-        asked: ClearanceRequest,
+        request: ClearanceRequest,
     ) -> Result<CollisionConstraint, ProblemError> {
-        let (given, expected) = (asked.configuration_len, self.model.configuration_len());
+        let (given, expected) = (request.configuration_len, self.model.configuration_len());
         if given != expected {
             return Err(ProblemError::ForeignChecker {
                 given,
@@ -152,17 +152,17 @@ impl ProblemBuilder<'_> {
                 expected,
             });
         }
-        let mut holding = asked.clearance.clone();
+        let mut holding = request.clearance.clone();
         holding.factor *= HOLDING;
-        let with = |clearance: &PendingTask, counts| {
-            let clearance = (clearance.clone(), counts);
+        let compile_with = |clearance: &PendingTask, role| {
+            let clearance = (clearance.clone(), role);
             self.clone().compile(Some(clearance))
         };
         Ok(CollisionConstraint {
-            leading: with(&asked.clearance, ClearanceAs::Goal)?,
-            holding: with(&holding, ClearanceAs::Goal)?,
-            yielding: with(&holding, ClearanceAs::OnlyPreference)?,
-            check: asked.check,
+            leading: compile_with(&request.clearance, ClearanceAs::Goal)?,
+            holding: compile_with(&holding, ClearanceAs::Goal)?,
+            yielding: compile_with(&holding, ClearanceAs::OnlyPreference)?,
+            check: request.check,
         })
     }
 }

@@ -120,7 +120,7 @@ pub struct Problem {
     step_scale: Vec<f64>,
     derivatives: Derivatives,
     /// The collision constraint, if any.
-    fence: Option<Arc<CollisionConstraint>>,
+    collision_constraint: Option<Arc<CollisionConstraint>>,
 }
 
 impl std::fmt::Debug for Problem {
@@ -183,7 +183,8 @@ impl Problem {
         /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
         /// The collision constraint, if any.
-        pub(crate) fn fence(&self) -> Option<&Arc<CollisionConstraint>> = self.fence.as_ref();
+        pub(crate) fn collision_constraint(&self) -> Option<&Arc<CollisionConstraint>>
+            = self.collision_constraint.as_ref();
         /// A workspace for this problem.
         pub fn scratch(&self) -> Scratch = Scratch::new(self);
     }
@@ -209,8 +210,9 @@ impl Problem {
     #[must_use]
     pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
-        let fence = self.fence.as_deref().cloned();
-        self.fence = fence.map(|fence| Arc::new(fence.with_derivatives(route)));
+        let constraint = self.collision_constraint.as_deref().cloned();
+        self.collision_constraint =
+            constraint.map(|constraint| Arc::new(constraint.with_derivatives(route)));
         self
     }
 
@@ -252,7 +254,7 @@ impl Problem {
     /// The tasks of a solver's first search.
     ///
     /// The required tasks of all levels if there are several ranks to separate, otherwise all tasks.
-    pub(crate) fn search_share(&self) -> TaskSubset {
+    pub(crate) fn searched_subset(&self) -> TaskSubset {
         let (levels, ranks) = (self.ranks.levels(), self.ranks.count());
         match levels > 1 || (levels > 0 && ranks > levels && self.has_preferences()) {
             true => self.goals(),
@@ -354,7 +356,7 @@ impl Problem {
     fn mark_moving(&mut self) {
         let mut moving = vec![false; self.variables()];
         for variable in self
-            .tasks_of(self.search_share())
+            .tasks_of(self.searched_subset())
             .flat_map(|(_, task, _)| self.variables_moving(task))
         {
             moving[variable] = true;

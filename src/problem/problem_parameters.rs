@@ -73,7 +73,7 @@ impl Problem {
     }
 
     fn check_restated(&self, what: &'static str) -> Result<(), ProblemError> {
-        match self.fence {
+        match self.collision_constraint {
             None => Ok(()),
             Some(_) => Err(ProblemError::KeepsClear { what }),
         }

@@ -105,10 +105,10 @@ impl<'a> ProblemInstance<'a> {
     }
 
     /// The instance for a problem with the same tasks and bounds and an added clearance.
-    pub(crate) fn fenced(self, by: &'a Problem) -> Self {
+    pub(crate) fn with_constraint(self, problem: &'a Problem) -> Self {
         Self {
-            problem: by,
-            tree: by.tree(),
+            problem,
+            tree: problem.tree(),
             ..self
         }
     }

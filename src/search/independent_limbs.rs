@@ -35,7 +35,7 @@ impl IndependentLimbs {
         let problem = question.problem;
         self.several = false;
         // With collision avoidance the solution of one limb may collide with obstacles or other limbs.
-        if problem.fence().is_some() {
+        if problem.collision_constraint().is_some() {
             return;
         }
         self.limbs.clear();

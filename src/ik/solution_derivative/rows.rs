@@ -21,7 +21,7 @@ impl Roles {
         held.clear();
         pulled.clear();
         let tasks = problem.compiled_tasks().iter();
-        if problem.search_share() == TaskSubset::All {
+        if problem.searched_subset() == TaskSubset::All {
             let hold = problem.is_reached_by(TaskSubset::All, r) && !problem.has_preferences();
             for task in tasks {
                 match hold {

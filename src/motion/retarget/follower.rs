@@ -136,7 +136,7 @@ impl BodyFollower {
             left: vec![(Vector3::zero(), 0); points.len()],
             release: (lead_s * asked.frame_rate).ceil() as usize,
             clear: problem
-                .fence()
+                .collision_constraint()
                 .map(|fence| ClearFrames::new(fence, problem.rows(), size)),
             followed: false,
             reference: posture.iter().map(|(_, value)| *value).collect(),
