@@ -43,7 +43,7 @@ impl Solver {
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let known = workspace.clear.take();
+        let known = workspace.collision.take();
         let known = known.filter(|collision| Arc::ptr_eq(&collision.constraint, constraint));
         let mut collision = known.unwrap_or_else(|| CollisionWorkspace::new(constraint));
         let goal_solver = self.clone().with_refining(Extent::Goals);
@@ -64,7 +64,7 @@ impl Solver {
         if solution.q.iter().all(|value| value.is_finite()) {
             solution.set_collisions(collision.engine.check.collisions(&solution.q));
         }
-        workspace.clear = Some(collision);
+        workspace.collision = Some(collision);
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::collision_free_search::{CollisionFreeEngine, SearchWorkspace};
 use super::minimiser::Minimiser;
-use super::priority::{Extent, PriorityDescent, Ranked};
+use super::priority::{Extent, PriorityDescent, PriorityLevels};
 use super::step_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
@@ -176,10 +176,13 @@ impl Solver {
             deadline,
             observer: &mut *run.observer,
             scratch: &mut scratch,
-            memory: &mut workspace.memory,
+            memory: &mut workspace.state,
             guard: reborrowed(&mut run.guard),
             // Collision avoidance needs all variables at the end of the search.
-            moved: run.clear.is_none().then_some(&mut workspace.moved),
+            moved: run
+                .clear
+                .is_none()
+                .then_some(&mut workspace.moved_variables),
         };
         let search = &mut workspace.search;
         let mut collision_free_engine;
@@ -193,9 +196,9 @@ impl Solver {
         };
         let mut result = search::run(question, subset, &schedule, deadline, engine, search);
         if subset != TaskSubset::All {
-            let mut ranked = Ranked {
+            let mut ranked = PriorityLevels {
                 question,
-                by: PriorityDescent {
+                descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule,
@@ -203,8 +206,8 @@ impl Solver {
                     deadline,
                 },
                 scratch: &mut scratch,
-                solver: &mut workspace.memory,
-                memory: &mut workspace.ranks,
+                state: &mut workspace.state,
+                workspace: &mut workspace.levels,
                 observer: &mut *run.observer,
                 guard: reborrowed(&mut run.guard),
             };
@@ -222,7 +225,7 @@ impl Solver {
             }
             ranked.descend_preferences(search, &mut result);
             if has_levels {
-                ranked.take_multipliers(&search.keeper.x, &search.keeper.residual);
+                ranked.compute_multipliers(&search.keeper.x, &search.keeper.residual);
             }
         }
         workspace.report(question, &self.stopping, &mut scratch, &result);
@@ -246,9 +249,9 @@ impl Solver {
         keeper.x.copy_from_slice(x);
         Evaluation::of(subset, question, &mut scratch).residual(x, &mut keeper.residual);
         if problem.ranks().levels() > 1 {
-            let mut ranked = Ranked {
+            let mut ranked = PriorityLevels {
                 question,
-                by: PriorityDescent {
+                descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule: Schedule::of_searches(
@@ -261,12 +264,12 @@ impl Solver {
                     deadline: None,
                 },
                 scratch: &mut scratch,
-                solver: &mut workspace.memory,
-                memory: &mut workspace.ranks,
+                state: &mut workspace.state,
+                workspace: &mut workspace.levels,
                 observer,
                 guard: None,
             };
-            ranked.take_multipliers(&keeper.x, &keeper.residual);
+            ranked.compute_multipliers(&keeper.x, &keeper.residual);
         }
         workspace.report(question, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);

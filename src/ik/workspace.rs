@@ -13,17 +13,17 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 /// one at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    pub(super) memory: SolverState,
+    pub(super) state: SolverState,
     /// Memory for tasks that move only few of the variables.
-    pub(super) moved: MovedMemory,
+    pub(super) moved_variables: MovedMemory,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
     /// Residual of all tasks.
     whole_residual: Vec<f64>,
-    pub(super) ranks: LevelWorkspace,
+    pub(super) levels: LevelWorkspace,
     pub(super) solution: Solution,
     /// Workspace of collision avoidance.
-    pub(super) clear: Option<Box<CollisionWorkspace>>,
+    pub(super) collision: Option<Box<CollisionWorkspace>>,
 }
 
 impl Workspace {
@@ -66,7 +66,7 @@ impl Workspace {
         self.search.fit(question, subset);
         if subset != TaskSubset::All {
             self.whole_residual.resize(problem.rows(), 0.0);
-            self.ranks.fit(question);
+            self.levels.fit(question);
         }
         self.solution.reserve(problem.tasks(), problem.variables());
         match self.scratch.take() {
@@ -104,13 +104,13 @@ impl Workspace {
             x: &keeper.x,
             share: subset,
             searched: match problem.ranks().levels() > 1 {
-                true => &self.ranks.multipliers,
+                true => &self.levels.multipliers,
                 false => &keeper.residual,
             },
             residual,
         };
         solution.record(result);
-        let slope = solution.measure(&end, stopping, scratch, &mut self.memory);
+        let slope = solution.measure(&end, stopping, scratch, &mut self.state);
         if solution.reached || !result.termination.is_settled() {
             solution.agreeing = 0;
         }
@@ -121,7 +121,7 @@ impl Workspace {
         if let (Some(slope), TaskSubset::All, true) = (slope, subset, problem.has_preferences()) {
             let conflict = PreferenceConflict {
                 question,
-                jacobian: self.memory.jacobian(),
+                jacobian: self.state.jacobian(),
                 residual,
                 negligible: slope.negligible,
             };

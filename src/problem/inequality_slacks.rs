@@ -71,7 +71,7 @@ impl Evaluation<'_> {
     }
 
     /// Writes the derivatives of the slacks by the components of a step.
-    pub(crate) fn depth_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+    pub(crate) fn slack_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         jacobian.as_mut_slice().fill(0.0);
         let problem = self.question.problem;
