@@ -42,7 +42,7 @@ pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
 pub use question::ProblemInstance;
 pub(crate) use ranks::{Ranks, TaskSubset};
-pub(crate) use tangent::{Standing, Tangent};
+pub(crate) use tangent::{Tangent, TangentPoint};
 pub use targets::Targets;
 
 use std::sync::Arc;

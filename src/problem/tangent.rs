@@ -12,13 +12,13 @@ pub(crate) struct Tangent {
 
 /// A configuration with its variables.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Standing<'a> {
+pub(crate) struct TangentPoint<'a> {
     pub(crate) map: &'a ParameterMap,
     pub(crate) x: &'a [f64],
     pub(crate) q: &'a [f64],
 }
 
-impl Standing<'_> {
+impl TangentPoint<'_> {
     /// The variables of a ball joint whose quaternion starts at `coordinate`: first index, and angular velocity per
     /// unit rate.
     ///
@@ -62,7 +62,7 @@ impl Tangent {
     }
 
     /// Writes v for the rates of the variables.
-    pub(crate) fn velocity(&self, at: &Standing<'_>, rates: &[f64], v: &mut [f64]) {
+    pub(crate) fn velocity(&self, at: &TangentPoint<'_>, rates: &[f64], v: &mut [f64]) {
         let along = |coordinate| at.slope(coordinate).map_or(0.0, |(k, by)| by * rates[k]);
         let turn = |coordinate| match at.ball_axes(coordinate) {
             Some((first, [x, y, z])) => {
@@ -93,7 +93,7 @@ impl Tangent {
     }
 
     /// Adds derivatives by v, converted to derivatives by the variables: the transpose of [`velocity`](Self::velocity).
-    pub(crate) fn add_slope(&self, at: &Standing<'_>, by_v: &[f64], slope: &mut [f64]) {
+    pub(crate) fn add_slope(&self, at: &TangentPoint<'_>, by_v: &[f64], slope: &mut [f64]) {
         for Segment {
             kind,
             coordinate,
@@ -158,7 +158,7 @@ impl Tangent {
     }
 
     /// Writes the squared norm of v for a unit rate of each variable; 0 for variables of ball joints.
-    pub(crate) fn squared_speeds(&self, at: &Standing<'_>, squared: &mut [f64]) {
+    pub(crate) fn squared_speeds(&self, at: &TangentPoint<'_>, squared: &mut [f64]) {
         squared.fill(0.0);
         for coordinate in 0..at.map.sources().len() {
             if let Some((variable, ratio)) = at.slope(coordinate) {

@@ -13,8 +13,8 @@ mod rows;
 mod singular;
 mod system;
 
-use self::kkt_point::{Evaluator, Place};
-use self::singular::Flat;
+use self::kkt_point::{Evaluator, KktPoint};
+use self::singular::Flatness;
 use self::system::System;
 use super::SolveError;
 use crate::model::Model;
@@ -80,7 +80,7 @@ pub struct DerivativeWorkspace {
 /// All of the workspace but the evaluation memory.
 #[derive(Clone, Debug, Default)]
 struct Parts {
-    place: Place,
+    point: KktPoint,
     system: System,
     parameters: ParameterScratch,
     /// By variable.
@@ -97,7 +97,7 @@ struct Parts {
 }
 
 /// Largest remaining Newton step of a stationary configuration, radians or metres.
-const NEAR: f64 = 1e-3;
+const MAX_NEWTON_STEP: f64 = 1e-3;
 
 impl<'a> SolutionDerivative<'a> {
     /// Creates the derivative at the solution `q` of a problem or of a [problem instance](ProblemInstance).
@@ -116,7 +116,7 @@ impl<'a> SolutionDerivative<'a> {
         let DerivativeWorkspace {
             scratch,
             parts,
-            differentiability: kept,
+            differentiability: stored_differentiability,
         } = &mut *memory;
         let fits = |scratch: &&mut Scratch| scratch.fits(question.problem());
         if scratch.as_mut().filter(fits).is_none() {
@@ -126,11 +126,11 @@ impl<'a> SolutionDerivative<'a> {
         let differentiability = match scratch {
             Some(scratch) => {
                 scratch.forget();
-                parts.settle(&mut Evaluator { question, scratch }, q)
+                parts.factorise(&mut Evaluator { question, scratch }, q)
             }
             None => Differentiability::DoesNotExist(NoDerivative::NotFinite),
         };
-        *kept = Some(differentiability.clone());
+        *stored_differentiability = Some(differentiability.clone());
         Ok(Self {
             question,
             model: None,
@@ -192,17 +192,23 @@ impl<'a> SolutionDerivative<'a> {
     ///
     /// # Errors
     /// Returns an error if a slice has the wrong length.
-    pub fn slope_by_velocity(&self, q: &[f64], by_q: &[f64]) -> Result<Vec<f64>, DerivativeError> {
+    pub fn slope_by_velocity(
+        &self,
+        q: &[f64],
+        slope_by_q: &[f64],
+    ) -> Result<Vec<f64>, DerivativeError> {
         let problem = self.question.problem();
         let expected = problem.configuration_len();
-        for given in [q.len(), by_q.len()] {
+        for given in [q.len(), slope_by_q.len()] {
             if given != expected {
                 return Err(DerivativeError::ConfigurationLength { given, expected });
             }
         }
-        let mut by_v = vec![0.0; self.degrees_of_freedom()];
-        problem.tangent().slope_by_velocity(q, by_q, &mut by_v);
-        Ok(by_v)
+        let mut slope_by_v = vec![0.0; self.degrees_of_freedom()];
+        problem
+            .tangent()
+            .slope_by_velocity(q, slope_by_q, &mut slope_by_v);
+        Ok(slope_by_v)
     }
 
     /// Creates a zero parameter vector of this derivative's shape, with joint origins if a model is set.
@@ -218,39 +224,45 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Evaluates a solution and factors its system.
-    fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
+    fn factorise(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
         let question = evaluator.question;
-        let Self { place, system, .. } = self;
-        place.go(evaluator, q);
-        if !place.is_finite() {
+        let Self { point, system, .. } = self;
+        point.evaluate(evaluator, q);
+        if !point.is_finite() {
             return Differentiability::DoesNotExist(NoDerivative::NotFinite);
         }
-        let limits = system.take_limits(question, place);
-        let lost = system.lost_ranks(evaluator, place);
-        let flat = system.take_hessian(evaluator, place);
-        let left = self.distance_left();
-        if left > NEAR {
-            return Differentiability::DoesNotExist(NoDerivative::NotStationary { distance: left });
+        let limits = system.select_active_limits(question, point);
+        let lost_ranks = system.lost_ranks(evaluator, point);
+        let flat_directions = system.compute_hessian(evaluator, point);
+        let step_size = self.newton_step_size();
+        if step_size > MAX_NEWTON_STEP {
+            return Differentiability::DoesNotExist(NoDerivative::NotStationary {
+                distance: step_size,
+            });
         }
-        if lost > 0 {
-            return Differentiability::DoesNotExist(NoDerivative::Singular { directions: lost });
+        if lost_ranks > 0 {
+            return Differentiability::DoesNotExist(NoDerivative::Singular {
+                directions: lost_ranks,
+            });
         }
-        if let Some(weak) = limits.weak {
-            return Differentiability::DoesNotExist(weak);
+        if let Some(reason) = limits.weak {
+            return Differentiability::DoesNotExist(reason);
         }
         if let Some(task) = self.task_at_kink(evaluator) {
             return Differentiability::DoesNotExist(NoDerivative::AtKink { task });
         }
-        let directions = match self.place.roles.pulled.is_empty() {
+        let directions = match self.point.roles.minimised.is_empty() {
             true => limits.undecided,
-            false => flat,
+            false => flat_directions,
         };
-        match self.flatness(evaluator, flat) {
-            Flat::Singular => {
+        match self.flatness(evaluator, flat_directions) {
+            Flatness::Singular => {
                 Differentiability::DoesNotExist(NoDerivative::Singular { directions })
             }
-            Flat::Undecided if directions > 0 => Differentiability::ShortestOfMany { directions },
-            Flat::Undecided => Differentiability::Unique,
+            Flatness::Undecided if directions > 0 => {
+                Differentiability::ShortestOfMany { directions }
+            }
+            Flatness::Undecided => Differentiability::Unique,
         }
     }
 }
