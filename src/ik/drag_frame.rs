@@ -51,7 +51,7 @@ impl MovedJoints {
     ) -> ProblemInstance<'a> {
         let question = ProblemInstance::from(problem).with_targets(targets);
         match &self.0 {
-            Some(moved) => question.with_places(&moved.0),
+            Some(moved) => question.with_tree(&moved.0),
             None => question,
         }
     }

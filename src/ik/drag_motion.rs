@@ -84,7 +84,8 @@ impl DragMotion {
             is_ball[ball.variable..ball.variable + 3].fill(true);
         }
         let limits = (0..n).map(|j| {
-            let is_base_translation = problem.floats(j) && !problem.names().variable_is_angle[j];
+            let is_base_translation =
+                problem.is_base_variable(j) && !problem.names().variable_is_angle[j];
             let fraction = match is_base_translation || is_ball[j] {
                 true => FRACTION_PER_COMPONENT,
                 false => 1.0,
@@ -257,8 +258,9 @@ fn by_variable(
         variable_limits[ball.variable..ball.variable + 3].fill(angular);
     }
     // The slides of a free base share the smallest limit.
-    let is_base_translation =
-        |j: usize| problem.floats(j) && problem.names().variable_is_angle.get(j) == Some(&false);
+    let is_base_translation = |j: usize| {
+        problem.is_base_variable(j) && problem.names().variable_is_angle.get(j) == Some(&false)
+    };
     let linear = (0..variable_limits.len())
         .filter(|&j| is_base_translation(j))
         .map(|j| variable_limits[j]);

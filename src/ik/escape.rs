@@ -96,7 +96,7 @@ impl Drag {
     /// Weighted soft tasks cause intended errors. Collision avoidance forbids linear motions. A drag that searches
     /// globally needs no escape.
     fn can_escape(&self) -> bool {
-        let has_weighted_soft_tasks = self.problem.pulls_in(self.problem.searched_subset());
+        let has_weighted_soft_tasks = self.problem.has_soft_tasks(self.problem.searched_subset());
         !has_weighted_soft_tasks
             && self.problem.collision_constraint().is_none()
             && self.search.is_none()

@@ -4,8 +4,8 @@ use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
 use crate::problem::{
-    Evaluation, Moved, MovedMemory, MovedVariables, ObserverOfAll, ProblemInstance, Scratch,
-    TaskSubset,
+    Evaluation, FullObserver, MovedVariables, ProblemInstance, ReducedProblem, ReducedWorkspace,
+    Scratch, TaskSubset,
 };
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Stopping};
@@ -23,7 +23,7 @@ pub(crate) struct Minimiser<'a> {
     /// Collision check of the steps, if any.
     pub(crate) guard: Option<&'a mut dyn StepGuard>,
     /// Memory for a search over only the variables that move a task.
-    pub(crate) moved: Option<&'a mut MovedMemory>,
+    pub(crate) moved: Option<&'a mut ReducedWorkspace>,
 }
 
 impl<'a> Minimiser<'a> {
@@ -37,23 +37,23 @@ impl<'a> Minimiser<'a> {
     /// Searches over the moved variables.
     fn attempt_moved(
         question: ProblemInstance<'_>,
-        moved: &MovedVariables,
+        moved_variables: &MovedVariables,
         evaluation: &mut Evaluation<'_>,
         (method, observer): (&dyn AnyMethod, &mut dyn Observer),
-        (x, memory): (&[f64], &mut MovedMemory),
+        (x, memory): (&[f64], &mut ReducedWorkspace),
         (stopping, deadline): (&Stopping, Option<Instant>),
     ) -> Outcome {
-        memory.begin(question, moved, x);
+        memory.begin(question, moved_variables, x);
         let (buffers, start, state, observed_x) = memory.parts();
-        let mut observer = ObserverOfAll {
+        let mut observer = FullObserver {
             observer,
-            moved,
+            moved_variables,
             x: observed_x,
         };
-        let mut problem = Moved {
+        let mut problem = ReducedProblem {
             evaluation,
-            moved,
-            memory: buffers,
+            moved_variables,
+            buffers,
         };
         let outcome = method.minimise(
             &mut problem,
@@ -63,7 +63,7 @@ impl<'a> Minimiser<'a> {
             &mut observer,
             state,
         );
-        memory.end(moved);
+        memory.end(moved_variables);
         outcome
     }
 }

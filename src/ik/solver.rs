@@ -165,7 +165,7 @@ impl Solver {
 
         let subset = problem.searched_subset();
         // Weighted soft tasks have a minimum instead of a tolerance, and progress may stall on the path to it.
-        let has_weighted_tasks = problem.pulls_in(subset);
+        let has_weighted_tasks = problem.has_soft_tasks(subset);
         let query = (question, subset);
         let schedule =
             Schedule::of_searches(query, self.restarts, self.stopping, has_weighted_tasks);

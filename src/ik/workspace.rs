@@ -3,7 +3,7 @@
 use super::Solution;
 use super::collision_avoidance::CollisionWorkspace;
 use super::priority::{LevelWorkspace, is_better};
-use crate::problem::{Evaluation, MovedMemory, Problem, ProblemInstance, Scratch, TaskSubset};
+use crate::problem::{Evaluation, Problem, ProblemInstance, ReducedWorkspace, Scratch, TaskSubset};
 use crate::search::{Attempts, End, PreferenceConflict, SearchResult};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
@@ -15,7 +15,7 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 pub struct Workspace {
     pub(super) state: SolverState,
     /// Memory for tasks that move only few of the variables.
-    pub(super) moved_variables: MovedMemory,
+    pub(super) moved_variables: ReducedWorkspace,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
     /// Residual of all tasks.
@@ -71,7 +71,7 @@ impl Workspace {
         self.solution.reserve(problem.tasks(), problem.variables());
         match self.scratch.take() {
             Some(mut scratch) if scratch.fits(problem) => {
-                if question.places_moved() {
+                if question.has_moved_tree() {
                     scratch.forget();
                 }
                 scratch

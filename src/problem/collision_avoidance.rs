@@ -10,7 +10,7 @@ use crate::task::{Residual, Task};
 ///
 /// A required task with an error of e metres inside an obstacle violates the clearance's additional distance by e/w².
 /// With a distance of 1 mm, this factor withstands an error of 10 m.
-const HOLDING: f64 = 100.0;
+const HOLDING_WEIGHT_FACTOR: f64 = 100.0;
 
 /// A collision checker.
 ///
@@ -130,11 +130,11 @@ impl ProblemBuilder<'_> {
     /// [`Solution::collisions`](crate::Solution::collisions) lists the pairs otherwise. The tasks are first solved
     /// without collision avoidance. If that solution is in collision, the checker's clearance is added to the required
     /// tasks of the first level. It does not appear in reports on tasks.
-    pub fn keep_clear<C: CollisionAvoidance>(&mut self, of: &C) -> &mut Self {
-        self.clear_of = Some(ClearanceRequest {
-            configuration_len: of.configuration_len(),
-            clearance: PendingTask::new(of.clearance()),
-            check: Box::new(of.check()),
+    pub fn keep_clear<C: CollisionAvoidance>(&mut self, checker: &C) -> &mut Self {
+        self.clearance_request = Some(ClearanceRequest {
+            configuration_len: checker.configuration_len(),
+            clearance: PendingTask::new(checker.clearance()),
+            check: Box::new(checker.check()),
         });
         self
     }
@@ -153,7 +153,7 @@ impl ProblemBuilder<'_> {
             });
         }
         let mut holding = request.clearance.clone();
-        holding.factor *= HOLDING;
+        holding.factor *= HOLDING_WEIGHT_FACTOR;
         let compile_with = |clearance: &PendingTask, role| {
             let clearance = (clearance.clone(), role);
             self.clone().compile(Some(clearance))
@@ -161,7 +161,7 @@ impl ProblemBuilder<'_> {
         Ok(CollisionConstraint {
             leading: compile_with(&request.clearance, ClearanceAs::Goal)?,
             holding: compile_with(&holding, ClearanceAs::Goal)?,
-            yielding: compile_with(&holding, ClearanceAs::OnlyPreference)?,
+            yielding: compile_with(&holding, ClearanceAs::SoftTask)?,
             check: request.check,
         })
     }

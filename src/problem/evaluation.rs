@@ -19,7 +19,7 @@ pub struct Scratch {
     owner: Arc<ReportNames>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
-    at: Vec<f64>,
+    last_x: Vec<f64>,
     q: Vec<f64>,
     frames: Vec<Placement<f64>>,
     joints: Vec<f64>,
@@ -51,20 +51,20 @@ impl Scratch {
         let mut local = LocalJacobian::default();
         let mut gathered = DualScratch::default();
         for task in &problem.tasks {
-            let rows = task.rows.len().max(task.edge_weights.len());
+            let rows = task.rows.len().max(task.slack_weights.len());
             let (frames, joints) = (task.frames.len(), task.coordinates.len());
             local.reserve(rows, frames, joints);
             gathered.reserve(rows, frames, joints);
         }
-        let most =
+        let max_count =
             |count: fn(&CompiledTask) -> usize| problem.tasks.iter().map(count).max().unwrap_or(0);
         Self {
             owner: Arc::clone(&problem.names),
             state: TreeState::new(&problem.tree),
-            at: vec![f64::NAN; n],
+            last_x: vec![f64::NAN; n],
             q: vec![0.0; dof],
-            frames: Vec::with_capacity(most(|task| task.frames.len())),
-            joints: Vec::with_capacity(most(|task| task.coordinates.len())),
+            frames: Vec::with_capacity(max_count(|task| task.frames.len())),
+            joints: Vec::with_capacity(max_count(|task| task.coordinates.len())),
             local,
             local_dual: gathered.clone_empty(),
             wrenches: Wrenches::new(&problem.tree),
@@ -83,7 +83,7 @@ impl Scratch {
 impl Scratch {
     /// Invalidates the last forward pass, after joints or frames moved.
     pub(crate) fn forget(&mut self) {
-        self.at.fill(f64::NAN);
+        self.last_x.fill(f64::NAN);
     }
 
     /// The frames and joint values of the task gathered last.
@@ -123,7 +123,7 @@ impl Scratch {
 #[derive(Debug)]
 pub struct Evaluation<'a> {
     pub(super) question: ProblemInstance<'a>,
-    pub(super) share: TaskSubset,
+    pub(super) subset: TaskSubset,
     pub(super) scratch: &'a mut Scratch,
 }
 
@@ -138,7 +138,7 @@ impl<'a> Evaluation<'a> {
 
     /// Does the same as [`new`](Self::new), for a subset of the tasks.
     pub(crate) fn of(
-        share: TaskSubset,
+        subset: TaskSubset,
         question: ProblemInstance<'a>,
         scratch: &'a mut Scratch,
     ) -> Self {
@@ -147,7 +147,7 @@ impl<'a> Evaluation<'a> {
         }
         Self {
             question,
-            share,
+            subset,
             scratch,
         }
     }
@@ -160,8 +160,8 @@ impl<'a> Evaluation<'a> {
         for (index, task) in self.question.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
             let rows = &mut residual[task.rows.clone()];
-            let own = self.question.residual(index);
-            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let residual_function = self.question.residual(index);
+            residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
         }
         self.scratch.shifted_residual[0] = residual;
         &self.scratch.shifted_residual[0]
@@ -181,8 +181,8 @@ impl<'a> Evaluation<'a> {
     /// Runs the forward pass, unless the last one was at the same x.
     pub(super) fn forward(&mut self, x: &[f64]) {
         let scratch = &mut *self.scratch;
-        if scratch.at != x {
-            scratch.at.copy_from_slice(x);
+        if scratch.last_x != x {
+            scratch.last_x.copy_from_slice(x);
             self.question.tree().forward(x, &mut scratch.state);
             self.question.problem.map.scatter(x, &mut scratch.q);
         }
@@ -190,11 +190,11 @@ impl<'a> Evaluation<'a> {
 
     /// Copies the input of a task into consecutive memory.
     pub(super) fn gather(scratch: &mut Scratch, task: &CompiledTask) {
-        let all = scratch.state.frames();
+        let all_frames = scratch.state.frames();
         scratch.frames.clear();
         scratch
             .frames
-            .extend(task.frames.iter().map(|&slot| all[slot]));
+            .extend(task.frames.iter().map(|&slot| all_frames[slot]));
         scratch.joints.clear();
         scratch
             .joints
@@ -223,7 +223,7 @@ impl<'a> Evaluation<'a> {
         // A slice fill, because nalgebra's `fill` writes entry by entry and is much slower.
         jacobian.as_mut_slice().fill(0.0);
         let problem = self.question.problem;
-        for (index, task, task_rows) in problem.tasks_of(self.share) {
+        for (index, task, task_rows) in problem.tasks_of(self.subset) {
             self.add_rows(x, (index, task), task_rows.start, jacobian);
         }
     }
@@ -251,11 +251,15 @@ impl<'a> Evaluation<'a> {
     ) {
         let (problem, tree) = (self.question.problem, self.question.tree());
         let rows = jacobian.nrows();
-        if task.swept {
+        if task.uses_sweeps {
             Self::add_by_sweeps(tree, self.scratch, task, first_row, jacobian);
         }
         let Scratch { state, local, .. } = &*self.scratch;
-        let frames = if task.swept { &[][..] } else { &task.frames };
+        let frames = if task.uses_sweeps {
+            &[][..]
+        } else {
+            &task.frames
+        };
         for (k, &frame) in frames.iter().enumerate() {
             let partials = Partials {
                 frame,
@@ -330,7 +334,7 @@ impl<'a> Evaluation<'a> {
     /// Adds the wrenches of a subset's rows on the frames, and the gradient by the joints that they read.
     pub(super) fn push_residual(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         let problem = self.question.problem;
-        for (index, task, rows) in problem.tasks_of(self.share) {
+        for (index, task, rows) in problem.tasks_of(self.subset) {
             Self::differentiate(self.scratch, task, self.question.residual(index));
             self.push_local(x, task, &r[rows], gradient);
         }
@@ -377,12 +381,12 @@ impl<'a> Evaluation<'a> {
 impl LeastSquares for Evaluation<'_> {
     answers! {
         fn variables(&self) -> usize = self.question.problem.variables();
-        fn rows(&self) -> usize = self.question.problem.rows_of(self.share);
+        fn rows(&self) -> usize = self.question.problem.rows_of(self.subset);
         fn lower(&self) -> &[f64] = self.question.lower();
         fn upper(&self) -> &[f64] = self.question.upper();
         fn step_scale(&self) -> &[f64] = self.question.problem.step_scale();
         fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
-        fn stops_when_reached(&self) -> bool = !self.question.problem.pulls_in(self.share);
+        fn stops_when_reached(&self) -> bool = !self.question.problem.has_soft_tasks(self.subset);
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -390,11 +394,11 @@ impl LeastSquares for Evaluation<'_> {
             return residual.fill(f64::NAN);
         }
         self.forward(x);
-        for (index, task, rows) in self.question.problem.tasks_of(self.share) {
+        for (index, task, rows) in self.question.problem.tasks_of(self.subset) {
             Self::gather(self.scratch, task);
             let rows = &mut residual[rows];
-            let own = self.question.residual(index);
-            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let residual_function = self.question.residual(index);
+            residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
             for (row, weight) in rows.iter_mut().zip(&task.weights) {
                 *row *= weight;
             }
@@ -442,6 +446,6 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.question.problem.is_reached_by(self.share, residual)
+        self.question.problem.is_reached_by(self.subset, residual)
     }
 }

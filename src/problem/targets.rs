@@ -74,9 +74,9 @@ impl Targets {
 
     /// True if these are targets of a problem with the same tasks.
     pub(super) fn fit(&self, problem: &Problem) -> bool {
-        let own = &problem.targets.residuals;
-        let mut pairs = self.residuals.iter().zip(own);
-        self.residuals.len() == own.len()
+        let residuals = &problem.targets.residuals;
+        let mut pairs = self.residuals.iter().zip(residuals);
+        self.residuals.len() == residuals.len()
             && pairs.all(|(a, b)| a.as_any().type_id() == b.as_any().type_id())
     }
 }

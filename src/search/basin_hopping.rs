@@ -58,7 +58,7 @@ impl Hops {
             let (low, high) = question.sampling_range(j, *value);
             let (chosen, share) = (random.unit() < DRAWN, random.unit());
             let problem = question.problem;
-            if chosen && problem.moves_a_task(j) && !problem.floats(j) {
+            if chosen && problem.moves_a_task(j) && !problem.is_base_variable(j) {
                 *value = low + (high - low) * share;
             }
         }

@@ -40,7 +40,7 @@ impl IndependentLimbs {
         }
         self.limbs.clear();
         self.limbs.extend(0..question.variables());
-        let limbs = problem.join_by_tasks(share, &mut self.limbs);
+        let limbs = problem.group_by_tasks(share, &mut self.limbs);
         self.several = limbs > 1;
         if self.several {
             self.x.clear();

@@ -57,14 +57,14 @@ impl Solution {
                 role: block.role,
             }),
         );
-        if problem.leaves_rows_out() {
+        if problem.has_unweighted_blocks() {
             let mut evaluation = Evaluation::new(question, scratch);
-            let errors = problem.unasked_errors(evaluation.unweighted(x));
+            let errors = problem.unweighted_errors(evaluation.unweighted(x));
             for (rows, error) in self.rows.iter_mut().zip(errors) {
                 rows.error = error.unwrap_or(rows.error);
             }
         }
-        let lower_is_better = problem.pulls_in(end.share);
+        let lower_is_better = problem.has_soft_tasks(end.share);
         let done = !lower_is_better || self.projected_gradient.is_some();
         let cost = half_squared(end.searched);
         if self.reached && done || !cost.is_finite() {

@@ -31,11 +31,11 @@ impl Solution {
 
 fn beyond(question: ProblemInstance<'_>, index: usize, task: &CompiledTask) -> Option<OutOfReach> {
     // Anchors are valid only for the targets with which the problem was built.
-    let problem = (!question.places_moved()).then_some(question.problem)?;
+    let problem = (!question.has_moved_tree()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
     let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;
     let target = place?;
-    let mut asked = task.blocks().filter(|block| block.can_miss());
+    let mut asked = task.blocks().filter(|block| block.can_be_unreached());
     let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;
     let anchor = problem.anchor(index)?;
     let (distance, reach) = anchor.falls_short_of(target, offset, place.tolerance)?;

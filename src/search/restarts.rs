@@ -125,7 +125,9 @@ impl Restarts {
             let (low, high) = question.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
             // The caller's pose of a free base is usually a better guess than a sample.
-            let share = match question.problem.floats(j) && !index.is_multiple_of(FAR_BASE_EVERY) {
+            let share = match question.problem.is_base_variable(j)
+                && !index.is_multiple_of(FAR_BASE_EVERY)
+            {
                 true => NUDGE * share,
                 false => share,
             };

@@ -261,7 +261,7 @@ impl ReachLayer {
         let (model, map) = (self.stances.skeleton().model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.places);
         let question = ProblemInstance::from(&self.problem);
-        let question = question.with_targets(&self.targets).with_places(&self.tree);
+        let question = question.with_targets(&self.targets).with_tree(&self.tree);
         let solution = solver.solve(question, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         for &bone in &self.moved {

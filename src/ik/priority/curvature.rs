@@ -45,7 +45,7 @@ impl Curvature {
         let rows = problem.rows_of(TaskSubset::above(rank));
         self.slope.resize(n, 0.0);
         self.differences.fit(n, rows);
-        let edges = problem.edges_above(rank);
+        let edges = problem.slacks_above(rank);
         (self.residual_rows, self.constraint_rows) = (rows, rows + edges);
         let total_rows = match rank {
             1 => n,

@@ -85,7 +85,7 @@ impl Descent {
         }
         let constraint_rows = self.constraints.fit(problem, rank);
         let rows = problem.rows_of(TaskSubset::above(rank + 1));
-        self.newton.fit(n, rows, problem.edges_above(rank + 1));
+        self.newton.fit(n, rows, problem.slacks_above(rank + 1));
         self.step_solver.reserve(constraint_rows, level_rows, n);
     }
 
@@ -148,7 +148,7 @@ impl Descent {
     pub(super) fn is_reached(&self, problem: &Problem) -> bool {
         let subset = TaskSubset::rank(self.rank);
         self.rank < problem.ranks().levels()
-            && !problem.pulls_in(subset)
+            && !problem.has_soft_tasks(subset)
             && problem.is_reached_by(subset, &self.residual)
     }
 

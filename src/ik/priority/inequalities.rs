@@ -95,15 +95,15 @@ impl LevelInequalities {
             let reached = ranks
                 .iter()
                 .any(|level| level.rank == bounds.rank && level.reached);
-            let slacks = &self.slacks[bounds.edges.clone()];
+            let slacks = &self.slacks[bounds.slacks.clone()];
             let is_enabled =
                 reached && slacks.iter().all(|slack| *slack >= -2.0 * bounds.tolerance);
-            for (edge, slack) in self.edges[bounds.edges].iter_mut().zip(slacks) {
+            for (edge, slack) in self.edges[bounds.slacks].iter_mut().zip(slacks) {
                 *edge = BoundInequality {
                     rank: bounds.rank,
                     is_enabled,
                     min_slack: slack.min(0.0),
-                    active_slack: bounds.kept_within,
+                    active_slack: bounds.max_change,
                     ..BoundInequality::default()
                 };
             }

@@ -72,7 +72,7 @@ impl LevelConstraints {
         let n = problem.variables();
         let rows = problem.rows_of(TaskSubset::above(rank));
         self.held_residual.resize(rows, 0.0);
-        let edges = problem.edges_above(rank);
+        let edges = problem.slacks_above(rank);
         self.residual_change.resize(rows + edges, 0.0);
         self.inequalities.fit(edges, rows, n);
         self.uncorrected.resize(n, 0.0);

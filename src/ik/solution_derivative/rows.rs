@@ -46,7 +46,7 @@ impl Roles {
             })
         };
         let mut minimised_ranks = (0..ranks).filter(|&rank| {
-            rank >= levels || problem.pulls_in(TaskSubset::rank(rank)) || is_unreached(rank)
+            rank >= levels || problem.has_soft_tasks(TaskSubset::rank(rank)) || is_unreached(rank)
         });
         let minimised_rank = minimised_ranks.next().unwrap_or(ranks);
         for task in tasks {
@@ -61,6 +61,6 @@ impl Roles {
 
 /// Returns the rows of a task whose tolerance is finite.
 fn wanted_rows(task: &CompiledTask) -> impl Iterator<Item = usize> {
-    let blocks = task.blocks().filter(|block| block.can_miss());
+    let blocks = task.blocks().filter(|block| block.can_be_unreached());
     blocks.flat_map(|block| block.rows.clone())
 }

@@ -162,7 +162,7 @@ impl FrameSolver {
         self.tree
             .compile(bones.model(), self.problem.parameters(), &mut self.places);
         let question = ProblemInstance::from(&self.problem);
-        let question = question.with_targets(&self.targets).with_places(&self.tree);
+        let question = question.with_targets(&self.targets).with_tree(&self.tree);
         let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         Ok(solution.reached)
