@@ -76,7 +76,7 @@ impl Sweep for Passes<'_> {
         self.fit.points_at(x, &mut self.points);
         reach(&mut self.linkage, &mut self.points, &self.pins);
         // Bones beyond a bone at its limit compensate for the error.
-        self.fit.follow(&mut self.points, x, |points, fixed| {
+        self.fit.move_to(&mut self.points, x, |points, fixed| {
             self.linkage.pass_beyond(fixed, points, &self.pins)
         });
     }
@@ -140,22 +140,22 @@ pub fn fabrik(
 ) -> Reaching {
     let miss = |points: &[Vector3<f64>]| points.last().map_or(0.0, |&tip| (tip - target).norm());
     let mut linkage = Linkage::chain(points);
-    let mut done = Reaching {
+    let mut result = Reaching {
         passes: 0,
         miss: miss(points),
         span: Span::Within,
     };
     let Some(point) = points.len().checked_sub(1).filter(|&last| last > 0) else {
-        return done;
+        return result;
     };
     let pins = [Pin { point, target }];
-    while done.miss > tolerance && done.passes < max_passes {
-        done.span = reach(&mut linkage, points, &pins);
-        done.miss = miss(points);
-        if done.span != Span::Within {
+    while result.miss > tolerance && result.passes < max_passes {
+        result.span = reach(&mut linkage, points, &pins);
+        result.miss = miss(points);
+        if result.span != Span::Within {
             break;
         }
-        done.passes += 1;
+        result.passes += 1;
     }
-    done
+    result
 }

@@ -45,12 +45,12 @@ mod fabrik;
 mod goal;
 mod grouped;
 mod joint_groups;
+mod joint_motion;
 mod joint_points;
 mod joints_to_points;
 mod linkage;
 mod sweeps;
 mod triangle;
-mod turn;
 mod two_bone;
 
 pub use ccd::Ccd;

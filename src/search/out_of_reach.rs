@@ -33,7 +33,11 @@ fn beyond(question: ProblemInstance<'_>, index: usize, task: &CompiledTask) -> O
     // Anchors are valid only for the targets with which the problem was built.
     let problem = (!question.has_moved_tree()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
-    let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;
+    let FrameGoal {
+        position: place,
+        offset,
+        ..
+    } = FrameGoal::of_residual(residual)?;
     let target = place?;
     let mut asked = task.blocks().filter(|block| block.can_be_unreached());
     let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;
