@@ -55,11 +55,11 @@ impl<'p> BoundedProblem<'p> {
     /// Returns the errors of [`start`](Self::start).
     pub fn search_box(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
         let start = self.start(q)?;
-        let (mut low, mut high) = (start.clone(), start);
-        for k in 0..low.len() {
-            (low[k], high[k]) = self.question.sampling_range(k, low[k]);
+        let (mut lower, mut upper) = (start.clone(), start);
+        for k in 0..lower.len() {
+            (lower[k], upper[k]) = self.question.sampling_range(k, lower[k]);
         }
-        Ok((low, high))
+        Ok((lower, upper))
     }
 
     /// Initial simplex of n + 1 corners for Nelder-Mead.
@@ -71,13 +71,13 @@ impl<'p> BoundedProblem<'p> {
     /// Returns the errors of [`start`](Self::start).
     pub fn simplex(&self, q: &[f64]) -> Result<Vec<DVector<f64>>, SolveError> {
         let start = self.start(q)?;
-        let (low, high) = self.search_box(q)?;
+        let (lower, upper) = self.search_box(q)?;
         let mut corners = vec![start.clone()];
         for k in 0..start.len() {
             let mut corner = start.clone();
-            let forward = high[k] - start[k] >= start[k] - low[k];
-            let step = SIMPLEX_SIZE * (high[k] - low[k]);
-            corner[k] += if forward { step } else { -step };
+            let is_upward = upper[k] - start[k] >= start[k] - lower[k];
+            let step = SIMPLEX_SIZE * (upper[k] - lower[k]);
+            corner[k] += if is_upward { step } else { -step };
             corners.push(corner);
         }
         Ok(corners)
@@ -85,7 +85,7 @@ impl<'p> BoundedProblem<'p> {
 
     fn evaluate(&self, work: impl FnOnce(&mut Evaluation<'_>)) {
         let evaluate =
-            |own: &mut Buffers| work(&mut Evaluation::new(self.question, &mut own.scratch));
+            |buffers: &mut Buffers| work(&mut Evaluation::new(self.question, &mut buffers.scratch));
         self.pool.with(self.question, evaluate);
     }
 
@@ -133,11 +133,11 @@ impl LeastSquares for BoundedProblem<'_> {
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
-        self.evaluate(|at| at.residual(x, residual));
+        self.evaluate(|evaluation| evaluation.residual(x, residual));
     }
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        self.evaluate(|at| at.jacobian(x, jacobian));
+        self.evaluate(|evaluation| evaluation.jacobian(x, jacobian));
     }
 
     fn gradient(
@@ -147,7 +147,7 @@ impl LeastSquares for BoundedProblem<'_> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.evaluate(|at| at.gradient(x, residual, gradient, jacobian));
+        self.evaluate(|evaluation| evaluation.gradient(x, residual, gradient, jacobian));
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {

@@ -61,16 +61,16 @@ pub(super) fn solution_at<I: State>(
     pool.with(question, |buffers| {
         let Buffers {
             scratch,
-            x: at,
+            x: projected_x,
             residual,
             ..
         } = buffers;
-        at.copy_from_slice(x);
-        question.space().project(at);
-        Evaluation::new(question, scratch).residual(at, residual);
+        projected_x.copy_from_slice(x);
+        question.space().project(projected_x);
+        Evaluation::new(question, scratch).residual(projected_x, residual);
         let end = End {
             question,
-            x: at,
+            x: projected_x,
             share: TaskSubset::All,
             searched: residual,
             residual,
@@ -84,13 +84,14 @@ pub(super) fn solution_at<I: State>(
             solution.iterations = usize::try_from(state.get_iter()).unwrap_or(usize::MAX);
             solution.counts = counts_from(counts);
         }
-        let finite = |norm: f64| norm.is_finite();
-        let finite = solution.cost.is_finite() && solution.projected_gradient.is_none_or(finite);
-        let finished = solution.reached && !question.problem().has_preferences();
+        let is_finite = |norm: f64| norm.is_finite();
+        let is_finite =
+            solution.cost.is_finite() && solution.projected_gradient.is_none_or(is_finite);
+        let is_finished = solution.reached && !question.problem().has_preferences();
         solution.termination = match run.map(|(state, _)| state.get_termination_status()) {
-            _ if !finite => Termination::NonFinite,
-            Some(status) => termination_of(status, finished),
-            None if finished => Termination::Reached,
+            _ if !is_finite => Termination::NonFinite,
+            Some(status) => termination_of(status, is_finished),
+            None if is_finished => Termination::Reached,
             None if slope.is_some_and(|slope| slope.is_level) => Termination::Stationary,
             None => Termination::SmallStep,
         };
@@ -119,8 +120,8 @@ fn counts_from(counts: &HashMap<&'static str, u64>) -> Counts {
     }
 }
 
-/// Converts argmin's reasons. `finished` is true if the goals are reached and there are no soft tasks.
-fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
+/// Converts argmin's reasons. `is_finished` is true if the goals are reached and there are no soft tasks.
+fn termination_of(status: &TerminationStatus, is_finished: bool) -> Termination {
     let reason = match status {
         // From a run that was interrupted.
         TerminationStatus::NotTerminated => return Termination::Cancelled,
@@ -130,11 +131,11 @@ fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
         TerminationReason::MaxItersReached => Termination::IterationLimit,
         TerminationReason::Timeout => Termination::TimeLimit,
         TerminationReason::Interrupt => Termination::Cancelled,
-        _ if finished => Termination::Reached,
+        _ if is_finished => Termination::Reached,
         TerminationReason::SolverConverged => Termination::Stationary,
         // A target cost of the caller, unrelated to the tolerances.
         TerminationReason::TargetCostReached => Termination::Cancelled,
-        TerminationReason::SolverExit(why) if why == Termination::NonFinite.name() => {
+        TerminationReason::SolverExit(text) if text == Termination::NonFinite.name() => {
             Termination::NonFinite
         }
         // A line search without an acceptable step, of kinopt or of argmin.

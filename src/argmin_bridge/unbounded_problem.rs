@@ -15,7 +15,7 @@ use crate::search::variables_at;
 use crate::solver::{LeastSquares, half_squared};
 
 /// Smallest diagonal entry of the Hessian, relative to its largest: keeps it invertible for redundant arms.
-const HESSIAN_FLOOR: f64 = 1e-10;
+const MIN_RELATIVE_DIAGONAL: f64 = 1e-10;
 
 /// A problem over unbounded variables y: every y gives an x(y) within the bounds, and all derivatives are by y.
 ///
@@ -227,7 +227,7 @@ impl Hessian for UnboundedProblem<'_> {
                 hessian[(k, k)] += (buffers.gradient[k] * image.curvature).max(0.0);
             }
             let largest = hessian.diagonal().iter().copied().fold(0.0, f64::max);
-            let floor = if largest > 0.0 { largest } else { 1.0 } * HESSIAN_FLOOR;
+            let floor = if largest > 0.0 { largest } else { 1.0 } * MIN_RELATIVE_DIAGONAL;
             for k in 0..y.len() {
                 hessian[(k, k)] += floor;
             }
