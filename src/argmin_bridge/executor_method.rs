@@ -95,10 +95,10 @@ impl<M: Method> ExecutorMethod<M> {
             state: solver_state,
             method_state,
         } = self.search.running(least_squares, method)?;
-        if !progress.look(least_squares, method, method_state, solver_state) {
+        if !progress.evaluate(least_squares, method, method_state, solver_state) {
             self.ended = Some(Termination::NonFinite);
         } else if self.ended.is_none() {
-            self.ended = progress.judge(solver_state, &stopping);
+            self.ended = progress.termination(solver_state, &stopping);
         }
 
         let mut key_values = KV::new();

@@ -157,11 +157,12 @@ impl Schedule {
         let Trial::Quick(index) = trial else {
             return self.stopping;
         };
-        self.stopping.impatient(match self.restarts.agreeing {
-            _ if index == 0 => PATIENCE_AT_START,
-            None => PATIENCE,
-            Some(_) => PATIENCE_BEFORE_AGREEING,
-        })
+        self.stopping
+            .with_max_patience(match self.restarts.agreeing {
+                _ if index == 0 => PATIENCE_AT_START,
+                None => PATIENCE,
+                Some(_) => PATIENCE_BEFORE_AGREEING,
+            })
     }
 
     /// Number of agreeing attempts that end the search.

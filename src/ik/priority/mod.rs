@@ -318,7 +318,7 @@ impl PriorityLevels<'_, '_> {
         multipliers.fill(0.0);
         multipliers[row_range.clone()].copy_from_slice(&residual[row_range.clone()]);
         let mut evaluation = Evaluation::of(subset, self.question, self.scratch);
-        self.state.take_shape(residual.len(), x.len());
+        self.state.resize_derivatives(residual.len(), x.len());
         let (slope, _) = self.state.slope_at(&mut evaluation, x, multipliers);
         higher_span.clear();
         let slope = slope.to_vec();
