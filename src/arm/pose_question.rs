@@ -31,7 +31,7 @@ impl PoseQuestion {
         } else {
             f64::INFINITY
         };
-        let [_, turn] = pose.measures();
+        let [_, turn] = pose.row_blocks();
         let task = builder.add(
             Task::new(pose)
                 .weight(Quantity::Metres, 1.0)

@@ -31,7 +31,7 @@ const AT_NOMINAL_POSTURE: f64 = 1e-9;
 impl Arm {
     /// Returns true if the goal may leave a null space.
     pub(super) fn has_freedom(&self) -> bool {
-        self.joint_count() > self.options.goal.rows() || self.options.goal.has_room()
+        self.joint_count() > self.options.goal.rows() || self.options.goal.has_bounds()
     }
 
     /// Nominal posture of an arm that begins at `start`.

@@ -70,7 +70,7 @@ impl Solution {
         if self.reached && done || !cost.is_finite() {
             return None;
         }
-        memory.take_shape(end.searched.len(), x.len());
+        memory.resize_derivatives(end.searched.len(), x.len());
         let mut evaluation = Evaluation::of(end.share, question, scratch);
         let (gradient, steepest) = memory.slope_at(&mut evaluation, x, end.searched);
         let negligible = negligible_slope(steepest, cost, stopping);

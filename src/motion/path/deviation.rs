@@ -160,7 +160,7 @@ impl<'a> Curve<'a> {
         let way = targets[1].translation - targets[0].translation;
         let relative = targets[0].rotation.transpose() * targets[1].rotation;
         let path_turn = Quaternion::from_matrix(&relative).log().norm();
-        if arm.goal().has_room() {
+        if arm.goal().has_bounds() {
             // In the rotating axes of the target.
             let reach = arm.base_from_tool(from)?.translation - targets[0].translation;
             let reach = reach.norm() + speed + way.norm();
@@ -171,7 +171,7 @@ impl<'a> Curve<'a> {
         Ok(Self {
             arm,
             targets,
-            thirds: (!arm.goal().has_room()).then_some(thirds),
+            thirds: (!arm.goal().has_bounds()).then_some(thirds),
             q: step.q,
             bends: [bend, 0.5 * turn_bend + 0.25 * turns * turns],
             turns: 0.5 * turns,
