@@ -65,7 +65,7 @@ impl NewtonWorkspace {
         self.row_weights.resize(rows, 0.0);
         self.inequality_multipliers.resize(edges, 0.0);
         self.differences.fit(variables, rows);
-        self.higher_levels.reserve(variables, variables);
+        self.higher_span.reserve(variables, variables);
         self.model.reserve(variables);
     }
 }
