@@ -25,10 +25,10 @@ pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
 impl Pool {
     pub(super) fn with<T>(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         work: impl FnOnce(&mut Buffers) -> T,
     ) -> T {
-        let problem = question.problem();
+        let problem = instance.problem();
         let lock_pool = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let unused = lock_pool().pop();
         let mut buffers = unused.unwrap_or_else(|| Buffers {

@@ -33,7 +33,7 @@ impl Place for Particle<DVector<f64>, f64> {
 
 /// Solution at the best point of a run; `variables` converts its parameters to the problem's variables.
 pub(super) fn solution_of<O, S, I>(
-    (question, pool): (ProblemInstance<'_>, &Pool),
+    (instance, pool): (ProblemInstance<'_>, &Pool),
     run: &OptimizationResult<O, S, I>,
     variables: impl FnOnce(&DVector<f64>) -> Vec<f64>,
 ) -> Result<Solution, BridgeError>
@@ -44,21 +44,21 @@ where
     let state = run.state();
     let best = state.get_best_param().or_else(|| state.get_param());
     let best = best.ok_or(BridgeError::NoParameters)?.coordinates();
-    BridgeError::check_variables(best.len(), question.variables())?;
+    BridgeError::check_variables(best.len(), instance.variables())?;
     let run = Some((state, &run.problem.counts));
-    Ok(solution_at(question, pool, &variables(best), run))
+    Ok(solution_at(instance, pool, &variables(best), run))
 }
 
 /// Projects x, evaluates it, and returns the solution there.
 ///
 /// `run` is the state and the evaluations of a run, or `None` for one that failed at its start.
 pub(super) fn solution_at<I: State>(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     pool: &Pool,
     x: &[f64],
     run: Option<(&I, &HashMap<&'static str, u64>)>,
 ) -> Solution {
-    pool.with(question, |buffers| {
+    pool.with(instance, |buffers| {
         let Buffers {
             scratch,
             x: projected_x,
@@ -66,10 +66,10 @@ pub(super) fn solution_at<I: State>(
             ..
         } = buffers;
         projected_x.copy_from_slice(x);
-        question.space().project(projected_x);
-        Evaluation::new(question, scratch).residual(projected_x, residual);
+        instance.space().project(projected_x);
+        Evaluation::new(instance, scratch).residual(projected_x, residual);
         let end = End {
-            question,
+            question: instance,
             x: projected_x,
             share: TaskSubset::All,
             searched: residual,
@@ -87,7 +87,7 @@ pub(super) fn solution_at<I: State>(
         let is_finite = |norm: f64| norm.is_finite();
         let is_finite =
             solution.cost.is_finite() && solution.projected_gradient.is_none_or(is_finite);
-        let is_finished = solution.reached && !question.problem().has_preferences();
+        let is_finished = solution.reached && !instance.problem().has_preferences();
         solution.termination = match run.map(|(state, _)| state.get_termination_status()) {
             _ if !is_finite => Termination::NonFinite,
             Some(status) => termination_of(status, is_finished),
@@ -95,7 +95,7 @@ pub(super) fn solution_at<I: State>(
             None if slope.is_some_and(|slope| slope.is_level) => Termination::Stationary,
             None => Termination::SmallStep,
         };
-        solution.check_clear(question);
+        solution.check_clear(instance);
         solution
     })
 }

@@ -268,7 +268,7 @@ impl ArmWorkspace {
         observer: &'a mut dyn Observer,
     ) -> Minimiser<'a> {
         Minimiser {
-            question: self.question.ask(),
+            instance: self.question.ask(),
             share: TaskSubset::All,
             method,
             deadline,

@@ -11,7 +11,7 @@ use crate::spatial::{Placement, Vector3};
 
 /// State of a search: the frames of the targets and the joints that move them.
 pub(super) struct Descent<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
     /// The present placement of each target's frame.
@@ -23,8 +23,8 @@ pub(super) struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
-    pub(super) fn new(question: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
-        let tree = question.tree();
+    pub(super) fn new(instance: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
+        let tree = instance.tree();
         let mut joint_goal_pairs = Vec::with_capacity(tree.joints());
         for (index, goal) in goals.iter().enumerate() {
             let first = tree.joint_carrying(goal.frame);
@@ -37,9 +37,9 @@ impl<'a> Descent<'a> {
         let variable_joint_pairs: Vec<_> = moving_joints
             .map(|joint| (tree.variable_of(joint).0, joint))
             .collect();
-        let joints_of_variable = Grouped::new(question.problem.variables(), &variable_joint_pairs);
+        let joints_of_variable = Grouped::new(instance.problem.variables(), &variable_joint_pairs);
         Self {
-            question,
+            instance,
             state: TreeState::new(tree),
             frame_placements: vec![Placement::identity(); goals.len()],
             goals,
@@ -49,7 +49,7 @@ impl<'a> Descent<'a> {
     }
 
     fn forward(&mut self, x: &[f64]) {
-        self.question.tree().forward(x, &mut self.state);
+        self.instance.tree().forward(x, &mut self.state);
         let frames = self.state.frames();
         for (frame_placement, goal) in self.frame_placements.iter_mut().zip(&self.goals) {
             *frame_placement = frames[goal.frame];
@@ -105,8 +105,8 @@ impl<'a> Descent<'a> {
     ///
     /// The state of joints towards the tips is not updated, because this sweep does not use it again.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
-        let axis = self.question.tree().axis(&self.state, joint);
-        let motion = move_joint(self.question, joint, x, |range| match axis.turns {
+        let axis = self.instance.tree().axis(&self.state, joint);
+        let motion = move_joint(self.instance, joint, x, |range| match axis.turns {
             true => self.rotation_cost(joint, &axis).best(range),
             false => self.translation_cost(joint, &axis).best(range),
         });
@@ -151,7 +151,7 @@ impl<'a> Descent<'a> {
     ///
     /// Sums the velocities of the frames over all joints that the variable moves.
     fn slope(&self, variable: usize) -> (f64, f64) {
-        let tree = self.question.tree();
+        let tree = self.instance.tree();
         let (mut slope, mut curvature) = (0.0, 0.0);
         for (index, goal) in self.goals.iter().enumerate() {
             let frame = &self.frame_placements[index];
@@ -195,8 +195,8 @@ impl<'a> Descent<'a> {
         let start_cost = self.chord_cost();
         let (slope, curvature) = self.slope(variable);
         let (lower, upper) = (
-            self.question.lower()[variable],
-            self.question.upper()[variable],
+            self.instance.lower()[variable],
+            self.instance.upper()[variable],
         );
         let bounds = Limits::new(lower, upper);
         let start_value = x[variable];
@@ -227,7 +227,7 @@ impl Sweep for Descent<'_> {
         self.forward(x);
         // Joints are numbered parents first, so this order is from the tips to the root.
         for joint in (0..self.goals_of_joint.groups()).rev() {
-            let (variable, _) = self.question.tree().variable_of(joint);
+            let (variable, _) = self.instance.tree().variable_of(joint);
             if !self.goals_of_joint.of(joint).is_empty()
                 && self.joints_of_variable.of(variable).len() == 1
             {

@@ -48,19 +48,19 @@ impl Geometric for Fabrik {
 
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(question, "FABRIK")?;
-        let joint_points = joint_points(question, &goals, "FABRIK")?;
+        let goals = goals(instance, "FABRIK")?;
+        let joint_points = joint_points(instance, &goals, "FABRIK")?;
         let mut passes = Passes {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),
             points: joint_points.rest().to_vec(),
-            fit: JointFit::new(question, joint_points),
+            fit: JointFit::new(instance, joint_points),
         };
-        sweeps::solve(question, start, self.limits, &mut passes, observer)
+        sweeps::solve(instance, start, self.limits, &mut passes, observer)
     }
 }
 

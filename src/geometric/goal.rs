@@ -31,10 +31,10 @@ const VALID: &str = "`point`, `pose` or `orientation`, in the world and without 
 
 /// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     solver: &'static str,
 ) -> Result<Vec<Goal>, GeometricError> {
-    let problem = question.problem;
+    let problem = instance.problem;
     if let Some(ball) = problem.parameters().balls().first() {
         return Err(GeometricError::BallJoint {
             solver,
@@ -49,7 +49,7 @@ pub(super) fn goals(
                 .filter(|block| block.measure.quantity == quantity);
             blocks.next().map_or(0.0, |block| block.weight)
         };
-        let residual = question.residual(index).as_any();
+        let residual = instance.residual(index).as_any();
         let Some(frame_goal) =
             FrameGoal::of_residual(residual).filter(|frame_goal| frame_goal.is_complete)
         else {

@@ -16,23 +16,23 @@ const COINCIDENCE_TOLERANCE: f64 = 1e-9;
 /// # Errors
 /// Returns an error for a prismatic joint, or for a task without a position, by name.
 pub(super) fn joint_points(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     goals: &[Goal],
     solver: &'static str,
 ) -> Result<JointPoints, GeometricError> {
-    let tree = question.tree();
+    let tree = instance.tree();
     if let Some(joint) = (0..tree.joints()).find(|&joint| !tree.turns(joint)) {
         let (variable, _) = tree.variable_of(joint);
         return Err(GeometricError::SlidingJoint {
             solver,
-            joint: question.problem.names().variables[variable].clone(),
+            joint: instance.problem.names().variables[variable].clone(),
         });
     }
-    let mut layout = PointLayout::new(question);
+    let mut layout = PointLayout::new(instance);
     let mut pins = Vec::new();
     for goal in goals {
         let Some(position) = goal.position else {
-            let task = question.problem.task_name(goal.task).unwrap_or_default();
+            let task = instance.problem.task_name(goal.task).unwrap_or_default();
             return Err(GeometricError::UnsupportedTask {
                 solver,
                 task: task.to_owned(),
@@ -57,7 +57,7 @@ pub(super) fn joint_points(
 
 /// Points and joints during construction.
 struct PointLayout<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     state: TreeState<f64>,
     tolerance: f64,
     /// By joint: the point at its origin.
@@ -68,16 +68,16 @@ struct PointLayout<'a> {
 }
 
 impl<'a> PointLayout<'a> {
-    fn new(question: ProblemInstance<'a>) -> Self {
-        let tree = question.tree();
-        let mut near_zero = vec![0.0; question.variables()];
-        question.space().project(&mut near_zero);
+    fn new(instance: ProblemInstance<'a>) -> Self {
+        let tree = instance.tree();
+        let mut near_zero = vec![0.0; instance.variables()];
+        instance.space().project(&mut near_zero);
         let mut state = TreeState::new(tree);
         tree.forward(&near_zero, &mut state);
         let mut layout = Self {
-            question,
+            instance,
             state,
-            tolerance: COINCIDENCE_TOLERANCE * question.problem.reach(),
+            tolerance: COINCIDENCE_TOLERANCE * instance.problem.reach(),
             point_of_joint: Vec::with_capacity(tree.joints()),
             parents: Vec::new(),
             positions: Vec::new(),
@@ -103,7 +103,7 @@ impl<'a> PointLayout<'a> {
             return known;
         }
         let local = match carrier {
-            Some(joint) => self.question.tree().local_to(&self.state, joint, position),
+            Some(joint) => self.instance.tree().local_to(&self.state, joint, position),
             None => position,
         };
         self.parents.push(parent);
@@ -117,20 +117,20 @@ impl<'a> PointLayout<'a> {
 
     /// The point of a target's frame at `offset`; `None` for a frame that no joint moves.
     fn pin(&mut self, goal: &Goal, offset: Vector3<f64>) -> Option<usize> {
-        let carrier = self.question.tree().joint_carrying(goal.frame)?;
+        let carrier = self.instance.tree().joint_carrying(goal.frame)?;
         let position = self.state.frames()[goal.frame].apply(offset);
         Some(self.point(Some(carrier), position))
     }
 
     fn is_on_axis(&self, joint: usize, point: usize) -> bool {
-        let axis = self.question.tree().axis(&self.state, joint);
+        let axis = self.instance.tree().axis(&self.state, joint);
         let arm = self.positions[point] - axis.origin;
         axis.direction.cross(arm).norm() <= self.tolerance
     }
 
     /// Assigns points to each joint, from the tips to the root, and removes points about which no joint rotates.
     fn finish(mut self, pins: &[Pin]) -> JointPoints {
-        let tree = self.question.tree();
+        let tree = self.instance.tree();
         let joints = tree.joints();
         let is_pinned = |point: usize| pins.iter().any(|pin| pin.point == point);
         // By joint: the first points beyond it; true if it moves none of them; the points it positions.

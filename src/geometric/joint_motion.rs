@@ -69,12 +69,12 @@ impl RotationCost {
 
 /// Moves the variable of a joint by the result of `best` for the joint's range; returns the joint's motion.
 pub(super) fn move_joint(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     joint: usize,
     x: &mut [f64],
     best: impl FnOnce(Limits) -> f64,
 ) -> f64 {
-    let (variable, bounded) = BoundedVariable::of(question, joint);
+    let (variable, bounded) = BoundedVariable::of(instance, joint);
     let motion = best(bounded.motion_range(x[variable]));
     x[variable] = bounded.moved_by(x[variable], motion);
     motion
@@ -133,9 +133,9 @@ pub(super) struct BoundedVariable {
 
 impl BoundedVariable {
     /// Index and bounds of a joint's variable.
-    pub(super) fn of(question: ProblemInstance<'_>, joint: usize) -> (usize, Self) {
-        let (variable, ratio) = question.tree().variable_of(joint);
-        let bounds = Limits::new(question.lower()[variable], question.upper()[variable]);
+    pub(super) fn of(instance: ProblemInstance<'_>, joint: usize) -> (usize, Self) {
+        let (variable, ratio) = instance.tree().variable_of(joint);
+        let bounds = Limits::new(instance.lower()[variable], instance.upper()[variable]);
         (variable, Self { bounds, ratio })
     }
 

@@ -17,7 +17,7 @@ const RELATIVE_ROUNDING: f64 = 1e-14;
 
 /// Fit of a problem's joints to points.
 pub(super) struct JointFit<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     joint_points: JointPoints,
     /// By point: the point about which its bone rotates.
     centres: Vec<Option<usize>>,
@@ -29,20 +29,20 @@ pub(super) struct JointFit<'a> {
 }
 
 impl<'a> JointFit<'a> {
-    pub(super) fn new(question: ProblemInstance<'a>, joint_points: JointPoints) -> Self {
-        let tree = question.tree();
+    pub(super) fn new(instance: ProblemInstance<'a>, joint_points: JointPoints) -> Self {
+        let tree = instance.tree();
         let linkage = joint_points.linkage();
         let points = 0..joint_points.points.len();
-        let mut is_taken = vec![false; question.problem.variables()];
+        let mut is_taken = vec![false; instance.problem.variables()];
         let mut is_first_joint = |joint| {
             let (variable, _) = tree.variable_of(joint);
             !std::mem::replace(&mut is_taken[variable], true)
         };
         Self {
-            question,
+            instance,
             centres: points.map(|point| linkage.parent(point)).collect(),
             is_leading: (0..tree.joints()).map(&mut is_first_joint).collect(),
-            rounding: RELATIVE_ROUNDING * question.problem.reach(),
+            rounding: RELATIVE_ROUNDING * instance.problem.reach(),
             state: TreeState::new(tree),
             joint_points,
         }
@@ -50,7 +50,7 @@ impl<'a> JointFit<'a> {
 
     /// Writes the positions of the points for the variables `x`.
     pub(super) fn points_at(&mut self, x: &[f64], points: &mut [Vector3<f64>]) {
-        self.question.tree().forward(x, &mut self.state);
+        self.instance.tree().forward(x, &mut self.state);
         for (k, point) in points.iter_mut().enumerate() {
             *point = self.point(k);
         }
@@ -93,7 +93,7 @@ impl<'a> JointFit<'a> {
 
     /// The axis of a joint after the last forward pass.
     pub(super) fn axis(&self, joint: usize) -> JointAxis {
-        self.question.tree().axis(&self.state, joint)
+        self.instance.tree().axis(&self.state, joint)
     }
 
     /// Rotates one joint until `point` is at `distance` from the point `root`, or as close to that as possible.
@@ -106,7 +106,7 @@ impl<'a> JointFit<'a> {
         (distance, counter_clockwise): (f64, bool),
         x: &mut [f64],
     ) {
-        self.question.tree().forward(x, &mut self.state);
+        self.instance.tree().forward(x, &mut self.state);
         let JointAxis {
             direction, origin, ..
         } = self.axis(joint);
@@ -126,7 +126,7 @@ impl<'a> JointFit<'a> {
             true => farthest_angle + half_angle,
             false => farthest_angle - half_angle,
         };
-        move_joint(self.question, joint, x, |range| {
+        move_joint(self.instance, joint, x, |range| {
             RotationCost::towards(angle).best(range)
         });
     }
@@ -138,10 +138,10 @@ impl<'a> JointFit<'a> {
         targets: &[Vector3<f64>],
         x: &mut [f64],
     ) -> f64 {
-        self.question.tree().forward(x, &mut self.state);
+        self.instance.tree().forward(x, &mut self.state);
         let mut error = self.error_of(group, targets);
         if error > self.rounding && self.point_by_two_joints(group, targets, x) {
-            self.question.tree().forward(x, &mut self.state);
+            self.instance.tree().forward(x, &mut self.state);
             error = self.error_of(group, targets);
         }
         for _ in 0..MAX_SWEEPS {
@@ -149,7 +149,7 @@ impl<'a> JointFit<'a> {
                 break;
             }
             self.sweep_group(group, targets, x);
-            self.question.tree().forward(x, &mut self.state);
+            self.instance.tree().forward(x, &mut self.state);
             let new_error = self.error_of(group, targets);
             let has_improved = new_error < 0.99 * error;
             error = new_error;
@@ -164,7 +164,7 @@ impl<'a> JointFit<'a> {
         let point = &self.joint_points.points[index];
         match point.joint {
             Some(joint) => self
-                .question
+                .instance
                 .tree()
                 .carried(&self.state, joint, point.local),
             None => point.local,
@@ -208,7 +208,7 @@ impl<'a> JointFit<'a> {
         let Some(centre) = self.centre(group, *point) else {
             return false;
         };
-        let tree = self.question.tree();
+        let tree = self.instance.tree();
         let [outer_axis, inner_axis] = [outer, inner].map(|&j| tree.axis(&self.state, j));
         let passes_centre = |axis: &JointAxis| {
             axis.direction.cross(centre - axis.origin).norm() <= self.joint_points.tolerance
@@ -224,7 +224,7 @@ impl<'a> JointFit<'a> {
             return false;
         };
         let [(first, outer_variable), (second, inner_variable)] =
-            [outer, inner].map(|&j| BoundedVariable::of(self.question, j));
+            [outer, inner].map(|&j| BoundedVariable::of(self.instance, j));
         let mut best = ((u - v).norm(), None);
         for (outer_angle, inner_angle) in angle_pairs {
             let outer_turn =
@@ -255,7 +255,7 @@ impl<'a> JointFit<'a> {
     ///
     /// In this order no axis moves before its joint does.
     fn sweep_group(&self, group: &Group, targets: &[Vector3<f64>], x: &mut [f64]) {
-        let tree = self.question.tree();
+        let tree = self.instance.tree();
         let points = group.points.iter();
         let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points
             .map(|&k| (self.point(k), self.best_position(group, k, targets)))
@@ -272,7 +272,7 @@ impl<'a> JointFit<'a> {
                     1.0,
                 );
             }
-            let angle = move_joint(self.question, joint, x, |range| cost.best(range));
+            let angle = move_joint(self.instance, joint, x, |range| cost.best(range));
             let rotation = rotation_matrix(axis.direction, angle);
             for (point, _) in &mut points {
                 *point = rotation * (*point - axis.origin) + axis.origin;

@@ -51,7 +51,7 @@ impl Default for Limits {
 ///
 /// A search that stopped at a stationary point ends as stationary.
 pub(super) fn solve(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     start: &[f64],
     limits: Limits,
     method: &mut dyn Sweep,
@@ -61,13 +61,13 @@ pub(super) fn solve(
     stopping.check().map_err(SolveError::from)?;
     restarts.check().map_err(SolveError::from)?;
     let mut search = Attempts::default();
-    search.start = variables_at(question, start)?;
-    search.fit(question, TaskSubset::All);
+    search.start = variables_at(instance, start)?;
+    search.fit(instance, TaskSubset::All);
     let deadline = stopping.deadline();
-    let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
-    let schedule = Schedule::of_sweeps(question, restarts, stopping);
+    let mut sweeps = Sweeps::new(instance, &search.start, method, observer, deadline);
+    let schedule = Schedule::of_sweeps(instance, restarts, stopping);
     let result = run(
-        question,
+        instance,
         TaskSubset::All,
         &schedule,
         deadline,
@@ -77,7 +77,7 @@ pub(super) fn solve(
     let mut solution = Solution::default();
     solution.record(&result);
     let end = End {
-        question,
+        question: instance,
         x: &search.keeper.x,
         share: TaskSubset::All,
         searched: &search.keeper.residual,
@@ -89,13 +89,13 @@ pub(super) fn solve(
     if is_level && solution.termination == Termination::SmallStep {
         solution.termination = Termination::Stationary;
     }
-    solution.check_clear(question);
+    solution.check_clear(instance);
     Ok(solution)
 }
 
 /// A geometric method as an engine of the search.
 struct Sweeps<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     method: &'a mut dyn Sweep,
     observer: &'a mut dyn Observer,
     deadline: Option<Instant>,
@@ -113,19 +113,19 @@ struct Sweeps<'a> {
 
 impl<'a> Sweeps<'a> {
     fn new(
-        question: ProblemInstance<'a>,
+        instance: ProblemInstance<'a>,
         start: &[f64],
         method: &'a mut dyn Sweep,
         observer: &'a mut dyn Observer,
         deadline: Option<Instant>,
     ) -> Self {
-        let rows = vec![0.0; question.rows()];
+        let rows = vec![0.0; instance.rows()];
         let mut sweeps = Self {
-            question,
+            instance,
             method,
             observer,
             deadline,
-            scratch: question.scratch(),
+            scratch: instance.scratch(),
             counts: Counts::default(),
             residual_at_start: rows.clone(),
             x: start.to_vec(),
@@ -141,7 +141,7 @@ impl<'a> Sweeps<'a> {
 
     /// Updates the residual at the present variables and returns the cost.
     fn evaluate(&mut self) -> f64 {
-        let mut evaluation = Evaluation::new(self.question, &mut self.scratch);
+        let mut evaluation = Evaluation::new(self.instance, &mut self.scratch);
         evaluation.residual(&self.x, &mut self.residual);
         self.counts.residuals += 1;
         half_squared(&self.residual)
@@ -167,9 +167,9 @@ impl Engine for Sweeps<'_> {
 
     /// Returns the variables of lowest cost, because not every sweep decreases it.
     fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
-        let question = self.question;
+        let instance = self.instance;
         self.x.copy_from_slice(start);
-        question.space().project(&mut self.x);
+        instance.space().project(&mut self.x);
         let (mut best_cost, mut reached) = (f64::INFINITY, false);
         let (mut index, mut step, mut flat_sweeps) = (0, 0.0, 0);
         let mut milestone = (0, f64::INFINITY);
@@ -183,7 +183,7 @@ impl Engine for Sweeps<'_> {
                 best_cost = if index == 0 { cost } else { best_cost };
                 break Termination::NonFinite;
             }
-            let is_reached = question
+            let is_reached = instance
                 .problem
                 .is_reached_by(TaskSubset::All, &self.residual);
             let is_flat = best_cost - cost <= MAX_FLAT_DECREASE * cost;

@@ -61,22 +61,22 @@ impl Geometric for TwoBone {
 
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(question, NAME)?;
-        let points = joint_points(question, &goals, NAME)?;
+        let goals = goals(instance, NAME)?;
+        let points = joint_points(instance, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
             return Err(GeometricError::NotTwoBones {
-                model: question.problem.names().model.clone(),
+                model: instance.problem.names().model.clone(),
                 bones: points.rest().len().saturating_sub(1),
                 tips: points.pins().len(),
             });
         };
         let positions = points.rest().to_vec();
-        let fit = JointFit::new(question, points);
+        let fit = JointFit::new(instance, points);
         let mut limb = Limb {
             elbow: self.elbow,
             lengths: [upper, lower],
@@ -94,7 +94,7 @@ impl Geometric for TwoBone {
             stopping: Stopping::default().with_max_iterations(MAX_SWEEPS),
             restarts: Restarts::none(),
         };
-        sweeps::solve(question, start, limits, &mut limb, observer)
+        sweeps::solve(instance, start, limits, &mut limb, observer)
     }
 }
 

@@ -38,7 +38,7 @@ impl Solver {
     pub(super) fn run_collision_free(
         &self,
         constraint: &Arc<CollisionConstraint>,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         run: &mut Run<'_>,
@@ -53,12 +53,12 @@ impl Solver {
             guard: None,
             clear: Some((constraint, &mut collision.engine)),
         };
-        goal_solver.run(question, start, workspace, &mut collision_free_run)?;
-        self.reduce_collisions(constraint, question, &mut collision, workspace, run)?;
+        goal_solver.run(instance, start, workspace, &mut collision_free_run)?;
+        self.reduce_collisions(constraint, instance, &mut collision, workspace, run)?;
         let solution = &workspace.solution;
-        let has_soft_tasks = question.problem.searched_subset() != crate::problem::TaskSubset::All;
+        let has_soft_tasks = instance.problem.searched_subset() != crate::problem::TaskSubset::All;
         if has_soft_tasks && solution.reached && self.refining() != Extent::Goals {
-            self.apply_soft_tasks(constraint, question, &mut collision, workspace, run)?;
+            self.apply_soft_tasks(constraint, instance, &mut collision, workspace, run)?;
         }
         let solution = &mut workspace.solution;
         if solution.q.iter().all(|value| value.is_finite()) {
@@ -72,12 +72,12 @@ impl Solver {
     fn reduce_collisions(
         &self,
         constraint: &CollisionConstraint,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         collision: &mut CollisionWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let (problem, subset) = (question.problem, question.problem.searched_subset());
+        let (problem, subset) = (instance.problem, instance.problem.searched_subset());
         let meets_goals = |workspace: &Workspace| {
             problem.is_reached_by(subset, &workspace.search.keeper.residual)
         };
@@ -92,7 +92,7 @@ impl Solver {
         }
         let single_attempt = self.clone().with_restarts(Restarts::none());
         single_attempt.run(
-            question.with_constraint(constraint.yielding()),
+            instance.with_constraint(constraint.yielding()),
             &q,
             &mut collision.constrained,
             run,
@@ -104,10 +104,10 @@ impl Solver {
             result.termination = Termination::Stationary;
         }
         let end = &collision.constrained.search.keeper.x;
-        self.report_at(question, end, result, workspace, run.observer);
+        self.report_at(instance, end, result, workspace, run.observer);
         let after = collision.engine.min_distance(&workspace.solution.q);
         if after <= before || !meets_goals(workspace) {
-            self.report_at(question, &x, result, workspace, run.observer);
+            self.report_at(instance, &x, result, workspace, run.observer);
         } else if after == f64::INFINITY {
             workspace.solution.termination = Termination::Reached;
         }
@@ -118,7 +118,7 @@ impl Solver {
     fn apply_soft_tasks(
         &self,
         constraint: &CollisionConstraint,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         collision: &mut CollisionWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
@@ -130,7 +130,7 @@ impl Solver {
         let single_attempt = self.clone().with_restarts(Restarts::none());
         let q = workspace.solution.q.clone();
         single_attempt.run(
-            question.with_constraint(constraint.holding()),
+            instance.with_constraint(constraint.holding()),
             &q,
             &mut collision.constrained,
             run,
@@ -141,7 +141,7 @@ impl Solver {
             true => collision.constrained.search.keeper.x.clone(),
             false => workspace.search.keeper.x.clone(),
         };
-        self.report_at(question, &x, result, workspace, run.observer);
+        self.report_at(instance, &x, result, workspace, run.observer);
         Ok(())
     }
 }

@@ -74,7 +74,7 @@ impl<'a> CollisionFreeEngine<'a> {
     /// Writes and returns the configuration of the constrained or the unconstrained search.
     fn write_configuration(&mut self, is_constrained: bool) -> &[f64] {
         let (map, workspace) = (
-            self.unconstrained.question.parameters(),
+            self.unconstrained.instance.parameters(),
             &mut *self.workspace,
         );
         let x = if is_constrained {
@@ -90,19 +90,19 @@ impl<'a> CollisionFreeEngine<'a> {
     /// Continues from the end of the unconstrained search with collision avoidance. Returns whether the end is
     /// collision-free.
     fn continue_collision_free(&mut self, attempt: &mut Attempt, stopping: &Stopping) -> bool {
-        let question = self
+        let instance = self
             .unconstrained
-            .question
+            .instance
             .with_constraint(self.constraint.leading());
-        let subset = question.problem.searched_subset();
-        let problem = question.problem;
+        let subset = instance.problem.searched_subset();
+        let problem = instance.problem;
         let SearchWorkspace {
             scratch,
             state: memory,
             ..
         } = &mut *self.workspace;
         let mut constrained = Minimiser {
-            question,
+            instance,
             share: subset,
             method: self.unconstrained.method,
             deadline: self.unconstrained.deadline,
@@ -133,7 +133,7 @@ impl<'a> CollisionFreeEngine<'a> {
             .resize(self.unconstrained.memory.residual().len(), 0.0);
         let mut evaluation = Evaluation::of(
             self.unconstrained.share,
-            self.unconstrained.question,
+            self.unconstrained.instance,
             self.unconstrained.scratch,
         );
         evaluation.residual(&workspace.x, &mut workspace.residual);

@@ -80,15 +80,15 @@ impl Drag {
         for (value, unit) in start.iter_mut().zip(&self.units) {
             *value += unit * PERTURBATION_INCREMENT * attempt as f64 * (2.0 * random.unit() - 1.0);
         }
-        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
-        question.space().project(start);
+        let instance = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+        instance.space().project(start);
         let map = self.problem.parameters();
         let mut q = self.q_before.clone();
         map.scatter_within_limits(start, &mut q);
         let solver = self.escape_solvers.attempt();
         solve(
             solver,
-            question.with_constraint(constraint.holding()),
+            instance.with_constraint(constraint.holding()),
             &q,
             &mut self.trial,
         );

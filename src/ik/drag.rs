@@ -292,7 +292,7 @@ impl Drag {
     /// Returns the problem with the current targets.
     #[must_use]
     pub fn question(&self) -> ProblemInstance<'_> {
-        self.moved_joints.question(&self.problem, &self.targets)
+        self.moved_joints.instance(&self.problem, &self.targets)
     }
 
     /// Returns the residual of a task, to move its target, like [`Targets::get_mut`].
@@ -395,8 +395,8 @@ impl Drag {
         }
         if let Some(motion) = &mut self.motion {
             motion.follow(&self.problem, &self.x);
-            let question = self.moved_joints.question(&self.problem, &self.targets);
-            motion.report(question, &self.workspace.solution);
+            let instance = self.moved_joints.instance(&self.problem, &self.targets);
+            motion.report(instance, &self.workspace.solution);
         }
         self.solution()
     }
@@ -411,13 +411,13 @@ impl Drag {
     /// Solves within the bounds of the frame. If that settles without reaching, attempts a perturbation, a search and
     /// an escape.
     fn solve_frame(&mut self) {
-        let question = frame_instance(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
             &self.move_limits,
             &self.moved_joints,
         );
-        solve(&self.solver, question, &self.q, &mut self.workspace);
+        solve(&self.solver, instance, &self.q, &mut self.workspace);
         let solution = &self.workspace.solution;
         let settled = !solution.reached && solution.termination.is_settled();
         let at_minimum = settled && !self.is_goal_speed_limited();
@@ -486,17 +486,17 @@ impl Drag {
                 *value += self.units[j] * PERTURBATION * direction;
             }
         }
-        let question = frame_instance(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
             &self.move_limits,
             &self.moved_joints,
         );
-        question.space().project(start);
+        instance.space().project(start);
         map.scatter_within_limits(start, &mut self.q);
         solve(
             &self.perturbation_solver,
-            question,
+            instance,
             &self.q,
             &mut self.trial,
         );
@@ -508,10 +508,10 @@ impl Drag {
         let Some(search) = &self.search else {
             return;
         };
-        let question = self.moved_joints.question(&self.problem, &self.targets);
+        let instance = self.moved_joints.instance(&self.problem, &self.targets);
         solve(
             search,
-            question,
+            instance,
             &self.workspace.solution.q,
             &mut self.trial,
         );

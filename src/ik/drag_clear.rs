@@ -69,7 +69,7 @@ impl Drag {
                 &mut result,
             )
         });
-        let question = frame_instance(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
             &self.move_limits,
@@ -78,7 +78,7 @@ impl Drag {
         let x = end.as_ref().unwrap_or(&self.x);
         let workspace = &mut self.workspace;
         self.solver
-            .report_at(question, x, result, workspace, &mut Silent);
+            .report_at(instance, x, result, workspace, &mut Silent);
         let mut pairs = collision_workspace
             .engine
             .check
@@ -134,7 +134,7 @@ impl Drag {
         extent: Extent,
         guarded: bool,
     ) {
-        let question = frame_instance(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
             &self.move_limits,
@@ -159,7 +159,7 @@ impl Drag {
         }
         let solver = self.solver.clone().with_refining(extent);
         let solved = solver.run(
-            question,
+            instance,
             &self.q_before,
             &mut workspace.constrained,
             &mut run,

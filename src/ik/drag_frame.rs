@@ -20,7 +20,7 @@ pub(super) fn frame_instance<'a>(
     moves: &'a MoveLimits,
     moved: &'a MovedJoints,
 ) -> ProblemInstance<'a> {
-    moved.question(problem, targets).near(moves)
+    moved.instance(problem, targets).near(moves)
 }
 
 /// Kinematics of a drag whose joints have moved on their parents.
@@ -44,15 +44,15 @@ impl MovedJoints {
     }
 
     /// Returns the problem with these targets and joint placements.
-    pub(super) fn question<'a>(
+    pub(super) fn instance<'a>(
         &'a self,
         problem: &'a Problem,
         targets: &'a Targets,
     ) -> ProblemInstance<'a> {
-        let question = ProblemInstance::from(problem).with_targets(targets);
+        let instance = ProblemInstance::from(problem).with_targets(targets);
         match &self.0 {
-            Some(moved) => question.with_tree(&moved.0),
-            None => question,
+            Some(moved) => instance.with_tree(&moved.0),
+            None => instance,
         }
     }
 }
@@ -61,7 +61,7 @@ impl MovedJoints {
 /// residual, the previous solution is kept.
 pub(super) fn solve(
     solver: &Solver,
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     from: &[f64],
     workspace: &mut Workspace,
 ) {
@@ -71,6 +71,6 @@ pub(super) fn solve(
         guard: None,
         clear: None,
     };
-    let solved = solver.run(question, from, workspace, &mut run);
+    let solved = solver.run(instance, from, workspace, &mut run);
     debug_assert!(solved.is_ok(), "a start of its own that does not fit");
 }

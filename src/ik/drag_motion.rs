@@ -216,8 +216,8 @@ impl DragMotion {
     }
 
     /// Writes the solution of the commanded configuration, with the effort of the frame that computed its goal.
-    pub(super) fn report(&mut self, question: ProblemInstance<'_>, goal: &Solution) {
-        solve(&self.evaluator, question, &self.q, &mut self.workspace);
+    pub(super) fn report(&mut self, instance: ProblemInstance<'_>, goal: &Solution) {
+        solve(&self.evaluator, instance, &self.q, &mut self.workspace);
         let solution = &mut self.workspace.solution;
         // Copies the values exactly, with the sign of the quaternions.
         solution.q.copy_from_slice(&self.q);

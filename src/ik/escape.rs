@@ -184,7 +184,7 @@ impl Drag {
         };
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
-        let question = frame_instance(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
             &self.move_limits,
@@ -192,11 +192,11 @@ impl Drag {
         );
         let [_, displacement] = &mut self.last_motion;
         let ends = [self.x.as_slice(), &self.escape.end_x];
-        interpolate(question.space(), ends, fraction, displacement, start);
+        interpolate(instance.space(), ends, fraction, displacement, start);
         let map = self.problem.parameters();
         map.scatter_within_limits(start, &mut self.q);
         let step = &self.escape_solvers.step;
-        solve(step, question, &self.q, &mut self.workspace);
+        solve(step, instance, &self.q, &mut self.workspace);
         if self.workspace.solution.reached {
             self.escape.clear();
         }
@@ -212,15 +212,15 @@ impl Drag {
 
     /// Solves from `end` within the joint limits, or only evaluates it if `evaluate_only` is set.
     fn solve_from_end(&mut self, evaluate_only: bool) {
-        let question = self.moved_joints.question(&self.problem, &self.targets);
-        question.space().project(&mut self.escape.end_x);
+        let instance = self.moved_joints.instance(&self.problem, &self.targets);
+        instance.space().project(&mut self.escape.end_x);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.escape.end_x, &mut self.q);
         let EscapeSolvers {
             attempt, evaluator, ..
         } = &self.escape_solvers;
         let solver = if evaluate_only { evaluator } else { attempt };
-        solve(solver, question, &self.q, &mut self.trial);
+        solve(solver, instance, &self.q, &mut self.trial);
         self.q.copy_from_slice(&self.q_before);
     }
 

@@ -12,7 +12,7 @@ use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Sto
 
 /// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
-    pub(crate) question: ProblemInstance<'a>,
+    pub(crate) instance: ProblemInstance<'a>,
     /// Task subset that is minimised.
     pub(crate) share: TaskSubset,
     pub(crate) method: &'a dyn AnyMethod,
@@ -29,21 +29,21 @@ pub(crate) struct Minimiser<'a> {
 impl<'a> Minimiser<'a> {
     /// Returns the variables to search, if not all are searched.
     fn moved_variables(&self) -> Option<&'a MovedVariables> {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let needs_all = self.guard.is_some() || self.share != problem.searched_subset();
         problem.moved_variables().filter(|_| !needs_all)
     }
 
     /// Searches over the moved variables.
     fn attempt_moved(
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         moved_variables: &MovedVariables,
         evaluation: &mut Evaluation<'_>,
         (method, observer): (&dyn AnyMethod, &mut dyn Observer),
         (x, memory): (&[f64], &mut ReducedWorkspace),
         (stopping, deadline): (&Stopping, Option<Instant>),
     ) -> Outcome {
-        memory.begin(question, moved_variables, x);
+        memory.begin(instance, moved_variables, x);
         let (buffers, start, state, observed_x) = memory.parts();
         let mut observer = FullObserver {
             observer,
@@ -71,7 +71,7 @@ impl<'a> Minimiser<'a> {
 impl Engine for Minimiser<'_> {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
         let is_moved = self.moved_variables().is_some();
-        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(self.share, self.instance, self.scratch);
         let state = match &mut self.moved {
             Some(memory) if is_moved => &mut memory.state,
             _ => &mut *self.memory,
@@ -82,10 +82,10 @@ impl Engine for Minimiser<'_> {
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
         let variables = self.moved_variables();
-        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(self.share, self.instance, self.scratch);
         if let Some((variables, memory)) = variables.zip(self.moved.as_deref_mut()) {
             let outcome = Self::attempt_moved(
-                self.question,
+                self.instance,
                 variables,
                 &mut evaluation,
                 (self.method, &mut *self.observer),

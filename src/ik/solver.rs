@@ -96,11 +96,11 @@ impl Solver {
     /// range. An unreached target is not an error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve<'a, 'w>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
     ) -> Result<&'w Solution, SolveError> {
-        self.solve_observed(question, start, workspace, &mut Silent)
+        self.solve_observed(instance, start, workspace, &mut Silent)
     }
 
     /// Solves like [`solve`](Self::solve), with a temporary workspace.
@@ -109,11 +109,11 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_once<'a>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
     ) -> Result<Solution, SolveError> {
         let mut workspace = Workspace::new();
-        self.solve(question, start, &mut workspace)?;
+        self.solve(instance, start, &mut workspace)?;
         Ok(workspace.solution)
     }
 
@@ -125,12 +125,12 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_observed<'a, 'w>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
         observer: &mut dyn Observer,
     ) -> Result<&'w Solution, SolveError> {
-        let question = question.into();
+        let instance = instance.into();
         let deadline = self.stopping.deadline();
         let mut run = Run {
             deadline,
@@ -138,10 +138,10 @@ impl Solver {
             guard: None,
             clear: None,
         };
-        match question.problem.collision_constraint() {
-            None => self.run(question, start, workspace, &mut run)?,
+        match instance.problem.collision_constraint() {
+            None => self.run(instance, start, workspace, &mut run)?,
             Some(constraint) => {
-                self.run_collision_free(constraint, question, start, workspace, &mut run)?
+                self.run_collision_free(constraint, instance, start, workspace, &mut run)?
             }
         }
         Ok(&workspace.solution)
@@ -150,27 +150,27 @@ impl Solver {
     /// Solves a problem instance without collision avoidance, except for the step guard and the engine in `run`.
     pub(super) fn run(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let problem = question.problem;
+        let problem = instance.problem;
         let deadline = run.deadline;
         self.check()?;
         check_start(problem, start)?;
-        let mut scratch = workspace.fit(question);
+        let mut scratch = workspace.fit(instance);
         let map = problem.parameters();
         map.gather(start, &mut workspace.search.start);
 
         let subset = problem.searched_subset();
         // Weighted soft tasks have a minimum instead of a tolerance, and progress may stall on the path to it.
         let has_weighted_tasks = problem.has_soft_tasks(subset);
-        let query = (question, subset);
+        let query = (instance, subset);
         let schedule =
             Schedule::of_searches(query, self.restarts, self.stopping, has_weighted_tasks);
         let mut engine = Minimiser {
-            question,
+            instance,
             share: subset,
             method: &*self.method,
             deadline,
@@ -194,10 +194,10 @@ impl Solver {
                 &mut collision_free_engine
             }
         };
-        let mut result = search::run(question, subset, &schedule, deadline, engine, search);
+        let mut result = search::run(instance, subset, &schedule, deadline, engine, search);
         if subset != TaskSubset::All {
             let mut ranked = PriorityLevels {
-                question,
+                instance,
                 descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
@@ -228,7 +228,7 @@ impl Solver {
                 ranked.compute_multipliers(&search.keeper.x, &search.keeper.residual);
             }
         }
-        workspace.report(question, &self.stopping, &mut scratch, &result);
+        workspace.report(instance, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
         Ok(())
     }
@@ -236,26 +236,26 @@ impl Solver {
     /// Reports on the variables `x`, found by a search with additional required tasks.
     pub(super) fn report_at(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         x: &[f64],
         result: SearchResult,
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) {
-        let problem = question.problem;
+        let problem = instance.problem;
         let subset = problem.searched_subset();
-        let mut scratch = workspace.fit(question);
+        let mut scratch = workspace.fit(instance);
         let keeper = &mut workspace.search.keeper;
         keeper.x.copy_from_slice(x);
-        Evaluation::of(subset, question, &mut scratch).residual(x, &mut keeper.residual);
+        Evaluation::of(subset, instance, &mut scratch).residual(x, &mut keeper.residual);
         if problem.ranks().levels() > 1 {
             let mut ranked = PriorityLevels {
-                question,
+                instance,
                 descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule: Schedule::of_searches(
-                        (question, subset),
+                        (instance, subset),
                         self.restarts,
                         self.stopping,
                         false,
@@ -271,7 +271,7 @@ impl Solver {
             };
             ranked.compute_multipliers(&keeper.x, &keeper.residual);
         }
-        workspace.report(question, &self.stopping, &mut scratch, &result);
+        workspace.report(instance, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
     }
 }

@@ -60,18 +60,18 @@ impl Workspace {
     }
 
     /// Resizes the memory for the problem and returns scratch memory, which is new only for a new problem.
-    pub(super) fn fit(&mut self, question: ProblemInstance<'_>) -> Scratch {
-        let problem = question.problem;
+    pub(super) fn fit(&mut self, instance: ProblemInstance<'_>) -> Scratch {
+        let problem = instance.problem;
         let subset = problem.searched_subset();
-        self.search.fit(question, subset);
+        self.search.fit(instance, subset);
         if subset != TaskSubset::All {
             self.whole_residual.resize(problem.rows(), 0.0);
-            self.levels.fit(question);
+            self.levels.fit(instance);
         }
         self.solution.reserve(problem.tasks(), problem.variables());
         match self.scratch.take() {
             Some(mut scratch) if scratch.fits(problem) => {
-                if question.has_moved_tree() {
+                if instance.has_moved_tree() {
                     scratch.forget();
                 }
                 scratch
@@ -83,24 +83,24 @@ impl Workspace {
     /// Fills in the solution from a search result.
     pub(super) fn report(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
         result: &SearchResult,
     ) {
-        let problem = question.problem;
+        let problem = instance.problem;
         let solution = &mut self.solution;
         let (subset, keeper) = (problem.searched_subset(), &self.search.keeper);
         let residual = match subset {
             TaskSubset::All => &keeper.residual,
             _ => {
-                let mut evaluation = Evaluation::new(question, scratch);
+                let mut evaluation = Evaluation::new(instance, scratch);
                 evaluation.residual(&keeper.x, &mut self.whole_residual);
                 &self.whole_residual
             }
         };
         let end = End {
-            question,
+            question: instance,
             x: &keeper.x,
             share: subset,
             searched: match problem.ranks().levels() > 1 {
@@ -117,10 +117,10 @@ impl Workspace {
         if solution.reached {
             return;
         }
-        solution.find_beyond(question);
+        solution.find_beyond(instance);
         if let (Some(slope), TaskSubset::All, true) = (slope, subset, problem.has_preferences()) {
             let conflict = PreferenceConflict {
-                question,
+                question: instance,
                 jacobian: self.state.jacobian(),
                 residual,
                 negligible: slope.negligible,

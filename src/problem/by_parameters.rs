@@ -35,7 +35,7 @@ impl Evaluation<'_> {
         slopes: &mut ParameterVector,
     ) {
         self.forward(x);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let model = model.filter(|_| !slopes.joint_origins().is_empty());
         scratch.by_joint.clear();
         scratch
@@ -50,7 +50,7 @@ impl Evaluation<'_> {
                 continue;
             }
             Self::gather(self.scratch, task);
-            let residual = self.question.residual(index);
+            let residual = self.instance.residual(index);
             let target = slopes.target_mut(index);
             scratch.coefficients.clear();
             let weighted = c.iter().zip(&task.weights);
@@ -88,7 +88,7 @@ impl Evaluation<'_> {
                 for (k, &slot) in task.frames.iter().enumerate() {
                     let parts = self.scratch.local().linear(k).iter().zip(c);
                     let force = parts.fold(Vector3::zero(), |sum, (&part, &c)| sum + part * c);
-                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    let frame = &model.frames()[self.instance.tree().frame(slot).index()];
                     if let Some(joint) = frame.joint {
                         scratch.by_joint[joint.index()] += force;
                     }
@@ -122,11 +122,11 @@ impl Evaluation<'_> {
     ) {
         self.forward(x);
         columns.clear();
-        let Some(task) = self.question.problem.tasks.get(index) else {
+        let Some(task) = self.instance.problem.tasks.get(index) else {
             return;
         };
         Self::gather(self.scratch, task);
-        let residual = self.question.residual(index);
+        let residual = self.instance.residual(index);
         scratch.read(self.scratch.placed(), task.rows.len());
         let len = residual.target_len();
         for first in (0..len).step_by(CHUNK) {
@@ -150,7 +150,7 @@ impl Evaluation<'_> {
     ) {
         self.forward(x);
         rows.fill(0.0);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let model = model.filter(|_| !rates.joint_origins().is_empty());
         if let Some(model) = model {
             joint_rotations(model, self.scratch.q(), &mut scratch.rotations);
@@ -171,7 +171,7 @@ impl Evaluation<'_> {
             let blocks = first_block..first_block + task.blocks.len();
             first_block = blocks.end;
             Self::gather(self.scratch, task);
-            let residual = self.question.residual(index);
+            let residual = self.instance.residual(index);
             let task_rows = &mut rows[task.rows.clone()];
             let weight_rates = &rates.weights()[blocks];
             if weight_rates.iter().any(|rate| *rate != 0.0) {
@@ -202,7 +202,7 @@ impl Evaluation<'_> {
             if let Some(model) = model {
                 Self::differentiate(self.scratch, task, residual);
                 for (k, &slot) in task.frames.iter().enumerate() {
-                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    let frame = &model.frames()[self.instance.tree().frame(slot).index()];
                     let Some(joint) = frame.joint else { continue };
                     let velocity = scratch.by_joint[joint.index()];
                     let parts = self.scratch.local().linear(k).iter();

@@ -8,8 +8,8 @@ use crate::task::{CHUNK, DualScratch};
 
 impl Evaluation<'_> {
     pub(super) fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        let (question, subset) = (self.question, self.subset);
-        let problem = question.problem;
+        let (instance, subset) = (self.instance, self.subset);
+        let problem = instance.problem;
         let pass = &mut *self.scratch.dual;
         for first in (0..x.len()).step_by(CHUNK) {
             let chunk = first..x.len().min(first + CHUNK);
@@ -20,7 +20,7 @@ impl Evaluation<'_> {
                     Dual::constant(x_k)
                 };
             }
-            question.tree().forward(&pass.x, &mut pass.state);
+            instance.tree().forward(&pass.x, &mut pass.state);
             problem.map.scatter(&pass.x, &mut pass.q);
             for (index, task, task_rows) in problem.tasks_of(subset) {
                 let all_frames = pass.state.frames();
@@ -35,7 +35,7 @@ impl Evaluation<'_> {
                 joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
                 residual.clear();
                 residual.resize(task.rows.len(), Dual::zero());
-                let residual_function = question.residual(index);
+                let residual_function = instance.residual(index);
                 residual_function.evaluate_dual(frames, joints, residual);
                 let rows = residual.iter().zip(&task.weights).zip(task_rows);
                 for ((value, weight), row) in rows {

@@ -122,7 +122,7 @@ impl Scratch {
 /// A problem instance with the workspace to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
-    pub(super) question: ProblemInstance<'a>,
+    pub(super) instance: ProblemInstance<'a>,
     pub(super) subset: TaskSubset,
     pub(super) scratch: &'a mut Scratch,
 }
@@ -132,21 +132,21 @@ impl<'a> Evaluation<'a> {
     ///
     /// A workspace of another problem is replaced. Arguments of wrong length give NaN in every entry.
     #[must_use]
-    pub fn new(question: impl Into<ProblemInstance<'a>>, scratch: &'a mut Scratch) -> Self {
-        Self::of(TaskSubset::All, question.into(), scratch)
+    pub fn new(instance: impl Into<ProblemInstance<'a>>, scratch: &'a mut Scratch) -> Self {
+        Self::of(TaskSubset::All, instance.into(), scratch)
     }
 
     /// Does the same as [`new`](Self::new), for a subset of the tasks.
     pub(crate) fn of(
         subset: TaskSubset,
-        question: ProblemInstance<'a>,
+        instance: ProblemInstance<'a>,
         scratch: &'a mut Scratch,
     ) -> Self {
-        if !scratch.fits(question.problem) {
-            *scratch = question.problem.scratch();
+        if !scratch.fits(instance.problem) {
+            *scratch = instance.problem.scratch();
         }
         Self {
-            question,
+            instance,
             subset,
             scratch,
         }
@@ -157,10 +157,10 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // Reuses the buffer of finite differences, which keep nothing in it.
         let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
-        for (index, task) in self.question.problem.tasks.iter().enumerate() {
+        for (index, task) in self.instance.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
             let rows = &mut residual[task.rows.clone()];
-            let residual_function = self.question.residual(index);
+            let residual_function = self.instance.residual(index);
             residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
         }
         self.scratch.shifted_residual[0] = residual;
@@ -170,12 +170,12 @@ impl<'a> Evaluation<'a> {
     /// The placement of a task's first frame at x.
     pub(crate) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
         self.forward(x);
-        let slot = self.question.problem.tasks.get(task)?.frames.first()?;
+        let slot = self.instance.problem.tasks.get(task)?.frames.first()?;
         self.scratch.state.frames().get(*slot).copied()
     }
 
     fn fits(&self, x: &[f64], rows: usize) -> bool {
-        x.len() == self.question.problem.variables() && rows == self.rows()
+        x.len() == self.instance.problem.variables() && rows == self.rows()
     }
 
     /// Runs the forward pass, unless the last one was at the same x.
@@ -183,8 +183,8 @@ impl<'a> Evaluation<'a> {
         let scratch = &mut *self.scratch;
         if scratch.last_x != x {
             scratch.last_x.copy_from_slice(x);
-            self.question.tree().forward(x, &mut scratch.state);
-            self.question.problem.map.scatter(x, &mut scratch.q);
+            self.instance.tree().forward(x, &mut scratch.state);
+            self.instance.problem.map.scatter(x, &mut scratch.q);
         }
     }
 
@@ -222,7 +222,7 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // A slice fill, because nalgebra's `fill` writes entry by entry and is much slower.
         jacobian.as_mut_slice().fill(0.0);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         for (index, task, task_rows) in problem.tasks_of(self.subset) {
             self.add_rows(x, (index, task), task_rows.start, jacobian);
         }
@@ -236,7 +236,7 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
-        Self::differentiate(self.scratch, task, self.question.residual(index));
+        Self::differentiate(self.scratch, task, self.instance.residual(index));
         self.add_local(x, task, first_row, jacobian);
     }
 
@@ -249,7 +249,7 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
         let rows = jacobian.nrows();
         if task.uses_sweeps {
             Self::add_by_sweeps(tree, self.scratch, task, first_row, jacobian);
@@ -333,9 +333,9 @@ impl<'a> Evaluation<'a> {
 
     /// Adds the wrenches of a subset's rows on the frames, and the gradient by the joints that they read.
     pub(super) fn push_residual(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         for (index, task, rows) in problem.tasks_of(self.subset) {
-            Self::differentiate(self.scratch, task, self.question.residual(index));
+            Self::differentiate(self.scratch, task, self.instance.residual(index));
             self.push_local(x, task, &r[rows], gradient);
         }
     }
@@ -349,7 +349,7 @@ impl<'a> Evaluation<'a> {
         r: &[f64],
         gradient: &mut [f64],
     ) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
         let scratch = &mut *self.scratch;
         let local = &scratch.local;
         for (k, &frame) in task.frames.iter().enumerate() {
@@ -373,20 +373,20 @@ impl<'a> Evaluation<'a> {
 
     /// Adds the gradient of all wrenches on the frames.
     pub(super) fn end_sweep(&mut self, gradient: &mut [f64]) {
-        let (tree, scratch) = (self.question.tree(), &mut *self.scratch);
+        let (tree, scratch) = (self.instance.tree(), &mut *self.scratch);
         tree.sweep(&scratch.state, &mut scratch.wrenches, gradient);
     }
 }
 
 impl LeastSquares for Evaluation<'_> {
     answers! {
-        fn variables(&self) -> usize = self.question.problem.variables();
-        fn rows(&self) -> usize = self.question.problem.rows_of(self.subset);
-        fn lower(&self) -> &[f64] = self.question.lower();
-        fn upper(&self) -> &[f64] = self.question.upper();
-        fn step_scale(&self) -> &[f64] = self.question.problem.step_scale();
-        fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
-        fn stops_when_reached(&self) -> bool = !self.question.problem.has_soft_tasks(self.subset);
+        fn variables(&self) -> usize = self.instance.problem.variables();
+        fn rows(&self) -> usize = self.instance.problem.rows_of(self.subset);
+        fn lower(&self) -> &[f64] = self.instance.lower();
+        fn upper(&self) -> &[f64] = self.instance.upper();
+        fn step_scale(&self) -> &[f64] = self.instance.problem.step_scale();
+        fn space(&self) -> ConfigurationSpace<'_> = self.instance.space();
+        fn stops_when_reached(&self) -> bool = !self.instance.problem.has_soft_tasks(self.subset);
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -394,10 +394,10 @@ impl LeastSquares for Evaluation<'_> {
             return residual.fill(f64::NAN);
         }
         self.forward(x);
-        for (index, task, rows) in self.question.problem.tasks_of(self.subset) {
+        for (index, task, rows) in self.instance.problem.tasks_of(self.subset) {
             Self::gather(self.scratch, task);
             let rows = &mut residual[rows];
-            let residual_function = self.question.residual(index);
+            let residual_function = self.instance.residual(index);
             residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
             for (row, weight) in rows.iter_mut().zip(&task.weights) {
                 *row *= weight;
@@ -409,14 +409,14 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, jacobian.nrows()) || jacobian.ncols() != x.len() {
             return jacobian.fill(f64::NAN);
         }
-        match self.question.problem.derivatives {
+        match self.instance.problem.derivatives {
             Derivatives::Analytic => self.analytic_jacobian(x, jacobian),
             Derivatives::Dual => self.dual_jacobian(x, jacobian),
             Derivatives::ForwardDifference => self.difference_jacobian(x, false, jacobian),
             Derivatives::CentralDifference => self.difference_jacobian(x, true, jacobian),
         }
         let rows = jacobian.nrows();
-        let space = self.question.space();
+        let space = self.instance.space();
         space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
@@ -430,9 +430,9 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, residual.len()) || gradient.len() != x.len() {
             return gradient.fill(f64::NAN);
         }
-        if self.question.problem.derivatives == Derivatives::Analytic {
+        if self.instance.problem.derivatives == Derivatives::Analytic {
             self.reverse_gradient(x, residual, gradient);
-            self.question.space().by_steps(x, 1, gradient);
+            self.instance.space().by_steps(x, 1, gradient);
         } else {
             if jacobian.shape() != (residual.len(), x.len()) {
                 return gradient.fill(f64::NAN);
@@ -446,6 +446,6 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.question.problem.is_reached_by(self.subset, residual)
+        self.instance.problem.is_reached_by(self.subset, residual)
     }
 }

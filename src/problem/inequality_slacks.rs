@@ -55,7 +55,7 @@ impl Evaluation<'_> {
     /// Writes the slacks at x of a subset of the first ranks.
     pub(crate) fn slacks(&mut self, x: &[f64], slacks: &mut [f64]) {
         self.forward(x);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         for (index, task, _) in problem.tasks_of(self.subset) {
             if task.slack_weights.is_empty() {
                 continue;
@@ -63,7 +63,7 @@ impl Evaluation<'_> {
             Self::gather(self.scratch, task);
             let task_slacks = &mut slacks[task.slacks_by_rank.clone()];
             let (frames, joints) = self.scratch.placed();
-            self.question
+            self.instance
                 .residual(index)
                 .slacks(frames, joints, task_slacks);
             for (slack, weight) in task_slacks.iter_mut().zip(&task.slack_weights) {
@@ -76,7 +76,7 @@ impl Evaluation<'_> {
     pub(crate) fn slack_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         jacobian.as_mut_slice().fill(0.0);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         for (index, task, _) in problem.tasks_of(self.subset) {
             if !task.slack_weights.is_empty() {
                 self.differentiate_depths(index, task);
@@ -84,7 +84,7 @@ impl Evaluation<'_> {
             }
         }
         let rows = jacobian.nrows();
-        let space = self.question.space();
+        let space = self.instance.space();
         space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
@@ -98,7 +98,7 @@ impl Evaluation<'_> {
     ) {
         self.start_sweep(x, slope);
         self.push_residual(x, r, slope);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         for (index, task, _) in problem.tasks_of(self.subset) {
             let task_multipliers = &multipliers[task.slacks_by_rank.clone()];
             if task_multipliers.iter().any(|multiplier| *multiplier != 0.0) {
@@ -107,12 +107,12 @@ impl Evaluation<'_> {
             }
         }
         self.end_sweep(slope);
-        self.question.space().by_steps(x, 1, slope);
+        self.instance.space().by_steps(x, 1, slope);
     }
 
     /// The weighted local derivatives of one task's slacks at the last forward pass.
     fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
-        let residual = self.question.residual(index);
+        let residual = self.instance.residual(index);
         Self::gather(self.scratch, task);
         let (frames, joints, local, dual) = self.scratch.reading();
         local.reset(task.slack_weights.len(), frames.len(), joints.len());

@@ -96,19 +96,19 @@ impl ReducedWorkspace {
     /// Sets the start, given for all variables, and the bounds of a problem instance.
     pub(crate) fn begin(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         moved_variables: &MovedVariables,
         x: &[f64],
     ) {
         self.x.clear();
         self.x.extend_from_slice(x);
-        question.space().project(&mut self.x);
+        instance.space().project(&mut self.x);
         self.observed_x.clone_from(&self.x);
         refill(&mut self.gradient, x.len(), 0.0);
         let selections = [
             (&mut self.start, x),
-            (&mut self.lower, question.lower()),
-            (&mut self.upper, question.upper()),
+            (&mut self.lower, instance.lower()),
+            (&mut self.upper, instance.upper()),
         ];
         for (to, from) in selections {
             to.clear();
@@ -120,7 +120,7 @@ impl ReducedWorkspace {
             );
         }
         self.turns.clear();
-        let turns = question.turn_limits().iter();
+        let turns = instance.turn_limits().iter();
         self.turns
             .extend(turns.filter_map(|turn| renumbered(turn, &moved_variables.variables)));
     }

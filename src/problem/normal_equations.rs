@@ -94,9 +94,9 @@ fn variables_of_joints(
     let x: Vec<f64> = bounds
         .map(|(low, high)| 0.0_f64.max(*low).min(*high))
         .collect();
-    let question = ProblemInstance::from(problem);
-    Evaluation::new(question, scratch).forward(&x);
-    Evaluation::differentiate(scratch, task, question.residual(index));
+    let instance = ProblemInstance::from(problem);
+    Evaluation::new(instance, scratch).forward(&x);
+    Evaluation::differentiate(scratch, task, instance.residual(index));
     let mut variables = vec![BTreeSet::new(); task.rows.len()];
     for (joint, &coordinate) in task.coordinates.iter().enumerate() {
         for (row, _) in scratch.local().joint(joint) {
@@ -123,11 +123,11 @@ impl Evaluation<'_> {
     }
 
     fn add_rows_of_frames(&mut self, x: &[f64], residual: &[f64], equations: &mut NormalEquations) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
         equations.composites.clear();
         for &index in &equations.on_frames {
             let task = &problem.compiled_tasks()[index];
-            Self::differentiate(self.scratch, task, self.question.residual(index));
+            Self::differentiate(self.scratch, task, self.instance.residual(index));
             let (state, local) = (self.scratch.state(), self.scratch.local());
             let partials = Partials {
                 frame: task.frames[0],
@@ -139,7 +139,7 @@ impl Evaluation<'_> {
             tree.add_to_composites(state, &partials, task_residual, &mut equations.composites);
         }
         tree.write_motions(self.scratch.state(), &mut equations.composites);
-        self.question
+        self.instance
             .space()
             .by_steps(x, 6, equations.composites.motions_mut());
         let matrix = &mut equations.matrix;
@@ -153,7 +153,7 @@ impl Evaluation<'_> {
     }
 
     fn add_other_rows(&mut self, x: &[f64], residual: &[f64], equations: &mut NormalEquations) {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         equations.rows.as_mut_slice().fill(0.0);
         let mut first = 0;
         for (index, rows) in &equations.others {
@@ -162,7 +162,7 @@ impl Evaluation<'_> {
             first += rows.len();
         }
         let height = equations.rows.nrows();
-        self.question
+        self.instance
             .space()
             .by_steps(x, height, equations.rows.as_mut_slice());
         let mut first = 0;

@@ -18,13 +18,13 @@ impl Curvature {
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
         fixed: &mut [bool],
     ) {
-        let space = descent.question.space();
+        let space = descent.instance.space();
         // Multipliers are computed from variables between their bounds.
         let is_at_bound: Vec<bool> = (0..x.len())
             .map(|j| !space.is_between_bounds(x, j))
             .collect();
         for level in ranks.iter().filter(|level| !level.reached) {
-            let row_range = descent.question.problem.ranks().rows_of(level.rank);
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
             self.compute_pushing_multipliers(
                 descent,
                 (ranks, inequalities),
@@ -75,7 +75,7 @@ impl Curvature {
                 .iter()
                 .filter(|level| level.rank < unreached.rank && level.reached);
             for level in higher {
-                let row_range = descent.question.problem.ranks().rows_of(level.rank);
+                let row_range = descent.instance.problem.ranks().rows_of(level.rank);
                 add_rows(
                     &mut span,
                     jacobian,

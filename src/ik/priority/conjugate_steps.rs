@@ -21,7 +21,7 @@ impl Descent {
         StepLimits { steps, halvings }: StepLimits,
         observer: &mut dyn Observer,
     ) -> DescentResult {
-        let question = descent.question;
+        let instance = descent.instance;
         let mut cost = self.cost_at_x(descent);
         descent.counts.residuals += 1;
         let min_relative_decrease = self.constraints.min_relative_decrease();
@@ -65,13 +65,13 @@ impl Descent {
             }
             iterations += 1;
             let Direction { slope, stiffness } =
-                self.choose_direction(question, gauss_newton_slope, last_slope);
+                self.choose_direction(instance, gauss_newton_slope, last_slope);
             last_slope = Some(gauss_newton_slope);
-            let max_fraction = self.max_step_fraction(question);
+            let max_fraction = self.max_step_fraction(instance);
             let mut fraction = max_fraction.min(slope / (curvature_ratio * stiffness));
             let mut new_cost = None;
             for _ in 0..halvings {
-                let space = question.space();
+                let space = instance.space();
                 space.integrate_share(&self.x, fraction, &self.direction, &mut self.trial);
                 space.project(&mut self.trial);
                 let is_feasible = self.correct_trial(descent);
@@ -99,7 +99,7 @@ impl Descent {
             };
             // The swapped-out vectors serve as buffers.
             let displacement = &mut self.last_model_step;
-            step_length = question
+            step_length = instance
                 .space()
                 .distance(&self.trial, &self.x, displacement);
             std::mem::swap(&mut self.x, &mut self.trial);
@@ -116,7 +116,7 @@ impl Descent {
             return None;
         }
         if self.constraints.inequalities.any() {
-            let space = descent.question.space();
+            let space = descent.instance.space();
             let fixed = self.fixed.iter().enumerate();
             let is_held = fixed.map(|(j, fixed)| *fixed || !space.is_between_bounds(&self.x, j));
             self.newton.is_held.clear();
@@ -130,7 +130,7 @@ impl Descent {
         let constraint_rows = self.constraints.rows();
         let bounds = StepBounds {
             x: &self.x,
-            space: descent.question.space(),
+            space: descent.instance.space(),
             fixed: &self.fixed,
         };
         self.step_solver.pull(
@@ -149,7 +149,7 @@ impl Descent {
     /// Makes the step conjugate to the last direction, unless that slope is too small.
     fn choose_direction(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         gauss_newton_slope: f64,
         last_slope: Option<f64>,
     ) -> Direction {
@@ -162,7 +162,7 @@ impl Descent {
             multiply(&self.jacobian, &self.last_model_step, last_change);
             let conjugacy =
                 ((gauss_newton_slope - inner(residual_change, last_change)) / last_slope).max(0.0);
-            let space = question.space();
+            let space = instance.space();
             let steps = self
                 .direction
                 .iter_mut()

@@ -35,11 +35,11 @@ impl LevelConstraints {
         step: &mut HeldStep,
         fixed: &[bool],
     ) -> bool {
-        let question = descent.question;
+        let instance = descent.instance;
         let (subset, rows, rank) = (self.subset(), self.held_residual.len(), self.ranks.len());
         for round in 0..=MAX_CORRECTIONS {
             descent.residual(subset, trial, &mut self.residual_change[..rows]);
-            let is_as_good = self.are_levels_as_good(question.problem);
+            let is_as_good = self.are_levels_as_good(instance.problem);
             if self.higher_levels == HigherLevels::Mixed && round < MAX_CORRECTIONS {
                 self.curvature
                     .compute_slopes(descent, &self.ranks, trial, fixed);
@@ -51,7 +51,7 @@ impl LevelConstraints {
             self.inequalities
                 .write_violations(descent, (rank, trial), round == 0, change_parts);
             // At least one correction: second-order errors of a step can exceed its decrease.
-            if round > 0 && is_as_good && self.is_within_tolerance(question.problem) {
+            if round > 0 && is_as_good && self.is_within_tolerance(instance.problem) {
                 return true;
             }
             if round == MAX_CORRECTIONS || !self.residual_change.iter().all(|v| v.is_finite()) {
@@ -69,12 +69,12 @@ impl LevelConstraints {
             };
             let bounds = StepBounds {
                 x: trial,
-                space: question.space(),
+                space: instance.space(),
                 fixed,
             };
             step.restore(constraint_rows, changes, &bounds, &mut self.correction);
             self.uncorrected.copy_from_slice(trial);
-            let space = question.space();
+            let space = instance.space();
             space.integrate(&self.uncorrected, &self.correction, trial);
             space.project(trial);
         }
@@ -130,7 +130,7 @@ impl LevelConstraints {
         let subset = self.subset();
         let state = &mut *descent.state;
         LevenbergMarquardt::default().minimise(
-            &mut Evaluation::of(subset, descent.question, descent.scratch),
+            &mut Evaluation::of(subset, descent.instance, descent.scratch),
             trial,
             &stopping,
             descent.deadline,

@@ -104,7 +104,7 @@ impl Curvature {
         let mut span = std::mem::take(&mut self.span);
         span.clear();
         for level in ranks {
-            let row_range = descent.question.problem.ranks().rows_of(level.rank);
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
             if level.reached {
                 self.copy_rows(jacobian, row_range.clone());
                 add_rows(&mut span, jacobian, row_range, fixed, MIN_INDEPENDENT_PART);
@@ -146,7 +146,7 @@ impl Curvature {
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
     ) {
         let (rows, first) = (self.constraint_rows, self.residual_rows);
-        let row_range = descent.question.problem.ranks().rows_of(unreached.rank);
+        let row_range = descent.instance.problem.ranks().rows_of(unreached.rank);
         let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
         for (slope, column) in slope.iter_mut().zip(columns) {
@@ -156,7 +156,7 @@ impl Curvature {
         multipliers.fill(0.0);
         for (row, multiplier) in span.multipliers(slope) {
             let is_edge = (first..rows).contains(&row);
-            if is_edge || is_of_reached(descent.question.problem, ranks, row) {
+            if is_edge || is_of_reached(descent.instance.problem, ranks, row) {
                 multipliers[row] = multiplier;
             }
         }
@@ -214,7 +214,7 @@ impl Curvature {
         residual_change: &[f64],
     ) -> (&DMatrix<f64>, &[f64]) {
         for level in ranks {
-            let row_range = descent.question.problem.ranks().rows_of(level.rank);
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
             match level.reached {
                 true => {
                     self.change[row_range.clone()]
@@ -275,6 +275,6 @@ fn lagrangian<'a>(
         subset: TaskSubset::above(ranks.len()),
         multipliers,
         inequality_multipliers: edges,
-        residual_rows: descent.question.problem.ranks().rows_of(unreached.rank),
+        residual_rows: descent.instance.problem.ranks().rows_of(unreached.rank),
     }
 }

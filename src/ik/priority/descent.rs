@@ -97,7 +97,7 @@ impl Descent {
         extent: Extent,
         observer: &mut dyn Observer,
     ) -> DescentResult {
-        let is_level = self.rank < descent.question.problem.ranks().levels();
+        let is_level = self.rank < descent.instance.problem.ranks().levels();
         self.x.copy_from_slice(start.x);
         let Self {
             constraints, fixed, ..
@@ -165,10 +165,10 @@ impl Descent {
     }
 
     /// Returns the largest fraction of the direction that keeps every joint within its longest step.
-    pub(super) fn max_step_fraction(&self, question: ProblemInstance<'_>) -> f64 {
+    pub(super) fn max_step_fraction(&self, instance: ProblemInstance<'_>) -> f64 {
         let steps = self.direction.iter().enumerate();
         let ratios =
-            steps.map(|(j, step)| step.abs() / (MAX_JOINT_STEP * question.problem.spread(j)));
+            steps.map(|(j, step)| step.abs() / (MAX_JOINT_STEP * instance.problem.spread(j)));
         1.0 / ratios.fold(f64::MIN_POSITIVE, f64::max)
     }
 }

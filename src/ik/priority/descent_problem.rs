@@ -7,7 +7,7 @@ use crate::solver::{Counts, LeastSquares, SolverState, Stopping};
 
 /// Problem of a descent, the memory to evaluate it, and evaluation counts.
 pub(super) struct DescentProblem<'q, 'm> {
-    pub(super) question: ProblemInstance<'q>,
+    pub(super) instance: ProblemInstance<'q>,
     pub(super) scratch: &'m mut Scratch,
     pub(super) state: &'m mut SolverState,
     pub(super) stopping: Stopping,
@@ -17,7 +17,7 @@ pub(super) struct DescentProblem<'q, 'm> {
 
 impl DescentProblem<'_, '_> {
     pub(super) fn evaluate(&mut self, subset: TaskSubset) -> Evaluation<'_> {
-        Evaluation::of(subset, self.question, self.scratch)
+        Evaluation::of(subset, self.instance, self.scratch)
     }
 
     /// Writes r(x) of a task subset.
@@ -41,7 +41,7 @@ impl DescentProblem<'_, '_> {
     ) {
         self.jacobian(subset, x, jacobian);
         let rows = jacobian.nrows();
-        for free_rows in self.question.problem.free_rows(subset) {
+        for free_rows in self.instance.problem.free_rows(subset) {
             for column in jacobian.as_mut_slice().chunks_exact_mut(rows.max(1)) {
                 column[free_rows.clone()].fill(0.0);
             }

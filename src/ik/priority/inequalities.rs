@@ -91,7 +91,7 @@ impl LevelInequalities {
             return;
         }
         descent.slacks(TaskSubset::above(ranks.len()), x, &mut self.slacks);
-        for bounds in descent.question.problem.inequalities_above(ranks.len()) {
+        for bounds in descent.instance.problem.inequalities_above(ranks.len()) {
             let reached = ranks
                 .iter()
                 .any(|level| level.rank == bounds.rank && level.reached);

@@ -29,7 +29,7 @@ impl Descent {
             fixed,
             ..
         } = self;
-        let problem = descent.question.problem;
+        let problem = descent.instance.problem;
         loop {
             let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
             for (slope, column) in newton.slope.iter_mut().zip(columns) {

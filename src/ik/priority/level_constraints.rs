@@ -117,7 +117,7 @@ impl LevelConstraints {
         residual: &[f64],
         fixed: &mut [bool],
     ) -> bool {
-        let problem = descent.question.problem;
+        let problem = descent.instance.problem;
         self.held_residual.copy_from_slice(residual);
         self.ranks.clear();
         self.ranks.extend((0..rank).map(|rank| {
@@ -172,7 +172,7 @@ impl LevelConstraints {
         fixed: &mut [bool],
     ) {
         let subset = self.subset();
-        let mut evaluation = Evaluation::of(subset, descent.question, descent.scratch);
+        let mut evaluation = Evaluation::of(subset, descent.instance, descent.scratch);
         let (gradient, column_norm) =
             descent
                 .state
@@ -181,7 +181,7 @@ impl LevelConstraints {
         let negligible = negligible_slope(column_norm, cost, &descent.stopping);
         for (j, fixed) in fixed.iter_mut().enumerate() {
             *fixed = descent
-                .question
+                .instance
                 .space()
                 .holds(x, j, gradient[j], negligible);
         }

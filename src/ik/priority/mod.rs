@@ -71,8 +71,8 @@ pub(super) struct LevelWorkspace {
 
 impl LevelWorkspace {
     /// Resizes the memory for a problem.
-    pub(super) fn fit(&mut self, question: ProblemInstance<'_>) {
-        let problem = question.problem;
+    pub(super) fn fit(&mut self, instance: ProblemInstance<'_>) {
+        let problem = instance.problem;
         let ranks = problem.ranks().count();
         self.x.resize(problem.variables(), 0.0);
         self.residual.resize(problem.rows(), 0.0);
@@ -95,7 +95,7 @@ impl LevelWorkspace {
 
 /// Priority levels of a problem instance during a solve.
 pub(super) struct PriorityLevels<'q, 'm> {
-    pub(super) question: ProblemInstance<'q>,
+    pub(super) instance: ProblemInstance<'q>,
     pub(super) descent: PriorityDescent<'m>,
     pub(super) scratch: &'m mut Scratch,
     pub(super) state: &'m mut SolverState,
@@ -110,7 +110,7 @@ impl PriorityLevels<'_, '_> {
     ///
     /// `search` holds that search and receives the result. `result` accumulates its statistics.
     pub(super) fn solve_levels(&mut self, search: &mut Attempts, result: &mut SearchResult) {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let last_level = problem.ranks().levels() - 1;
         let [mut combined_x, mut first_levels_x] = std::mem::take(&mut self.workspace.starts);
         combined_x.clone_from(&search.keeper.x);
@@ -168,7 +168,7 @@ impl PriorityLevels<'_, '_> {
         }
         search.keeper.x.copy_from_slice(&self.workspace.x);
         let subset = problem.goals();
-        Evaluation::of(subset, self.question, self.scratch)
+        Evaluation::of(subset, self.instance, self.scratch)
             .residual(&search.keeper.x, &mut search.keeper.residual);
         result.reached = problem.is_reached_by(subset, &search.keeper.residual);
         if result.reached {
@@ -186,11 +186,11 @@ impl PriorityLevels<'_, '_> {
     ) -> bool {
         let subset = TaskSubset::above(levels);
         let first_levels = &mut self.workspace.first_levels;
-        first_levels.fit(self.question, subset);
+        first_levels.fit(self.instance, subset);
         first_levels.start.copy_from_slice(start);
         let deadline = self.descent.deadline;
         let mut engine = Minimiser {
-            question: self.question,
+            instance: self.instance,
             share: subset,
             method: self.descent.method,
             deadline,
@@ -201,7 +201,7 @@ impl PriorityLevels<'_, '_> {
             moved: None,
         };
         let result = run(
-            self.question,
+            self.instance,
             subset,
             &schedule,
             deadline,
@@ -219,10 +219,10 @@ impl PriorityLevels<'_, '_> {
     /// Returns whether the required tasks cost less at the current variables than at `x`, and overwrites `residual`
     /// with that at `x`.
     fn is_better_than(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let subset = problem.goals();
         let own_residual = &mut self.workspace.residual[..problem.rows_of(subset)];
-        let mut evaluation = Evaluation::of(subset, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(subset, self.instance, self.scratch);
         evaluation.residual(x, residual);
         evaluation.residual(&self.workspace.x, own_residual);
         is_better(problem, 1.0 - COST_TOLERANCE, own_residual, residual)
@@ -240,14 +240,14 @@ impl PriorityLevels<'_, '_> {
             ..
         } = &mut *self.workspace;
         let descent = descents.get_mut(rank - 1)?;
-        let residual = &mut residual[..self.question.problem.rows_of(subset)];
-        Evaluation::of(subset, self.question, self.scratch).residual(x, residual);
+        let residual = &mut residual[..self.instance.problem.rows_of(subset)];
+        Evaluation::of(subset, self.instance, self.scratch).residual(x, residual);
         let reached_rows = self
-            .question
+            .instance
             .problem
             .rows_of(TaskSubset::above((*reached_levels).min(rank)));
         let mut problem = DescentProblem {
-            question: self.question,
+            instance: self.instance,
             scratch: &mut *self.scratch,
             state: &mut *self.state,
             stopping: self.descent.stopping,
@@ -272,7 +272,7 @@ impl PriorityLevels<'_, '_> {
 
     /// Descends the soft tasks in the null space of the required tasks, from the result of these.
     pub(super) fn descend_preferences(&mut self, search: &mut Attempts, result: &mut SearchResult) {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let (levels, ranks) = (problem.ranks().levels(), problem.ranks().count());
         let (extent, keeper) = (self.descent.extent, &mut search.keeper);
         let reached = problem.is_reached_by(problem.goals(), &keeper.residual);
@@ -292,7 +292,7 @@ impl PriorityLevels<'_, '_> {
             }
         }
         keeper.x.copy_from_slice(&self.workspace.x);
-        let mut evaluation = Evaluation::of(problem.goals(), self.question, self.scratch);
+        let mut evaluation = Evaluation::of(problem.goals(), self.instance, self.scratch);
         evaluation.residual(&keeper.x, &mut keeper.residual);
     }
 
@@ -301,7 +301,7 @@ impl PriorityLevels<'_, '_> {
     /// They are its own residual, and for the rows of the levels above the values that cancel the gradient in their row
     /// space.
     pub(super) fn compute_multipliers(&mut self, x: &[f64], residual: &[f64]) {
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let unreached = (0..problem.ranks().levels()).find(|&level| {
             let level_residual = &residual[problem.ranks().rows_of(level)];
             !problem.is_reached_by(TaskSubset::rank(level), level_residual)
@@ -317,13 +317,13 @@ impl PriorityLevels<'_, '_> {
         let row_range = problem.ranks().rows_of(level);
         multipliers.fill(0.0);
         multipliers[row_range.clone()].copy_from_slice(&residual[row_range.clone()]);
-        let mut evaluation = Evaluation::of(subset, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(subset, self.instance, self.scratch);
         self.state.resize_derivatives(residual.len(), x.len());
         let (slope, _) = self.state.slope_at(&mut evaluation, x, multipliers);
         higher_span.clear();
         let slope = slope.to_vec();
         let is_at_bound: Vec<bool> = (0..x.len())
-            .map(|j| !self.question.space().is_between_bounds(x, j))
+            .map(|j| !self.instance.space().is_between_bounds(x, j))
             .collect();
         add_rows(
             higher_span,

@@ -103,7 +103,7 @@ impl Descent {
         StepLimits { steps, .. }: StepLimits,
         observer: &mut dyn Observer,
     ) -> DescentResult {
-        let question = descent.question;
+        let instance = descent.instance;
         let limit = steps.min(descent.stopping.max_iterations());
         let (mut iterations, mut step_length, mut dampings) = (0, 0.0, [None; 2]);
         let result = |iterations, early_end| DescentResult {
@@ -131,7 +131,7 @@ impl Descent {
             if descent.is_late() {
                 return result(iterations, Some(Termination::TimeLimit));
             }
-            if self.is_reached(question.problem) || self.has_converged(descent) {
+            if self.is_reached(instance.problem) || self.has_converged(descent) {
                 return result(iterations, None);
             }
             if iterations >= limit {
@@ -146,7 +146,7 @@ impl Descent {
             if trial_result.accepts_trial() {
                 // The swapped-out vector serves as a buffer.
                 let displacement = &mut self.last_model_step;
-                step_length = question
+                step_length = instance
                     .space()
                     .distance(&self.trial, &self.x, displacement);
                 std::mem::swap(&mut self.x, &mut self.trial);
@@ -205,7 +205,7 @@ impl Descent {
         let subset = TaskSubset::rank(self.rank);
         descent.jacobian(subset, &self.x, &mut self.jacobian);
         let newton = &mut self.newton;
-        let space = descent.question.space();
+        let space = descent.instance.space();
         let columns = self
             .jacobian
             .as_slice()
@@ -231,7 +231,7 @@ impl Descent {
             if has_released {
                 newton.higher_span.clear();
                 self.constraints.add_to_span(
-                    descent.question.problem,
+                    descent.instance.problem,
                     &mut newton.higher_span,
                     &newton.is_held,
                 );
@@ -252,7 +252,7 @@ impl Descent {
         if newton.reconsiders_bounds && has_active_constraints {
             newton.higher_span.clear();
             constraints.add_to_span(
-                descent.question.problem,
+                descent.instance.problem,
                 &mut newton.higher_span,
                 &self.fixed,
             );

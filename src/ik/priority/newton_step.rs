@@ -46,7 +46,7 @@ impl Descent {
         let (is_held, keeps_active_set) = (&newton.is_held, !newton.reconsiders_bounds);
         let bounds = StepBounds {
             x: &self.x,
-            space: descent.question.space(),
+            space: descent.instance.space(),
             fixed: if keeps_active_set {
                 is_held
             } else {
@@ -65,7 +65,7 @@ impl Descent {
         }
         newton.has_stepped = true;
         self.direction.copy_from_slice(&self.model_step);
-        let fraction = self.max_step_fraction(descent.question).min(1.0);
+        let fraction = self.max_step_fraction(descent.instance).min(1.0);
         for entry in &mut self.model_step {
             *entry *= fraction;
         }
@@ -83,7 +83,7 @@ impl Descent {
 
     /// Returns the level's cost after the step, or infinity if the trial cannot satisfy the constraints.
     pub(super) fn try_step(&mut self, descent: &mut DescentProblem<'_, '_>) -> f64 {
-        let space = descent.question.space();
+        let space = descent.instance.space();
         space.integrate(&self.x, &self.model_step, &mut self.trial);
         space.project(&mut self.trial);
         // Variables that reached a bound stay there if that is feasible.

@@ -92,7 +92,7 @@ impl SlopeDifferences {
         fixed: &[bool],
         mut receive: impl FnMut(usize, &mut [f64]),
     ) {
-        let space = descent.question.space();
+        let space = descent.instance.space();
         self.slope(descent, weighted, x, fixed);
         std::mem::swap(&mut self.slope_at_x, &mut self.trial_slope);
         let mut trial = std::mem::take(&mut self.trial);
@@ -133,7 +133,7 @@ impl SlopeDifferences {
         let mut trial = std::mem::take(&mut self.trial);
         let max_value = x.iter().fold(1.0_f64, |max, value| max.max(value.abs()));
         let shift = f64::EPSILON.sqrt() * max_value;
-        let space = descent.question.space();
+        let space = descent.instance.space();
         space.integrate_share(x, shift, direction, &mut trial);
         self.slope(descent, weighted, &trial, &[]);
         for ((derivative, trial_slope), slope_at_x) in derivative

@@ -21,17 +21,17 @@ impl System {
     /// Determines the active bounds, and computes the constrained rows and their multipliers for them.
     pub(super) fn select_active_limits(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         point: &mut KktPoint,
     ) -> Limits {
         let mut limits = match point.roles.minimised.is_empty() {
-            true => self.select_without_multipliers(question, point),
-            false => self.select_by_multipliers(question, point),
+            true => self.select_without_multipliers(instance, point),
+            false => self.select_by_multipliers(instance, point),
         };
         // The curvature of these edges is unknown here, so the solution counts as not differentiable.
-        let edge = question.space().on_edge_of_turn(&point.x);
+        let edge = instance.space().on_edge_of_turn(&point.x);
         let weak = limits.weak.take();
-        limits.weak = weak.or_else(|| edge.map(|variable| on_limit(question, variable)));
+        limits.weak = weak.or_else(|| edge.map(|variable| on_limit(instance, variable)));
         limits
     }
 
@@ -39,10 +39,10 @@ impl System {
     /// rank.
     fn select_without_multipliers(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         point: &mut KktPoint,
     ) -> Limits {
-        point.compute_directions(question);
+        point.compute_directions(instance);
         self.factorise_constrained(point);
         let mut limits = Limits {
             weak: None,
@@ -52,15 +52,15 @@ impl System {
         if let Some(first) = idle.next().copied() {
             let rank = self.rank();
             set_held(point, false);
-            point.compute_directions(question);
+            point.compute_directions(instance);
             self.factorise_constrained(point);
             limits.undecided = self.nullity();
             if self.rank() == rank {
                 set_held(point, true);
-                point.compute_directions(question);
+                point.compute_directions(instance);
                 self.factorise_constrained(point);
             } else {
-                limits.weak = Some(on_limit(question, first.variable));
+                limits.weak = Some(on_limit(instance, first.variable));
             }
         }
         limits
@@ -69,12 +69,12 @@ impl System {
     /// Removes the limits that are pulled inward from the active set, one by one.
     fn select_by_multipliers(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         point: &mut KktPoint,
     ) -> Limits {
         let mut slope = vec![0.0; point.x.len()];
         loop {
-            point.compute_directions(question);
+            point.compute_directions(instance);
             self.factorise_constrained(point);
             self.compute_row_weights(point);
             if point.bounds.is_empty() {
@@ -91,7 +91,7 @@ impl System {
                 Some((k, push)) if push < -negligible => point.bounds[k].is_held = false,
                 Some((k, push)) if push <= negligible => {
                     return Limits {
-                        weak: Some(on_limit(question, point.bounds[k].variable)),
+                        weak: Some(on_limit(instance, point.bounds[k].variable)),
                         undecided: 0,
                     };
                 }
@@ -107,8 +107,8 @@ fn set_held(point: &mut KktPoint, is_held: bool) {
     }
 }
 
-fn on_limit(question: ProblemInstance<'_>, variable: usize) -> NoDerivative {
-    let names = &question.problem().names().variables;
+fn on_limit(instance: ProblemInstance<'_>, variable: usize) -> NoDerivative {
+    let names = &instance.problem().names().variables;
     NoDerivative::OnLimit {
         joint: names.get(variable).cloned().unwrap_or_default(),
     }

@@ -43,9 +43,9 @@ impl Bound {
 }
 
 /// Snaps variables of ball joints to limits within rounding, and lists the limits at x, all active.
-pub(super) fn list_bounds(question: ProblemInstance<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
-    let problem = question.problem();
-    let (lower, upper) = (question.lower(), question.upper());
+pub(super) fn list_bounds(instance: ProblemInstance<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
+    let problem = instance.problem();
+    let (lower, upper) = (instance.lower(), instance.upper());
     for ball in problem.parameters().balls() {
         for j in ball.variable..ball.variable + 3 {
             for limit in [lower[j], upper[j]] {
@@ -108,11 +108,11 @@ impl Directions {
     /// Computes the basis for the active bounds.
     pub(super) fn compute(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         point: &TangentPoint<'_>,
         bounds: &[Bound],
     ) {
-        let problem = question.problem();
+        let problem = instance.problem();
         let n = point.x.len();
         refill(&mut self.squared_speeds, n, 0.0);
         problem

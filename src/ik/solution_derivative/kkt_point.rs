@@ -14,13 +14,13 @@ const DIFFERENCE_STEP: f64 = 1e-5;
 
 /// Problem instance and the memory to evaluate it.
 pub(super) struct Evaluator<'q, 's> {
-    pub(super) question: ProblemInstance<'q>,
+    pub(super) instance: ProblemInstance<'q>,
     pub(super) scratch: &'s mut Scratch,
 }
 
 impl Evaluator<'_, '_> {
     pub(super) fn evaluation(&mut self) -> Evaluation<'_> {
-        Evaluation::of(TaskSubset::All, self.question, self.scratch)
+        Evaluation::of(TaskSubset::All, self.instance, self.scratch)
     }
 }
 
@@ -49,8 +49,8 @@ pub(super) struct KktPoint {
 impl KktPoint {
     /// Evaluates a configuration, which must have the problem's length and be finite.
     pub(super) fn evaluate(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) {
-        let question = evaluator.question;
-        let problem = question.problem();
+        let instance = evaluator.instance;
+        let problem = instance.problem();
         let (n, m) = (problem.variables(), problem.rows());
         for (vector, len) in [
             (&mut self.x, n),
@@ -65,19 +65,19 @@ impl KktPoint {
             self.jacobian = DMatrix::zeros(m, n);
         }
         problem.parameters().gather(q, &mut self.x);
-        question.space().project(&mut self.x);
-        list_bounds(question, &mut self.x, &mut self.bounds);
+        instance.space().project(&mut self.x);
+        list_bounds(instance, &mut self.x, &mut self.bounds);
         let mut evaluation = evaluator.evaluation();
         evaluation.residual(&self.x, &mut self.r);
         evaluation.analytic_jacobian(&self.x, &mut self.jacobian);
-        self.roles.assign(question, &self.r);
+        self.roles.assign(instance, &self.r);
         evaluator.scratch.q().clone_into(&mut self.q);
     }
 
     /// Returns the point for conversions between variables and the model's velocity.
-    pub(super) fn tangent_point<'a>(&'a self, question: ProblemInstance<'a>) -> TangentPoint<'a> {
+    pub(super) fn tangent_point<'a>(&'a self, instance: ProblemInstance<'a>) -> TangentPoint<'a> {
         TangentPoint {
-            map: question.parameters(),
+            map: instance.parameters(),
             x: &self.x,
             q: &self.q,
         }
@@ -89,23 +89,23 @@ impl KktPoint {
     }
 
     /// Computes the directions that the active bounds leave free.
-    pub(super) fn compute_directions(&mut self, question: ProblemInstance<'_>) {
+    pub(super) fn compute_directions(&mut self, instance: ProblemInstance<'_>) {
         let tangent_point = TangentPoint {
-            map: question.parameters(),
+            map: instance.parameters(),
             x: &self.x,
             q: &self.q,
         };
         self.directions
-            .compute(question, &tangent_point, &self.bounds);
+            .compute(instance, &tangent_point, &self.bounds);
         let (rows, entries) = (self.jacobian.nrows(), self.jacobian.as_slice());
         self.directions
             .reduce(rows, entries, &mut self.reduced_jacobian);
     }
 
     /// Returns the step of a difference along a direction.
-    pub(super) fn difference_step(&self, question: ProblemInstance<'_>, y: &[f64]) -> f64 {
+    pub(super) fn difference_step(&self, instance: ProblemInstance<'_>, y: &[f64]) -> f64 {
         let length = y.iter().map(|y| y * y).sum::<f64>().sqrt();
-        let problem = question.problem();
+        let problem = instance.problem();
         let has_prismatic = problem.names().variable_is_angle.contains(&false);
         let reach = problem.reach();
         let unit = if has_prismatic && reach > 0.0 {
@@ -135,8 +135,8 @@ impl KktPoint {
         y: &[f64],
         curvature: &mut [f64],
     ) {
-        let question = evaluator.question;
-        let shift = self.difference_step(question, y);
+        let instance = evaluator.instance;
+        let shift = self.difference_step(instance, y);
         if !shift.is_finite() {
             return;
         }

@@ -61,7 +61,7 @@ pub use differentiability::{Differentiability, NoDerivative};
 /// ```
 #[derive(Debug)]
 pub struct SolutionDerivative<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     model: Option<&'a Model>,
     memory: &'a mut DerivativeWorkspace,
     differentiability: Differentiability,
@@ -107,32 +107,32 @@ impl<'a> SolutionDerivative<'a> {
     /// # Errors
     /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn new(
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         q: &[f64],
         memory: &'a mut DerivativeWorkspace,
     ) -> Result<Self, SolveError> {
-        let question = question.into();
-        check_start(question.problem(), q)?;
+        let instance = instance.into();
+        check_start(instance.problem(), q)?;
         let DerivativeWorkspace {
             scratch,
             parts,
             differentiability: stored_differentiability,
         } = &mut *memory;
-        let fits = |scratch: &&mut Scratch| scratch.fits(question.problem());
+        let fits = |scratch: &&mut Scratch| scratch.fits(instance.problem());
         if scratch.as_mut().filter(fits).is_none() {
-            *scratch = Some(question.scratch());
-            parts.gradient = ParameterVector::new(question.problem());
+            *scratch = Some(instance.scratch());
+            parts.gradient = ParameterVector::new(instance.problem());
         }
         let differentiability = match scratch {
             Some(scratch) => {
                 scratch.forget();
-                parts.factorise(&mut Evaluator { question, scratch }, q)
+                parts.factorise(&mut Evaluator { instance, scratch }, q)
             }
             None => Differentiability::DoesNotExist(NoDerivative::NotFinite),
         };
         *stored_differentiability = Some(differentiability.clone());
         Ok(Self {
-            question,
+            instance,
             model: None,
             memory,
             differentiability,
@@ -141,17 +141,17 @@ impl<'a> SolutionDerivative<'a> {
 
     /// Continues with the last derivative that `memory` has factored, for more products.
     ///
-    /// `question` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
+    /// `instance` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
     /// derivative, or one of another problem.
     pub fn resume(
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         memory: &'a mut DerivativeWorkspace,
     ) -> Option<Self> {
-        let question = question.into();
-        let fits = |scratch: &Scratch| scratch.fits(question.problem());
+        let instance = instance.into();
+        let fits = |scratch: &Scratch| scratch.fits(instance.problem());
         let differentiability = memory.differentiability.clone()?;
         memory.scratch.as_ref().is_some_and(fits).then_some(Self {
-            question,
+            instance,
             model: None,
             memory,
             differentiability,
@@ -163,7 +163,7 @@ impl<'a> SolutionDerivative<'a> {
     /// # Errors
     /// Returns an error for a model of another shape.
     pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, DerivativeError> {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         if !problem.is_of(model) {
             return Err(DerivativeError::ForeignModel {
                 given: model.name().to_owned(),
@@ -182,7 +182,7 @@ impl<'a> SolutionDerivative<'a> {
     /// Number of elements of a velocity.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
-        self.question.problem().tangent().degrees_of_freedom()
+        self.instance.problem().tangent().degrees_of_freedom()
     }
 
     /// Converts the gradient of a scalar by the configuration `q`, quaternions included, to the gradient by its
@@ -197,7 +197,7 @@ impl<'a> SolutionDerivative<'a> {
         q: &[f64],
         slope_by_q: &[f64],
     ) -> Result<Vec<f64>, DerivativeError> {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         let expected = problem.configuration_len();
         for given in [q.len(), slope_by_q.len()] {
             if given != expected {
@@ -214,7 +214,7 @@ impl<'a> SolutionDerivative<'a> {
     /// Creates a zero parameter vector of this derivative's shape, with joint origins if a model is set.
     #[must_use]
     pub fn parameters(&self) -> ParameterVector {
-        let parameters = ParameterVector::new(self.question.problem());
+        let parameters = ParameterVector::new(self.instance.problem());
         match self.model {
             Some(model) => parameters.with_joint_origins(model.joints().len()),
             None => parameters,
@@ -225,13 +225,13 @@ impl<'a> SolutionDerivative<'a> {
 impl Parts {
     /// Evaluates a solution and factors its system.
     fn factorise(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self { point, system, .. } = self;
         point.evaluate(evaluator, q);
         if !point.is_finite() {
             return Differentiability::DoesNotExist(NoDerivative::NotFinite);
         }
-        let limits = system.select_active_limits(question, point);
+        let limits = system.select_active_limits(instance, point);
         let lost_ranks = system.lost_ranks(evaluator, point);
         let flat_directions = system.compute_hessian(evaluator, point);
         let step_size = self.newton_step_size();

@@ -22,8 +22,8 @@ impl SolutionDerivative<'_> {
         v: &mut [f64],
     ) -> Result<(), DerivativeError> {
         self.check(v.len(), rates)?;
-        let (question, model) = (self.question, self.model);
-        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+        let (instance, model) = (self.instance, self.model);
+        if let Some((mut evaluator, parts)) = self.memory.split(instance) {
             parts.forward(&mut evaluator, model, rates, v);
         }
         Ok(())
@@ -42,8 +42,8 @@ impl SolutionDerivative<'_> {
     ) -> Result<(), DerivativeError> {
         self.check(slope.len(), gradient)?;
         gradient.clear();
-        let (question, model) = (self.question, self.model);
-        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+        let (instance, model) = (self.instance, self.model);
+        if let Some((mut evaluator, parts)) = self.memory.split(instance) {
             parts.reverse(&mut evaluator, model, slope, gradient);
         }
         Ok(())
@@ -55,17 +55,17 @@ impl SolutionDerivative<'_> {
     /// # Errors
     /// Returns an error if the task does not exist.
     pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, DerivativeError> {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         if task >= problem.tasks() {
             return Err(DerivativeError::NoSuchTask {
                 given: task,
                 tasks: problem.tasks(),
             });
         }
-        let columns = self.question.residual(task).target_len();
+        let columns = self.instance.residual(task).target_len();
         let mut matrix = DMatrix::zeros(self.degrees_of_freedom(), columns);
-        let question = self.question;
-        if let Some((mut evaluator, parts)) = self.memory.split(question)
+        let instance = self.instance;
+        if let Some((mut evaluator, parts)) = self.memory.split(instance)
             && !parts.slope_depends_on_parameters()
         {
             parts.velocities_of_target(&mut evaluator, task, &mut matrix);
@@ -89,7 +89,7 @@ impl SolutionDerivative<'_> {
             });
         }
         let joints = self.model.map(|model| model.joints().len());
-        match parameters.fits(self.question.problem(), joints) {
+        match parameters.fits(self.instance.problem(), joints) {
             true => Ok(()),
             false => Err(DerivativeError::ForeignParameters),
         }
@@ -99,10 +99,10 @@ impl SolutionDerivative<'_> {
 impl super::DerivativeWorkspace {
     fn split<'s>(
         &'s mut self,
-        question: ProblemInstance<'s>,
+        instance: ProblemInstance<'s>,
     ) -> Option<(Evaluator<'s, 's>, &'s mut Parts)> {
         let scratch = self.scratch.as_mut()?;
-        Some((Evaluator { question, scratch }, &mut self.parts))
+        Some((Evaluator { instance, scratch }, &mut self.parts))
     }
 }
 
@@ -133,8 +133,8 @@ impl Parts {
         task: usize,
         matrix: &mut DMatrix<f64>,
     ) {
-        let question = evaluator.question;
-        let Some(target_task) = question.problem().compiled_tasks().get(task) else {
+        let instance = evaluator.instance;
+        let Some(target_task) = instance.problem().compiled_tasks().get(task) else {
             return;
         };
         let mut columns = std::mem::take(&mut self.columns);
@@ -160,7 +160,7 @@ impl Parts {
         rates: Option<(Option<&Model>, &ParameterVector)>,
         v: &mut [f64],
     ) {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let needs_curvature = self.slope_depends_on_parameters();
         let Self {
             point,
@@ -186,7 +186,7 @@ impl Parts {
             if let Some((model, rates)) = rates.filter(|_| needs_curvature) {
                 for k in 0..system.nullity() {
                     let direction = system.null_direction(k).to_vec();
-                    let shift = point.difference_step(question, &direction);
+                    let shift = point.difference_step(instance, &direction);
                     let mut curvature = 0.0;
                     for offset in [shift, -shift] {
                         let shifted_x = point.shift_x(&direction, offset).to_vec();
@@ -203,8 +203,8 @@ impl Parts {
         }
         refill(&mut self.rates, point.x.len(), 0.0);
         point.directions.expand(step, 1.0, &mut self.rates);
-        let tangent_point = point.tangent_point(question);
-        question
+        let tangent_point = point.tangent_point(instance);
+        instance
             .problem()
             .tangent()
             .velocity(&tangent_point, &self.rates, v);
@@ -217,7 +217,7 @@ impl Parts {
         slope_by_v: &[f64],
         gradient: &mut ParameterVector,
     ) {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self {
             point,
             system,
@@ -229,8 +229,8 @@ impl Parts {
             ..
         } = self;
         refill(rates, point.x.len(), 0.0);
-        let tangent = question.problem().tangent();
-        tangent.add_slope(&point.tangent_point(question), slope_by_v, rates);
+        let tangent = instance.problem().tangent();
+        tangent.add_slope(&point.tangent_point(instance), slope_by_v, rates);
         point.directions.reduce(1, rates, slope);
         refill(step, point.directions.len(), 0.0);
         refill(rows, point.r.len(), 0.0);
@@ -268,7 +268,7 @@ impl Parts {
         model: Option<&Model>,
         gradient: &mut ParameterVector,
     ) {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self {
             point,
             system,
@@ -287,7 +287,7 @@ impl Parts {
         let mut evaluation = evaluator.evaluation();
         let row_weights = (&**rows, 1.0);
         evaluation.add_parameter_slopes(&point.x, row_weights, model, parameters, gradient);
-        let shift = point.difference_step(question, step);
+        let shift = point.difference_step(instance, step);
         if !system.has_curvature() || !shift.is_finite() {
             return;
         }

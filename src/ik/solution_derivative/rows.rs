@@ -15,8 +15,8 @@ pub(super) struct Roles {
 
 impl Roles {
     /// Determines the roles from the weighted residual of all tasks.
-    pub(super) fn assign(&mut self, question: ProblemInstance<'_>, r: &[f64]) {
-        let problem = question.problem();
+    pub(super) fn assign(&mut self, instance: ProblemInstance<'_>, r: &[f64]) {
+        let problem = instance.problem();
         let Self {
             constrained,
             minimised,

@@ -107,7 +107,7 @@ impl Parts {
 
     /// Returns a task whose rows vanish just across its bounds while no multiplier pushes against them.
     pub(super) fn task_at_kink(&mut self, evaluator: &mut Evaluator<'_, '_>) -> Option<String> {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self {
             point,
             system,
@@ -116,8 +116,8 @@ impl Parts {
             image,
             ..
         } = self;
-        let tasks = question.problem().compiled_tasks().iter().enumerate();
-        let mut bounded_tasks = tasks.filter(|(index, _)| question.residual(*index).has_edges());
+        let tasks = instance.problem().compiled_tasks().iter().enumerate();
+        let mut bounded_tasks = tasks.filter(|(index, _)| instance.residual(*index).has_edges());
         let is_zero = |row: &usize| point.r[*row] == 0.0;
         let constrained = &point.roles.constrained;
         if !bounded_tasks.any(|(_, task)| {
@@ -150,7 +150,7 @@ impl Parts {
         let has_zero_jacobian =
             |row: usize| shifted_jacobian.row(row).iter().all(|entry| *entry == 0.0);
         let largest = largest(&point.row_weights);
-        let problem = question.problem();
+        let problem = instance.problem();
         let task_at_kink = problem.compiled_tasks().iter().find(|task| {
             let constrained_rows = task
                 .rows
