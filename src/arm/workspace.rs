@@ -269,7 +269,7 @@ impl ArmWorkspace {
     ) -> Minimiser<'a> {
         Minimiser {
             instance: self.question.ask(),
-            share: TaskSubset::All,
+            subset: TaskSubset::All,
             method,
             deadline,
             observer,

@@ -189,9 +189,9 @@ impl<'a> PointLayout<'a> {
 
         let points =
             (0..self.points.len()).map(|point| is_rotation_centre[point] || is_pinned(point));
-        let keep: Vec<bool> = points.collect();
+        let kept: Vec<bool> = points.collect();
         let groups = group(&positioned, |joint| tree.joint_above(joint));
-        self.compact(&keep, &is_rotation_centre, groups, pins)
+        self.compact(&kept, &is_rotation_centre, groups, pins)
     }
 
     /// Numbers the kept points.
@@ -199,24 +199,24 @@ impl<'a> PointLayout<'a> {
     /// A point whose parent is removed is attached to the nearest kept ancestor; without one it is a root.
     fn compact(
         &mut self,
-        keep: &[bool],
+        is_kept: &[bool],
         is_rotation_centre: &[bool],
         mut groups: Vec<Group>,
         pins: &[Pin],
     ) -> JointPoints {
-        let mut new_index = vec![0; keep.len()];
-        let mut kept = 0;
-        for point in 0..keep.len() {
-            new_index[point] = kept;
-            kept += usize::from(keep[point]);
+        let mut new_index = vec![0; is_kept.len()];
+        let mut kept_count = 0;
+        for point in 0..is_kept.len() {
+            new_index[point] = kept_count;
+            kept_count += usize::from(is_kept[point]);
         }
         let parent_of = |point: usize| {
             let ancestors = std::iter::successors(self.parents[point], |&p| self.parents[p]);
             let mut ancestors = ancestors.filter(|&p| is_rotation_centre[p]);
             ancestors.next().map(|p| new_index[p])
         };
-        let kept = (0..keep.len()).filter(|&point| keep[point]);
-        let kept: Vec<usize> = kept.collect();
+        let kept_points = (0..is_kept.len()).filter(|&point| is_kept[point]);
+        let kept_points: Vec<usize> = kept_points.collect();
         for point in groups.iter_mut().flat_map(|group| &mut group.points) {
             *point = new_index[*point];
         }
@@ -225,11 +225,17 @@ impl<'a> PointLayout<'a> {
             ..*pin
         });
         JointPoints {
-            points: kept.iter().map(|&point| self.points[point]).collect(),
+            points: kept_points
+                .iter()
+                .map(|&point| self.points[point])
+                .collect(),
             groups,
             tolerance: self.tolerance,
-            parents: kept.iter().map(|&point| parent_of(point)).collect(),
-            rest: kept.iter().map(|&point| self.positions[point]).collect(),
+            parents: kept_points.iter().map(|&point| parent_of(point)).collect(),
+            rest: kept_points
+                .iter()
+                .map(|&point| self.positions[point])
+                .collect(),
             pins: pins.collect(),
         }
     }

@@ -46,7 +46,7 @@ impl Solver {
         let known = workspace.collision.take();
         let known = known.filter(|collision| Arc::ptr_eq(&collision.constraint, constraint));
         let mut collision = known.unwrap_or_else(|| CollisionWorkspace::new(constraint));
-        let goal_solver = self.clone().with_refining(Extent::Goals);
+        let goal_solver = self.clone().with_extent(Extent::Goals);
         let mut collision_free_run = Run {
             deadline: run.deadline,
             observer: &mut *run.observer,
@@ -57,7 +57,7 @@ impl Solver {
         self.reduce_collisions(constraint, instance, &mut collision, workspace, run)?;
         let solution = &workspace.solution;
         let has_soft_tasks = instance.problem.searched_subset() != crate::problem::TaskSubset::All;
-        if has_soft_tasks && solution.reached && self.refining() != Extent::Goals {
+        if has_soft_tasks && solution.reached && self.extent() != Extent::Goals {
             self.apply_soft_tasks(constraint, instance, &mut collision, workspace, run)?;
         }
         let solution = &mut workspace.solution;
@@ -86,8 +86,8 @@ impl Solver {
             return Ok(());
         }
         let (q, x) = (solution.q.clone(), workspace.search.keeper.x.clone());
-        let before = collision.engine.min_distance(&q);
-        if before == f64::INFINITY {
+        let start_distance = collision.engine.min_distance(&q);
+        if start_distance == f64::INFINITY {
             return Ok(());
         }
         let single_attempt = self.clone().with_restarts(Restarts::none());
@@ -105,10 +105,10 @@ impl Solver {
         }
         let end = &collision.constrained.search.keeper.x;
         self.report_at(instance, end, result, workspace, run.observer);
-        let after = collision.engine.min_distance(&workspace.solution.q);
-        if after <= before || !meets_goals(workspace) {
+        let end_distance = collision.engine.min_distance(&workspace.solution.q);
+        if end_distance <= start_distance || !meets_goals(workspace) {
             self.report_at(instance, &x, result, workspace, run.observer);
-        } else if after == f64::INFINITY {
+        } else if end_distance == f64::INFINITY {
             workspace.solution.termination = Termination::Reached;
         }
         Ok(())

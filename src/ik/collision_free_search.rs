@@ -103,7 +103,7 @@ impl<'a> CollisionFreeEngine<'a> {
         } = &mut *self.workspace;
         let mut constrained = Minimiser {
             instance,
-            share: subset,
+            subset,
             method: self.unconstrained.method,
             deadline: self.unconstrained.deadline,
             observer: &mut *self.unconstrained.observer,
@@ -132,7 +132,7 @@ impl<'a> CollisionFreeEngine<'a> {
             .residual
             .resize(self.unconstrained.memory.residual().len(), 0.0);
         let mut evaluation = Evaluation::of(
-            self.unconstrained.share,
+            self.unconstrained.subset,
             self.unconstrained.instance,
             self.unconstrained.scratch,
         );

@@ -57,15 +57,15 @@ impl Drag {
             && (depenetration.is_solution_known || depenetration.attempts < MAX_ATTEMPTS)
     }
 
-    /// Runs one attempt if a frame changed the distance of the deepest pair, metres, from `before` to `after` without
-    /// progress.
+    /// Runs one attempt if a frame changed the distance of the deepest pair, metres, from `start_distance` to
+    /// `end_distance` without progress.
     pub(super) fn attempt_depenetration(
         &mut self,
         constraint: &CollisionConstraint,
         check: &mut dyn AnyClearanceCheck,
-        (before, after): (f64, f64),
+        (start_distance, end_distance): (f64, f64),
     ) {
-        if after > before + MIN_PROGRESS {
+        if end_distance > start_distance + MIN_PROGRESS {
             self.depenetration.clear();
             return;
         }

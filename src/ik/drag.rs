@@ -184,11 +184,11 @@ impl Drag {
         let perturbation_steps = stopping.max_iterations().min(PERTURBATION_STEPS);
         let single_attempt = solver.with_restarts(Restarts::none());
         single_attempt.check()?;
-        let perturbation_solver = single_attempt.clone().with_refining(Extent::Goals);
+        let perturbation_solver = single_attempt.clone().with_extent(Extent::Goals);
         self.perturbation_solver =
             perturbation_solver.with_stopping(stopping.with_max_iterations(perturbation_steps));
         self.solver = single_attempt
-            .with_refining(Extent::Frame)
+            .with_extent(Extent::Frame)
             .with_stopping(stopping);
         Ok(self)
     }
@@ -200,8 +200,8 @@ impl Drag {
     /// # Errors
     /// Returns an error if `radians` is not above 0.
     pub fn with_max_move(mut self, radians: f64) -> Result<Self, BadOption> {
-        let above = |radians| radians > 0.0;
-        BadOption::check("max_move", radians, (above, "a number above 0"))?;
+        let is_positive = |radians| radians > 0.0;
+        BadOption::check("max_move", radians, (is_positive, "a number above 0"))?;
         self.set_max_move(radians);
         Ok(self)
     }
@@ -371,7 +371,7 @@ impl Drag {
                 model: names.model.clone(),
             });
         }
-        self.moved_joints.take(&self.problem, model);
+        self.moved_joints.copy_placements(&self.problem, model);
         Ok(())
     }
 
@@ -391,7 +391,9 @@ impl Drag {
             let [x_before, _] = &mut self.last_motion;
             x_before.copy_from_slice(&self.x);
             self.problem.parameters().gather(&self.q, &mut self.x);
-            self.last_move = self.max_displacement().map_or(0.0, |(_, moved)| moved);
+            self.last_move = self
+                .max_displacement()
+                .map_or(0.0, |(_, distance)| distance);
         }
         if let Some(motion) = &mut self.motion {
             motion.follow(&self.problem, &self.x);
@@ -439,8 +441,8 @@ impl Drag {
     /// last frame moved no joint and no perturbation or escape is pending.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        let joints_on_parents = !self.moved_joints.any() || self.last_move < MAX_REST_MOVE;
-        let done =
+        let joints_on_parents = !self.moved_joints.has_moved() || self.last_move < MAX_REST_MOVE;
+        let is_finished =
             self.workspace.solution.reached && !self.problem.has_preferences() && joints_on_parents;
         let no_perturbation_pending =
             self.unreached_frames == 0 || self.unreached_frames > FRAMES_PER_PERTURBATION;
@@ -448,7 +450,7 @@ impl Drag {
         if self.is_behind_goal() {
             return false;
         }
-        done || (self.last_move < MAX_REST_MOVE && no_perturbation_pending && !escaping)
+        is_finished || (self.last_move < MAX_REST_MOVE && no_perturbation_pending && !escaping)
     }
 
     /// Returns the variable with the largest displacement in `last_motion`, and that displacement in radians.
@@ -528,8 +530,8 @@ impl Drag {
         let [from, _] = &self.last_motion;
         self.x.copy_from_slice(from);
         self.last_jump = max_move
-            .filter(|&(_, moved)| moved > self.max_move)
-            .map(|(variable, moved)| (variable, moved * self.units[variable]));
+            .filter(|&(_, distance)| distance > self.max_move)
+            .map(|(variable, distance)| (variable, distance * self.units[variable]));
     }
 
     /// Uses the trial if it is better. The effort of both solves counts.

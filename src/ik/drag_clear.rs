@@ -157,7 +157,7 @@ impl Drag {
         if guarded {
             run.guard = Some(&mut guard);
         }
-        let solver = self.solver.clone().with_refining(extent);
+        let solver = self.solver.clone().with_extent(extent);
         let solved = solver.run(
             instance,
             &self.q_before,

@@ -29,7 +29,7 @@ pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
 
 impl MovedJoints {
     /// Copies the placements of joints and frames from a model with the joints of the problem's model.
-    pub(super) fn take(&mut self, problem: &Problem, model: &Model) {
+    pub(super) fn copy_placements(&mut self, problem: &Problem, model: &Model) {
         let moved = self.0.get_or_insert_with(|| {
             let tree = problem.tree().clone();
             Box::new((tree, TreeWorkspace::default()))
@@ -39,7 +39,7 @@ impl MovedJoints {
     }
 
     /// Returns whether joints have moved on their parents.
-    pub(super) fn any(&self) -> bool {
+    pub(super) fn has_moved(&self) -> bool {
         self.0.is_some()
     }
 

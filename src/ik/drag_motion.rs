@@ -158,13 +158,13 @@ impl DragMotion {
         }
         for (joint_ball, ball) in self.balls.iter_mut().zip(map.balls()) {
             let next = ball.chart.rotation(ball.of(goal).unwrap_or_default());
-            let moved = (joint_ball.goal.conjugate() * next).log();
+            let rotation = (joint_ball.goal.conjugate() * next).log();
             joint_ball.goal = next;
-            for (value, moved) in self.goals[joint_ball.first..]
+            for (value, rotation) in self.goals[joint_ball.first..]
                 .iter_mut()
-                .zip(moved.to_array())
+                .zip(rotation.to_array())
             {
-                *value += moved;
+                *value += rotation;
             }
         }
         self.history.push(&self.goals);

@@ -79,7 +79,7 @@ impl EscapeSolvers {
         let with_max_steps = |steps: usize| {
             let max_steps = stopping.max_iterations().min(steps);
             let single_attempt = solver.clone().with_restarts(Restarts::none());
-            let single_attempt = single_attempt.with_refining(Extent::Attempt);
+            let single_attempt = single_attempt.with_extent(Extent::Attempt);
             single_attempt.with_stopping(stopping.with_max_iterations(max_steps))
         };
         Self {

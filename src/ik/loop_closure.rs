@@ -173,7 +173,7 @@ impl<'m> LoopClosure<'m> {
         let mut scratch = problem.scratch();
         Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
         for row_block in problem.errors(TaskSubset::All, &residual) {
-            gaps[row_block.task].take(row_block.quantity, row_block.error);
+            gaps[row_block.task].set_error(row_block.quantity, row_block.error);
         }
         Ok(gaps)
     }

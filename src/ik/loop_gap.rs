@@ -38,7 +38,7 @@ impl LoopGap {
         }
     }
 
-    pub(super) fn take(&mut self, quantity: Quantity, error: f64) {
+    pub(super) fn set_error(&mut self, quantity: Quantity, error: f64) {
         match quantity {
             Quantity::Radians => self.angle = error,
             _ => self.gap = error,

@@ -14,7 +14,7 @@ use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Sto
 pub(crate) struct Minimiser<'a> {
     pub(crate) instance: ProblemInstance<'a>,
     /// Task subset that is minimised.
-    pub(crate) share: TaskSubset,
+    pub(crate) subset: TaskSubset,
     pub(crate) method: &'a dyn AnyMethod,
     pub(crate) deadline: Option<Instant>,
     pub(crate) observer: &'a mut dyn Observer,
@@ -30,7 +30,7 @@ impl<'a> Minimiser<'a> {
     /// Returns the variables to search, if not all are searched.
     fn moved_variables(&self) -> Option<&'a MovedVariables> {
         let problem = self.instance.problem;
-        let needs_all = self.guard.is_some() || self.share != problem.searched_subset();
+        let needs_all = self.guard.is_some() || self.subset != problem.searched_subset();
         problem.moved_variables().filter(|_| !needs_all)
     }
 
@@ -71,7 +71,7 @@ impl<'a> Minimiser<'a> {
 impl Engine for Minimiser<'_> {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
         let is_moved = self.moved_variables().is_some();
-        let mut evaluation = Evaluation::of(self.share, self.instance, self.scratch);
+        let mut evaluation = Evaluation::of(self.subset, self.instance, self.scratch);
         let state = match &mut self.moved {
             Some(memory) if is_moved => &mut memory.state,
             _ => &mut *self.memory,
@@ -82,7 +82,7 @@ impl Engine for Minimiser<'_> {
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
         let variables = self.moved_variables();
-        let mut evaluation = Evaluation::of(self.share, self.instance, self.scratch);
+        let mut evaluation = Evaluation::of(self.subset, self.instance, self.scratch);
         if let Some((variables, memory)) = variables.zip(self.moved.as_deref_mut()) {
             let outcome = Self::attempt_moved(
                 self.instance,

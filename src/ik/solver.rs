@@ -22,7 +22,7 @@ pub struct Solver {
     stopping: Stopping,
     restarts: Restarts,
     /// Effort spent on soft tasks in the null space of the required tasks.
-    refining: Extent,
+    extent: Extent,
 }
 
 impl std::fmt::Debug for Solver {
@@ -50,7 +50,7 @@ impl Solver {
             method: Arc::new(method),
             stopping: Stopping::default(),
             restarts: Restarts::default(),
-            refining: Extent::Whole,
+            extent: Extent::Whole,
         }
     }
 
@@ -58,14 +58,14 @@ impl Solver {
         /// Stopping criteria of each attempt.
         pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
         /// Effort spent on soft tasks.
-        pub(super) fn refining(&self) -> Extent = self.refining;
+        pub(super) fn extent(&self) -> Extent = self.extent;
         /// Name of the method.
         pub fn method(&self) -> &'static str = self.method.name();
     }
 
     setters! {
         /// Sets the effort spent on soft tasks in the null space of the required tasks.
-        pub(super) fn with_refining(mut self, extent: Extent) { self.refining = extent }
+        pub(super) fn with_extent(mut self, extent: Extent) { self.extent = extent }
         /// Sets the stopping criteria of each attempt. The time limit applies to all attempts together.
         pub fn with_stopping(mut self, stopping: Stopping) { self.stopping = stopping }
         /// Sets the restarts.
@@ -171,7 +171,7 @@ impl Solver {
             Schedule::of_searches(query, self.restarts, self.stopping, has_weighted_tasks);
         let mut engine = Minimiser {
             instance,
-            share: subset,
+            subset,
             method: &*self.method,
             deadline,
             observer: &mut *run.observer,
@@ -202,7 +202,7 @@ impl Solver {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule,
-                    extent: self.refining,
+                    extent: self.extent,
                     deadline,
                 },
                 scratch: &mut scratch,
@@ -214,7 +214,7 @@ impl Solver {
             let has_levels = problem.ranks().levels() > 1;
             let reaches_in_collision =
                 run.clear.is_some() && problem.is_reached_by(subset, &search.keeper.residual);
-            let uses_all_levels = self.refining != Extent::Attempt;
+            let uses_all_levels = self.extent != Extent::Attempt;
             if has_levels
                 && uses_all_levels
                 && !result.reached
@@ -260,7 +260,7 @@ impl Solver {
                         self.stopping,
                         false,
                     ),
-                    extent: self.refining,
+                    extent: self.extent,
                     deadline: None,
                 },
                 scratch: &mut scratch,

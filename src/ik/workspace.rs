@@ -72,7 +72,7 @@ impl Workspace {
         match self.scratch.take() {
             Some(mut scratch) if scratch.fits(problem) => {
                 if instance.has_moved_tree() {
-                    scratch.forget();
+                    scratch.invalidate();
                 }
                 scratch
             }

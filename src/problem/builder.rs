@@ -318,7 +318,7 @@ impl<'m> ProblemBuilder<'m> {
             moved_variables: None,
             collision_constraint: None,
         };
-        problem.mark_moving();
+        problem.mark_task_variables();
         problem.choose_sweeps();
         Ok(problem)
     }
@@ -449,9 +449,10 @@ fn compile_task(
         next_row += rows.count;
     }
     let (inequalities, count) = (pending.residual.inequalities(), next_row - first_row);
-    let beyond = |room: &&Inequality| room.rows().is_empty() || room.rows().end > count;
-    if let Some(room) = inequalities.iter().find(beyond) {
-        let rows = room.rows();
+    let is_out_of_range =
+        |inequality: &&Inequality| inequality.rows().is_empty() || inequality.rows().end > count;
+    if let Some(inequality) = inequalities.iter().find(is_out_of_range) {
+        let rows = inequality.rows();
         return Err(ProblemError::BadTask {
             task: name,
             problem: format!("it has an inequality of its rows {rows:?}, but {count} rows"),
@@ -476,7 +477,7 @@ fn compile_task(
         frames: slots,
         coordinates,
     };
-    task.weigh();
+    task.update_weights();
     Ok(task)
 }
 

@@ -57,14 +57,14 @@ impl Evaluation<'_> {
             scratch
                 .coefficients
                 .extend(weighted.map(|(c, weight)| factor * c * weight));
-            let (frames, joints) = self.scratch.placed();
+            let (frames, joints) = self.scratch.task_inputs();
             if !target.is_empty()
                 && !residual.add_target_slopes(frames, joints, &scratch.coefficients, target)
             {
-                scratch.read((frames, joints), task.rows.len());
+                scratch.load_constants((frames, joints), task.rows.len());
                 for first in (0..target.len()).step_by(CHUNK) {
                     let count = CHUNK.min(target.len() - first);
-                    scratch.move_target(residual, target.len(), first, count);
+                    scratch.differentiate_target(residual, target.len(), first, count);
                     for (row, coefficient) in
                         scratch.dual.residual.iter().zip(&scratch.coefficients)
                     {
@@ -127,11 +127,11 @@ impl Evaluation<'_> {
         };
         Self::gather(self.scratch, task);
         let residual = self.instance.residual(index);
-        scratch.read(self.scratch.placed(), task.rows.len());
+        scratch.load_constants(self.scratch.task_inputs(), task.rows.len());
         let len = residual.target_len();
         for first in (0..len).step_by(CHUNK) {
             let count = CHUNK.min(len - first);
-            scratch.move_target(residual, len, first, count);
+            scratch.differentiate_target(residual, len, first, count);
             for k in 0..count {
                 let rows = scratch.dual.residual.iter().zip(&task.weights);
                 columns.extend(rows.map(|(row, weight)| weight * row.derivatives()[k]));
@@ -175,7 +175,7 @@ impl Evaluation<'_> {
             let task_rows = &mut rows[task.rows.clone()];
             let weight_rates = &rates.weights()[blocks];
             if weight_rates.iter().any(|rate| *rate != 0.0) {
-                let (frames, joints) = self.scratch.placed();
+                let (frames, joints) = self.scratch.task_inputs();
                 residual.evaluate(frames, joints, task_rows);
                 for (block, rate) in task.blocks.iter().zip(weight_rates) {
                     for row in &mut task_rows[block.rows_after(task.rows.start, 0)] {
@@ -185,7 +185,7 @@ impl Evaluation<'_> {
             }
             let target = rates.target(index);
             if target.iter().any(|rate| *rate != 0.0) {
-                scratch.read(self.scratch.placed(), task.rows.len());
+                scratch.load_constants(self.scratch.task_inputs(), task.rows.len());
                 let rates_along = target.iter().map(|&rate| {
                     let mut derivatives = [0.0; CHUNK];
                     derivatives[0] = rate;
@@ -217,7 +217,7 @@ impl Evaluation<'_> {
 
 impl ParameterScratch {
     /// Copies the input of a residual as constants.
-    fn read(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
+    fn load_constants(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
         let dual = &mut self.dual;
         dual.frames.clear();
         dual.frames.extend(frames.iter().map(Placement::constant));
@@ -228,7 +228,7 @@ impl ParameterScratch {
     }
 
     /// Evaluates with a range of the target's parameters as variables.
-    fn move_target(
+    fn differentiate_target(
         &mut self,
         residual: &dyn ErasedResidual,
         len: usize,

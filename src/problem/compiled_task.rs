@@ -105,16 +105,16 @@ impl CompiledTask {
     }
 
     /// Updates the values that depend on the weights of its blocks.
-    pub(super) fn weigh(&mut self) {
+    pub(super) fn update_weights(&mut self) {
         let blocks = self.blocks.iter();
         self.weights.clear();
         self.weights.extend(
             blocks.flat_map(|block| std::iter::repeat_n(block.weight, block.measure.count)),
         );
         self.slack_weights.clear();
-        for room in &self.inequalities {
-            let weight = self.weights.get(room.rows().start).copied();
-            let edges = std::iter::repeat_n(weight.unwrap_or_default(), room.edges());
+        for inequality in &self.inequalities {
+            let weight = self.weights.get(inequality.rows().start).copied();
+            let edges = std::iter::repeat_n(weight.unwrap_or_default(), inequality.edges());
             self.slack_weights.extend(edges);
         }
         self.binds = self.role == Role::Goal && self.blocks.iter().any(Block::can_be_unreached);

@@ -82,17 +82,17 @@ impl Scratch {
 
 impl Scratch {
     /// Invalidates the last forward pass, after joints or frames moved.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn invalidate(&mut self) {
         self.last_x.fill(f64::NAN);
     }
 
     /// The frames and joint values of the task gathered last.
-    pub(super) fn placed(&self) -> (&[Placement<f64>], &[f64]) {
+    pub(super) fn task_inputs(&self) -> (&[Placement<f64>], &[f64]) {
         (&self.frames, &self.joints)
     }
 
     /// The frames and joint values of the task gathered last, with the workspace for its derivatives.
-    pub(super) fn reading(
+    pub(super) fn differentiation_inputs(
         &mut self,
     ) -> (
         &[Placement<f64>],
@@ -208,7 +208,7 @@ impl<'a> Evaluation<'a> {
         residual: &dyn ErasedResidual,
     ) {
         Self::gather(scratch, task);
-        let (frames, joints, local, dual) = scratch.reading();
+        let (frames, joints, local, dual) = scratch.differentiation_inputs();
         local.reset(task.rows.len(), frames.len(), joints.len());
         residual.differentiate(frames, joints, local, dual);
         local.scale_rows(&task.weights);
@@ -310,8 +310,8 @@ impl<'a> Evaluation<'a> {
                 };
                 tree.push(&scratch.state, frame, wrench, wrenches);
             }
-            tree.sweep_by(&scratch.state, wrenches, |variable, share| {
-                entries[variable * rows + first_row + row] += share;
+            tree.sweep_by(&scratch.state, wrenches, |variable, contribution| {
+                entries[variable * rows + first_row + row] += contribution;
             });
         }
     }

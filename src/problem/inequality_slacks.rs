@@ -62,7 +62,7 @@ impl Evaluation<'_> {
             }
             Self::gather(self.scratch, task);
             let task_slacks = &mut slacks[task.slacks_by_rank.clone()];
-            let (frames, joints) = self.scratch.placed();
+            let (frames, joints) = self.scratch.task_inputs();
             self.instance
                 .residual(index)
                 .slacks(frames, joints, task_slacks);
@@ -114,7 +114,7 @@ impl Evaluation<'_> {
     fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
         let residual = self.instance.residual(index);
         Self::gather(self.scratch, task);
-        let (frames, joints, local, dual) = self.scratch.reading();
+        let (frames, joints, local, dual) = self.scratch.differentiation_inputs();
         local.reset(task.slack_weights.len(), frames.len(), joints.len());
         residual.differentiate_depths(frames, joints, local, dual);
         local.scale_rows(&task.slack_weights);

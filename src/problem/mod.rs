@@ -356,7 +356,7 @@ impl Problem {
         self.moves_task[variable]
     }
 
-    fn mark_moving(&mut self) {
+    fn mark_task_variables(&mut self) {
         let mut moving = vec![false; self.variables()];
         for variable in self
             .tasks_of(self.searched_subset())

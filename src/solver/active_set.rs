@@ -18,12 +18,12 @@ impl ConfigurationSpace<'_> {
         if let Some(max_increase) = self.max_increase_on_edge(x, component) {
             return (max_increase == 0.0 && slope < -negligible).then_some(Side::Upper);
         }
-        self.bound_holding(x[component], component, slope, negligible)
+        self.holding_bound(x[component], component, slope, negligible)
     }
 
     /// Bound that holds a variable by its interval, if any.
     #[inline(always)]
-    fn bound_holding(
+    fn holding_bound(
         &self,
         value: f64,
         variable: usize,
@@ -56,7 +56,7 @@ impl ConfigurationSpace<'_> {
         // Without ball joint limits, which most models do not have, intervals suffice.
         match !self.has_edges() {
             true => free.extend((0..x.len()).filter(|&j| {
-                is_movable(&j) && self.bound_holding(x[j], j, gradient[j], 0.0).is_none()
+                is_movable(&j) && self.holding_bound(x[j], j, gradient[j], 0.0).is_none()
             })),
             false => free.extend(
                 (0..x.len()).filter(|&j| is_movable(&j) && !self.holds(x, j, gradient[j], 0.0)),

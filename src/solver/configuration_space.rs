@@ -1,6 +1,6 @@
 //! Configuration space of a solver: integration, difference, bounds and projection.
 
-use super::ball_joints::{RotationSets, TurnLimit, shorten, shortest};
+use super::ball_joints::{RotationSets, TurnLimit, shorten_rotation_step, shorten_rotation_vector};
 use super::linear::largest;
 
 /// End of a joint's range.
@@ -68,14 +68,14 @@ impl<'a> ConfigurationSpace<'a> {
         self.integrate_share(x, 1.0, step, to);
     }
 
-    /// Writes x ⊕ share · step, regardless of bounds.
+    /// Writes x ⊕ fraction · step, regardless of bounds.
     #[inline]
-    pub fn integrate_share(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
+    pub fn integrate_share(&self, x: &[f64], fraction: f64, step: &[f64], to: &mut [f64]) {
         for ((to, &x), &step) in to.iter_mut().zip(x).zip(step) {
-            *to = x + share * step;
+            *to = x + fraction * step;
         }
         for frame in self.frames(x) {
-            frame.integrate(x, share, step, to);
+            frame.integrate(x, fraction, step, to);
         }
     }
 
@@ -108,7 +108,7 @@ impl<'a> ConfigurationSpace<'a> {
             *step = to - from;
         }
         for &first in &self.rotations.vectors {
-            shorten(&mut step[first..first + 3], &to[first..first + 3]);
+            shorten_rotation_step(&mut step[first..first + 3], &to[first..first + 3]);
         }
         for frame in self.frames(from) {
             frame.components(step);
@@ -143,7 +143,7 @@ impl<'a> ConfigurationSpace<'a> {
                 .iter()
                 .all(|lower| *lower == f64::NEG_INFINITY)
             {
-                shortest(&mut x[first..first + 3]);
+                shorten_rotation_vector(&mut x[first..first + 3]);
             }
         }
         for swing in &self.rotations.swings {

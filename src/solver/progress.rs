@@ -98,7 +98,7 @@ impl Progress {
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
                 Some(Termination::Stationary)
             }
-            Some(_) if state.flat_steps >= MAX_FLAT_STEPS => Some(self.out_of_steps()),
+            Some(_) if state.flat_steps >= MAX_FLAT_STEPS => Some(self.no_progress_termination()),
             Some(_) => None,
         }
     }
@@ -124,11 +124,11 @@ impl Progress {
             && problem.stops_when_reached()
             && problem.is_reached(&state.residual);
         let has_ended = self.last_step == Step::Stuck || (is_negligible && !is_reached);
-        has_ended.then(|| self.out_of_steps())
+        has_ended.then(|| self.no_progress_termination())
     }
 
     /// Termination of a search that makes no useful step.
-    fn out_of_steps(&self) -> Termination {
+    fn no_progress_termination(&self) -> Termination {
         if self.stationarity <= ROUNDING_STATIONARITY {
             Termination::Stationary
         } else {

@@ -118,7 +118,7 @@ impl Method for ProjectedGradient {
         iterate.accept();
         state.length = sigma;
         if self.first_step == FirstStep::BarzilaiBorwein {
-            state.remember(cost);
+            state.record_cost(cost);
         }
         Step::Taken
     }
@@ -129,7 +129,7 @@ impl Method for ProjectedGradient {
 }
 
 impl ProjectedGradientState {
-    fn remember(&mut self, cost: f64) {
+    fn record_cost(&mut self, cost: f64) {
         if self.recent_costs.len() == HISTORY_LENGTH {
             self.recent_costs.remove(0);
         }

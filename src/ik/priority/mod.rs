@@ -191,7 +191,7 @@ impl PriorityLevels<'_, '_> {
         let deadline = self.descent.deadline;
         let mut engine = Minimiser {
             instance: self.instance,
-            share: subset,
+            subset,
             method: self.descent.method,
             deadline,
             observer: &mut *self.observer,

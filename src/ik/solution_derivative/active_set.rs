@@ -29,7 +29,7 @@ impl System {
             false => self.select_by_multipliers(instance, point),
         };
         // The curvature of these edges is unknown here, so the solution counts as not differentiable.
-        let edge = instance.space().on_edge_of_turn(&point.x);
+        let edge = instance.space().ball_at_angle_limit(&point.x);
         let weak = limits.weak.take();
         limits.weak = weak.or_else(|| edge.map(|variable| on_limit(instance, variable)));
         limits

@@ -125,7 +125,7 @@ impl<'a> SolutionDerivative<'a> {
         }
         let differentiability = match scratch {
             Some(scratch) => {
-                scratch.forget();
+                scratch.invalidate();
                 parts.factorise(&mut Evaluator { instance, scratch }, q)
             }
             None => Differentiability::DoesNotExist(NoDerivative::NotFinite),

@@ -29,7 +29,7 @@ impl Roles {
                 problem.is_reached_by(TaskSubset::All, r) && !problem.has_preferences();
             for task in tasks {
                 match is_constrained {
-                    true => constrained.extend(wanted_rows(task)),
+                    true => constrained.extend(limited_rows(task)),
                     false => minimised.extend(task.rows.clone()),
                 }
             }
@@ -51,7 +51,7 @@ impl Roles {
         let minimised_rank = minimised_ranks.next().unwrap_or(ranks);
         for task in tasks {
             match task.rank.cmp(&minimised_rank) {
-                Ordering::Less => constrained.extend(wanted_rows(task)),
+                Ordering::Less => constrained.extend(limited_rows(task)),
                 Ordering::Equal => minimised.extend(task.rows.clone()),
                 Ordering::Greater => {}
             }
@@ -60,7 +60,7 @@ impl Roles {
 }
 
 /// Returns the rows of a task whose tolerance is finite.
-fn wanted_rows(task: &CompiledTask) -> impl Iterator<Item = usize> {
+fn limited_rows(task: &CompiledTask) -> impl Iterator<Item = usize> {
     let blocks = task.blocks().filter(|block| block.can_be_unreached());
     blocks.flat_map(|block| block.rows.clone())
 }

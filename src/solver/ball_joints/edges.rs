@@ -120,7 +120,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 
     /// First variable of a ball joint at the edge of one of its angle limits.
-    pub(crate) fn on_edge_of_turn(&self, x: &[f64]) -> Option<usize> {
+    pub(crate) fn ball_at_angle_limit(&self, x: &[f64]) -> Option<usize> {
         let mut turns = self.turns().map(|(turn, _)| turn);
         let turn_on_edge = turns.find(|turn| turn.near_edge(x).is_some_and(|(is_on, _)| is_on));
         turn_on_edge.map(|turn| turn.first)

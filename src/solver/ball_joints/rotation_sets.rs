@@ -152,7 +152,7 @@ impl Swing {
 }
 
 /// Replaces a rotation vector by the shortest one of the same rotation.
-pub(in crate::solver) fn shortest(vector: &mut [f64]) {
+pub(in crate::solver) fn shorten_rotation_vector(vector: &mut [f64]) {
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length > PI && length.is_finite() {
         let turns = (length / TAU).round();
@@ -162,7 +162,7 @@ pub(in crate::solver) fn shortest(vector: &mut [f64]) {
 }
 
 /// Shortens a step between rotation vectors, to − from, by a whole revolution of `to`, if that is shorter.
-pub(in crate::solver) fn shorten(step: &mut [f64], to: &[f64]) {
+pub(in crate::solver) fn shorten_rotation_step(step: &mut [f64], to: &[f64]) {
     let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let length = squared(to).sqrt();
     if length > 0.0 {
