@@ -3,7 +3,7 @@
 use super::goal::goals;
 use super::joint_groups::joint_points;
 use super::joints_to_points::JointFit;
-use super::linkage::{Linkage, Pin, Span, lay_straight};
+use super::linkage::{Linkage, Pin, Span, straighten};
 use super::sweeps::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
@@ -87,7 +87,7 @@ fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Sp
     if let (Some(lengths), [pin], [root, ..]) = (linkage.as_chain(), pins, &*points) {
         let span = Span::of(lengths, (pin.target - *root).norm());
         if span != Span::Within && pin.point == lengths.len() {
-            lay_straight(points, lengths, pin.target, span);
+            straighten(points, lengths, pin.target, span);
             return span;
         }
     }

@@ -27,7 +27,7 @@ pub(super) struct Goal {
 }
 
 /// The kinds of tasks that [`goals`] supports.
-const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
+const SUPPORTED_TASKS: &str = "`point`, `pose` or `orientation`, in the world and without room";
 
 /// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(
@@ -56,7 +56,7 @@ pub(super) fn goals(
             return Err(GeometricError::UnsupportedTask {
                 solver,
                 task: task.name().to_owned(),
-                valid: VALID,
+                valid: SUPPORTED_TASKS,
             });
         };
         let position = (frame_goal.position)

@@ -141,7 +141,7 @@ impl Linkage {
 /// Lays a chain with an unreachable target straight, so that its tip is as close as possible.
 ///
 /// It points towards a far target. For a near target the longest link points towards it and all others point back.
-pub(super) fn lay_straight(
+pub(super) fn straighten(
     points: &mut [Vector3<f64>],
     lengths: &[f64],
     target: Vector3<f64>,

@@ -40,7 +40,7 @@ pub fn triangle(
     let axis = if distance > 0.0 {
         offset * (1.0 / distance)
     } else {
-        across(towards)
+        perpendicular(towards)
     };
     let (max_reach, min_reach) = (upper + lower, (upper - lower).abs());
     let (span, distance_reached) = if distance > max_reach {
@@ -67,7 +67,7 @@ pub fn triangle(
     let side = towards - axis * axis.dot(towards);
     let side = match side.norm_squared() > 1e-24 * towards.norm_squared() {
         true => direction(side, side),
-        false => across(axis),
+        false => perpendicular(axis),
     };
     Triangle {
         mid: root + axis * axial + side * height,
@@ -79,7 +79,7 @@ pub fn triangle(
 }
 
 /// A unit vector perpendicular to another vector.
-pub(super) fn across(vector: Vector3<f64>) -> Vector3<f64> {
+pub(super) fn perpendicular(vector: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = vector.to_array().map(f64::abs);
     let [unit_x, unit_y, unit_z] = Vector3::UNITS;
     let other = match (x <= y && x <= z, y <= z) {

@@ -92,7 +92,7 @@ impl Solver {
         }
         let single_attempt = self.clone().with_restarts(Restarts::none());
         single_attempt.run(
-            instance.with_constraint(constraint.yielding()),
+            instance.with_constraint(constraint.with_soft_clearance()),
             &q,
             &mut collision.constrained,
             run,
@@ -130,7 +130,7 @@ impl Solver {
         let single_attempt = self.clone().with_restarts(Restarts::none());
         let q = workspace.solution.q.clone();
         single_attempt.run(
-            instance.with_constraint(constraint.holding()),
+            instance.with_constraint(constraint.with_strong_clearance()),
             &q,
             &mut collision.constrained,
             run,

@@ -93,7 +93,7 @@ impl<'a> CollisionFreeEngine<'a> {
         let instance = self
             .unconstrained
             .instance
-            .with_constraint(self.constraint.leading());
+            .with_constraint(self.constraint.with_clearance());
         let subset = instance.problem.searched_subset();
         let problem = instance.problem;
         let SearchWorkspace {

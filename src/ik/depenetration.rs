@@ -88,7 +88,7 @@ impl Drag {
         let solver = self.escape_solvers.attempt();
         solve(
             solver,
-            instance.with_constraint(constraint.holding()),
+            instance.with_constraint(constraint.with_strong_clearance()),
             &q,
             &mut self.trial,
         );

@@ -140,7 +140,7 @@ impl Drag {
             &self.move_limits,
             &self.moved_joints,
         )
-        .with_constraint(constraint.holding());
+        .with_constraint(constraint.with_strong_clearance());
         let mut q = std::mem::take(&mut self.q);
         let mut guard = MotionGuard {
             check: &mut *workspace.engine.check,

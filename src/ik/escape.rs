@@ -116,7 +116,7 @@ impl Drag {
     /// Runs one attempt from a perturbed configuration if the drag is at rest.
     pub(super) fn attempt_escape(&mut self) {
         if self.escape.is_end_known {
-            if self.end_reaches() {
+            if self.is_end_reached() {
                 // The motion to the known solution failed.
                 return;
             }
@@ -172,7 +172,7 @@ impl Drag {
         if !self.escape.is_end_known || self.escape.frames_left == 0 {
             return false;
         }
-        if !self.end_reaches() {
+        if !self.is_end_reached() {
             self.escape.clear();
             return false;
         }
@@ -205,7 +205,7 @@ impl Drag {
     }
 
     /// Returns whether the known solution reaches the current targets.
-    fn end_reaches(&mut self) -> bool {
+    fn is_end_reached(&mut self) -> bool {
         self.solve_from_end(true);
         self.trial.solution.reached
     }

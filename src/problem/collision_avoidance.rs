@@ -6,11 +6,11 @@ use super::builder::{ClearanceAs, PendingTask};
 use super::{Collision, Problem, ProblemBuilder, ProblemError};
 use crate::task::{Residual, Task};
 
-/// Weight factor of a holding clearance relative to a leading one.
+/// Weight factor of the strong clearance relative to the plain one.
 ///
 /// A required task with an error of e metres inside an obstacle violates the clearance's additional distance by e/w².
 /// With a distance of 1 mm, this factor withstands an error of 10 m.
-const HOLDING_WEIGHT_FACTOR: f64 = 100.0;
+const STRONG_CLEARANCE_FACTOR: f64 = 100.0;
 
 /// A collision checker.
 ///
@@ -95,30 +95,30 @@ pub(super) struct ClearanceRequest {
 #[derive(Clone, Debug)]
 pub(crate) struct CollisionConstraint {
     /// The tasks and then the clearance: solved only if a solution without clearance is in collision.
-    leading: Problem,
+    with_clearance: Problem,
     /// The tasks and a clearance that withstands required tasks inside obstacles.
-    holding: Problem,
+    with_strong_clearance: Problem,
     /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
-    yielding: Problem,
+    with_soft_clearance: Problem,
     check: Box<dyn AnyClearanceCheck>,
 }
 
 impl CollisionConstraint {
     getters! {
         /// The tasks and then the clearance. Accepts targets of the problem without clearance.
-        pub(crate) fn leading(&self) -> &Problem = &self.leading;
+        pub(crate) fn with_clearance(&self) -> &Problem = &self.with_clearance;
         /// The tasks and a clearance that withstands required tasks inside obstacles.
-        pub(crate) fn holding(&self) -> &Problem = &self.holding;
+        pub(crate) fn with_strong_clearance(&self) -> &Problem = &self.with_strong_clearance;
         /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
-        pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
+        pub(crate) fn with_soft_clearance(&self) -> &Problem = &self.with_soft_clearance;
         /// A check with its own workspace.
         pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
     }
 
     pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {
-        self.leading = self.leading.with_derivatives(route);
-        self.holding = self.holding.with_derivatives(route);
-        self.yielding = self.yielding.with_derivatives(route);
+        self.with_clearance = self.with_clearance.with_derivatives(route);
+        self.with_strong_clearance = self.with_strong_clearance.with_derivatives(route);
+        self.with_soft_clearance = self.with_soft_clearance.with_derivatives(route);
         self
     }
 }
@@ -152,16 +152,16 @@ impl ProblemBuilder<'_> {
                 expected,
             });
         }
-        let mut holding = request.clearance.clone();
-        holding.factor *= HOLDING_WEIGHT_FACTOR;
+        let mut strong_clearance = request.clearance.clone();
+        strong_clearance.factor *= STRONG_CLEARANCE_FACTOR;
         let compile_with = |clearance: &PendingTask, role| {
             let clearance = (clearance.clone(), role);
             self.clone().compile(Some(clearance))
         };
         Ok(CollisionConstraint {
-            leading: compile_with(&request.clearance, ClearanceAs::Goal)?,
-            holding: compile_with(&holding, ClearanceAs::Goal)?,
-            yielding: compile_with(&holding, ClearanceAs::SoftTask)?,
+            with_clearance: compile_with(&request.clearance, ClearanceAs::Goal)?,
+            with_strong_clearance: compile_with(&strong_clearance, ClearanceAs::Goal)?,
+            with_soft_clearance: compile_with(&strong_clearance, ClearanceAs::SoftTask)?,
             check: request.check,
         })
     }

@@ -22,7 +22,7 @@ pub(super) struct ClearFrames {
 impl ClearFrames {
     /// Creates it. `size` is that of [`ProblemOfFrame::new`], `rows` the number of rows without collision avoidance.
     pub(super) fn new(fence: &CollisionConstraint, rows: usize, size: f64) -> Self {
-        let problem = fence.holding();
+        let problem = fence.with_strong_clearance();
         Self {
             q: vec![0.0; problem.configuration_len()],
             from: vec![0.0; problem.variables()],
