@@ -24,17 +24,17 @@ const SIMPLEX_SIZE: f64 = 0.1;
 /// [`ExecutorMethod`](super::ExecutorMethod).
 #[derive(Clone, Debug)]
 pub struct BoundedProblem<'p> {
-    question: ProblemInstance<'p>,
+    instance: ProblemInstance<'p>,
     pool: Pool,
 }
 
 impl<'p> BoundedProblem<'p> {
     /// Wraps a problem, or a [problem instance](ProblemInstance), for argmin.
     #[must_use]
-    pub fn new(question: impl Into<ProblemInstance<'p>>) -> Self {
-        let question = question.into();
+    pub fn new(instance: impl Into<ProblemInstance<'p>>) -> Self {
+        let instance = instance.into();
         Self {
-            question,
+            instance,
             pool: Pool::default(),
         }
     }
@@ -44,7 +44,7 @@ impl<'p> BoundedProblem<'p> {
     /// # Errors
     /// Returns an error for a configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        Ok(DVector::from_vec(variables_at(self.question, q)?))
+        Ok(DVector::from_vec(variables_at(self.instance, q)?))
     }
 
     /// Lower and upper corner of the box to search from `q`, as particle swarm requires.
@@ -55,11 +55,11 @@ impl<'p> BoundedProblem<'p> {
     /// Returns the errors of [`start`](Self::start).
     pub fn search_box(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
         let start = self.start(q)?;
-        let (mut low, mut high) = (start.clone(), start);
-        for k in 0..low.len() {
-            (low[k], high[k]) = self.question.sampling_range(k, low[k]);
+        let (mut lower, mut upper) = (start.clone(), start);
+        for k in 0..lower.len() {
+            (lower[k], upper[k]) = self.instance.sampling_range(k, lower[k]);
         }
-        Ok((low, high))
+        Ok((lower, upper))
     }
 
     /// Initial simplex of n + 1 corners for Nelder-Mead.
@@ -71,13 +71,13 @@ impl<'p> BoundedProblem<'p> {
     /// Returns the errors of [`start`](Self::start).
     pub fn simplex(&self, q: &[f64]) -> Result<Vec<DVector<f64>>, SolveError> {
         let start = self.start(q)?;
-        let (low, high) = self.search_box(q)?;
+        let (lower, upper) = self.search_box(q)?;
         let mut corners = vec![start.clone()];
         for k in 0..start.len() {
             let mut corner = start.clone();
-            let forward = high[k] - start[k] >= start[k] - low[k];
-            let step = SIMPLEX_SIZE * (high[k] - low[k]);
-            corner[k] += if forward { step } else { -step };
+            let is_upward = upper[k] - start[k] >= start[k] - lower[k];
+            let step = SIMPLEX_SIZE * (upper[k] - lower[k]);
+            corner[k] += if is_upward { step } else { -step };
             corners.push(corner);
         }
         Ok(corners)
@@ -85,8 +85,8 @@ impl<'p> BoundedProblem<'p> {
 
     fn evaluate(&self, work: impl FnOnce(&mut Evaluation<'_>)) {
         let evaluate =
-            |own: &mut Buffers| work(&mut Evaluation::new(self.question, &mut own.scratch));
-        self.pool.with(self.question, evaluate);
+            |buffers: &mut Buffers| work(&mut Evaluation::new(self.instance, &mut buffers.scratch));
+        self.pool.with(self.instance, evaluate);
     }
 
     /// Solution at the best point of a run, evaluated at the returned `q`: errors, limits and costs.
@@ -101,7 +101,7 @@ impl<'p> BoundedProblem<'p> {
         I: State<Float = f64>,
         I::Param: Place,
     {
-        solution_of((self.question, &self.pool), run, |x| x.as_slice().to_vec())
+        solution_of((self.instance, &self.pool), run, |x| x.as_slice().to_vec())
     }
 }
 
@@ -110,12 +110,12 @@ impl CostFunction for BoundedProblem<'_> {
     type Output = f64;
 
     fn cost(&self, x: &DVector<f64>) -> Result<f64, Error> {
-        let question = self.question;
-        check_length(x.len(), question.variables())?;
-        Ok(self.pool.with(question, |buffers| {
+        let instance = self.instance;
+        check_length(x.len(), instance.variables())?;
+        Ok(self.pool.with(instance, |buffers| {
             buffers.x.copy_from_slice(x.as_slice());
-            question.space().project(&mut buffers.x);
-            Evaluation::new(question, &mut buffers.scratch)
+            instance.space().project(&mut buffers.x);
+            Evaluation::new(instance, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
             buffers.cost()
         }))
@@ -124,20 +124,20 @@ impl CostFunction for BoundedProblem<'_> {
 
 impl LeastSquares for BoundedProblem<'_> {
     answers! {
-        fn variables(&self) -> usize = self.question.variables();
-        fn rows(&self) -> usize = self.question.rows();
-        fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
-        fn lower(&self) -> &[f64] = self.question.lower();
-        fn upper(&self) -> &[f64] = self.question.upper();
-        fn stops_when_reached(&self) -> bool = !self.question.problem().has_preferences();
+        fn variables(&self) -> usize = self.instance.variables();
+        fn rows(&self) -> usize = self.instance.rows();
+        fn space(&self) -> ConfigurationSpace<'_> = self.instance.space();
+        fn lower(&self) -> &[f64] = self.instance.lower();
+        fn upper(&self) -> &[f64] = self.instance.upper();
+        fn stops_when_reached(&self) -> bool = !self.instance.problem().has_preferences();
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
-        self.evaluate(|at| at.residual(x, residual));
+        self.evaluate(|evaluation| evaluation.residual(x, residual));
     }
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        self.evaluate(|at| at.jacobian(x, jacobian));
+        self.evaluate(|evaluation| evaluation.jacobian(x, jacobian));
     }
 
     fn gradient(
@@ -147,11 +147,11 @@ impl LeastSquares for BoundedProblem<'_> {
         gradient: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.evaluate(|at| at.gradient(x, residual, gradient, jacobian));
+        self.evaluate(|evaluation| evaluation.gradient(x, residual, gradient, jacobian));
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         problem.is_reached_by(TaskSubset::All, residual)
     }
 }

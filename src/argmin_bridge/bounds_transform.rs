@@ -8,7 +8,7 @@ use crate::scalar::elementary;
 /// Smallest distance of a start from a bound: on it dx/dy is 0, and no gradient leads away.
 ///
 /// It is a fraction of half the range, or in the variable's unit if only one side is bounded.
-const NUDGE: f64 = 0.01;
+const MIN_BOUND_DISTANCE: f64 = 0.01;
 
 /// Bounded variable as a function of one unbounded y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,18 +94,22 @@ impl BoundsTransform {
         }
     }
 
-    /// A y whose image is `x`, after `x` is moved off the bounds by at least `NUDGE`.
+    /// A y whose image is `x`, after `x` is moved off the bounds by at least `MIN_BOUND_DISTANCE`.
     pub(super) fn start(self, x: f64) -> f64 {
-        let side = |away: f64| {
-            let away = away.max(NUDGE);
-            (away * (away + 2.0)).sqrt()
+        let side = |bound_distance: f64| {
+            let bound_distance = bound_distance.max(MIN_BOUND_DISTANCE);
+            (bound_distance * (bound_distance + 2.0)).sqrt()
         };
         match self {
             Self::Identity => x,
             Self::Locked { .. } => 0.0,
             Self::Sine { lower, upper } => {
                 let (mid, half) = mid_and_half(lower, upper);
-                half * elementary::asin(within((x - mid) / half, NUDGE - 1.0, 1.0 - NUDGE))
+                half * elementary::asin(within(
+                    (x - mid) / half,
+                    MIN_BOUND_DISTANCE - 1.0,
+                    1.0 - MIN_BOUND_DISTANCE,
+                ))
             }
             Self::Above { lower } => side(x - lower),
             Self::Below { upper } => side(upper - x),

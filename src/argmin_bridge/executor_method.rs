@@ -82,7 +82,7 @@ impl<M: Method> ExecutorMethod<M> {
     }
 
     /// Evaluates the current point, tests for termination, and records the point in the state.
-    fn look<O: LeastSquares>(
+    fn evaluate_point<O: LeastSquares>(
         &mut self,
         problem: &mut Problem<O>,
         state: MethodState,
@@ -92,27 +92,27 @@ impl<M: Method> ExecutorMethod<M> {
         let method = &self.method;
         let Running {
             progress,
-            state: at,
-            own,
+            state: solver_state,
+            method_state,
         } = self.search.running(least_squares, method)?;
-        if !progress.look(least_squares, method, own, at) {
+        if !progress.evaluate(least_squares, method, method_state, solver_state) {
             self.ended = Some(Termination::NonFinite);
         } else if self.ended.is_none() {
-            self.ended = progress.judge(at, &stopping);
+            self.ended = progress.termination(solver_state, &stopping);
         }
 
-        let mut seen = KV::new();
-        seen.insert("control", method.control(own).into());
-        seen.insert("step", progress.step_norm(at).into());
+        let mut key_values = KV::new();
+        key_values.insert("control", method.control(method_state).into());
+        key_values.insert("step", progress.step_norm(solver_state).into());
         let mut state = state
-            .param(DVector::from_column_slice(at.x()))
-            .cost(at.cost())
-            .residuals(DVector::from_column_slice(at.residual()));
+            .param(DVector::from_column_slice(solver_state.x()))
+            .cost(solver_state.cost())
+            .residuals(DVector::from_column_slice(solver_state.residual()));
         if let Some(norm) = progress.projected_gradient {
-            seen.insert("projected_gradient", norm.into());
-            state = state.gradient(DVector::from_column_slice(at.gradient()));
+            key_values.insert("projected_gradient", norm.into());
+            state = state.gradient(DVector::from_column_slice(solver_state.gradient()));
         }
-        let counts = at.counts();
+        let counts = solver_state.counts();
         for (name, count) in [
             ("cost_count", counts.residuals),
             ("jacobian_count", counts.jacobians),
@@ -120,7 +120,7 @@ impl<M: Method> ExecutorMethod<M> {
         ] {
             problem.counts.insert(name, count as u64);
         }
-        Ok((state, Some(seen)))
+        Ok((state, Some(key_values)))
     }
 }
 
@@ -142,19 +142,19 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
         let start = start.ok_or_else(|| ArgminError::NotInitialized {
             text: format!("`{name}` needs a start: configure the state's `param`"),
         })?;
-        let (mut at, mut own) = (SolverState::default(), M::State::default());
-        (self.method).reserve(&mut own, least_squares.rows(), variables);
-        let progress = Progress::start(least_squares, start.as_slice(), &mut at);
+        let (mut solver_state, mut method_state) = (SolverState::default(), M::State::default());
+        (self.method).reserve(&mut method_state, least_squares.rows(), variables);
+        let progress = Progress::start(least_squares, start.as_slice(), &mut solver_state);
         let progress = progress.ok_or_else(|| ArgminError::InvalidParameter {
             text: format!("`{name}` needs a start of {variables} finite numbers"),
         })?;
         self.search = ExecutorSearch::Running(Box::new(Running {
             progress,
-            state: at,
-            own,
+            state: solver_state,
+            method_state,
         }));
         self.ended = None;
-        self.look(problem, state)
+        self.evaluate_point(problem, state)
     }
 
     fn next_iter(
@@ -165,10 +165,11 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
         let stopping = self.stopping();
         let least_squares = inner(problem)?;
         let method = &self.method;
-        let at = self.search.running(least_squares, method)?;
-        let (own, state_there) = (&mut at.own, &mut at.state);
-        self.ended = (at.progress).step(least_squares, method, own, state_there, &stopping);
-        self.look(problem, state)
+        let running = self.search.running(least_squares, method)?;
+        let (method_state, solver_state) = (&mut running.method_state, &mut running.state);
+        self.ended =
+            (running.progress).step(least_squares, method, method_state, solver_state, &stopping);
+        self.evaluate_point(problem, state)
     }
 
     fn terminate(&mut self, _state: &MethodState) -> TerminationStatus {

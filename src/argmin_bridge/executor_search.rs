@@ -19,7 +19,7 @@ pub(super) enum ExecutorSearch<S> {
 pub(super) struct Running<S> {
     pub(super) progress: Progress,
     pub(super) state: SolverState,
-    pub(super) own: S,
+    pub(super) method_state: S,
 }
 
 /// A search as stored in a checkpoint.
@@ -46,7 +46,7 @@ impl<S: Clone> ExecutorSearch<S> {
             *self = Self::Running(Box::new(Running {
                 progress: Progress::resumed(problem, &state),
                 state,
-                own: suspended.own.clone(),
+                method_state: suspended.own.clone(),
             }));
         }
         match self {
@@ -64,7 +64,7 @@ impl<S: Serialize + Clone> Serialize for ExecutorSearch<S> {
             Self::Waiting => None,
             Self::Running(running) => Some(Suspended {
                 snapshot: running.state.snapshot(),
-                own: running.own.clone(),
+                own: running.method_state.clone(),
             }),
             Self::Suspended(suspended) => Some(suspended.as_ref().clone()),
         };

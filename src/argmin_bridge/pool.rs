@@ -25,13 +25,13 @@ pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
 impl Pool {
     pub(super) fn with<T>(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         work: impl FnOnce(&mut Buffers) -> T,
     ) -> T {
-        let problem = question.problem();
-        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let taken = free().pop();
-        let mut buffers = taken.unwrap_or_else(|| Buffers {
+        let problem = instance.problem();
+        let lock_pool = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let unused = lock_pool().pop();
+        let mut buffers = unused.unwrap_or_else(|| Buffers {
             scratch: problem.scratch(),
             x: vec![0.0; problem.variables()],
             residual: vec![0.0; problem.rows()],
@@ -39,7 +39,7 @@ impl Pool {
             jacobian: DMatrix::zeros(problem.rows(), problem.variables()),
         });
         let result = work(&mut buffers);
-        free().push(buffers);
+        lock_pool().push(buffers);
         result
     }
 }

@@ -33,7 +33,7 @@ impl Place for Particle<DVector<f64>, f64> {
 
 /// Solution at the best point of a run; `variables` converts its parameters to the problem's variables.
 pub(super) fn solution_of<O, S, I>(
-    (question, pool): (ProblemInstance<'_>, &Pool),
+    (instance, pool): (ProblemInstance<'_>, &Pool),
     run: &OptimizationResult<O, S, I>,
     variables: impl FnOnce(&DVector<f64>) -> Vec<f64>,
 ) -> Result<Solution, BridgeError>
@@ -44,33 +44,33 @@ where
     let state = run.state();
     let best = state.get_best_param().or_else(|| state.get_param());
     let best = best.ok_or(BridgeError::NoParameters)?.coordinates();
-    BridgeError::check_variables(best.len(), question.variables())?;
+    BridgeError::check_variables(best.len(), instance.variables())?;
     let run = Some((state, &run.problem.counts));
-    Ok(solution_at(question, pool, &variables(best), run))
+    Ok(solution_at(instance, pool, &variables(best), run))
 }
 
 /// Projects x, evaluates it, and returns the solution there.
 ///
 /// `run` is the state and the evaluations of a run, or `None` for one that failed at its start.
 pub(super) fn solution_at<I: State>(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     pool: &Pool,
     x: &[f64],
     run: Option<(&I, &HashMap<&'static str, u64>)>,
 ) -> Solution {
-    pool.with(question, |buffers| {
+    pool.with(instance, |buffers| {
         let Buffers {
             scratch,
-            x: at,
+            x: projected_x,
             residual,
             ..
         } = buffers;
-        at.copy_from_slice(x);
-        question.space().project(at);
-        Evaluation::new(question, scratch).residual(at, residual);
+        projected_x.copy_from_slice(x);
+        instance.space().project(projected_x);
+        Evaluation::new(instance, scratch).residual(projected_x, residual);
         let end = End {
-            question,
-            x: at,
+            question: instance,
+            x: projected_x,
             share: TaskSubset::All,
             searched: residual,
             residual,
@@ -84,17 +84,18 @@ pub(super) fn solution_at<I: State>(
             solution.iterations = usize::try_from(state.get_iter()).unwrap_or(usize::MAX);
             solution.counts = counts_from(counts);
         }
-        let finite = |norm: f64| norm.is_finite();
-        let finite = solution.cost.is_finite() && solution.projected_gradient.is_none_or(finite);
-        let finished = solution.reached && !question.problem().has_preferences();
+        let is_finite = |norm: f64| norm.is_finite();
+        let is_finite =
+            solution.cost.is_finite() && solution.projected_gradient.is_none_or(is_finite);
+        let is_finished = solution.reached && !instance.problem().has_preferences();
         solution.termination = match run.map(|(state, _)| state.get_termination_status()) {
-            _ if !finite => Termination::NonFinite,
-            Some(status) => termination_of(status, finished),
-            None if finished => Termination::Reached,
+            _ if !is_finite => Termination::NonFinite,
+            Some(status) => termination_of(status, is_finished),
+            None if is_finished => Termination::Reached,
             None if slope.is_some_and(|slope| slope.is_level) => Termination::Stationary,
             None => Termination::SmallStep,
         };
-        solution.check_collisions(question);
+        solution.check_collisions(instance);
         solution
     })
 }
@@ -119,8 +120,8 @@ fn counts_from(counts: &HashMap<&'static str, u64>) -> Counts {
     }
 }
 
-/// Converts argmin's reasons. `finished` is true if the goals are reached and there are no soft tasks.
-fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
+/// Converts argmin's reasons. `is_finished` is true if the goals are reached and there are no soft tasks.
+fn termination_of(status: &TerminationStatus, is_finished: bool) -> Termination {
     let reason = match status {
         // From a run that was interrupted.
         TerminationStatus::NotTerminated => return Termination::Cancelled,
@@ -130,11 +131,11 @@ fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
         TerminationReason::MaxItersReached => Termination::IterationLimit,
         TerminationReason::Timeout => Termination::TimeLimit,
         TerminationReason::Interrupt => Termination::Cancelled,
-        _ if finished => Termination::Reached,
+        _ if is_finished => Termination::Reached,
         TerminationReason::SolverConverged => Termination::Stationary,
         // A target cost of the caller, unrelated to the tolerances.
         TerminationReason::TargetCostReached => Termination::Cancelled,
-        TerminationReason::SolverExit(why) if why == Termination::NonFinite.name() => {
+        TerminationReason::SolverExit(text) if text == Termination::NonFinite.name() => {
             Termination::NonFinite
         }
         // A line search without an acceptable step, of kinopt or of argmin.

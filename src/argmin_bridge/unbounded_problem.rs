@@ -15,7 +15,7 @@ use crate::search::variables_at;
 use crate::solver::{LeastSquares, half_squared};
 
 /// Smallest diagonal entry of the Hessian, relative to its largest: keeps it invertible for redundant arms.
-const HESSIAN_FLOOR: f64 = 1e-10;
+const MIN_RELATIVE_DIAGONAL: f64 = 1e-10;
 
 /// A problem over unbounded variables y: every y gives an x(y) within the bounds, and all derivatives are by y.
 ///
@@ -32,7 +32,7 @@ const HESSIAN_FLOOR: f64 = 1e-10;
 /// Clones share their memory. Several threads may evaluate at the same time.
 #[derive(Clone, Debug)]
 pub struct UnboundedProblem<'p> {
-    question: ProblemInstance<'p>,
+    instance: ProblemInstance<'p>,
     transforms: Vec<BoundsTransform>,
     pool: Pool,
 }
@@ -40,11 +40,11 @@ pub struct UnboundedProblem<'p> {
 impl<'p> UnboundedProblem<'p> {
     /// Wraps a problem, or a [problem instance](ProblemInstance), for argmin.
     #[must_use]
-    pub fn new(question: impl Into<ProblemInstance<'p>>) -> Self {
-        let question = question.into();
-        let bounds = question.lower().iter().zip(question.upper());
+    pub fn new(instance: impl Into<ProblemInstance<'p>>) -> Self {
+        let instance = instance.into();
+        let bounds = instance.lower().iter().zip(instance.upper());
         Self {
-            question,
+            instance,
             transforms: bounds
                 .map(|(&lower, &upper)| BoundsTransform::new(lower, upper))
                 .collect(),
@@ -59,7 +59,7 @@ impl<'p> UnboundedProblem<'p> {
     /// # Errors
     /// Returns an error for a configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
-        let x = variables_at(self.question, q)?;
+        let x = variables_at(self.instance, q)?;
         let y = self.transforms.iter().zip(x).map(|(t, x)| t.start(x));
         Ok(DVector::from_iterator(self.transforms.len(), y))
     }
@@ -68,7 +68,7 @@ impl<'p> UnboundedProblem<'p> {
     #[must_use]
     pub fn variables_at(&self, y: &DVector<f64>) -> Vec<f64> {
         let mut x: Vec<f64> = self.images(y).map(|image| image.value).collect();
-        self.question.space().project(&mut x);
+        self.instance.space().project(&mut x);
         x
     }
 
@@ -84,7 +84,7 @@ impl<'p> UnboundedProblem<'p> {
         I: State<Float = f64>,
         I::Param: Place,
     {
-        solution_of((self.question, &self.pool), run, |y| self.variables_at(y))
+        solution_of((self.instance, &self.pool), run, |y| self.variables_at(y))
     }
 
     /// Solution of a run as by [`solution`](Self::solution), also for a run that failed.
@@ -108,7 +108,7 @@ impl<'p> UnboundedProblem<'p> {
             Err(error) => {
                 BridgeError::check_variables(start.len(), self.transforms.len())?;
                 let x = self.variables_at(start);
-                let solution = solution_at(self.question, &self.pool, &x, None::<(&I, _)>);
+                let solution = solution_at(self.instance, &self.pool, &x, None::<(&I, _)>);
                 if is_finished_at(&solution) {
                     Ok(solution)
                 } else {
@@ -130,21 +130,21 @@ impl<'p> UnboundedProblem<'p> {
         work: impl FnOnce(ProblemInstance<'_>, &mut Buffers) -> T,
     ) -> Result<T, Error> {
         check_length(y.len(), self.transforms.len())?;
-        Ok(self.pool.with(self.question, |buffers| {
+        Ok(self.pool.with(self.instance, |buffers| {
             for (x, image) in buffers.x.iter_mut().zip(self.images(y)) {
                 *x = image.value;
             }
             // Swings are within an ellipse, which a transform of single variables does not ensure.
-            self.question.space().project(&mut buffers.x);
-            Evaluation::new(self.question, &mut buffers.scratch)
+            self.instance.space().project(&mut buffers.x);
+            Evaluation::new(self.instance, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
-            work(self.question, buffers)
+            work(self.instance, buffers)
         }))
     }
 
     /// ∂r/∂y for buffers that hold x.
     fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut Buffers) -> DMatrix<f64> {
-        Evaluation::new(self.question, &mut buffers.scratch)
+        Evaluation::new(self.instance, &mut buffers.scratch)
             .jacobian(&buffers.x, &mut buffers.jacobian);
         let mut jacobian = buffers.jacobian.clone();
         for (mut column, image) in jacobian.column_iter_mut().zip(self.images(y)) {
@@ -156,8 +156,8 @@ impl<'p> UnboundedProblem<'p> {
 
 impl Buffers {
     /// Computes Jᵀr by x for buffers that hold x and r.
-    pub(super) fn differentiate_cost(&mut self, question: ProblemInstance<'_>) {
-        Evaluation::new(question, &mut self.scratch).gradient(
+    pub(super) fn differentiate_cost(&mut self, instance: ProblemInstance<'_>) {
+        Evaluation::new(instance, &mut self.scratch).gradient(
             &self.x,
             &self.residual,
             &mut self.gradient,
@@ -227,7 +227,7 @@ impl Hessian for UnboundedProblem<'_> {
                 hessian[(k, k)] += (buffers.gradient[k] * image.curvature).max(0.0);
             }
             let largest = hessian.diagonal().iter().copied().fold(0.0, f64::max);
-            let floor = if largest > 0.0 { largest } else { 1.0 } * HESSIAN_FLOOR;
+            let floor = if largest > 0.0 { largest } else { 1.0 } * MIN_RELATIVE_DIAGONAL;
             for k in 0..y.len() {
                 hessian[(k, k)] += floor;
             }

@@ -11,7 +11,7 @@ use super::rate_limits::RateLimits;
 use super::serial_chain::{Serial, source_of};
 use super::{ArmError, PoseBounds};
 use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};
-use crate::problem::NEARBY;
+use crate::problem::MAX_NEARBY_ERROR;
 use crate::robot::{Mimic, coupled};
 use crate::simd_ik::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;
@@ -324,7 +324,7 @@ impl ArmBuilder<'_> {
             seed: options.seed,
             // The atlas's configurations may be anywhere, but a bound on motions keeps to the start.
             atlas: self.atlas && options.max_move.is_none(),
-            nearby: NEARBY,
+            nearby: MAX_NEARBY_ERROR,
             ..LaneOptions::default()
         }
     }

@@ -6,7 +6,7 @@ use super::follower::MAX_JOINT_STEP;
 use super::local_descent::LocalDescent;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
-use crate::problem::NEARBY;
+use crate::problem::MAX_NEARBY_ERROR;
 use crate::search::SearchResult;
 use crate::simd_ik;
 use crate::solver::Termination;
@@ -83,7 +83,7 @@ impl Arm {
         let start = std::mem::take(&mut workspace.start);
         let errors = workspace.judge(&start);
         workspace.start = start;
-        let radians = NEARBY * self.options.metres_per_radian;
+        let radians = MAX_NEARBY_ERROR * self.options.metres_per_radian;
         2.0 * self.cost(errors) < radians * radians
     }
 

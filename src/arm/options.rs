@@ -191,7 +191,7 @@ impl Options {
 
 /// Checks the half widths of a goal, and that some component counts.
 pub(super) fn check_goal(goal: &PoseBounds) -> Result<(), ArmError> {
-    if let Some((_, value)) = goal.bad_half_width() {
+    if let Some((_, value)) = goal.invalid_half_width() {
         let allowed = "half widths must be at least 0";
         return check("goal", &[value], (|_| false, allowed));
     }

@@ -31,7 +31,7 @@ impl PoseProblem {
         } else {
             f64::INFINITY
         };
-        let [_, orientation_rows] = pose.measures();
+        let [_, orientation_rows] = pose.row_blocks();
         let task = builder.add(
             Task::new(pose)
                 .weight(Quantity::Metres, 1.0)

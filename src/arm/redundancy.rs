@@ -31,7 +31,7 @@ const POSTURE_TOLERANCE: f64 = 1e-9;
 impl Arm {
     /// Returns true if the goal may leave a null space.
     pub(super) fn has_null_space(&self) -> bool {
-        self.joint_count() > self.options.goal.rows() || self.options.goal.has_room()
+        self.joint_count() > self.options.goal.rows() || self.options.goal.has_bounds()
     }
 
     /// Nominal posture of an arm that begins at `start`.

@@ -270,8 +270,8 @@ impl ArmWorkspace {
         observer: &'a mut dyn Observer,
     ) -> Minimiser<'a> {
         Minimiser {
-            question: self.question.instance(),
-            share: TaskSubset::All,
+            instance: self.question.instance(),
+            subset: TaskSubset::All,
             method,
             deadline,
             observer,

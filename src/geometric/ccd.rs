@@ -44,11 +44,11 @@ impl Geometric for Ccd {
 
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let mut descent = Descent::new(question, goals(question, "CCD")?);
-        sweeps::solve(question, start, self.limits, &mut descent, observer)
+        let mut descent = Descent::new(instance, goals(instance, "CCD")?);
+        sweeps::solve(instance, start, self.limits, &mut descent, observer)
     }
 }

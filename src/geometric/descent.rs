@@ -2,8 +2,8 @@
 
 use super::goal::Goal;
 use super::grouped::Grouped;
+use super::joint_motion::{RotationCost, TranslationCost, move_joint, rotation_matrix};
 use super::sweeps::Sweep;
-use super::turn::{Slide, Turn, move_joint, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
 use crate::problem::ProblemInstance;
@@ -11,151 +11,177 @@ use crate::spatial::{Placement, Vector3};
 
 /// State of a search: the frames of the targets and the joints that move them.
 pub(super) struct Descent<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
     /// The present placement of each target's frame.
-    placed: Vec<Placement<f64>>,
+    frame_placements: Vec<Placement<f64>>,
     /// By joint: the targets whose frames it moves.
-    moves: Grouped,
+    goals_of_joint: Grouped,
     /// By variable: the joints that it moves, if these move a target's frame.
-    drives: Grouped,
+    joints_of_variable: Grouped,
 }
 
 impl<'a> Descent<'a> {
-    pub(super) fn new(question: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
-        let tree = question.tree();
-        let mut moved = Vec::with_capacity(tree.joints());
+    pub(super) fn new(instance: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
+        let tree = instance.tree();
+        let mut joint_goal_pairs = Vec::with_capacity(tree.joints());
         for (index, goal) in goals.iter().enumerate() {
             let first = tree.joint_carrying(goal.frame);
-            let carrying = std::iter::successors(first, |&joint| tree.joint_above(joint));
-            moved.extend(carrying.map(|joint| (joint, index)));
+            let carrying_joints = std::iter::successors(first, |&joint| tree.joint_above(joint));
+            joint_goal_pairs.extend(carrying_joints.map(|joint| (joint, index)));
         }
-        let moves = Grouped::new(tree.joints(), &moved);
-        let moving = (0..tree.joints()).filter(|&joint| !moves.of(joint).is_empty());
-        let driven: Vec<_> = moving
+        let goals_of_joint = Grouped::new(tree.joints(), &joint_goal_pairs);
+        let moving_joints =
+            (0..tree.joints()).filter(|&joint| !goals_of_joint.of(joint).is_empty());
+        let variable_joint_pairs: Vec<_> = moving_joints
             .map(|joint| (tree.variable_of(joint).0, joint))
             .collect();
-        let drives = Grouped::new(question.problem.variables(), &driven);
+        let joints_of_variable = Grouped::new(instance.problem.variables(), &variable_joint_pairs);
         Self {
-            question,
+            instance,
             state: TreeState::new(tree),
-            placed: vec![Placement::identity(); goals.len()],
+            frame_placements: vec![Placement::identity(); goals.len()],
             goals,
-            moves,
-            drives,
+            goals_of_joint,
+            joints_of_variable,
         }
     }
 
     fn forward(&mut self, x: &[f64]) {
-        self.question.tree().forward(x, &mut self.state);
+        self.instance.tree().forward(x, &mut self.state);
         let frames = self.state.frames();
-        for (placed, goal) in self.placed.iter_mut().zip(&self.goals) {
-            *placed = frames[goal.frame];
+        for (frame_placement, goal) in self.frame_placements.iter_mut().zip(&self.goals) {
+            *frame_placement = frames[goal.frame];
         }
     }
 
     /// The cost of all targets as a function of one rotating joint.
-    fn turn(&self, joint: usize, axis: &JointAxis) -> Turn {
-        let mut turn = Turn::default();
-        for &index in self.moves.of(joint) {
-            let (goal, frame) = (&self.goals[index], &self.placed[index]);
-            if let Some(place) = goal.place {
-                let (at, to) = (frame.apply(goal.offset), place.target);
-                let weight = place.weight;
-                turn.pull(axis.direction, at - axis.origin, to - axis.origin, weight);
+    fn rotation_cost(&self, joint: usize, axis: &JointAxis) -> RotationCost {
+        let mut cost = RotationCost::default();
+        for &index in self.goals_of_joint.of(joint) {
+            let (goal, frame) = (&self.goals[index], &self.frame_placements[index]);
+            if let Some(position) = goal.position {
+                let (point, target_point) = (frame.apply(goal.offset), position.target);
+                let weight = position.weight;
+                cost.add_target(
+                    axis.direction,
+                    point - axis.origin,
+                    target_point - axis.origin,
+                    weight,
+                );
             }
-            if let Some(axes) = goal.axes {
-                let (now, target) = (frame.rotation, axes.target);
-                for (u, v) in [(now.x, target.x), (now.y, target.y), (now.z, target.z)] {
-                    turn.pull(axis.direction, u, v, 0.5 * axes.weight);
+            if let Some(orientation) = goal.orientation {
+                let (rotation, target) = (frame.rotation, orientation.target);
+                for (u, v) in [
+                    (rotation.x, target.x),
+                    (rotation.y, target.y),
+                    (rotation.z, target.z),
+                ] {
+                    cost.add_target(axis.direction, u, v, 0.5 * orientation.weight);
                 }
             }
         }
-        turn
+        cost
     }
 
     /// The cost of all targets as a function of one prismatic joint.
-    fn slide(&self, joint: usize, axis: &JointAxis) -> Slide {
-        let mut slide = Slide::default();
-        for &index in self.moves.of(joint) {
-            let (goal, frame) = (&self.goals[index], &self.placed[index]);
-            if let Some(place) = goal.place {
-                slide.pull(axis, place.target - frame.apply(goal.offset), place.weight);
+    fn translation_cost(&self, joint: usize, axis: &JointAxis) -> TranslationCost {
+        let mut cost = TranslationCost::default();
+        for &index in self.goals_of_joint.of(joint) {
+            let (goal, frame) = (&self.goals[index], &self.frame_placements[index]);
+            if let Some(position) = goal.position {
+                cost.add_target(
+                    axis,
+                    position.target - frame.apply(goal.offset),
+                    position.weight,
+                );
             }
         }
-        slide
+        cost
     }
 
     /// Moves one joint to its best value, and the frames of the targets with it.
     ///
     /// The state of joints towards the tips is not updated, because this sweep does not use it again.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
-        let axis = self.question.tree().axis(&self.state, joint);
-        let by = move_joint(self.question, joint, x, |room| match axis.turns {
-            true => self.turn(joint, &axis).best(room),
-            false => self.slide(joint, &axis).best(room),
+        let axis = self.instance.tree().axis(&self.state, joint);
+        let motion = move_joint(self.instance, joint, x, |range| match axis.turns {
+            true => self.rotation_cost(joint, &axis).best(range),
+            false => self.translation_cost(joint, &axis).best(range),
         });
-        let carried = match axis.turns {
+        let transform = match axis.turns {
             true => {
-                let turn = turned(axis.direction, by);
-                Placement::new(turn, axis.origin - turn * axis.origin)
+                let rotation = rotation_matrix(axis.direction, motion);
+                Placement::new(rotation, axis.origin - rotation * axis.origin)
             }
-            false => Placement::translation(axis.direction * by),
+            false => Placement::translation(axis.direction * motion),
         };
-        for &index in self.moves.of(joint) {
-            self.placed[index] = carried * self.placed[index];
+        for &index in self.goals_of_joint.of(joint) {
+            self.frame_placements[index] = transform * self.frame_placements[index];
         }
     }
 
     /// The cost that the joint motions decrease.
     fn chord_cost(&self) -> f64 {
-        let of = |(goal, frame): (&Goal, &Placement<f64>)| {
-            let place = goal.place.map_or(0.0, |place| {
-                place.weight * (frame.apply(goal.offset) - place.target).norm_squared()
+        let goal_cost = |(goal, frame): (&Goal, &Placement<f64>)| {
+            let position = goal.position.map_or(0.0, |position| {
+                position.weight * (frame.apply(goal.offset) - position.target).norm_squared()
             });
-            let axes = goal.axes.map_or(0.0, |axes| {
-                let (now, target) = (frame.rotation, axes.target);
-                let chords = [now.x - target.x, now.y - target.y, now.z - target.z];
+            let orientation = goal.orientation.map_or(0.0, |orientation| {
+                let (rotation, target) = (frame.rotation, orientation.target);
+                let chords = [
+                    rotation.x - target.x,
+                    rotation.y - target.y,
+                    rotation.z - target.z,
+                ];
                 let squared: f64 = chords.iter().map(|chord| chord.norm_squared()).sum();
-                0.5 * axes.weight * squared
+                0.5 * orientation.weight * squared
             });
-            0.5 * (place + axes)
+            0.5 * (position + orientation)
         };
-        self.goals.iter().zip(&self.placed).map(of).sum()
+        self.goals
+            .iter()
+            .zip(&self.frame_placements)
+            .map(goal_cost)
+            .sum()
     }
 
     /// Minus the derivative of the cost by a variable, and its Gauss-Newton curvature.
     ///
     /// Sums the velocities of the frames over all joints that the variable moves.
     fn slope(&self, variable: usize) -> (f64, f64) {
-        let tree = self.question.tree();
+        let tree = self.instance.tree();
         let (mut slope, mut curvature) = (0.0, 0.0);
         for (index, goal) in self.goals.iter().enumerate() {
-            let frame = &self.placed[index];
-            let at = frame.apply(goal.offset);
-            let (mut velocity, mut spin) = (Vector3::zero(), Vector3::zero());
-            let moving = self.drives.of(variable).iter();
-            for &joint in moving.filter(|&&joint| self.moves.of(joint).contains(&index)) {
+            let frame = &self.frame_placements[index];
+            let point = frame.apply(goal.offset);
+            let (mut velocity, mut angular_velocity) = (Vector3::zero(), Vector3::zero());
+            let moving = self.joints_of_variable.of(variable).iter();
+            for &joint in moving.filter(|&&joint| self.goals_of_joint.of(joint).contains(&index)) {
                 let axis = tree.axis(&self.state, joint);
-                let share = axis.direction * tree.variable_of(joint).1;
+                let unit_motion = axis.direction * tree.variable_of(joint).1;
                 if axis.turns {
-                    velocity += share.cross(at - axis.origin);
-                    spin += share;
+                    velocity += unit_motion.cross(point - axis.origin);
+                    angular_velocity += unit_motion;
                 } else {
-                    velocity += share;
+                    velocity += unit_motion;
                 }
             }
-            if let Some(place) = goal.place {
-                slope += place.weight * velocity.dot(place.target - at);
-                curvature += place.weight * velocity.norm_squared();
+            if let Some(position) = goal.position {
+                slope += position.weight * velocity.dot(position.target - point);
+                curvature += position.weight * velocity.norm_squared();
             }
-            if let Some(axes) = goal.axes {
-                let (now, target) = (frame.rotation, axes.target);
-                for (u, v) in [(now.x, target.x), (now.y, target.y), (now.z, target.z)] {
-                    let velocity = spin.cross(u);
-                    slope += 0.5 * axes.weight * velocity.dot(v - u);
-                    curvature += 0.5 * axes.weight * velocity.norm_squared();
+            if let Some(orientation) = goal.orientation {
+                let (rotation, target) = (frame.rotation, orientation.target);
+                for (u, v) in [
+                    (rotation.x, target.x),
+                    (rotation.y, target.y),
+                    (rotation.z, target.z),
+                ] {
+                    let velocity = angular_velocity.cross(u);
+                    slope += 0.5 * orientation.weight * velocity.dot(v - u);
+                    curvature += 0.5 * orientation.weight * velocity.norm_squared();
                 }
             }
         }
@@ -163,46 +189,48 @@ impl<'a> Descent<'a> {
     }
 
     /// A Gauss-Newton step along one variable, halved until it decreases the cost.
-    fn move_shared(&mut self, variable: usize, x: &mut [f64]) {
+    fn move_coupled_variable(&mut self, variable: usize, x: &mut [f64]) {
         const HALVINGS: usize = 10;
         self.forward(x);
-        let before = self.chord_cost();
+        let start_cost = self.chord_cost();
         let (slope, curvature) = self.slope(variable);
         let (lower, upper) = (
-            self.question.lower()[variable],
-            self.question.upper()[variable],
+            self.instance.lower()[variable],
+            self.instance.upper()[variable],
         );
         let bounds = Limits::new(lower, upper);
-        let from = x[variable];
+        let start_value = x[variable];
         let mut step = if curvature > 0.0 {
             slope / curvature
         } else {
             0.0
         };
         for _ in 0..HALVINGS {
-            x[variable] = bounds.clamp(from + step);
+            x[variable] = bounds.clamp(start_value + step);
             self.forward(x);
-            if self.chord_cost() < before {
+            if self.chord_cost() < start_cost {
                 return;
             }
             step *= 0.5;
         }
-        x[variable] = from;
+        x[variable] = start_value;
     }
 }
 
 impl Sweep for Descent<'_> {
     fn sweep(&mut self, x: &mut [f64]) {
-        for variable in 0..self.drives.groups() {
-            if self.drives.of(variable).len() > 1 {
-                self.move_shared(variable, x);
+        for variable in 0..self.joints_of_variable.groups() {
+            if self.joints_of_variable.of(variable).len() > 1 {
+                self.move_coupled_variable(variable, x);
             }
         }
         self.forward(x);
         // Joints are numbered parents first, so this order is from the tips to the root.
-        for joint in (0..self.moves.groups()).rev() {
-            let (variable, _) = self.question.tree().variable_of(joint);
-            if !self.moves.of(joint).is_empty() && self.drives.of(variable).len() == 1 {
+        for joint in (0..self.goals_of_joint.groups()).rev() {
+            let (variable, _) = self.instance.tree().variable_of(joint);
+            if !self.goals_of_joint.of(joint).is_empty()
+                && self.joints_of_variable.of(variable).len() == 1
+            {
                 self.move_joint(joint, x);
             }
         }

@@ -3,7 +3,7 @@
 use super::goal::goals;
 use super::joint_groups::joint_points;
 use super::joints_to_points::JointFit;
-use super::linkage::{Linkage, Pin, Span, lay_straight};
+use super::linkage::{Linkage, Pin, Span, straighten};
 use super::sweeps::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
@@ -48,19 +48,19 @@ impl Geometric for Fabrik {
 
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(question, "FABRIK")?;
-        let joint_points = joint_points(question, &goals, "FABRIK")?;
+        let goals = goals(instance, "FABRIK")?;
+        let joint_points = joint_points(instance, &goals, "FABRIK")?;
         let mut passes = Passes {
             linkage: joint_points.linkage(),
             pins: joint_points.pins().to_vec(),
             points: joint_points.rest().to_vec(),
-            fit: JointFit::new(question, joint_points),
+            fit: JointFit::new(instance, joint_points),
         };
-        sweeps::solve(question, start, self.limits, &mut passes, observer)
+        sweeps::solve(instance, start, self.limits, &mut passes, observer)
     }
 }
 
@@ -76,7 +76,7 @@ impl Sweep for Passes<'_> {
         self.fit.points_at(x, &mut self.points);
         reach(&mut self.linkage, &mut self.points, &self.pins);
         // Bones beyond a bone at its limit compensate for the error.
-        self.fit.follow(&mut self.points, x, |points, fixed| {
+        self.fit.move_to(&mut self.points, x, |points, fixed| {
             self.linkage.pass_beyond(fixed, points, &self.pins)
         });
     }
@@ -87,7 +87,7 @@ fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Sp
     if let (Some(lengths), [pin], [root, ..]) = (linkage.as_chain(), pins, &*points) {
         let span = Span::of(lengths, (pin.target - *root).norm());
         if span != Span::Within && pin.point == lengths.len() {
-            lay_straight(points, lengths, pin.target, span);
+            straighten(points, lengths, pin.target, span);
             return span;
         }
     }
@@ -140,22 +140,22 @@ pub fn fabrik(
 ) -> Reaching {
     let miss = |points: &[Vector3<f64>]| points.last().map_or(0.0, |&tip| (tip - target).norm());
     let mut linkage = Linkage::chain(points);
-    let mut done = Reaching {
+    let mut result = Reaching {
         passes: 0,
         miss: miss(points),
         span: Span::Within,
     };
     let Some(point) = points.len().checked_sub(1).filter(|&last| last > 0) else {
-        return done;
+        return result;
     };
     let pins = [Pin { point, target }];
-    while done.miss > tolerance && done.passes < max_passes {
-        done.span = reach(&mut linkage, points, &pins);
-        done.miss = miss(points);
-        if done.span != Span::Within {
+    while result.miss > tolerance && result.passes < max_passes {
+        result.span = reach(&mut linkage, points, &pins);
+        result.miss = miss(points);
+        if result.span != Span::Within {
             break;
         }
-        done.passes += 1;
+        result.passes += 1;
     }
-    done
+    result
 }

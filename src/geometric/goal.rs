@@ -8,7 +8,7 @@ use crate::task::{FrameGoal, Quantity};
 
 /// A target with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Aim<T> {
+pub(super) struct WeightedTarget<T> {
     pub(super) target: T,
     /// The squared weight of the residual.
     pub(super) weight: f64,
@@ -22,19 +22,20 @@ pub(super) struct Goal {
     pub(super) frame: FrameSlot,
     /// The point of the frame with a target position, in frame coordinates, metres.
     pub(super) offset: Vector3<f64>,
-    pub(super) place: Option<Aim<Vector3<f64>>>,
-    pub(super) axes: Option<Aim<Matrix3<f64>>>,
+    pub(super) position: Option<WeightedTarget<Vector3<f64>>>,
+    pub(super) orientation: Option<WeightedTarget<Matrix3<f64>>>,
 }
 
 /// The kinds of tasks that [`goals`] supports.
-const VALID: &str = "`point`, `pose` or `orientation`, in the world and without goal bounds";
+const SUPPORTED_TASKS: &str =
+    "`point`, `pose` or `orientation`, in the world and without goal bounds";
 
 /// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     solver: &'static str,
 ) -> Result<Vec<Goal>, GeometricError> {
-    let problem = question.problem;
+    let problem = instance.problem;
     if let Some(ball) = problem.parameters().balls().first() {
         return Err(GeometricError::BallJoint {
             solver,
@@ -49,32 +50,36 @@ pub(super) fn goals(
                 .filter(|block| block.measure.quantity == quantity);
             blocks.next().map_or(0.0, |block| block.weight)
         };
-        let residual = question.residual(index).as_any();
-        let Some(asked) = FrameGoal::by(residual).filter(|asked| asked.whole) else {
+        let residual = instance.residual(index).as_any();
+        let Some(frame_goal) =
+            FrameGoal::of_residual(residual).filter(|frame_goal| frame_goal.is_complete)
+        else {
             return Err(GeometricError::UnsupportedTask {
                 solver,
                 task: task.name().to_owned(),
-                valid: VALID,
+                valid: SUPPORTED_TASKS,
             });
         };
-        let place = (asked.place).and_then(|target| aim(target, weight(Quantity::Metres)));
-        let axes = (asked.axes).and_then(|target| aim(target, weight(Quantity::Radians)));
-        if place.is_some() || axes.is_some() {
+        let position = (frame_goal.position)
+            .and_then(|target| weighted_target(target, weight(Quantity::Metres)));
+        let orientation = (frame_goal.orientation)
+            .and_then(|target| weighted_target(target, weight(Quantity::Radians)));
+        if position.is_some() || orientation.is_some() {
             // All three kinds read exactly one frame.
             goals.extend(task.frames.first().map(|&frame| Goal {
                 task: index,
                 frame,
-                offset: asked.offset,
-                place,
-                axes,
+                offset: frame_goal.offset,
+                position,
+                orientation,
             }));
         }
     }
     Ok(goals)
 }
 
-fn aim<T>(target: T, weight: f64) -> Option<Aim<T>> {
-    (weight > 0.0).then_some(Aim {
+fn weighted_target<T>(target: T, weight: f64) -> Option<WeightedTarget<T>> {
+    (weight > 0.0).then_some(WeightedTarget {
         target,
         weight: weight * weight,
     })

@@ -9,7 +9,7 @@ use crate::spatial::Vector3;
 
 /// A point that a joint carries, or that is fixed in the world.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Carried {
+pub(super) struct AttachedPoint {
     /// The joint that carries it; `None` for the world.
     pub(super) joint: Option<usize>,
     /// Position in that joint's coordinates, or in the world.
@@ -20,18 +20,18 @@ pub(super) struct Carried {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Group {
     pub(super) joints: Vec<usize>,
-    pub(super) serves: Vec<usize>,
+    pub(super) points: Vec<usize>,
     /// The point about which the joints rotate, if it is not the parent of the points they position.
-    pub(super) about: Option<usize>,
+    pub(super) centre: Option<usize>,
 }
 
 /// A problem's joints as points.
 #[derive(Clone, Debug)]
 pub(super) struct JointPoints {
-    pub(super) points: Vec<Carried>,
+    pub(super) points: Vec<AttachedPoint>,
     pub(super) groups: Vec<Group>,
     /// Distance below which points coincide.
-    pub(super) same: f64,
+    pub(super) tolerance: f64,
     pub(super) parents: Vec<Option<usize>>,
     pub(super) rest: Vec<Vector3<f64>>,
     pub(super) pins: Vec<Pin>,

@@ -46,11 +46,11 @@ pub(super) struct Linkage {
     parents: Vec<Option<usize>>,
     /// Distance to the parent; 0 for roots.
     lengths: Vec<f64>,
-    roots: Vec<bool>,
+    is_root: Vec<bool>,
     /// Positions before the pass.
-    before: Vec<Vector3<f64>>,
+    previous: Vec<Vector3<f64>>,
     /// Sum and number of the positions that the children of each point require of it.
-    targets: Vec<(Vector3<f64>, f64)>,
+    child_targets: Vec<(Vector3<f64>, f64)>,
 }
 
 impl Linkage {
@@ -61,9 +61,9 @@ impl Linkage {
         };
         Self {
             lengths: points.iter().zip(&parents).map(length).collect(),
-            roots: parents.iter().map(Option::is_none).collect(),
-            before: points.to_vec(),
-            targets: vec![(Vector3::zero(), 0.0); points.len()],
+            is_root: parents.iter().map(Option::is_none).collect(),
+            previous: points.to_vec(),
+            child_targets: vec![(Vector3::zero(), 0.0); points.len()],
             parents,
         }
     }
@@ -80,16 +80,16 @@ impl Linkage {
 
     /// The lengths of the links if the points are one chain, root first.
     pub(super) fn as_chain(&self) -> Option<&[f64]> {
-        let follows = |(k, parent): (usize, &Option<usize>)| *parent == k.checked_sub(1);
-        let is_chain = self.parents.iter().enumerate().all(follows);
+        let follows_previous = |(k, parent): (usize, &Option<usize>)| *parent == k.checked_sub(1);
+        let is_chain = self.parents.iter().enumerate().all(follows_previous);
         (is_chain && self.parents.len() > 1).then(|| &self.lengths[1..])
     }
 
     /// One pass over all points except the roots.
     pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin]) {
-        let roots = std::mem::take(&mut self.roots);
+        let roots = std::mem::take(&mut self.is_root);
         self.pass_beyond(&roots, points, pins);
-        self.roots = roots;
+        self.is_root = roots;
     }
 
     /// One pass forward from the pins to the `fixed` points, which include the roots, and one pass back.
@@ -102,13 +102,13 @@ impl Linkage {
         points: &mut [Vector3<f64>],
         pins: &[Pin],
     ) {
-        self.before.copy_from_slice(points);
-        self.targets.fill((Vector3::zero(), 0.0));
+        self.previous.copy_from_slice(points);
+        self.child_targets.fill((Vector3::zero(), 0.0));
         for pin in pins {
-            self.targets[pin.point] = (pin.target, f64::INFINITY);
+            self.child_targets[pin.point] = (pin.target, f64::INFINITY);
         }
         for k in (0..points.len()).rev().filter(|&k| !fixed[k]) {
-            let (sum, count) = self.targets[k];
+            let (sum, count) = self.child_targets[k];
             if count > 0.0 {
                 // A pinned point is at its target, regardless of its children.
                 points[k] = if count.is_finite() {
@@ -118,11 +118,11 @@ impl Linkage {
                 };
             }
             if let (Some(parent), true) = (self.parents[k], count > 0.0) {
-                let (own, base) = (self.before[k], self.before[parent]);
-                let towards = direction(base - points[k], base - own);
-                let (sum, count) = &mut self.targets[parent];
+                let (position, base) = (self.previous[k], self.previous[parent]);
+                let back_direction = direction(base - points[k], base - position);
+                let (sum, count) = &mut self.child_targets[parent];
                 if count.is_finite() {
-                    *sum += towards.mul_add(self.lengths[k], points[k]);
+                    *sum += back_direction.mul_add(self.lengths[k], points[k]);
                     *count += 1.0;
                 }
             }
@@ -130,8 +130,9 @@ impl Linkage {
         for k in (0..points.len()).filter(|&k| !fixed[k]) {
             if let Some(parent) = self.parents[k] {
                 let base = points[parent];
-                let along = direction(points[k] - base, self.before[k] - self.before[parent]);
-                points[k] = along.mul_add(self.lengths[k], base);
+                let direction_from_parent =
+                    direction(points[k] - base, self.previous[k] - self.previous[parent]);
+                points[k] = direction_from_parent.mul_add(self.lengths[k], base);
             }
         }
     }
@@ -140,7 +141,7 @@ impl Linkage {
 /// Lays a chain with an unreachable target straight, so that its tip is as close as possible.
 ///
 /// It points towards a far target. For a near target the longest link points towards it and all others point back.
-pub(super) fn lay_straight(
+pub(super) fn straighten(
     points: &mut [Vector3<f64>],
     lengths: &[f64],
     target: Vector3<f64>,
@@ -149,17 +150,17 @@ pub(super) fn lay_straight(
     let (Some(&root), Some(&tip)) = (points.first(), points.last()) else {
         return;
     };
-    let along = direction(target - root, tip - root);
+    let axis = direction(target - root, tip - root);
     let longest = lengths.iter().copied().fold(0.0, f64::max);
-    let mut at = root;
+    let mut position = root;
     for (point, &length) in points.iter_mut().skip(1).zip(lengths) {
         let sign = match span {
             // `TooNear` requires a longest link above the sum of the others, so it is unique.
             Span::TooNear(_) if length != longest => -1.0,
             _ => 1.0,
         };
-        at = along.mul_add(sign * length, at);
-        *point = at;
+        position = axis.mul_add(sign * length, position);
+        *point = position;
     }
 }
 

@@ -45,12 +45,12 @@ mod fabrik;
 mod goal;
 mod grouped;
 mod joint_groups;
+mod joint_motion;
 mod joint_points;
 mod joints_to_points;
 mod linkage;
 mod sweeps;
 mod triangle;
-mod turn;
 mod two_bone;
 
 pub use ccd::Ccd;
@@ -80,7 +80,7 @@ pub trait Geometric: Send + Sync {
     /// support, by name. An unreached target is not an error.
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>;
@@ -91,13 +91,13 @@ pub trait Geometric: Send + Sync {
     /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve<'a>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
     ) -> Result<Solution, GeometricError>
     where
         Self: Sized,
     {
-        self.solve_question(question.into(), start, &mut Silent)
+        self.solve_question(instance.into(), start, &mut Silent)
     }
 
     /// Solves as [`solve`](Self::solve) does, with an observer.
@@ -106,13 +106,13 @@ pub trait Geometric: Send + Sync {
     /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve_observed<'a>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>
     where
         Self: Sized,
     {
-        self.solve_question(question.into(), start, observer)
+        self.solve_question(instance.into(), start, observer)
     }
 }

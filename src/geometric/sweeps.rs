@@ -10,9 +10,9 @@ use crate::solver::{
 };
 
 /// Relative decrease of the cost below which a sweep counts as flat.
-const FLAT: f64 = 1e-13;
+const MAX_FLAT_DECREASE: f64 = 1e-13;
 /// Number of consecutive flat sweeps after which an attempt ends.
-const FLAT_SWEEPS: usize = 5;
+const MAX_FLAT_SWEEPS: usize = 5;
 
 /// One geometric method applied to one problem.
 pub(super) trait Sweep {
@@ -21,7 +21,7 @@ pub(super) trait Sweep {
 
     /// True if the start itself may be the solution. False for methods that guarantee more than their targets, such as
     /// an elbow's side.
-    fn start_counts(&self) -> bool {
+    fn accepts_start(&self) -> bool {
         true
     }
 
@@ -51,7 +51,7 @@ impl Default for Limits {
 ///
 /// A search that stopped at a stationary point ends as stationary.
 pub(super) fn solve(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     start: &[f64],
     limits: Limits,
     method: &mut dyn Sweep,
@@ -61,13 +61,13 @@ pub(super) fn solve(
     stopping.check().map_err(SolveError::from)?;
     restarts.check().map_err(SolveError::from)?;
     let mut search = Attempts::default();
-    search.start = variables_at(question, start)?;
-    search.fit(question, TaskSubset::All);
+    search.start = variables_at(instance, start)?;
+    search.fit(instance, TaskSubset::All);
     let deadline = stopping.deadline();
-    let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
-    let schedule = Schedule::of_sweeps(question, restarts, stopping);
-    let found = run(
-        question,
+    let mut sweeps = Sweeps::new(instance, &search.start, method, observer, deadline);
+    let schedule = Schedule::of_sweeps(instance, restarts, stopping);
+    let result = run(
+        instance,
         TaskSubset::All,
         &schedule,
         deadline,
@@ -75,9 +75,9 @@ pub(super) fn solve(
         &mut search,
     );
     let mut solution = Solution::default();
-    solution.record(&found);
+    solution.record(&result);
     let end = End {
-        question,
+        question: instance,
         x: &search.keeper.x,
         share: TaskSubset::All,
         searched: &search.keeper.residual,
@@ -89,13 +89,13 @@ pub(super) fn solve(
     if is_level && solution.termination == Termination::SmallStep {
         solution.termination = Termination::Stationary;
     }
-    solution.check_collisions(question);
+    solution.check_collisions(instance);
     Ok(solution)
 }
 
 /// A geometric method as an engine of the search.
 struct Sweeps<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     method: &'a mut dyn Sweep,
     observer: &'a mut dyn Observer,
     deadline: Option<Instant>,
@@ -113,19 +113,19 @@ struct Sweeps<'a> {
 
 impl<'a> Sweeps<'a> {
     fn new(
-        question: ProblemInstance<'a>,
+        instance: ProblemInstance<'a>,
         start: &[f64],
         method: &'a mut dyn Sweep,
         observer: &'a mut dyn Observer,
         deadline: Option<Instant>,
     ) -> Self {
-        let rows = vec![0.0; question.rows()];
+        let rows = vec![0.0; instance.rows()];
         let mut sweeps = Self {
-            question,
+            instance,
             method,
             observer,
             deadline,
-            scratch: question.scratch(),
+            scratch: instance.scratch(),
             counts: Counts::default(),
             residual_at_start: rows.clone(),
             x: start.to_vec(),
@@ -141,21 +141,21 @@ impl<'a> Sweeps<'a> {
 
     /// Updates the residual at the present variables and returns the cost.
     fn evaluate(&mut self) -> f64 {
-        let mut evaluation = Evaluation::new(self.question, &mut self.scratch);
+        let mut evaluation = Evaluation::new(self.instance, &mut self.scratch);
         evaluation.residual(&self.x, &mut self.residual);
         self.counts.residuals += 1;
         half_squared(&self.residual)
     }
 
-    fn keep(&mut self) {
+    fn keep_best(&mut self) {
         self.best_x.copy_from_slice(&self.x);
         self.best_residual.copy_from_slice(&self.residual);
     }
 
     /// True if the last sweep moved no variable by more than tolerance · max(1, |x|).
-    fn stands_still(&self, tolerance: f64) -> bool {
-        let mut moves = self.x.iter().zip(&self.previous);
-        moves.all(|(a, b)| (a - b).abs() - tolerance * a.abs().max(1.0) <= 0.0)
+    fn is_still(&self, tolerance: f64) -> bool {
+        let mut pairs = self.x.iter().zip(&self.previous);
+        pairs.all(|(a, b)| (a - b).abs() - tolerance * a.abs().max(1.0) <= 0.0)
     }
 }
 
@@ -167,33 +167,33 @@ impl Engine for Sweeps<'_> {
 
     /// Returns the variables of lowest cost, because not every sweep decreases it.
     fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
-        let question = self.question;
+        let instance = self.instance;
         self.x.copy_from_slice(start);
-        question.space().project(&mut self.x);
-        let (mut best, mut reached) = (f64::INFINITY, false);
-        let (mut index, mut step, mut flat) = (0, 0.0, 0);
+        instance.space().project(&mut self.x);
+        let (mut best_cost, mut reached) = (f64::INFINITY, false);
+        let (mut index, mut step, mut flat_sweeps) = (0, 0.0, 0);
         let mut milestone = (0, f64::INFINITY);
         self.method.begin(&self.x);
         let termination = loop {
             let cost = self.evaluate();
             if index == 0 {
-                self.keep();
+                self.keep_best();
             }
             if !cost.is_finite() {
-                best = if index == 0 { cost } else { best };
+                best_cost = if index == 0 { cost } else { best_cost };
                 break Termination::NonFinite;
             }
-            let arrived = question
+            let is_reached = instance
                 .problem
                 .is_reached_by(TaskSubset::All, &self.residual);
-            let hardly_lower = best - cost <= FLAT * cost;
-            flat = if hardly_lower { flat + 1 } else { 0 };
-            let counts = index > 0 || self.method.start_counts();
-            if counts && (cost < best || arrived) {
-                self.keep();
-                (best, reached) = (cost, arrived);
+            let is_flat = best_cost - cost <= MAX_FLAT_DECREASE * cost;
+            flat_sweeps = if is_flat { flat_sweeps + 1 } else { 0 };
+            let may_be_best = index > 0 || self.method.accepts_start();
+            if may_be_best && (cost < best_cost || is_reached) {
+                self.keep_best();
+                (best_cost, reached) = (cost, is_reached);
             }
-            let seen = self.observer.observe(&Iteration {
+            let observation = self.observer.observe(&Iteration {
                 index,
                 cost,
                 projected_gradient: None,
@@ -204,18 +204,21 @@ impl Engine for Sweeps<'_> {
             if cost < 0.5 * milestone.1 {
                 milestone = (index, cost);
             }
-            let waited = index - milestone.0;
-            let still = index > 0 && self.stands_still(stopping.step_tolerance());
+            let sweeps_since_milestone = index - milestone.0;
+            let is_still = index > 0 && self.is_still(stopping.step_tolerance());
             if reached {
                 break Termination::Reached;
             }
-            if seen.is_break() {
+            if observation.is_break() {
                 break Termination::Cancelled;
             }
-            if still || flat >= FLAT_SWEEPS {
+            if is_still || flat_sweeps >= MAX_FLAT_SWEEPS {
                 break Termination::SmallStep;
             }
-            if stopping.patience().is_some_and(|most| waited >= most) {
+            if stopping
+                .patience()
+                .is_some_and(|patience| sweeps_since_milestone >= patience)
+            {
                 break Termination::Stalled;
             }
             if index >= stopping.max_iterations() {
@@ -231,7 +234,7 @@ impl Engine for Sweeps<'_> {
         };
         Attempt {
             termination,
-            cost: best,
+            cost: best_cost,
             reached,
             iterations: index,
             counts: std::mem::take(&mut self.counts),
@@ -242,6 +245,6 @@ impl Engine for Sweeps<'_> {
 
 /// ‖x − previous‖∞.
 fn largest_move(x: &[f64], previous: &[f64]) -> f64 {
-    let moves = x.iter().zip(previous).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
+    let displacements = x.iter().zip(previous).map(|(a, b)| (a - b).abs());
+    displacements.fold(0.0, f64::max)
 }

@@ -35,50 +35,51 @@ pub fn triangle(
     target: Vector3<f64>,
     towards: Vector3<f64>,
 ) -> Triangle {
-    let way = target - root;
-    let distance = way.norm();
-    let along = if distance > 0.0 {
-        way * (1.0 / distance)
+    let offset = target - root;
+    let distance = offset.norm();
+    let axis = if distance > 0.0 {
+        offset * (1.0 / distance)
     } else {
-        across(towards)
+        perpendicular(towards)
     };
-    let (stretched, folded) = (upper + lower, (upper - lower).abs());
-    let (span, reached) = if distance > stretched {
-        (Span::TooFar(distance - stretched), stretched)
-    } else if distance < folded {
-        (Span::TooNear(folded - distance), folded)
+    let (max_reach, min_reach) = (upper + lower, (upper - lower).abs());
+    let (span, distance_reached) = if distance > max_reach {
+        (Span::TooFar(distance - max_reach), max_reach)
+    } else if distance < min_reach {
+        (Span::TooNear(min_reach - distance), min_reach)
     } else {
         (Span::Within, distance)
     };
 
     // tan²(turn/2) = ((ℓ₁ + ℓ₂)² − d²) / (d² − (ℓ₁ − ℓ₂)²)
-    let beyond = (stretched - reached) * (stretched + reached);
-    let within = (reached - folded) * (reached + folded);
-    let (beyond, within) = (beyond.max(0.0).sqrt(), within.max(0.0).sqrt());
-    let turn = 2.0 * elementary::atan2(beyond, within);
-    // Twice the triangle's area is d · height and half of beyond · within.
-    let (ahead, height) = if reached > 0.0 {
-        let ahead = ((upper - lower) * stretched + reached * reached) / (2.0 * reached);
-        (ahead, 0.5 * beyond * within / reached)
+    let stretch_term = (max_reach - distance_reached) * (max_reach + distance_reached);
+    let fold_term = (distance_reached - min_reach) * (distance_reached + min_reach);
+    let (stretch_term, fold_term) = (stretch_term.max(0.0).sqrt(), fold_term.max(0.0).sqrt());
+    let turn = 2.0 * elementary::atan2(stretch_term, fold_term);
+    // Twice the triangle's area is d · height and half of stretch_term · fold_term.
+    let (axial, height) = if distance_reached > 0.0 {
+        let axial = ((upper - lower) * max_reach + distance_reached * distance_reached)
+            / (2.0 * distance_reached);
+        (axial, 0.5 * stretch_term * fold_term / distance_reached)
     } else {
         (0.0, upper)
     };
-    let aside = towards - along * along.dot(towards);
-    let aside = match aside.norm_squared() > 1e-24 * towards.norm_squared() {
-        true => direction(aside, aside),
-        false => across(along),
+    let side = towards - axis * axis.dot(towards);
+    let side = match side.norm_squared() > 1e-24 * towards.norm_squared() {
+        true => direction(side, side),
+        false => perpendicular(axis),
     };
     Triangle {
-        mid: root + along * ahead + aside * height,
-        tip: along.mul_add(reached, root),
-        swing: elementary::atan2(height, ahead),
+        mid: root + axis * axial + side * height,
+        tip: axis.mul_add(distance_reached, root),
+        swing: elementary::atan2(height, axial),
         turn,
         span,
     }
 }
 
 /// A unit vector perpendicular to another vector.
-pub(super) fn across(vector: Vector3<f64>) -> Vector3<f64> {
+pub(super) fn perpendicular(vector: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = vector.to_array().map(f64::abs);
     let [unit_x, unit_y, unit_z] = Vector3::UNITS;
     let other = match (x <= y && x <= z, y <= z) {

@@ -15,7 +15,7 @@ use crate::spatial::Vector3;
 const NAME: &str = "the two-bone solution";
 
 /// Largest number of sweeps, for limbs whose limits or joints keep the points from their targets.
-const SWEEPS: usize = 20;
+const MAX_SWEEPS: usize = 20;
 
 /// The side of the line to the target on which the bones meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,40 +61,40 @@ impl Geometric for TwoBone {
 
     fn solve_question(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {
-        let goals = goals(question, NAME)?;
-        let points = joint_points(question, &goals, NAME)?;
+        let goals = goals(instance, NAME)?;
+        let points = joint_points(instance, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
             return Err(GeometricError::NotTwoBones {
-                model: question.problem.names().model.clone(),
+                model: instance.problem.names().model.clone(),
                 bones: points.rest().len().saturating_sub(1),
                 tips: points.pins().len(),
             });
         };
-        let wanted = points.rest().to_vec();
-        let fit = JointFit::new(question, points);
+        let positions = points.rest().to_vec();
+        let fit = JointFit::new(instance, points);
         let mut limb = Limb {
             elbow: self.elbow,
             lengths: [upper, lower],
             target: pin.target,
-            wanted,
-            bend: fit.joints_for(TIP).last().copied(),
+            points: positions,
+            elbow_joint: fit.joints_for(TIP).last().copied(),
             shoulder: Group {
                 joints: fit.joints_for(MID).to_vec(),
-                serves: vec![TIP],
-                about: Some(ROOT),
+                points: vec![TIP],
+                centre: Some(ROOT),
             },
             fit,
         };
         let limits = Limits {
-            stopping: Stopping::default().with_max_iterations(SWEEPS),
+            stopping: Stopping::default().with_max_iterations(MAX_SWEEPS),
             restarts: Restarts::none(),
         };
-        sweeps::solve(question, start, limits, &mut limb, observer)
+        sweeps::solve(instance, start, limits, &mut limb, observer)
     }
 }
 
@@ -108,9 +108,9 @@ struct Limb<'a> {
     lengths: [f64; 2],
     target: Vector3<f64>,
     /// Target positions of root, mid point and tip.
-    wanted: Vec<Vector3<f64>>,
+    points: Vec<Vector3<f64>>,
     /// The elbow's last joint.
-    bend: Option<usize>,
+    elbow_joint: Option<usize>,
     /// The joints at the root; they rotate the bent limb as one body.
     shoulder: Group,
     fit: JointFit<'a>,
@@ -118,42 +118,43 @@ struct Limb<'a> {
 
 impl Limb<'_> {
     /// Computes the triangle for the target from the present joints.
-    fn place_points(&mut self, x: &[f64]) {
-        self.fit.points_at(x, &mut self.wanted);
+    fn compute_points(&mut self, x: &[f64]) {
+        self.fit.points_at(x, &mut self.points);
         let towards = match self.elbow {
-            Elbow::Towards(pole) => pole - self.wanted[ROOT],
-            Elbow::Positive | Elbow::Negative => self.wanted[MID] - self.wanted[ROOT],
+            Elbow::Towards(pole) => pole - self.points[ROOT],
+            Elbow::Positive | Elbow::Negative => self.points[MID] - self.points[ROOT],
         };
-        let solved = triangle(self.wanted[ROOT], self.lengths, self.target, towards);
-        self.wanted[MID] = solved.mid;
-        self.wanted[TIP] = solved.tip;
+        let solution = triangle(self.points[ROOT], self.lengths, self.target, towards);
+        self.points[MID] = solution.mid;
+        self.points[TIP] = solution.tip;
     }
 }
 
 impl Sweep for Limb<'_> {
     fn begin(&mut self, x: &[f64]) {
-        self.place_points(x);
+        self.compute_points(x);
     }
 
-    fn start_counts(&self) -> bool {
+    fn accepts_start(&self) -> bool {
         false
     }
 
     fn sweep(&mut self, x: &mut [f64]) {
         let positive = match self.elbow {
             Elbow::Towards(_) => {
-                self.place_points(x);
-                return self.fit.follow(&mut self.wanted, x, |_, _| ());
+                self.compute_points(x);
+                return self.fit.move_to(&mut self.points, x, |_, _| ());
             }
             Elbow::Positive => true,
             Elbow::Negative => false,
         };
         // The elbow alone sets the distance of the tip from the root; the root's joints then rotate the limb as one
         // body.
-        let distance = (self.wanted[TIP] - self.wanted[ROOT]).norm();
-        if let Some(bend) = self.bend {
-            self.fit.bend(bend, [ROOT, TIP], (distance, positive), x);
+        let distance = (self.points[TIP] - self.points[ROOT]).norm();
+        if let Some(elbow_joint) = self.elbow_joint {
+            self.fit
+                .set_distance(elbow_joint, [ROOT, TIP], (distance, positive), x);
         }
-        self.fit.serve(&self.shoulder, &self.wanted, x);
+        self.fit.position_group(&self.shoulder, &self.points, x);
     }
 }

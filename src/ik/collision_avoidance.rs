@@ -13,18 +13,18 @@ use crate::solver::Termination;
 /// Workspace of collision avoidance.
 #[derive(Clone, Debug)]
 pub(super) struct CollisionWorkspace {
-    owner: Arc<CollisionConstraint>,
+    constraint: Arc<CollisionConstraint>,
     pub(super) engine: SearchWorkspace,
     /// Workspace of a search with collision avoidance among the required tasks.
-    pub(super) fenced: Workspace,
+    pub(super) constrained: Workspace,
 }
 
 impl CollisionWorkspace {
-    pub(super) fn new(fence: &Arc<CollisionConstraint>) -> Box<Self> {
+    pub(super) fn new(constraint: &Arc<CollisionConstraint>) -> Box<Self> {
         Box::new(Self {
-            owner: Arc::clone(fence),
-            engine: SearchWorkspace::new(fence),
-            fenced: Workspace::new(),
+            constraint: Arc::clone(constraint),
+            engine: SearchWorkspace::new(constraint),
+            constrained: Workspace::new(),
         })
     }
 }
@@ -35,101 +35,113 @@ impl Solver {
     /// Attempts in collision continue until they are collision-free. Soft tasks then act in the null space of required
     /// tasks and collision avoidance. If no attempt is collision-free, the result reaches the required tasks with the
     /// least penetration.
-    pub(super) fn run_clear(
+    pub(super) fn run_collision_free(
         &self,
-        fence: &Arc<CollisionConstraint>,
-        question: ProblemInstance<'_>,
+        constraint: &Arc<CollisionConstraint>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let known = workspace.clear.take();
-        let known = known.filter(|room| Arc::ptr_eq(&room.owner, fence));
-        let mut room = known.unwrap_or_else(|| CollisionWorkspace::new(fence));
-        let goals = self.clone().with_refining(Extent::Goals);
-        let mut clear = Run {
+        let known = workspace.collision.take();
+        let known = known.filter(|collision| Arc::ptr_eq(&collision.constraint, constraint));
+        let mut collision = known.unwrap_or_else(|| CollisionWorkspace::new(constraint));
+        let goal_solver = self.clone().with_extent(Extent::Goals);
+        let mut collision_free_run = Run {
             deadline: run.deadline,
             observer: &mut *run.observer,
             guard: None,
-            clear: Some((fence, &mut room.engine)),
+            clear: Some((constraint, &mut collision.engine)),
         };
-        goals.run(question, start, workspace, &mut clear)?;
-        self.touch_less(fence, question, &mut room, workspace, run)?;
+        goal_solver.run(instance, start, workspace, &mut collision_free_run)?;
+        self.reduce_collisions(constraint, instance, &mut collision, workspace, run)?;
         let solution = &workspace.solution;
-        let prefers = question.problem.search_share() != crate::problem::TaskSubset::All;
-        if prefers && solution.reached && self.refining() != Extent::Goals {
-            self.prefer(fence, question, &mut room, workspace, run)?;
+        let has_soft_tasks = instance.problem.searched_subset() != crate::problem::TaskSubset::All;
+        if has_soft_tasks && solution.reached && self.extent() != Extent::Goals {
+            self.apply_soft_tasks(constraint, instance, &mut collision, workspace, run)?;
         }
         let solution = &mut workspace.solution;
         if solution.q.iter().all(|value| value.is_finite()) {
-            solution.set_collisions(room.engine.check.collisions(&solution.q));
+            solution.set_collisions(collision.engine.check.collisions(&solution.q));
         }
-        workspace.clear = Some(room);
+        workspace.collision = Some(collision);
         Ok(())
     }
 
     /// Reduces collisions of a solution that reaches the required tasks, in their null space and on the same branch.
-    fn touch_less(
+    fn reduce_collisions(
         &self,
-        fence: &CollisionConstraint,
-        question: ProblemInstance<'_>,
-        room: &mut CollisionWorkspace,
+        constraint: &CollisionConstraint,
+        instance: ProblemInstance<'_>,
+        collision: &mut CollisionWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let (problem, share) = (question.problem, question.problem.search_share());
-        let meets_goals =
-            |workspace: &Workspace| problem.is_reached_by(share, &workspace.search.keeper.residual);
+        let (problem, subset) = (instance.problem, instance.problem.searched_subset());
+        let meets_goals = |workspace: &Workspace| {
+            problem.is_reached_by(subset, &workspace.search.keeper.residual)
+        };
         let solution = &workspace.solution;
         if solution.termination != Termination::Stationary || !meets_goals(workspace) {
             return Ok(());
         }
         let (q, x) = (solution.q.clone(), workspace.search.keeper.x.clone());
-        let before = room.engine.least_distance(&q);
-        if before == f64::INFINITY {
+        let start_distance = collision.engine.min_distance(&q);
+        if start_distance == f64::INFINITY {
             return Ok(());
         }
-        let once = self.clone().with_restarts(Restarts::none());
-        once.run(question.fenced(fence.yielding()), &q, &mut room.fenced, run)?;
-        let mut found = SearchResult::of(&workspace.solution).refined_by(&room.fenced.solution);
-        if found.termination == Termination::Reached {
+        let single_attempt = self.clone().with_restarts(Restarts::none());
+        single_attempt.run(
+            instance.with_constraint(constraint.with_soft_clearance()),
+            &q,
+            &mut collision.constrained,
+            run,
+        )?;
+        let mut result =
+            SearchResult::of(&workspace.solution).refined_by(&collision.constrained.solution);
+        if result.termination == Termination::Reached {
             // The inner search reached its required tasks, but collision avoidance is not one of them.
-            found.termination = Termination::Stationary;
+            result.termination = Termination::Stationary;
         }
-        let end = &room.fenced.search.keeper.x;
-        self.report_at(question, end, found, workspace, run.observer);
-        let after = room.engine.least_distance(&workspace.solution.q);
-        if after <= before || !meets_goals(workspace) {
-            self.report_at(question, &x, found, workspace, run.observer);
-        } else if after == f64::INFINITY {
+        let end = &collision.constrained.search.keeper.x;
+        self.report_at(instance, end, result, workspace, run.observer);
+        let end_distance = collision.engine.min_distance(&workspace.solution.q);
+        if end_distance <= start_distance || !meets_goals(workspace) {
+            self.report_at(instance, &x, result, workspace, run.observer);
+        } else if end_distance == f64::INFINITY {
             workspace.solution.termination = Termination::Reached;
         }
         Ok(())
     }
 
     /// Applies the soft tasks to a solution that reaches the required tasks without collision.
-    fn prefer(
+    fn apply_soft_tasks(
         &self,
-        fence: &CollisionConstraint,
-        question: ProblemInstance<'_>,
-        room: &mut CollisionWorkspace,
+        constraint: &CollisionConstraint,
+        instance: ProblemInstance<'_>,
+        collision: &mut CollisionWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let found = SearchResult::of(&workspace.solution);
-        if !room.engine.check.is_free(&workspace.solution.q) {
+        let result = SearchResult::of(&workspace.solution);
+        if !collision.engine.check.is_free(&workspace.solution.q) {
             return Ok(());
         }
-        let once = self.clone().with_restarts(Restarts::none());
+        let single_attempt = self.clone().with_restarts(Restarts::none());
         let q = workspace.solution.q.clone();
-        once.run(question.fenced(fence.holding()), &q, &mut room.fenced, run)?;
-        let refined = &room.fenced.solution;
-        let found = found.refined_by(refined);
-        let x = match refined.reached && room.engine.check.is_free(&refined.q) {
-            true => room.fenced.search.keeper.x.clone(),
+        single_attempt.run(
+            instance.with_constraint(constraint.with_strong_clearance()),
+            &q,
+            &mut collision.constrained,
+            run,
+        )?;
+        let refined = &collision.constrained.solution;
+        let result = result.refined_by(refined);
+        let x = match refined.reached && collision.engine.check.is_free(&refined.q) {
+            true => collision.constrained.search.keeper.x.clone(),
             false => workspace.search.keeper.x.clone(),
         };
-        self.report_at(question, &x, found, workspace, run.observer);
+        self.report_at(instance, &x, result, workspace, run.observer);
         Ok(())
     }
 }

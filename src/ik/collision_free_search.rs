@@ -6,18 +6,18 @@ use crate::search::{Attempt, Engine};
 use crate::solver::{LeastSquares, SolverState, Stopping, Termination};
 
 /// Cost per metre of an attempt that reaches all required tasks in collision: below that of any unreached attempt.
-const TOUCHING: f64 = 1e-20;
+const COST_PER_METRE: f64 = 1e-20;
 /// Upper bound on the distance of a pair that is too near, metres; keeps the cost positive.
-const FAR: f64 = 10.0;
+const MAX_DISTANCE: f64 = 10.0;
 
 /// Search engine whose attempts first solve the required tasks without collision avoidance.
 ///
 /// That is usually collision-free. Otherwise the attempt continues from there with collision avoidance as a required
 /// task.
-pub(super) struct ClearEngine<'a> {
-    pub(super) plain: Minimiser<'a>,
-    pub(super) fence: &'a CollisionConstraint,
-    pub(super) room: &'a mut SearchWorkspace,
+pub(super) struct CollisionFreeEngine<'a> {
+    pub(super) unconstrained: Minimiser<'a>,
+    pub(super) constraint: &'a CollisionConstraint,
+    pub(super) workspace: &'a mut SearchWorkspace,
 }
 
 /// Workspace of the engine.
@@ -25,30 +25,30 @@ pub(super) struct ClearEngine<'a> {
 pub(super) struct SearchWorkspace {
     pub(super) check: Box<dyn AnyClearanceCheck>,
     scratch: Option<Scratch>,
-    memory: SolverState,
+    state: SolverState,
     /// Configuration at the end of the last attempt.
     q: Vec<f64>,
-    /// Variables and residual at the end of the last attempt, valid if `led` is set.
+    /// Variables and residual at the end of the last attempt, valid if `is_constrained_end` is set.
     x: Vec<f64>,
     residual: Vec<f64>,
-    led: bool,
+    is_constrained_end: bool,
 }
 
 impl SearchWorkspace {
-    pub(super) fn new(fence: &CollisionConstraint) -> Self {
+    pub(super) fn new(constraint: &CollisionConstraint) -> Self {
         Self {
-            check: fence.check(),
+            check: constraint.check(),
             scratch: None,
-            memory: SolverState::default(),
+            state: SolverState::default(),
             q: Vec::new(),
             x: Vec::new(),
             residual: Vec::new(),
-            led: false,
+            is_constrained_end: false,
         }
     }
 
     /// Returns the distance of the nearest pair that is too near, metres; infinity if there is none.
-    pub(super) fn least_distance(&mut self, q: &[f64]) -> f64 {
+    pub(super) fn min_distance(&mut self, q: &[f64]) -> f64 {
         distance_of_first(&self.check.collisions(q))
     }
 }
@@ -58,106 +58,124 @@ pub(super) fn distance_of_first(pairs: &[Collision]) -> f64 {
     pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
 }
 
-impl<'a> ClearEngine<'a> {
+impl<'a> CollisionFreeEngine<'a> {
     pub(super) fn new(
-        plain: Minimiser<'a>,
-        fence: &'a CollisionConstraint,
-        room: &'a mut SearchWorkspace,
+        unconstrained: Minimiser<'a>,
+        constraint: &'a CollisionConstraint,
+        workspace: &'a mut SearchWorkspace,
     ) -> Self {
-        Self { plain, fence, room }
+        Self {
+            unconstrained,
+            constraint,
+            workspace,
+        }
     }
 
-    /// Writes and returns the configuration of the constrained or the plain search.
-    fn place(&mut self, fenced: bool) -> &[f64] {
-        let (map, room) = (self.plain.question.parameters(), &mut *self.room);
-        let x = if fenced {
-            room.memory.x()
+    /// Writes and returns the configuration of the constrained or the unconstrained search.
+    fn write_configuration(&mut self, is_constrained: bool) -> &[f64] {
+        let (map, workspace) = (
+            self.unconstrained.instance.parameters(),
+            &mut *self.workspace,
+        );
+        let x = if is_constrained {
+            workspace.state.x()
         } else {
-            self.plain.memory.x()
+            self.unconstrained.memory.x()
         };
-        room.q.resize(map.sources().len(), 0.0);
-        map.scatter_within_limits(x, &mut room.q);
-        &room.q
+        workspace.q.resize(map.sources().len(), 0.0);
+        map.scatter_within_limits(x, &mut workspace.q);
+        &workspace.q
     }
 
-    /// Continues from the end of the plain search with collision avoidance. Returns whether the end is collision-free.
-    fn lead_out(&mut self, attempt: &mut Attempt, stopping: &Stopping) -> bool {
-        let question = self.plain.question.fenced(self.fence.leading());
-        let share = question.problem.search_share();
-        let problem = question.problem;
+    /// Continues from the end of the unconstrained search with collision avoidance. Returns whether the end is
+    /// collision-free.
+    fn continue_collision_free(&mut self, attempt: &mut Attempt, stopping: &Stopping) -> bool {
+        let instance = self
+            .unconstrained
+            .instance
+            .with_constraint(self.constraint.with_clearance());
+        let subset = instance.problem.searched_subset();
+        let problem = instance.problem;
         let SearchWorkspace {
-            scratch, memory, ..
-        } = &mut *self.room;
-        let mut fenced = Minimiser {
-            question,
-            share,
-            method: self.plain.method,
-            deadline: self.plain.deadline,
-            observer: &mut *self.plain.observer,
+            scratch,
+            state: memory,
+            ..
+        } = &mut *self.workspace;
+        let mut constrained = Minimiser {
+            instance,
+            subset,
+            method: self.unconstrained.method,
+            deadline: self.unconstrained.deadline,
+            observer: &mut *self.unconstrained.observer,
             scratch: scratch.get_or_insert_with(|| problem.scratch()),
             memory,
             guard: None,
             moved: None,
         };
-        let led = fenced.attempt(self.plain.memory.x(), stopping);
-        attempt.iterations += led.iterations;
-        attempt.counts += led.counts;
-        if led.termination.is_cut() {
-            attempt.termination = led.termination;
+        let constrained_attempt = constrained.attempt(self.unconstrained.memory.x(), stopping);
+        attempt.iterations += constrained_attempt.iterations;
+        attempt.counts += constrained_attempt.counts;
+        if constrained_attempt.termination.is_cut() {
+            attempt.termination = constrained_attempt.termination;
         }
-        if !led.reached {
+        if !constrained_attempt.reached {
             return false;
         }
-        self.place(true);
-        let SearchWorkspace { check, q, .. } = &mut *self.room;
+        self.write_configuration(true);
+        let SearchWorkspace { check, q, .. } = &mut *self.workspace;
         if !check.is_free(q) {
             return false;
         }
-        let room = &mut *self.room;
-        room.memory.x().clone_into(&mut room.x);
-        room.residual
-            .resize(self.plain.memory.residual().len(), 0.0);
-        let mut goals = Evaluation::of(self.plain.share, self.plain.question, self.plain.scratch);
-        goals.residual(&room.x, &mut room.residual);
-        goals.is_reached(&room.residual)
+        let workspace = &mut *self.workspace;
+        workspace.state.x().clone_into(&mut workspace.x);
+        workspace
+            .residual
+            .resize(self.unconstrained.memory.residual().len(), 0.0);
+        let mut evaluation = Evaluation::of(
+            self.unconstrained.subset,
+            self.unconstrained.instance,
+            self.unconstrained.scratch,
+        );
+        evaluation.residual(&workspace.x, &mut workspace.residual);
+        evaluation.is_reached(&workspace.residual)
     }
 }
 
-impl Engine for ClearEngine<'_> {
+impl Engine for CollisionFreeEngine<'_> {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
-        self.plain.residual_at_start(start)
+        self.unconstrained.residual_at_start(start)
     }
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
-        let mut attempt = self.plain.attempt(x, stopping);
-        self.room.led = false;
+        let mut attempt = self.unconstrained.attempt(x, stopping);
+        self.workspace.is_constrained_end = false;
         if !attempt.reached {
             return attempt;
         }
-        self.place(false);
-        let SearchWorkspace { check, q, .. } = &mut *self.room;
+        self.write_configuration(false);
+        let SearchWorkspace { check, q, .. } = &mut *self.workspace;
         if check.is_free(q) {
             return attempt;
         }
         attempt.termination = Termination::Stationary;
-        self.room.led = self.lead_out(&mut attempt, stopping);
-        attempt.reached = self.room.led;
+        self.workspace.is_constrained_end = self.continue_collision_free(&mut attempt, stopping);
+        attempt.reached = self.workspace.is_constrained_end;
         if attempt.reached {
             attempt.termination = Termination::Reached;
             return attempt;
         }
-        self.place(false);
-        let q = std::mem::take(&mut self.room.q);
-        let nearest = self.room.least_distance(&q);
-        self.room.q = q;
-        attempt.cost = TOUCHING * (FAR - nearest);
+        self.write_configuration(false);
+        let q = std::mem::take(&mut self.workspace.q);
+        let min_distance = self.workspace.min_distance(&q);
+        self.workspace.q = q;
+        attempt.cost = COST_PER_METRE * (MAX_DISTANCE - min_distance);
         attempt
     }
 
     fn end(&self) -> (&[f64], &[f64]) {
-        match self.room.led {
-            true => (&self.room.x, &self.room.residual),
-            false => self.plain.end(),
+        match self.workspace.is_constrained_end {
+            true => (&self.workspace.x, &self.workspace.residual),
+            false => self.unconstrained.end(),
         }
     }
 }

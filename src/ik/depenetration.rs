@@ -7,141 +7,148 @@
 
 use super::Drag;
 use super::drag_frame::solve;
-use super::joint_interpolation::{furthest_move, go_share};
+use super::joint_interpolation::{interpolate, max_displacement};
 use crate::problem::{AnyClearanceCheck, CollisionConstraint, ProblemInstance};
 use crate::random::RandomStream;
 
 /// Maximum number of attempts per local minimum.
-const TRIES: usize = 64;
+const MAX_ATTEMPTS: usize = 64;
 /// Number of attempts whose motion may collide only with the pairs that are in collision at the start.
-const TRIES_PAST_OTHERS: usize = 40;
+const MAX_ATTEMPTS_WITHOUT_NEW_CONTACT: usize = 40;
 /// Increment of the perturbation size per attempt, radians.
-const FARTHER: f64 = 0.05;
+const PERTURBATION_INCREMENT: f64 = 0.05;
 /// Decrease of the penetration per frame that counts as no progress, metres.
-const NO_LESS: f64 = 1e-6;
+const MIN_PROGRESS: f64 = 1e-6;
 /// Joint displacement between two checked configurations of a motion, radians.
-const LOOKED_AT_EVERY: f64 = 0.01;
+const CHECK_SPACING: f64 = 0.01;
 
 /// State of the escape.
 #[derive(Clone, Debug, Default)]
-pub(super) struct WayOutOfContact {
+pub(super) struct Depenetration {
     /// Number of attempts made at this local minimum.
-    tries: usize,
+    attempts: usize,
     /// Variables of a collision-free solution.
-    end: Vec<f64>,
+    solution_x: Vec<f64>,
     /// True if `end` is known.
-    known: bool,
+    is_solution_known: bool,
 }
 
-impl WayOutOfContact {
+impl Depenetration {
     /// Creates the state for a problem with `variables` variables.
     pub(super) fn new(variables: usize) -> Self {
         Self {
-            end: Vec::with_capacity(variables),
+            solution_x: Vec::with_capacity(variables),
             ..Self::default()
         }
     }
 
     /// Resets the state.
     pub(super) fn clear(&mut self) {
-        (self.tries, self.known) = (0, false);
+        (self.attempts, self.is_solution_known) = (0, false);
     }
 }
 
 impl Drag {
     /// Returns whether following frames attempt an escape or move along one.
-    pub(super) fn seeks_way_out_of_contact(&self) -> bool {
-        let way = &self.way_out_of_contact;
-        self.touches && self.problem.fence().is_some() && (way.known || way.tries < TRIES)
+    pub(super) fn is_depenetrating(&self) -> bool {
+        let depenetration = &self.depenetration;
+        self.may_collide
+            && self.problem.collision_constraint().is_some()
+            && (depenetration.is_solution_known || depenetration.attempts < MAX_ATTEMPTS)
     }
 
-    /// Runs one attempt if a frame changed the distance of the deepest pair, metres, from `before` to `after` without
-    /// progress.
-    pub(super) fn seek_way_out_of_contact(
+    /// Runs one attempt if a frame changed the distance of the deepest pair, metres, from `start_distance` to
+    /// `end_distance` without progress.
+    pub(super) fn attempt_depenetration(
         &mut self,
-        fence: &CollisionConstraint,
+        constraint: &CollisionConstraint,
         check: &mut dyn AnyClearanceCheck,
-        (before, after): (f64, f64),
+        (start_distance, end_distance): (f64, f64),
     ) {
-        if after > before + NO_LESS {
-            self.way_out_of_contact.clear();
+        if end_distance > start_distance + MIN_PROGRESS {
+            self.depenetration.clear();
             return;
         }
-        if self.way_out_of_contact.tries == TRIES {
+        if self.depenetration.attempts == MAX_ATTEMPTS {
             return;
         }
-        self.way_out_of_contact.tries += 1;
-        let tries = self.way_out_of_contact.tries;
-        let mut random = RandomStream::new(2, tries as u64);
-        let start = &mut self.way_out_of_contact.end;
+        self.depenetration.attempts += 1;
+        let attempt = self.depenetration.attempts;
+        let mut random = RandomStream::new(2, attempt as u64);
+        let start = &mut self.depenetration.solution_x;
         start.clone_from(&self.x);
-        for (value, unit) in start.iter_mut().zip(&self.unit) {
-            *value += unit * FARTHER * tries as f64 * (2.0 * random.unit() - 1.0);
+        for (value, unit) in start.iter_mut().zip(&self.units) {
+            *value += unit * PERTURBATION_INCREMENT * attempt as f64 * (2.0 * random.unit() - 1.0);
         }
-        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
-        question.space().project(start);
+        let instance = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+        instance.space().project(start);
         let map = self.problem.parameters();
         let mut q = self.q_before.clone();
         map.scatter_within_limits(start, &mut q);
-        let solver = self.way_out_solvers.attempt();
+        let solver = self.escape_solvers.attempt();
         solve(
             solver,
-            question.fenced(fence.holding()),
+            instance.with_constraint(constraint.with_strong_clearance()),
             &q,
             &mut self.trial,
         );
         let trial = &self.trial.solution;
         self.workspace.solution.iterations += trial.iterations;
         self.workspace.solution.counts += trial.counts;
-        let finite = trial.q.iter().all(|value| value.is_finite());
-        let free = finite && check.is_free(&trial.q);
-        map.gather(&trial.q, &mut self.way_out_of_contact.end);
-        self.way_out_of_contact.known =
-            free && (tries > TRIES_PAST_OTHERS || self.meets_nothing_else(check));
+        let is_finite = trial.q.iter().all(|value| value.is_finite());
+        let is_collision_free = is_finite && check.is_free(&trial.q);
+        map.gather(&trial.q, &mut self.depenetration.solution_x);
+        self.depenetration.is_solution_known = is_collision_free
+            && (attempt > MAX_ATTEMPTS_WITHOUT_NEW_CONTACT || self.has_no_new_contact(check));
     }
 
     /// Returns whether the linear motion to the solution collides only with the pairs that are in collision at its
     /// start.
-    fn meets_nothing_else(&self, check: &mut dyn AnyClearanceCheck) -> bool {
+    fn has_no_new_contact(&self, check: &mut dyn AnyClearanceCheck) -> bool {
         let (map, space) = (
             self.problem.parameters(),
             ProblemInstance::from(&self.problem).space(),
         );
         let mut q = self.workspace.solution.q.clone();
-        let touched = check.collisions(&q);
-        let end = &self.way_out_of_contact.end;
+        let start_pairs = check.collisions(&q);
+        let end = &self.depenetration.solution_x;
         let mut from = self.x.clone();
         map.gather(&q, &mut from);
-        let (mut way, mut x) = (from.clone(), from.clone());
-        let far = furthest_move(&self.problem, &self.unit, [&from, end], &mut way);
-        let looks = (far.map_or(0.0, |(_, far)| far) / LOOKED_AT_EVERY).ceil();
-        (1..looks as usize).all(|look| {
-            let share = look as f64 / looks;
-            go_share(space, [&from, end], share, &mut way, &mut x);
+        let (mut displacement, mut x) = (from.clone(), from.clone());
+        let distance =
+            max_displacement(&self.problem, &self.units, [&from, end], &mut displacement);
+        let checks = (distance.map_or(0.0, |(_, distance)| distance) / CHECK_SPACING).ceil();
+        (1..checks as usize).all(|k| {
+            let fraction = k as f64 / checks;
+            interpolate(space, [&from, end], fraction, &mut displacement, &mut x);
             map.scatter_within_limits(&x, &mut q);
-            let met = check.collisions(&q);
-            met.iter()
-                .all(|pair| touched.iter().any(|own| own.is_of_same_pair(pair)))
+            let pairs = check.collisions(&q);
+            pairs.iter().all(|pair| {
+                start_pairs
+                    .iter()
+                    .any(|start_pair| start_pair.is_of_same_pair(pair))
+            })
         })
     }
 
     /// Returns the variables one frame closer to the known collision-free solution, if there is one.
-    pub(super) fn go_out_of_contact(&mut self) -> Option<Vec<f64>> {
-        if !self.way_out_of_contact.known {
+    pub(super) fn depenetration_step(&mut self) -> Option<Vec<f64>> {
+        if !self.depenetration.is_solution_known {
             return None;
         }
-        let [_, way] = &mut self.before;
-        let ends = [self.x.as_slice(), &self.way_out_of_contact.end];
-        let far = furthest_move(&self.problem, &self.unit, ends, way).map_or(0.0, |(_, far)| far);
-        let share = (self.max_move / far).min(1.0);
-        let mut to = self.x.clone();
-        go_share(
+        let [_, displacement] = &mut self.last_motion;
+        let ends = [self.x.as_slice(), &self.depenetration.solution_x];
+        let distance = max_displacement(&self.problem, &self.units, ends, displacement)
+            .map_or(0.0, |(_, distance)| distance);
+        let fraction = (self.max_move / distance).min(1.0);
+        let mut x = self.x.clone();
+        interpolate(
             ProblemInstance::from(&self.problem).space(),
             ends,
-            share,
-            way,
-            &mut to,
+            fraction,
+            displacement,
+            &mut x,
         );
-        Some(to)
+        Some(x)
     }
 }

@@ -1,11 +1,13 @@
 //! Drag: one problem whose targets move from frame to frame.
 
 use super::collision_avoidance::CollisionWorkspace;
-use super::depenetration::WayOutOfContact;
-use super::drag_frame::{MovedJoints, NUDGE_EVERY, REST, near, solve};
+use super::depenetration::Depenetration;
+use super::drag_frame::{
+    FRAMES_PER_PERTURBATION, MAX_REST_MOVE, MovedJoints, frame_instance, solve,
+};
 use super::drag_motion::DragMotion;
-use super::escape::{LocalMinimumEscape, WayOutSolvers};
-use super::joint_interpolation::furthest_move;
+use super::escape::{EscapeSolvers, LocalMinimumEscape};
+use super::joint_interpolation::max_displacement;
 use super::priority::Extent;
 use super::{
     BoundKind, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace,
@@ -19,16 +21,16 @@ use crate::solver::Stopping;
 use crate::task::Residual;
 
 /// Default largest displacement of a joint per frame, radians: 9 rad/s at 60 frames per second.
-const MOST_MOVE: f64 = 0.15;
+const DEFAULT_MAX_MOVE: f64 = 0.15;
 /// Default maximum number of steps per frame. A frame that is cut short continues in the next one.
-const STEPS: usize = 40;
+const DEFAULT_STEPS: usize = 40;
 /// Size of a perturbation, radians, and maximum number of steps from it.
-const NUDGE: f64 = 0.01;
-const NUDGE_STEPS: usize = 10;
+const PERTURBATION: f64 = 0.01;
+const PERTURBATION_STEPS: usize = 10;
 /// Distance from the middle of a range, relative to the range, below which a joint is perturbed to neither side.
-const CENTRED: f64 = 1e-6;
+const CENTRE_TOLERANCE: f64 = 1e-6;
 /// Largest ratio of costs at which the result of a perturbation or search is accepted.
-pub(super) const BETTER: f64 = 1.0 - 1e-3;
+pub(super) const MAX_ACCEPTED_COST_RATIO: f64 = 1.0 - 1e-3;
 
 /// Solver for a problem whose targets move from frame to frame, such as a hand that follows the mouse.
 ///
@@ -83,32 +85,32 @@ pub struct Drag {
     pub(super) moved_joints: MovedJoints,
     pub(super) targets: Targets,
     pub(super) solver: Solver,
-    nudged: Solver,
+    perturbation_solver: Solver,
     pub(super) search: Option<Solver>,
     pub(super) max_move: f64,
     /// Joint displacement bounds of a frame.
-    pub(super) moves: MoveLimits,
+    pub(super) move_limits: MoveLimits,
     /// Displacement of each variable for a `max_move` of 1: 1 rad, or the equivalent length.
-    pub(super) unit: Vec<f64>,
+    pub(super) units: Vec<f64>,
     /// Variables before the frame, and the displacement from there.
-    pub(super) before: [Vec<f64>; 2],
+    pub(super) last_motion: [Vec<f64>; 2],
     pub(super) x: Vec<f64>,
     pub(super) q: Vec<f64>,
     pub(super) workspace: Workspace,
     pub(super) trial: Workspace,
     /// Number of consecutive frames that settled without reaching.
-    pub(super) misses: usize,
+    pub(super) unreached_frames: usize,
     /// Largest displacement of a joint in the last frame, radians.
-    pub(super) moved: f64,
-    pub(super) way_out: LocalMinimumEscape,
-    pub(super) way_out_solvers: WayOutSolvers,
-    pub(super) way_out_of_contact: WayOutOfContact,
-    pub(super) leap: Option<(usize, f64)>,
+    pub(super) last_move: f64,
+    pub(super) escape: LocalMinimumEscape,
+    pub(super) escape_solvers: EscapeSolvers,
+    pub(super) depenetration: Depenetration,
+    pub(super) last_jump: Option<(usize, f64)>,
     /// Configuration at the start of a frame, and the workspace of collision avoidance.
     pub(super) q_before: Vec<f64>,
-    pub(super) clear: Option<Box<CollisionWorkspace>>,
+    pub(super) collision_workspace: Option<Box<CollisionWorkspace>>,
     /// True if the configuration may be in collision.
-    pub(super) touches: bool,
+    pub(super) may_collide: bool,
     /// Commanded motion, if there are motion limits. All other fields then describe its goal.
     pub(super) motion: Option<Box<DragMotion>>,
 }
@@ -132,42 +134,42 @@ impl Drag {
     pub fn new(problem: Problem, start: &[f64]) -> Result<Self, SolveError> {
         check_start(&problem, start)?;
         let n = problem.variables();
-        let slide = slide_per_radian(&problem);
+        let length_per_radian = slide_per_radian(&problem);
         let angles = problem.names().variable_is_angle.iter();
-        let unit = angles.map(|&angle| if angle { 1.0 } else { slide });
+        let unit = angles.map(|&angle| if angle { 1.0 } else { length_per_radian });
         let mut drag = Self {
             solver: Solver::default(),
-            nudged: Solver::default(),
+            perturbation_solver: Solver::default(),
             search: None,
-            max_move: MOST_MOVE,
+            max_move: DEFAULT_MAX_MOVE,
             targets: problem.targets(),
-            moves: MoveLimits::by_angle(&problem, MOST_MOVE, start)?,
-            unit: unit.collect(),
-            before: [vec![0.0; n], vec![0.0; n]],
+            move_limits: MoveLimits::by_angle(&problem, DEFAULT_MAX_MOVE, start)?,
+            units: unit.collect(),
+            last_motion: [vec![0.0; n], vec![0.0; n]],
             x: vec![0.0; n],
             q: start.to_vec(),
             workspace: Workspace::new(),
             trial: Workspace::new(),
-            misses: 0,
-            moved: 0.0,
-            way_out: LocalMinimumEscape::new(n),
-            way_out_solvers: WayOutSolvers::new(&Solver::default(), Stopping::default()),
-            way_out_of_contact: WayOutOfContact::new(n),
-            leap: None,
+            unreached_frames: 0,
+            last_move: 0.0,
+            escape: LocalMinimumEscape::new(n),
+            escape_solvers: EscapeSolvers::new(&Solver::default(), Stopping::default()),
+            depenetration: Depenetration::new(n),
+            last_jump: None,
             q_before: Vec::new(),
-            clear: None,
-            touches: true,
+            collision_workspace: None,
+            may_collide: true,
             motion: None,
             moved_joints: MovedJoints::default(),
             problem,
         };
         drag.set_configuration(start)?;
         // Allocates the memory of all solves now, so that frames allocate nothing.
-        let look = Stopping::default().with_max_iterations(0);
-        let look = Solver::default().with_stopping(look);
-        let look = look.with_restarts(Restarts::none());
-        solve(&look, (&drag.problem).into(), &drag.q, &mut drag.trial);
-        let steps = Stopping::default().with_max_iterations(STEPS);
+        let evaluator = Stopping::default().with_max_iterations(0);
+        let evaluator = Solver::default().with_stopping(evaluator);
+        let evaluator = evaluator.with_restarts(Restarts::none());
+        solve(&evaluator, (&drag.problem).into(), &drag.q, &mut drag.trial);
+        let steps = Stopping::default().with_max_iterations(DEFAULT_STEPS);
         Ok(drag.with_solver(Solver::default(), steps)?)
     }
 
@@ -178,13 +180,16 @@ impl Drag {
     /// Returns an error if an option is out of its range.
     pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Result<Self, BadOption> {
         stopping.check()?;
-        self.way_out_solvers = WayOutSolvers::new(&solver, stopping);
-        let few = stopping.max_iterations().min(NUDGE_STEPS);
-        let once = solver.with_restarts(Restarts::none());
-        once.check()?;
-        let nudged = once.clone().with_refining(Extent::Goals);
-        self.nudged = nudged.with_stopping(stopping.with_max_iterations(few));
-        self.solver = once.with_refining(Extent::Frame).with_stopping(stopping);
+        self.escape_solvers = EscapeSolvers::new(&solver, stopping);
+        let perturbation_steps = stopping.max_iterations().min(PERTURBATION_STEPS);
+        let single_attempt = solver.with_restarts(Restarts::none());
+        single_attempt.check()?;
+        let perturbation_solver = single_attempt.clone().with_extent(Extent::Goals);
+        self.perturbation_solver =
+            perturbation_solver.with_stopping(stopping.with_max_iterations(perturbation_steps));
+        self.solver = single_attempt
+            .with_extent(Extent::Frame)
+            .with_stopping(stopping);
         Ok(self)
     }
 
@@ -195,17 +200,18 @@ impl Drag {
     /// # Errors
     /// Returns an error if `radians` is not above 0.
     pub fn with_max_move(mut self, radians: f64) -> Result<Self, BadOption> {
-        let above = |radians| radians > 0.0;
-        BadOption::check("max_move", radians, (above, "a number above 0"))?;
+        let is_positive = |radians| radians > 0.0;
+        BadOption::check("max_move", radians, (is_positive, "a number above 0"))?;
         self.set_max_move(radians);
         Ok(self)
     }
 
     pub(super) fn set_max_move(&mut self, radians: f64) {
         self.max_move = radians;
-        self.moves.set_angle(&self.problem, radians);
+        self.move_limits.set_angle(&self.problem, radians);
         if let Some(motion) = &self.motion {
-            self.moves.lower_to(&self.problem, motion.largest_steps());
+            self.move_limits
+                .lower_to(&self.problem, motion.largest_steps());
         }
     }
 
@@ -279,14 +285,14 @@ impl Drag {
     }
 
     /// Returns whether there are motion limits and the commanded configuration has not arrived at the goal.
-    fn lags(&self) -> bool {
+    fn is_behind_goal(&self) -> bool {
         (self.motion.as_ref()).is_some_and(|motion| !motion.is_at_rest_on_goal())
     }
 
     /// Returns the problem with the current targets.
     #[must_use]
     pub fn question(&self) -> ProblemInstance<'_> {
-        self.moved_joints.question(&self.problem, &self.targets)
+        self.moved_joints.instance(&self.problem, &self.targets)
     }
 
     /// Returns the residual of a task, to move its target, like [`Targets::get_mut`].
@@ -301,10 +307,10 @@ impl Drag {
     /// motion.
     #[must_use]
     pub fn is_speed_limited(&self) -> bool {
-        self.goal_catches_up() || self.lags()
+        self.is_goal_speed_limited() || self.is_behind_goal()
     }
 
-    fn goal_catches_up(&self) -> bool {
+    fn is_goal_speed_limited(&self) -> bool {
         let mut limits = self.workspace.solution.active_limits();
         limits.any(|limit| limit.kind == BoundKind::Move)
     }
@@ -312,7 +318,7 @@ impl Drag {
     /// Returns the jump of the last frame, if there was one.
     #[must_use]
     pub fn jump(&self) -> Option<DragJump<'_>> {
-        let (variable, distance) = self.leap?;
+        let (variable, distance) = self.last_jump?;
         let joint = self.problem.names().joints.get(variable)?;
         Some(DragJump { joint, distance })
     }
@@ -329,10 +335,10 @@ impl Drag {
             .project(&mut self.x);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
-        self.misses = 0;
-        self.touches = true;
-        self.way_out.clear();
-        self.way_out_of_contact.clear();
+        self.unreached_frames = 0;
+        self.may_collide = true;
+        self.escape.clear();
+        self.depenetration.clear();
         self.command_at_rest();
         Ok(())
     }
@@ -352,7 +358,7 @@ impl Drag {
         if given != expected
             || frames
                 .max()
-                .is_some_and(|last| last >= model.frames().len())
+                .is_some_and(|last_index| last_index >= model.frames().len())
         {
             return Err(SolveError::OtherModel {
                 model: names.model.clone(),
@@ -360,37 +366,39 @@ impl Drag {
                 given,
             });
         }
-        if self.problem.fence().is_some() {
+        if self.problem.collision_constraint().is_some() {
             return Err(SolveError::JointsOfCollisions {
                 model: names.model.clone(),
             });
         }
-        self.moved_joints.take(&self.problem, model);
+        self.moved_joints.copy_placements(&self.problem, model);
         Ok(())
     }
 
     /// Computes one frame for the current targets.
     pub fn advance(&mut self) -> &Solution {
-        self.leap = None;
+        self.last_jump = None;
         self.q_before.clone_from(&self.q);
-        self.moves.start_from(&self.problem, &self.x);
-        if !self.go_out() {
-            self.settle_frame();
+        self.move_limits.start_from(&self.problem, &self.x);
+        if !self.step_escape() {
+            self.solve_frame();
         }
-        self.keep_way_clear();
+        self.keep_motion_collision_free();
         let solution = &self.workspace.solution;
-        self.moved = 0.0;
+        self.last_move = 0.0;
         if solution.q.iter().all(|value| value.is_finite()) {
             self.q.copy_from_slice(&solution.q);
-            let [from, _] = &mut self.before;
-            from.copy_from_slice(&self.x);
+            let [x_before, _] = &mut self.last_motion;
+            x_before.copy_from_slice(&self.x);
             self.problem.parameters().gather(&self.q, &mut self.x);
-            self.moved = self.furthest_move().map_or(0.0, |(_, moved)| moved);
+            self.last_move = self
+                .max_displacement()
+                .map_or(0.0, |(_, distance)| distance);
         }
         if let Some(motion) = &mut self.motion {
             motion.follow(&self.problem, &self.x);
-            let question = self.moved_joints.question(&self.problem, &self.targets);
-            motion.report(question, &self.workspace.solution);
+            let instance = self.moved_joints.instance(&self.problem, &self.targets);
+            motion.report(instance, &self.workspace.solution);
         }
         self.solution()
     }
@@ -404,24 +412,28 @@ impl Drag {
 
     /// Solves within the bounds of the frame. If that settles without reaching, attempts a perturbation, a search and
     /// an escape.
-    fn settle_frame(&mut self) {
-        let question = near(
+    fn solve_frame(&mut self) {
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
-            &self.moves,
+            &self.move_limits,
             &self.moved_joints,
         );
-        solve(&self.solver, question, &self.q, &mut self.workspace);
+        solve(&self.solver, instance, &self.q, &mut self.workspace);
         let solution = &self.workspace.solution;
         let settled = !solution.reached && solution.termination.is_settled();
-        let stuck = settled && !self.goal_catches_up();
-        self.misses = if stuck { self.misses + 1 } else { 0 };
-        if stuck && self.misses % NUDGE_EVERY == 1 {
-            self.nudge();
+        let at_minimum = settled && !self.is_goal_speed_limited();
+        self.unreached_frames = if at_minimum {
+            self.unreached_frames + 1
+        } else {
+            0
+        };
+        if at_minimum && self.unreached_frames % FRAMES_PER_PERTURBATION == 1 {
+            self.perturb();
         }
-        if stuck {
+        if at_minimum {
             self.search();
-            self.seek_way_out();
+            self.attempt_escape();
         }
     }
 
@@ -429,59 +441,68 @@ impl Drag {
     /// last frame moved no joint and no perturbation or escape is pending.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        let stays = !self.moved_joints.any() || self.moved < REST;
-        let done = self.workspace.solution.reached && !self.problem.has_preferences() && stays;
-        let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
-        let seeks = self.seeks_way_out() || self.seeks_way_out_of_contact();
-        if self.lags() {
+        let joints_on_parents = !self.moved_joints.has_moved() || self.last_move < MAX_REST_MOVE;
+        let is_finished =
+            self.workspace.solution.reached && !self.problem.has_preferences() && joints_on_parents;
+        let no_perturbation_pending =
+            self.unreached_frames == 0 || self.unreached_frames > FRAMES_PER_PERTURBATION;
+        let escaping = self.is_escaping() || self.is_depenetrating();
+        if self.is_behind_goal() {
             return false;
         }
-        done || (self.moved < REST && nudged && !seeks)
+        is_finished || (self.last_move < MAX_REST_MOVE && no_perturbation_pending && !escaping)
     }
 
-    /// Returns the variable with the largest displacement since `before`, and that displacement in radians.
-    fn furthest_move(&mut self) -> Option<(usize, f64)> {
-        let [from, way] = &mut self.before;
-        furthest_move(&self.problem, &self.unit, [from, &self.x], way)
+    /// Returns the variable with the largest displacement in `last_motion`, and that displacement in radians.
+    fn max_displacement(&mut self) -> Option<(usize, f64)> {
+        let [from, displacement] = &mut self.last_motion;
+        max_displacement(&self.problem, &self.units, [from, &self.x], displacement)
     }
 
     /// Solves from a small perturbation of the settled configuration, and uses the result if it is better.
-    fn nudge(&mut self) {
+    fn perturb(&mut self) {
         let from = &self.workspace.solution.q;
         let map = self.problem.parameters();
         // The buffer of the other workspace has the right size after the first use.
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
         map.gather(from, start);
-        let mut random = RandomStream::new(0, self.misses as u64);
+        let mut random = RandomStream::new(0, self.unreached_frames as u64);
         // The first perturbation is towards the middle of the joint ranges, so that both sides of a symmetric model
         // bend equally. Later ones are random.
-        let inward = self.misses % (2 * NUDGE_EVERY) == 1;
+        let inward = self.unreached_frames % (2 * FRAMES_PER_PERTURBATION) == 1;
         let (lower, upper) = (self.problem.lower(), self.problem.upper());
         for (j, value) in start.iter_mut().enumerate() {
-            let drawn = 2.0 * random.unit() - 1.0;
-            let off = 0.5 * (lower[j] + upper[j]) - *value;
-            let aside = match inward {
-                true if off.is_finite() && off.abs() > CENTRED * (upper[j] - lower[j]) => {
-                    off.signum()
+            let sample = 2.0 * random.unit() - 1.0;
+            let centre_offset = 0.5 * (lower[j] + upper[j]) - *value;
+            let direction = match inward {
+                true if centre_offset.is_finite()
+                    && centre_offset.abs() > CENTRE_TOLERANCE * (upper[j] - lower[j]) =>
+                {
+                    centre_offset.signum()
                 }
                 true => 0.0,
-                false => drawn,
+                false => sample,
             };
             if self.problem.moves_a_task(j) {
-                *value += self.unit[j] * NUDGE * aside;
+                *value += self.units[j] * PERTURBATION * direction;
             }
         }
-        let question = near(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
-            &self.moves,
+            &self.move_limits,
             &self.moved_joints,
         );
-        question.space().project(start);
+        instance.space().project(start);
         map.scatter_within_limits(start, &mut self.q);
-        solve(&self.nudged, question, &self.q, &mut self.trial);
-        self.take_trial();
+        solve(
+            &self.perturbation_solver,
+            instance,
+            &self.q,
+            &mut self.trial,
+        );
+        self.accept_better_trial();
     }
 
     /// Searches globally, if enabled.
@@ -489,40 +510,41 @@ impl Drag {
         let Some(search) = &self.search else {
             return;
         };
-        let question = self.moved_joints.question(&self.problem, &self.targets);
+        let instance = self.moved_joints.instance(&self.problem, &self.targets);
         solve(
             search,
-            question,
+            instance,
             &self.workspace.solution.q,
             &mut self.trial,
         );
-        if !self.take_trial() {
+        if !self.accept_better_trial() {
             // The search included the settled configuration, so its count of agreeing attempts also applies there.
             self.workspace.solution.agreeing = self.trial.solution.agreeing;
             return;
         }
-        let [from, _] = &mut self.before;
+        let [from, _] = &mut self.last_motion;
         from.copy_from_slice(&self.x);
         let map = self.problem.parameters();
         map.gather(&self.workspace.solution.q, &mut self.x);
-        let furthest = self.furthest_move();
-        let [from, _] = &self.before;
+        let max_move = self.max_displacement();
+        let [from, _] = &self.last_motion;
         self.x.copy_from_slice(from);
-        self.leap = furthest
-            .filter(|&(_, moved)| moved > self.max_move)
-            .map(|(variable, moved)| (variable, moved * self.unit[variable]));
+        self.last_jump = max_move
+            .filter(|&(_, distance)| distance > self.max_move)
+            .map(|(variable, distance)| (variable, distance * self.units[variable]));
     }
 
     /// Uses the trial if it is better. The effort of both solves counts.
-    fn take_trial(&mut self) -> bool {
-        let (kept, trial) = (&mut self.workspace, &mut self.trial);
-        let better = trial.solution.reached || trial.is_better(&self.problem, BETTER, kept);
+    fn accept_better_trial(&mut self) -> bool {
+        let (current, trial) = (&mut self.workspace, &mut self.trial);
+        let better = trial.solution.reached
+            || trial.is_better(&self.problem, MAX_ACCEPTED_COST_RATIO, current);
         if better {
-            std::mem::swap(kept, trial);
+            std::mem::swap(current, trial);
         }
-        kept.solution.iterations += trial.solution.iterations;
-        kept.solution.attempts += trial.solution.attempts;
-        kept.solution.counts += trial.solution.counts;
+        current.solution.iterations += trial.solution.iterations;
+        current.solution.attempts += trial.solution.attempts;
+        current.solution.counts += trial.solution.counts;
         better
     }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::Drag;
 use super::collision_avoidance::CollisionWorkspace;
 use super::collision_free_search::distance_of_first;
-use super::drag_frame::near;
+use super::drag_frame::frame_instance;
 use super::priority::Extent;
 use super::solver::Run;
-use super::step_guard::WayGuard;
+use super::step_guard::MotionGuard;
 use crate::problem::{Collision, CollisionConstraint};
 use crate::search::SearchResult;
 use crate::solver::Silent;
@@ -19,89 +19,107 @@ impl Drag {
     /// A blocked frame is solved again with collision avoidance among the required tasks. Each step is then limited to
     /// its collision-free part, so that the model slides along obstacles. The solution lists the blocking pairs, unless
     /// its targets are reached nevertheless. If the frame starts in collision, its end has less penetration.
-    pub(super) fn keep_way_clear(&mut self) {
-        let Some(fence) = self.problem.fence().map(Arc::clone) else {
+    pub(super) fn keep_motion_collision_free(&mut self) {
+        let Some(constraint) = self.problem.collision_constraint().map(Arc::clone) else {
             return;
         };
-        let mut room = self
-            .clear
+        let mut workspace = self
+            .collision_workspace
             .take()
-            .unwrap_or_else(|| CollisionWorkspace::new(&fence));
+            .unwrap_or_else(|| CollisionWorkspace::new(&constraint));
         let end = &self.workspace.solution.q;
         if end.iter().all(|value| value.is_finite()) {
-            if let Some(by) = room.engine.check.blocked(&self.q_before, end) {
-                self.leap = None;
-                self.misses = 0;
-                self.slide(&fence, &mut room, by);
-            } else if self.touches {
-                let touching = room.engine.check.collisions(end);
-                self.touches = !touching.is_empty();
-                self.workspace.solution.set_collisions(touching);
+            if let Some(blocking_pair) = workspace.engine.check.blocked(&self.q_before, end) {
+                self.last_jump = None;
+                self.unreached_frames = 0;
+                self.replace_blocked_end(&constraint, &mut workspace, blocking_pair);
+            } else if self.may_collide {
+                let pairs = workspace.engine.check.collisions(end);
+                self.may_collide = !pairs.is_empty();
+                self.workspace.solution.set_collisions(pairs);
             }
         }
-        self.clear = Some(room);
+        self.collision_workspace = Some(workspace);
     }
 
-    fn slide(&mut self, fence: &CollisionConstraint, room: &mut CollisionWorkspace, by: Collision) {
+    fn replace_blocked_end(
+        &mut self,
+        constraint: &CollisionConstraint,
+        collision_workspace: &mut CollisionWorkspace,
+        blocking_pair: Collision,
+    ) {
         // A mere contact at the start does not block the motion.
-        let stays = room.engine.check.blocked(&self.q_before, &self.q_before);
-        let free = stays.is_none();
-        let before = match free {
+        let contact_at_start = collision_workspace
+            .engine
+            .check
+            .blocked(&self.q_before, &self.q_before);
+        let is_start_free = contact_at_start.is_none();
+        let start_distance = match is_start_free {
             true => f64::INFINITY,
-            false => room.engine.least_distance(&self.q_before),
+            false => collision_workspace.engine.min_distance(&self.q_before),
         };
-        let mut found = SearchResult::of(&self.workspace.solution);
-        let out = self.go_out_of_contact().filter(|_| !free);
-        let goes_out = out.is_some();
-        let end = out.or_else(|| self.slide_to(fence, room, (free, before), &mut found));
-        let question = near(
+        let mut result = SearchResult::of(&self.workspace.solution);
+        let depenetration_end = self.depenetration_step().filter(|_| !is_start_free);
+        let is_depenetration = depenetration_end.is_some();
+        let end = depenetration_end.or_else(|| {
+            self.solve_collision_free(
+                constraint,
+                collision_workspace,
+                (is_start_free, start_distance),
+                &mut result,
+            )
+        });
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
-            &self.moves,
+            &self.move_limits,
             &self.moved_joints,
         );
         let x = end.as_ref().unwrap_or(&self.x);
         let workspace = &mut self.workspace;
         self.solver
-            .report_at(question, x, found, workspace, &mut Silent);
-        let mut pairs = room.engine.check.collisions(&workspace.solution.q);
-        self.touches = !pairs.is_empty();
-        let after = distance_of_first(&pairs);
-        if free && !workspace.solution.reached {
-            pairs.push(by);
+            .report_at(instance, x, result, workspace, &mut Silent);
+        let mut pairs = collision_workspace
+            .engine
+            .check
+            .collisions(&workspace.solution.q);
+        self.may_collide = !pairs.is_empty();
+        let end_distance = distance_of_first(&pairs);
+        if is_start_free && !workspace.solution.reached {
+            pairs.push(blocking_pair);
         }
         workspace.solution.set_collisions(pairs);
-        if free || !self.touches {
-            self.way_out_of_contact.clear();
-        } else if !goes_out {
-            let check = &mut *room.engine.check;
-            self.seek_way_out_of_contact(fence, check, (before, after));
+        if is_start_free || !self.may_collide {
+            self.depenetration.clear();
+        } else if !is_depenetration {
+            let check = &mut *collision_workspace.engine.check;
+            self.attempt_depenetration(constraint, check, (start_distance, end_distance));
         }
     }
 
     /// Returns the end of a frame solved with collision avoidance among the required tasks, by variable. The motion to
     /// it is collision-free, or if the frame starts in collision, it has less penetration.
-    fn slide_to(
+    fn solve_collision_free(
         &mut self,
-        fence: &CollisionConstraint,
-        room: &mut CollisionWorkspace,
-        (free, before): (bool, f64),
-        found: &mut SearchResult,
+        constraint: &CollisionConstraint,
+        workspace: &mut CollisionWorkspace,
+        (is_start_free, start_distance): (bool, f64),
+        result: &mut SearchResult,
     ) -> Option<Vec<f64>> {
         // Soft tasks may lead to an unacceptable end although the required tasks alone do not.
         for extent in [Extent::Frame, Extent::Goals] {
-            self.solve_fenced(fence, room, extent, free);
-            found.add(&room.fenced.solution);
-            let q = &room.fenced.solution.q;
+            self.solve_constrained(constraint, workspace, extent, is_start_free);
+            result.add(&workspace.constrained.solution);
+            let q = &workspace.constrained.solution.q;
             if !q.iter().all(|value| value.is_finite()) {
                 continue;
             }
-            let stands = match free {
-                true => room.engine.check.blocked(&self.q_before, q).is_none(),
-                false => room.engine.least_distance(q) > before,
+            let is_acceptable = match is_start_free {
+                true => workspace.engine.check.blocked(&self.q_before, q).is_none(),
+                false => workspace.engine.min_distance(q) > start_distance,
             };
-            if stands {
-                return Some(room.fenced.search.keeper.x.clone());
+            if is_acceptable {
+                return Some(workspace.constrained.search.keeper.x.clone());
             }
         }
         None
@@ -109,23 +127,23 @@ impl Drag {
 
     /// Solves a frame from its start with collision avoidance among the required tasks. If `guarded`, every step is
     /// limited to its collision-free part.
-    fn solve_fenced(
+    fn solve_constrained(
         &mut self,
-        fence: &CollisionConstraint,
-        room: &mut CollisionWorkspace,
+        constraint: &CollisionConstraint,
+        workspace: &mut CollisionWorkspace,
         extent: Extent,
         guarded: bool,
     ) {
-        let question = near(
+        let instance = frame_instance(
             &self.problem,
             &self.targets,
-            &self.moves,
+            &self.move_limits,
             &self.moved_joints,
         )
-        .fenced(fence.holding());
+        .with_constraint(constraint.with_strong_clearance());
         let mut q = std::mem::take(&mut self.q);
-        let mut guard = WayGuard {
-            check: &mut *room.engine.check,
+        let mut guard = MotionGuard {
+            check: &mut *workspace.engine.check,
             map: self.problem.parameters(),
             from: (&self.q_before, &self.x),
             q: &mut q,
@@ -139,8 +157,13 @@ impl Drag {
         if guarded {
             run.guard = Some(&mut guard);
         }
-        let solver = self.solver.clone().with_refining(extent);
-        let solved = solver.run(question, &self.q_before, &mut room.fenced, &mut run);
+        let solver = self.solver.clone().with_extent(extent);
+        let solved = solver.run(
+            instance,
+            &self.q_before,
+            &mut workspace.constrained,
+            &mut run,
+        );
         debug_assert!(solved.is_ok(), "a start of its own that does not fit");
         self.q = q;
     }

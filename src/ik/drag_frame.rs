@@ -9,18 +9,18 @@ use crate::solver::Silent;
 
 /// Number of consecutive frames that settle without reaching, per perturbation. A perturbation distinguishes a minimum
 /// from a saddle point, such as a stretched arm whose target moves back along it.
-pub(super) const NUDGE_EVERY: usize = 4;
+pub(super) const FRAMES_PER_PERTURBATION: usize = 4;
 /// Largest joint displacement of a frame at rest, radians.
-pub(super) const REST: f64 = 1e-6;
+pub(super) const MAX_REST_MOVE: f64 = 1e-6;
 
 /// Returns the problem instance of a frame: current targets, within the bounds of the frame.
-pub(super) fn near<'a>(
+pub(super) fn frame_instance<'a>(
     problem: &'a Problem,
     targets: &'a Targets,
     moves: &'a MoveLimits,
     moved: &'a MovedJoints,
 ) -> ProblemInstance<'a> {
-    moved.question(problem, targets).near(moves)
+    moved.instance(problem, targets).near(moves)
 }
 
 /// Kinematics of a drag whose joints have moved on their parents.
@@ -29,7 +29,7 @@ pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
 
 impl MovedJoints {
     /// Copies the placements of joints and frames from a model with the joints of the problem's model.
-    pub(super) fn take(&mut self, problem: &Problem, model: &Model) {
+    pub(super) fn copy_placements(&mut self, problem: &Problem, model: &Model) {
         let moved = self.0.get_or_insert_with(|| {
             let tree = problem.tree().clone();
             Box::new((tree, TreeWorkspace::default()))
@@ -39,20 +39,20 @@ impl MovedJoints {
     }
 
     /// Returns whether joints have moved on their parents.
-    pub(super) fn any(&self) -> bool {
+    pub(super) fn has_moved(&self) -> bool {
         self.0.is_some()
     }
 
     /// Returns the problem with these targets and joint placements.
-    pub(super) fn question<'a>(
+    pub(super) fn instance<'a>(
         &'a self,
         problem: &'a Problem,
         targets: &'a Targets,
     ) -> ProblemInstance<'a> {
-        let question = ProblemInstance::from(problem).with_targets(targets);
+        let instance = ProblemInstance::from(problem).with_targets(targets);
         match &self.0 {
-            Some(moved) => question.with_places(&moved.0),
-            None => question,
+            Some(moved) => instance.with_tree(&moved.0),
+            None => instance,
         }
     }
 }
@@ -61,7 +61,7 @@ impl MovedJoints {
 /// residual, the previous solution is kept.
 pub(super) fn solve(
     solver: &Solver,
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     from: &[f64],
     workspace: &mut Workspace,
 ) {
@@ -71,6 +71,6 @@ pub(super) fn solve(
         guard: None,
         clear: None,
     };
-    let solved = solver.run(question, from, workspace, &mut run);
+    let solved = solver.run(instance, from, workspace, &mut run);
     debug_assert!(solved.is_ok(), "a start of its own that does not fit");
 }

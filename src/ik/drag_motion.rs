@@ -4,7 +4,7 @@
 //! components of a rotation vector in its own axes do. Each component has 1/√3 of the limits, so that the norm is
 //! within them. The vector of a frame is the rotation from the last orientation to the next.
 
-use super::drag_frame::{REST, solve};
+use super::drag_frame::{MAX_REST_MOVE, solve};
 use super::{MotionLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, POSITIVE, Range};
 use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion};
@@ -16,7 +16,7 @@ use crate::spatial::{Quaternion, Vector3};
 const UNLIMITED_STEP: f64 = 1e3;
 
 /// Fraction of a limit for each of three rates, so that their norm is within the limit: 1/√3, rounded down.
-const SHARE_OF_THREE: f64 = 0.577_350_269;
+const FRACTION_PER_COMPONENT: f64 = 0.577_350_269;
 
 /// Ball joint of the commanded motion.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ pub(super) struct DragMotion {
     towards: Vec<f64>,
     x: Vec<f64>,
     q: Vec<f64>,
-    look: Solver,
+    evaluator: Solver,
     workspace: Workspace,
 }
 
@@ -51,12 +51,12 @@ impl DragMotion {
     pub(super) fn new(
         problem: &Problem,
         time_step: f64,
-        given: &MotionLimits,
+        motion_limits: &MotionLimits,
         x: &[f64],
     ) -> Result<Self, SolveError> {
         BadOption::check("time_step", time_step, POSITIVE)?;
         let unsupported = |reason: String| Err(SolveError::UnsupportedTimeStep { reason });
-        if problem.fence().is_some() {
+        if problem.collision_constraint().is_some() {
             return unsupported("collisions to avoid".to_owned());
         }
         for ball in problem.parameters().balls() {
@@ -65,31 +65,41 @@ impl DragMotion {
                 return unsupported(format!("bounded ball joint `{joint}`"));
             }
         }
-        let velocity = by_variable(problem, "velocity_limits", &given.velocity, AT_LEAST_0)?;
-        let acceleration =
-            by_variable(problem, "acceleration_limits", &given.acceleration, ABOVE_0)?;
-        let jerk = by_variable(problem, "jerk_limits", &given.jerk, ABOVE_0)?;
+        let velocity = by_variable(
+            problem,
+            "velocity_limits",
+            &motion_limits.velocity,
+            AT_LEAST_0,
+        )?;
+        let acceleration = by_variable(
+            problem,
+            "acceleration_limits",
+            &motion_limits.acceleration,
+            ABOVE_0,
+        )?;
+        let jerk = by_variable(problem, "jerk_limits", &motion_limits.jerk, ABOVE_0)?;
         let n = problem.variables();
         let mut is_ball = vec![false; n];
         for ball in problem.parameters().balls() {
             is_ball[ball.variable..ball.variable + 3].fill(true);
         }
         let limits = (0..n).map(|j| {
-            let slides = problem.floats(j) && !problem.names().variable_is_angle[j];
-            let share = match slides || is_ball[j] {
-                true => SHARE_OF_THREE,
+            let is_base_translation =
+                problem.is_base_variable(j) && !problem.names().variable_is_angle[j];
+            let fraction = match is_base_translation || is_ball[j] {
+                true => FRACTION_PER_COMPONENT,
                 false => 1.0,
             };
             let (lower, upper) = match is_ball[j] {
                 true => (f64::NEG_INFINITY, f64::INFINITY),
                 false => (problem.lower()[j], problem.upper()[j]),
             };
-            let rates = [velocity[j], acceleration[j], jerk[j]].map(|limit| share * limit);
+            let rates = [velocity[j], acceleration[j], jerk[j]].map(|limit| fraction * limit);
             CycleLimits::new([lower, upper], x[j], time_step, rates, UNLIMITED_STEP)
         });
         let limits: Vec<CycleLimits> = limits.collect();
         let stopping = Stopping::default().with_max_iterations(0);
-        let look = Solver::default().with_stopping(stopping);
+        let evaluator = Solver::default().with_stopping(stopping);
         let mut motion = Self {
             largest_steps: limits.iter().map(|limits| limits.step).collect(),
             limits,
@@ -100,7 +110,7 @@ impl DragMotion {
             towards: vec![0.0; n],
             x: vec![0.0; n],
             q: vec![0.0; problem.configuration_len()],
-            look: look.with_restarts(Restarts::none()),
+            evaluator: evaluator.with_restarts(Restarts::none()),
             workspace: Workspace::new(),
         };
         motion.rest_at(problem, x);
@@ -123,9 +133,9 @@ impl DragMotion {
         }
         self.balls.clear();
         for ball in problem.parameters().balls() {
-            let three = ball.variable..ball.variable + 3;
-            self.joints[three.clone()].fill(JointMotion::default());
-            self.goals[three].fill(0.0);
+            let ball_range = ball.variable..ball.variable + 3;
+            self.joints[ball_range.clone()].fill(JointMotion::default());
+            self.goals[ball_range].fill(0.0);
             let orientation = ball.chart.rotation(ball.of(x).unwrap_or_default());
             self.balls.push(Ball {
                 first: ball.variable,
@@ -146,19 +156,23 @@ impl DragMotion {
                 self.goals[k] = *goal;
             }
         }
-        for (own, ball) in self.balls.iter_mut().zip(map.balls()) {
+        for (joint_ball, ball) in self.balls.iter_mut().zip(map.balls()) {
             let next = ball.chart.rotation(ball.of(goal).unwrap_or_default());
-            let moved = (own.goal.conjugate() * next).log();
-            own.goal = next;
-            for (value, moved) in self.goals[own.first..].iter_mut().zip(moved.to_array()) {
-                *value += moved;
+            let rotation = (joint_ball.goal.conjugate() * next).log();
+            joint_ball.goal = next;
+            for (value, rotation) in self.goals[joint_ball.first..]
+                .iter_mut()
+                .zip(rotation.to_array())
+            {
+                *value += rotation;
             }
         }
         self.history.push(&self.goals);
         self.towards.copy_from_slice(&self.goals);
-        for own in &self.balls {
-            let left = (own.orientation.conjugate() * own.goal).log();
-            self.towards[own.first..own.first + 3].copy_from_slice(&left.to_array());
+        for joint_ball in &self.balls {
+            let rotation_left = (joint_ball.orientation.conjugate() * joint_ball.goal).log();
+            self.towards[joint_ball.first..joint_ball.first + 3]
+                .copy_from_slice(&rotation_left.to_array());
         }
         for (j, joint) in self.joints.iter_mut().enumerate() {
             let limits = &self.limits[j];
@@ -168,15 +182,15 @@ impl DragMotion {
             *joint = joint.after(change).within(limits);
             self.x[j] = joint.q;
         }
-        for (own, ball) in self.balls.iter_mut().zip(map.balls()) {
-            let three = own.first..own.first + 3;
-            let steps = &mut self.joints[three.clone()];
+        for (joint_ball, ball) in self.balls.iter_mut().zip(map.balls()) {
+            let ball_range = joint_ball.first..joint_ball.first + 3;
+            let steps = &mut self.joints[ball_range.clone()];
             let step = Vector3::new(steps[0].step, steps[1].step, steps[2].step);
-            own.orientation = unit(own.orientation * Quaternion::exp(step));
+            joint_ball.orientation = unit(joint_ball.orientation * Quaternion::exp(step));
             for joint in steps {
                 joint.q = 0.0;
             }
-            self.x[three].copy_from_slice(&ball.chart.variables(own.orientation));
+            self.x[ball_range].copy_from_slice(&ball.chart.variables(joint_ball.orientation));
         }
         map.scatter_within_limits(&self.x, &mut self.q);
     }
@@ -184,15 +198,15 @@ impl DragMotion {
     /// Returns whether the commanded configuration is at rest at the goal.
     pub(super) fn is_at_rest_on_goal(&self) -> bool {
         let mut balls = self.balls.iter();
-        let turned = |ball: &Ball| (ball.orientation.conjugate() * ball.goal).log().norm();
+        let angle_left = |ball: &Ball| (ball.orientation.conjugate() * ball.goal).log().norm();
         let mut joints = self.joints.iter().enumerate();
-        balls.all(|ball| turned(ball) < REST)
+        balls.all(|ball| angle_left(ball) < MAX_REST_MOVE)
             && joints.all(|(j, joint)| {
-                let off = match self.is_of_ball(j) {
+                let distance = match self.is_of_ball(j) {
                     true => 0.0,
                     false => self.goals[j] - joint.q,
                 };
-                off.abs() < REST && joint.step.abs() < REST
+                distance.abs() < MAX_REST_MOVE && joint.step.abs() < MAX_REST_MOVE
             })
     }
 
@@ -202,8 +216,8 @@ impl DragMotion {
     }
 
     /// Writes the solution of the commanded configuration, with the effort of the frame that computed its goal.
-    pub(super) fn report(&mut self, question: ProblemInstance<'_>, goal: &Solution) {
-        solve(&self.look, question, &self.q, &mut self.workspace);
+    pub(super) fn report(&mut self, instance: ProblemInstance<'_>, goal: &Solution) {
+        solve(&self.evaluator, instance, &self.q, &mut self.workspace);
         let solution = &mut self.workspace.solution;
         // Copies the values exactly, with the sign of the quaternions.
         solution.q.copy_from_slice(&self.q);
@@ -234,23 +248,29 @@ fn by_variable(
         BadOption::check(option, limit, range)?;
     }
     let map = problem.parameters();
-    let mut least = map.least_by_variable(limits);
+    let mut variable_limits = map.least_by_variable(limits);
     for ball in map.balls() {
-        let four = &limits[ball.coordinate..ball.coordinate + 4];
-        let angular = four.iter().copied().fold(f64::INFINITY, f64::min);
-        least[ball.variable..ball.variable + 3].fill(angular);
+        let quaternion_limits = &limits[ball.coordinate..ball.coordinate + 4];
+        let angular = quaternion_limits
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        variable_limits[ball.variable..ball.variable + 3].fill(angular);
     }
     // The slides of a free base share the smallest limit.
-    let slides =
-        |j: usize| problem.floats(j) && problem.names().variable_is_angle.get(j) == Some(&false);
-    let linear = (0..least.len()).filter(|&j| slides(j)).map(|j| least[j]);
+    let is_base_translation = |j: usize| {
+        problem.is_base_variable(j) && problem.names().variable_is_angle.get(j) == Some(&false)
+    };
+    let linear = (0..variable_limits.len())
+        .filter(|&j| is_base_translation(j))
+        .map(|j| variable_limits[j]);
     let linear = linear.fold(f64::INFINITY, f64::min);
-    for (j, least) in least.iter_mut().enumerate() {
-        if slides(j) {
-            *least = linear;
+    for (j, limit) in variable_limits.iter_mut().enumerate() {
+        if is_base_translation(j) {
+            *limit = linear;
         }
     }
-    Ok(least)
+    Ok(variable_limits)
 }
 
 /// Normalises a quaternion.

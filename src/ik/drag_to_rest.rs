@@ -1,50 +1,50 @@
 //! Repeated frames of a drag until it is at rest.
 
-use super::drag::{BETTER, Drag};
+use super::drag::{Drag, MAX_ACCEPTED_COST_RATIO};
 use super::{Solution, Workspace};
 use crate::clock::is_past;
 use crate::solver::{Counts, Termination};
 
 /// Ratio of successive costs above which a frame that was cut short makes slow progress.
-const CREEPS: f64 = 0.5;
+const MIN_SLOW_COST_RATIO: f64 = 0.5;
 /// Number of consecutive slow frames after which the cost counts as flat, so another motion may be shorter.
-const CREEPING: usize = 2;
+const MAX_SLOW_FRAMES: usize = 2;
 
 /// Statistics of several frames.
 #[derive(Clone, Copy, Debug, Default)]
-struct Frames {
+struct FrameTotals {
     frames: usize,
     iterations: usize,
     counts: Counts,
-    ended: Ended,
+    stop_reason: StopReason,
 }
 
-impl std::ops::AddAssign for Frames {
+impl std::ops::AddAssign for FrameTotals {
     fn add_assign(&mut self, next: Self) {
         self.frames += next.frames;
         self.iterations += next.iterations;
         self.counts += next.counts;
-        self.ended = next.ended;
+        self.stop_reason = next.stop_reason;
     }
 }
 
 /// Reason why frames ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Ended {
+enum StopReason {
     /// The number of frames or the time was exhausted.
     #[default]
-    Spent,
+    Exhausted,
     /// The requested state was reached.
     Done,
     /// The cost decreased too slowly.
-    Creeping,
+    Slow,
 }
 
 /// State at the end of a motion, stored while another motion is tried.
-struct Standing {
+struct DragState {
     x: Vec<f64>,
     q: Vec<f64>,
-    misses: usize,
+    unreached_frames: usize,
     cost: f64,
     solution: Solution,
 }
@@ -65,31 +65,31 @@ impl Drag {
             return self.follow(frames);
         }
         let deadline = self.solver.stopping().deadline();
-        let late = || is_past(deadline);
+        let is_late = || is_past(deadline);
         let start = (self.x.clone(), self.q.clone());
-        let mut all = self.stride(frames, true, &late);
-        if !self.workspace.solution.reached && !late() {
-            let (strides, creeping) = (all.frames, all.ended == Ended::Creeping);
-            let mut first = self.standing();
+        let mut totals = self.advance_unbounded(frames, true, &is_late);
+        if !self.workspace.solution.reached && !is_late() {
+            let (frames_used, is_slow) = (totals.frames, totals.stop_reason == StopReason::Slow);
+            let mut first = self.save_state();
             (self.x, self.q) = start;
-            self.misses = 0;
-            all += self.go_on(frames, &late, |drag, _| {
-                drag.is_at_rest().then_some(Ended::Done)
+            self.unreached_frames = 0;
+            totals += self.advance_until(frames, &is_late, |drag, _| {
+                drag.is_at_rest().then_some(StopReason::Done)
             });
             if !self.workspace.solution.reached {
-                let second = self.standing();
-                if creeping && !late() {
+                let second = self.save_state();
+                if is_slow && !is_late() {
                     // Both motions are slow, so the first one is continued to its end.
-                    self.stand(first);
-                    all += self.stride(frames - strides, false, &late);
-                    first = self.standing();
+                    self.restore_state(first);
+                    totals += self.advance_unbounded(frames - frames_used, false, &is_late);
+                    first = self.save_state();
                 }
-                let nearer = second.cost < BETTER * first.cost;
-                let back = first.solution.reached || !nearer;
-                self.stand(if back { first } else { second });
+                let second_is_better = second.cost < MAX_ACCEPTED_COST_RATIO * first.cost;
+                let use_first = first.solution.reached || !second_is_better;
+                self.restore_state(if use_first { first } else { second });
             }
         }
-        self.total(all)
+        self.total(totals)
     }
 
     /// Moves towards the current targets in steps of a frame, at most `frames`. The motion ends when the targets are
@@ -101,61 +101,70 @@ impl Drag {
     pub fn follow(&mut self, frames: usize) -> &Solution {
         let frames = frames.max(1);
         let deadline = self.solver.stopping().deadline();
-        let late = || is_past(deadline);
-        let all = self.go_on(frames, &late, |drag, last_cost| {
+        let is_late = || is_past(deadline);
+        let totals = self.advance_until(frames, &is_late, |drag, last_cost| {
             if drag.is_speed_limited() {
                 return None;
             }
-            let there = drag.workspace.solution.reached || drag.is_at_rest();
-            let flat = drag.is_cut() && drag.workspace.searched_cost() >= BETTER * last_cost;
-            (there || flat).then_some(Ended::Done)
+            let is_arrived = drag.workspace.solution.reached || drag.is_at_rest();
+            let is_flat = drag.is_cut()
+                && drag.workspace.searched_cost() >= MAX_ACCEPTED_COST_RATIO * last_cost;
+            (is_arrived || is_flat).then_some(StopReason::Done)
         });
-        self.total(all)
+        self.total(totals)
     }
 
-    /// Computes frames without a displacement bound until the drag is at rest. With `up_to_creeping` set, slow progress
+    /// Computes frames without a displacement bound until the drag is at rest. With `stop_when_slow` set, slow progress
     /// ends them too.
-    fn stride(&mut self, frames: usize, up_to_creeping: bool, late: &dyn Fn() -> bool) -> Frames {
+    fn advance_unbounded(
+        &mut self,
+        frames: usize,
+        stop_when_slow: bool,
+        is_late: &dyn Fn() -> bool,
+    ) -> FrameTotals {
         let max_move = self.max_move;
         self.set_max_move(f64::INFINITY);
-        let mut creeping = 0;
-        let done = self.go_on(frames, late, |drag, last_cost| {
-            let slow = drag.is_cut() && drag.workspace.searched_cost() > CREEPS * last_cost;
-            creeping = if slow { creeping + 1 } else { 0 };
+        let mut slow_frames = 0;
+        let totals = self.advance_until(frames, is_late, |drag, last_cost| {
+            let is_slow =
+                drag.is_cut() && drag.workspace.searched_cost() > MIN_SLOW_COST_RATIO * last_cost;
+            slow_frames = if is_slow { slow_frames + 1 } else { 0 };
             match drag.is_at_rest() {
-                true => Some(Ended::Done),
-                false => (up_to_creeping && creeping >= CREEPING).then_some(Ended::Creeping),
+                true => Some(StopReason::Done),
+                false => {
+                    (stop_when_slow && slow_frames >= MAX_SLOW_FRAMES).then_some(StopReason::Slow)
+                }
             }
         });
         self.set_max_move(max_move);
-        done
+        totals
     }
 
-    /// Computes frames until `ended` returns a reason or the time is over. `ended` receives the drag and the cost of
-    /// the previous frame.
-    fn go_on(
+    /// Computes frames until `stop_reason` returns a reason or the time is over. `stop_reason` receives the drag and
+    /// the cost of the previous frame.
+    fn advance_until(
         &mut self,
         frames: usize,
-        late: &dyn Fn() -> bool,
-        mut ended: impl FnMut(&Self, f64) -> Option<Ended>,
-    ) -> Frames {
-        let (mut done, mut last_cost) = (Frames::default(), f64::INFINITY);
+        is_late: &dyn Fn() -> bool,
+        mut stop_reason: impl FnMut(&Self, f64) -> Option<StopReason>,
+    ) -> FrameTotals {
+        let (mut totals, mut last_cost) = (FrameTotals::default(), f64::INFINITY);
         for _ in 0..frames {
             self.advance();
             let solution = &self.workspace.solution;
-            done.frames += 1;
-            done.iterations += solution.iterations;
-            done.counts += solution.counts;
-            if let Some(ended) = ended(self, last_cost) {
-                done.ended = ended;
+            totals.frames += 1;
+            totals.iterations += solution.iterations;
+            totals.counts += solution.counts;
+            if let Some(stop_reason) = stop_reason(self, last_cost) {
+                totals.stop_reason = stop_reason;
                 break;
             }
-            if late() {
+            if is_late() {
                 break;
             }
             last_cost = self.workspace.searched_cost();
         }
-        done
+        totals
     }
 
     /// Returns whether the last frame was cut short before it reached.
@@ -165,26 +174,26 @@ impl Drag {
     }
 
     /// Stores the current state.
-    fn standing(&self) -> Standing {
-        Standing {
+    fn save_state(&self) -> DragState {
+        DragState {
             x: self.x.clone(),
             q: self.q.clone(),
-            misses: self.misses,
+            unreached_frames: self.unreached_frames,
             cost: self.workspace.searched_cost(),
             solution: self.workspace.solution.clone(),
         }
     }
 
-    fn stand(&mut self, left: Standing) {
-        (self.x, self.q, self.misses) = (left.x, left.q, left.misses);
-        self.workspace.solution = left.solution;
-        self.touches = true;
+    fn restore_state(&mut self, state: DragState) {
+        (self.x, self.q, self.unreached_frames) = (state.x, state.q, state.unreached_frames);
+        self.workspace.solution = state.solution;
+        self.may_collide = true;
     }
 
     /// Returns the solution of the last frame with the statistics of all frames.
-    fn total(&mut self, all: Frames) -> &Solution {
+    fn total(&mut self, totals: FrameTotals) -> &Solution {
         let Workspace { solution, .. } = &mut self.workspace;
-        (solution.iterations, solution.counts) = (all.iterations, all.counts);
+        (solution.iterations, solution.counts) = (totals.iterations, totals.counts);
         (solution.attempts, solution.agreeing) = (1, solution.agreeing.min(1));
         self.solution()
     }

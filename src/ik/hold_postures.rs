@@ -5,7 +5,7 @@ use crate::skeleton::{Holds, Skeleton};
 use crate::task::{Posture, Task};
 
 /// Weight of the spine relative to limbs.
-const STIFF: f64 = 5.0;
+const SPINE_WEIGHT: f64 = 5.0;
 
 impl Holds {
     /// Creates soft tasks that keep a skeleton near the posture `q` (stacked angles, radians).
@@ -22,14 +22,14 @@ impl Holds {
     ) -> Result<Vec<Task<Posture>>, ModelError> {
         let model = skeleton.model();
         check_configuration(model, q)?;
-        let back = self.back.iter();
-        let back: Vec<_> = back.flat_map(|&bone| skeleton.joints(bone)).collect();
-        let (back, limbs): (Vec<_>, Vec<_>) = (model.moving_joints().iter().copied())
+        let spine = self.back.iter();
+        let spine: Vec<_> = spine.flat_map(|&bone| skeleton.joints(bone)).collect();
+        let (spine, limbs): (Vec<_>, Vec<_>) = (model.moving_joints().iter().copied())
             .zip(q.iter().copied())
-            .partition(|(joint, _)| back.contains(joint));
+            .partition(|(joint, _)| spine.contains(joint));
         let tasks = [
             ("posture", limbs, 1.0),
-            ("posture of the back", back, STIFF),
+            ("posture of the back", spine, SPINE_WEIGHT),
         ]
         .into_iter()
         .filter(|(_, joints, _)| !joints.is_empty())

@@ -1,7 +1,7 @@
 //! Kinematic loop closure: dependent joint values from independent ones.
 
 use super::loop_gap::{LoopClosureError, LoopGap};
-use super::nearest_closing::NearestClosing;
+use super::nearest_closure::NearestClosure;
 use super::{Solution, Solver};
 use crate::model::{JointId, Model, ModelError, ParameterMap, ParameterMapBuilder};
 use crate::problem::{Evaluation, Problem, ProblemError, TaskSubset};
@@ -10,7 +10,7 @@ use crate::search::check_start;
 use crate::solver::LeastSquares;
 
 /// Number of random configurations from which closure is attempted.
-const DRAWS: u64 = 32;
+const MAX_SAMPLES: u64 = 32;
 
 /// Forward kinematics of a model with loops: solves for the dependent joints from the values of the independent ones.
 ///
@@ -59,13 +59,13 @@ impl<'m> LoopClosure<'m> {
                 joints: names(model, joints),
             });
         }
-        let own = Self {
+        let closure = Self {
             parameters,
             dependent: dependent.to_vec(),
             solver: Solver::default(),
         };
-        own.held_at(&model.neutral()).build()?;
-        Ok(own)
+        closure.locked_at(&model.neutral()).build()?;
+        Ok(closure)
     }
 
     /// Creates the closure of a robot's loops by those of its [passive joints](Robot::passive_joints) that move a loop.
@@ -97,17 +97,18 @@ impl<'m> LoopClosure<'m> {
         if model.loops().is_empty() {
             return Ok(());
         }
-        let free = self.parameters.clone().build()?;
-        let held = self.held_at(q).build()?;
-        let leads: Vec<JointId> = (free.leaders().iter())
+        let map = self.parameters.clone().build()?;
+        let locked_map = self.locked_at(q).build()?;
+        let independent_joints: Vec<JointId> = (map.leaders().iter())
             .map(|leader| model.moving_joints()[*leader])
             .filter(|joint| !self.dependent.contains(joint))
             .collect();
-        let keeps = |coordinate: usize| leads.contains(&model.moving_joints()[coordinate]);
+        let is_independent =
+            |coordinate: usize| independent_joints.contains(&model.moving_joints()[coordinate]);
         for ((coordinate, limits), value) in model.limits().enumerate().zip(q.iter()) {
             let joint = model.joint_of(coordinate);
             let outside = !joint.kind.is_ball() && !limits.contains(*value);
-            if outside && keeps(coordinate) {
+            if outside && is_independent(coordinate) {
                 return Err(LoopClosureError::Model(ModelError::LockedOutsideLimits {
                     joint: joint.name.clone(),
                     value: *value,
@@ -116,10 +117,10 @@ impl<'m> LoopClosure<'m> {
                 }));
             }
         }
-        let closed = self.nearest(held, q)?;
-        for (coordinate, (own, closed)) in q.iter_mut().zip(closed).enumerate() {
-            if !keeps(coordinate) {
-                *own = closed;
+        let closed_q = self.nearest(locked_map, q)?;
+        for (coordinate, (q_value, closed_value)) in q.iter_mut().zip(closed_q).enumerate() {
+            if !is_independent(coordinate) {
+                *q_value = closed_value;
             }
         }
         Ok(())
@@ -134,19 +135,19 @@ impl<'m> LoopClosure<'m> {
     /// Returns an error if the loops stay open from each of 32 random configurations.
     pub fn random_configuration(&self, seed: u64) -> Result<Vec<f64>, LoopClosureError> {
         let model = self.parameters.model();
-        let draw = |k| model.random_configuration(seed.wrapping_mul(DRAWS).wrapping_add(k));
+        let sample = |k| model.random_configuration(seed.wrapping_mul(MAX_SAMPLES).wrapping_add(k));
         if model.loops().is_empty() {
-            return Ok(draw(0));
+            return Ok(sample(0));
         }
-        let free = self.parameters.clone().build()?;
-        let mut found = self.any(free.clone(), &draw(0));
-        for k in 1..DRAWS {
-            if !matches!(found, Err(LoopClosureError::Open { .. })) {
+        let map = self.parameters.clone().build()?;
+        let mut result = self.close_from(map.clone(), &sample(0));
+        for k in 1..MAX_SAMPLES {
+            if !matches!(result, Err(LoopClosureError::Open { .. })) {
                 break;
             }
-            found = self.any(free.clone(), &draw(k));
+            result = self.close_from(map.clone(), &sample(k));
         }
-        found
+        result
     }
 
     /// Returns the closure error of each loop at a configuration.
@@ -158,7 +159,9 @@ impl<'m> LoopClosure<'m> {
     pub fn gaps(&self, q: &[f64]) -> Result<Vec<LoopGap>, LoopClosureError> {
         let model = self.parameters.model();
         let loops = model.loops().iter();
-        let mut gaps: Vec<LoopGap> = loops.map(|own| LoopGap::of(own, model)).collect();
+        let mut gaps: Vec<LoopGap> = loops
+            .map(|model_loop| LoopGap::of(model_loop, model))
+            .collect();
         if gaps.is_empty() {
             return Ok(gaps);
         }
@@ -169,36 +172,36 @@ impl<'m> LoopClosure<'m> {
         let mut residual = vec![0.0; problem.rows()];
         let mut scratch = problem.scratch();
         Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
-        for rows in problem.errors(TaskSubset::All, &residual) {
-            gaps[rows.task].take(rows.quantity, rows.error);
+        for row_block in problem.errors(TaskSubset::All, &residual) {
+            gaps[row_block.task].set_error(row_block.quantity, row_block.error);
         }
         Ok(gaps)
     }
 
     /// Returns parameters with all but the dependent joints locked at `q`.
-    fn held_at(&self, q: &[f64]) -> ParameterMapBuilder<'m> {
+    fn locked_at(&self, q: &[f64]) -> ParameterMapBuilder<'m> {
         self.parameters.clone().with_only(&self.dependent, q)
     }
 
     /// Closes the loops as near to `start` as the search finds.
     fn nearest(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
         let problem = problem(self.parameters.model(), map)?;
-        self.closed(NearestClosing::new(&problem, start)?.close(&self.solver)?)
+        self.closed(NearestClosure::new(&problem, start)?.close(&self.solver)?)
     }
 
     /// Closes the loops by one search from `start`.
-    fn any(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
+    fn close_from(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
         let problem = problem(self.parameters.model(), map)?;
         self.closed(self.solver.solve_once(&problem, start)?)
     }
 
     /// Returns the configuration of a solution if it closes the loops.
-    fn closed(&self, found: Solution) -> Result<Vec<f64>, LoopClosureError> {
-        if found.loops_closed() {
-            return Ok(found.q);
+    fn closed(&self, solution: Solution) -> Result<Vec<f64>, LoopClosureError> {
+        if solution.loops_closed() {
+            return Ok(solution.q);
         }
         let model = self.parameters.model();
-        let open = found.open_loops();
+        let open = solution.open_loops();
         Err(LoopClosureError::Open {
             open: open.map(|open| LoopGap::open(&open, model)).collect(),
             dependent: names(model, self.dependent.iter().copied()),

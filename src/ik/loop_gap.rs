@@ -20,9 +20,9 @@ pub struct LoopGap {
 }
 
 impl LoopGap {
-    pub(super) fn of(own: &Loop, model: &Model) -> Self {
+    pub(super) fn of(model_loop: &Loop, model: &Model) -> Self {
         Self {
-            name: own.name.clone(),
+            name: model_loop.name.clone(),
             gap: 0.0,
             angle: 0.0,
             unit: model.length_unit().symbol(),
@@ -38,7 +38,7 @@ impl LoopGap {
         }
     }
 
-    pub(super) fn take(&mut self, quantity: Quantity, error: f64) {
+    pub(super) fn set_error(&mut self, quantity: Quantity, error: f64) {
         match quantity {
             Quantity::Radians => self.angle = error,
             _ => self.gap = error,

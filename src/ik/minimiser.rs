@@ -4,17 +4,17 @@ use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
 use crate::problem::{
-    Evaluation, Moved, MovedMemory, MovedVariables, ObserverOfAll, ProblemInstance, Scratch,
-    TaskSubset,
+    Evaluation, FullObserver, MovedVariables, ProblemInstance, ReducedProblem, ReducedWorkspace,
+    Scratch, TaskSubset,
 };
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Stopping};
 
 /// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
-    pub(crate) question: ProblemInstance<'a>,
+    pub(crate) instance: ProblemInstance<'a>,
     /// Task subset that is minimised.
-    pub(crate) share: TaskSubset,
+    pub(crate) subset: TaskSubset,
     pub(crate) method: &'a dyn AnyMethod,
     pub(crate) deadline: Option<Instant>,
     pub(crate) observer: &'a mut dyn Observer,
@@ -23,37 +23,37 @@ pub(crate) struct Minimiser<'a> {
     /// Collision check of the steps, if any.
     pub(crate) guard: Option<&'a mut dyn StepGuard>,
     /// Memory for a search over only the variables that move a task.
-    pub(crate) moved: Option<&'a mut MovedMemory>,
+    pub(crate) moved: Option<&'a mut ReducedWorkspace>,
 }
 
 impl<'a> Minimiser<'a> {
     /// Returns the variables to search, if not all are searched.
     fn moved_variables(&self) -> Option<&'a MovedVariables> {
-        let problem = self.question.problem;
-        let whole = self.guard.is_some() || self.share != problem.search_share();
-        problem.moved_variables().filter(|_| !whole)
+        let problem = self.instance.problem;
+        let needs_all = self.guard.is_some() || self.subset != problem.searched_subset();
+        problem.moved_variables().filter(|_| !needs_all)
     }
 
     /// Searches over the moved variables.
     fn attempt_moved(
-        question: ProblemInstance<'_>,
-        moved: &MovedVariables,
+        instance: ProblemInstance<'_>,
+        moved_variables: &MovedVariables,
         evaluation: &mut Evaluation<'_>,
         (method, observer): (&dyn AnyMethod, &mut dyn Observer),
-        (x, memory): (&[f64], &mut MovedMemory),
+        (x, memory): (&[f64], &mut ReducedWorkspace),
         (stopping, deadline): (&Stopping, Option<Instant>),
     ) -> Outcome {
-        memory.begin(question, moved, x);
-        let (buffers, start, state, seen) = memory.parts();
-        let mut observer = ObserverOfAll {
+        memory.begin(instance, moved_variables, x);
+        let (buffers, start, state, observed_x) = memory.parts();
+        let mut observer = FullObserver {
             observer,
-            moved,
-            x: seen,
+            moved_variables,
+            x: observed_x,
         };
-        let mut problem = Moved {
+        let mut problem = ReducedProblem {
             evaluation,
-            moved,
-            memory: buffers,
+            moved_variables,
+            buffers,
         };
         let outcome = method.minimise(
             &mut problem,
@@ -63,7 +63,7 @@ impl<'a> Minimiser<'a> {
             &mut observer,
             state,
         );
-        memory.end(moved);
+        memory.end(moved_variables);
         outcome
     }
 }
@@ -71,7 +71,7 @@ impl<'a> Minimiser<'a> {
 impl Engine for Minimiser<'_> {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
         let is_moved = self.moved_variables().is_some();
-        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(self.subset, self.instance, self.scratch);
         let state = match &mut self.moved {
             Some(memory) if is_moved => &mut memory.state,
             _ => &mut *self.memory,
@@ -82,10 +82,10 @@ impl Engine for Minimiser<'_> {
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
         let variables = self.moved_variables();
-        let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let mut evaluation = Evaluation::of(self.subset, self.instance, self.scratch);
         if let Some((variables, memory)) = variables.zip(self.moved.as_deref_mut()) {
             let outcome = Self::attempt_moved(
-                self.question,
+                self.instance,
                 variables,
                 &mut evaluation,
                 (self.method, &mut *self.observer),

@@ -15,7 +15,7 @@ mod loop_closure;
 mod loop_gap;
 mod minimiser;
 mod motion_limits;
-mod nearest_closing;
+mod nearest_closure;
 mod priority;
 mod solution_derivative;
 mod solver;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::collision_free_search::{ClearEngine, SearchWorkspace};
+use super::collision_free_search::{CollisionFreeEngine, SearchWorkspace};
 use super::minimiser::Minimiser;
-use super::priority::{Extent, PriorityDescent, Ranked};
+use super::priority::{Extent, PriorityDescent, PriorityLevels};
 use super::step_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
@@ -22,7 +22,7 @@ pub struct Solver {
     stopping: Stopping,
     restarts: Restarts,
     /// Effort spent on soft tasks in the null space of the required tasks.
-    refining: Extent,
+    extent: Extent,
 }
 
 impl std::fmt::Debug for Solver {
@@ -50,7 +50,7 @@ impl Solver {
             method: Arc::new(method),
             stopping: Stopping::default(),
             restarts: Restarts::default(),
-            refining: Extent::Whole,
+            extent: Extent::Whole,
         }
     }
 
@@ -58,14 +58,14 @@ impl Solver {
         /// Stopping criteria of each attempt.
         pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
         /// Effort spent on soft tasks.
-        pub(super) fn refining(&self) -> Extent = self.refining;
+        pub(super) fn extent(&self) -> Extent = self.extent;
         /// Name of the method.
         pub fn method(&self) -> &'static str = self.method.name();
     }
 
     setters! {
         /// Sets the effort spent on soft tasks in the null space of the required tasks.
-        pub(super) fn with_refining(mut self, extent: Extent) { self.refining = extent }
+        pub(super) fn with_extent(mut self, extent: Extent) { self.extent = extent }
         /// Sets the stopping criteria of each attempt. The time limit applies to all attempts together.
         pub fn with_stopping(mut self, stopping: Stopping) { self.stopping = stopping }
         /// Sets the restarts.
@@ -96,11 +96,11 @@ impl Solver {
     /// range. An unreached target is not an error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve<'a, 'w>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
     ) -> Result<&'w Solution, SolveError> {
-        self.solve_observed(question, start, workspace, &mut Silent)
+        self.solve_observed(instance, start, workspace, &mut Silent)
     }
 
     /// Solves like [`solve`](Self::solve), with a temporary workspace.
@@ -109,11 +109,11 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_once<'a>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
     ) -> Result<Solution, SolveError> {
         let mut workspace = Workspace::new();
-        self.solve(question, start, &mut workspace)?;
+        self.solve(instance, start, &mut workspace)?;
         Ok(workspace.solution)
     }
 
@@ -125,12 +125,12 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_observed<'a, 'w>(
         &self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
         observer: &mut dyn Observer,
     ) -> Result<&'w Solution, SolveError> {
-        let question = question.into();
+        let instance = instance.into();
         let deadline = self.stopping.deadline();
         let mut run = Run {
             deadline,
@@ -138,9 +138,11 @@ impl Solver {
             guard: None,
             clear: None,
         };
-        match question.problem.fence() {
-            None => self.run(question, start, workspace, &mut run)?,
-            Some(fence) => self.run_clear(fence, question, start, workspace, &mut run)?,
+        match instance.problem.collision_constraint() {
+            None => self.run(instance, start, workspace, &mut run)?,
+            Some(constraint) => {
+                self.run_collision_free(constraint, instance, start, workspace, &mut run)?
+            }
         }
         Ok(&workspace.solution)
     }
@@ -148,75 +150,85 @@ impl Solver {
     /// Solves a problem instance without collision avoidance, except for the step guard and the engine in `run`.
     pub(super) fn run(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let problem = question.problem;
+        let problem = instance.problem;
         let deadline = run.deadline;
         self.check()?;
         check_start(problem, start)?;
-        let mut scratch = workspace.fit(question);
+        let mut scratch = workspace.fit(instance);
         let map = problem.parameters();
         map.gather(start, &mut workspace.search.start);
 
-        let share = problem.search_share();
+        let subset = problem.searched_subset();
         // Weighted soft tasks have a minimum instead of a tolerance, and progress may stall on the path to it.
-        let patient = problem.pulls_in(share);
-        let asked = (question, share);
-        let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
+        let has_weighted_tasks = problem.has_soft_tasks(subset);
+        let query = (instance, subset);
+        let schedule =
+            Schedule::of_searches(query, self.restarts, self.stopping, has_weighted_tasks);
         let mut engine = Minimiser {
-            question,
-            share,
+            instance,
+            subset,
             method: &*self.method,
             deadline,
             observer: &mut *run.observer,
             scratch: &mut scratch,
-            memory: &mut workspace.memory,
+            memory: &mut workspace.state,
             guard: reborrowed(&mut run.guard),
             // Collision avoidance needs all variables at the end of the search.
-            moved: run.clear.is_none().then_some(&mut workspace.moved),
+            moved: run
+                .clear
+                .is_none()
+                .then_some(&mut workspace.moved_variables),
         };
         let search = &mut workspace.search;
-        let mut clear_engine;
+        let mut collision_free_engine;
         let engine: &mut dyn Engine = match &mut run.clear {
             None => &mut engine,
-            Some((fence, room)) => {
-                clear_engine = ClearEngine::new(engine, fence, room);
-                &mut clear_engine
+            Some((constraint, search_workspace)) => {
+                collision_free_engine =
+                    CollisionFreeEngine::new(engine, constraint, search_workspace);
+                &mut collision_free_engine
             }
         };
-        let mut found = search::run(question, share, &schedule, deadline, engine, search);
-        if share != TaskSubset::All {
-            let mut ranked = Ranked {
-                question,
-                by: PriorityDescent {
+        let mut result = search::run(instance, subset, &schedule, deadline, engine, search);
+        if subset != TaskSubset::All {
+            let mut ranked = PriorityLevels {
+                instance,
+                descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule,
-                    extent: self.refining,
+                    extent: self.extent,
                     deadline,
                 },
                 scratch: &mut scratch,
-                solver: &mut workspace.memory,
-                memory: &mut workspace.ranks,
+                state: &mut workspace.state,
+                workspace: &mut workspace.levels,
                 observer: &mut *run.observer,
                 guard: reborrowed(&mut run.guard),
             };
-            let strict = problem.ranks().levels() > 1;
-            let touches =
-                run.clear.is_some() && problem.is_reached_by(share, &search.keeper.residual);
-            let all = self.refining != Extent::Attempt;
-            if strict && all && !found.reached && !touches && !found.termination.is_cut() {
-                ranked.solve_levels(search, &mut found);
+            let has_levels = problem.ranks().levels() > 1;
+            let reaches_in_collision =
+                run.clear.is_some() && problem.is_reached_by(subset, &search.keeper.residual);
+            let uses_all_levels = self.extent != Extent::Attempt;
+            if has_levels
+                && uses_all_levels
+                && !result.reached
+                && !reaches_in_collision
+                && !result.termination.is_cut()
+            {
+                ranked.solve_levels(search, &mut result);
             }
-            ranked.descend_preferences(search, &mut found);
-            if strict {
-                ranked.take_multipliers(&search.keeper.x, &search.keeper.residual);
+            ranked.descend_preferences(search, &mut result);
+            if has_levels {
+                ranked.compute_multipliers(&search.keeper.x, &search.keeper.residual);
             }
         }
-        workspace.report(question, &self.stopping, &mut scratch, &found);
+        workspace.report(instance, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
         Ok(())
     }
@@ -224,42 +236,42 @@ impl Solver {
     /// Reports on the variables `x`, found by a search with additional required tasks.
     pub(super) fn report_at(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         x: &[f64],
-        found: SearchResult,
+        result: SearchResult,
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) {
-        let problem = question.problem;
-        let share = problem.search_share();
-        let mut scratch = workspace.fit(question);
-        let kept = &mut workspace.search.keeper;
-        kept.x.copy_from_slice(x);
-        Evaluation::of(share, question, &mut scratch).residual(x, &mut kept.residual);
+        let problem = instance.problem;
+        let subset = problem.searched_subset();
+        let mut scratch = workspace.fit(instance);
+        let keeper = &mut workspace.search.keeper;
+        keeper.x.copy_from_slice(x);
+        Evaluation::of(subset, instance, &mut scratch).residual(x, &mut keeper.residual);
         if problem.ranks().levels() > 1 {
-            let mut ranked = Ranked {
-                question,
-                by: PriorityDescent {
+            let mut ranked = PriorityLevels {
+                instance,
+                descent: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule: Schedule::of_searches(
-                        (question, share),
+                        (instance, subset),
                         self.restarts,
                         self.stopping,
                         false,
                     ),
-                    extent: self.refining,
+                    extent: self.extent,
                     deadline: None,
                 },
                 scratch: &mut scratch,
-                solver: &mut workspace.memory,
-                memory: &mut workspace.ranks,
+                state: &mut workspace.state,
+                workspace: &mut workspace.levels,
                 observer,
                 guard: None,
             };
-            ranked.take_multipliers(&kept.x, &kept.residual);
+            ranked.compute_multipliers(&keeper.x, &keeper.residual);
         }
-        workspace.report(question, &self.stopping, &mut scratch, &found);
+        workspace.report(instance, &self.stopping, &mut scratch, &result);
         workspace.scratch = Some(scratch);
     }
 }

@@ -12,7 +12,7 @@ use crate::task::{Pose, Posture};
 use super::Solver;
 
 /// Distance by which the base is lowered, as a fraction of its height above the lowest foot.
-const DOWN: f64 = 1.0 / 15.0;
+const LOWERING_FRACTION: f64 = 1.0 / 15.0;
 
 /// Reason why a crouched configuration cannot be computed.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -48,26 +48,30 @@ pub fn crouched_configuration(
     // Ball joint of the first free joint, and the frame attached to it.
     let first = model.free_joints().first();
     let base = first.map(|first| JointId::new(first.index() + 3));
-    let carried = |frame: &FrameId| model.frames()[frame.index()].joint == base;
-    let root = model.frame_ids().find(carried).filter(|_| base.is_some());
+    let is_on_base = |frame: &FrameId| model.frames()[frame.index()].joint == base;
+    let root = model
+        .frame_ids()
+        .find(is_on_base)
+        .filter(|_| base.is_some());
     let Some(root) = root.filter(|_| !feet.is_empty()) else {
         return Ok(q.to_vec());
     };
     let frames: Vec<FrameId> = std::iter::once(root).chain(feet.iter().copied()).collect();
     let mut kinematics = ForwardKinematics::of_frames(model, &frames)?;
-    let placed = kinematics.place(q)?;
-    let (mut lowered, standing) = (placed[0], &placed[1..]);
+    let placements = kinematics.place(q)?;
+    let (mut base_target, foot_placements) = (placements[0], &placements[1..]);
     let up = up.into();
     let up = up * (1.0 / up.norm());
-    let height = |at: Vector3<f64>| at.dot(up);
-    let soles = standing.iter().map(|foot| height(foot.translation));
-    let sole = soles.fold(f64::INFINITY, f64::min);
-    lowered.translation = lowered.translation - up * (DOWN * (height(lowered.translation) - sole));
+    let height = |position: Vector3<f64>| position.dot(up);
+    let foot_heights = foot_placements.iter().map(|foot| height(foot.translation));
+    let min_foot_height = foot_heights.fold(f64::INFINITY, f64::min);
+    base_target.translation = base_target.translation
+        - up * (LOWERING_FRACTION * (height(base_target.translation) - min_foot_height));
     let mut problem = Problem::builder(model);
     problem.parameters(parameters.clone());
-    problem.add(Pose::new(root, lowered));
-    for (&foot, &at) in feet.iter().zip(standing) {
-        problem.add(Pose::new(foot, at));
+    problem.add(Pose::new(root, base_target));
+    for (&foot, &placement) in feet.iter().zip(foot_placements) {
+        problem.add(Pose::new(foot, placement));
     }
     problem.add(Posture::new(model, q));
     let solution = Solver::default().solve_once(&problem.build()?, q)?;

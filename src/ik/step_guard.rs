@@ -7,9 +7,9 @@ use crate::problem::{AnyClearanceCheck, Evaluation};
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
 /// Factor by which a colliding step is shortened.
-const SHORTER: f64 = 0.5;
+const SHORTENING_FACTOR: f64 = 0.5;
 /// Maximum number of shortened steps.
-const SHORTENED: usize = 5;
+const MAX_SHORTENINGS: usize = 5;
 
 /// Limit of the steps of a search.
 pub(crate) trait StepGuard {
@@ -31,7 +31,7 @@ pub(super) fn reborrowed<'b>(
 ///
 /// A frame of a drag moves along that motion, independent of the steps of its search.
 #[derive(Debug)]
-pub(crate) struct WayGuard<'a> {
+pub(crate) struct MotionGuard<'a> {
     pub(crate) check: &'a mut dyn AnyClearanceCheck,
     pub(crate) map: &'a ParameterMap,
     /// Start of the motion, as a configuration and as variables.
@@ -40,7 +40,7 @@ pub(crate) struct WayGuard<'a> {
     pub(crate) q: &'a mut Vec<f64>,
 }
 
-impl StepGuard for WayGuard<'_> {
+impl StepGuard for MotionGuard<'_> {
     fn allowed_share(&mut self, space: ConfigurationSpace<'_>, x: &[f64], to: &[f64]) -> f64 {
         let (q_from, x_from) = self.from;
         self.q.resize(q_from.len(), 0.0);
@@ -54,14 +54,14 @@ impl StepGuard for WayGuard<'_> {
         let mut step = vec![0.0; x.len()];
         let mut trial = x.to_vec();
         space.difference(to, x, &mut step);
-        let mut share = 1.0;
-        for _ in 0..SHORTENED {
-            share *= SHORTER;
-            space.integrate_share(x, share, &step, &mut trial);
+        let mut fraction = 1.0;
+        for _ in 0..MAX_SHORTENINGS {
+            fraction *= SHORTENING_FACTOR;
+            space.integrate_share(x, fraction, &step, &mut trial);
             space.project(&mut trial);
             self.map.scatter_within_limits(&trial, self.q);
             if self.check.blocked(q_from, self.q).is_none() {
-                return share;
+                return fraction;
             }
         }
         0.0

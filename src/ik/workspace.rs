@@ -3,7 +3,7 @@
 use super::Solution;
 use super::collision_avoidance::CollisionWorkspace;
 use super::priority::{LevelWorkspace, is_better};
-use crate::problem::{Evaluation, MovedMemory, Problem, ProblemInstance, Scratch, TaskSubset};
+use crate::problem::{Evaluation, Problem, ProblemInstance, ReducedWorkspace, Scratch, TaskSubset};
 use crate::search::{Attempts, End, PreferenceConflict, SearchResult};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
@@ -13,17 +13,17 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 /// one at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    pub(super) memory: SolverState,
+    pub(super) state: SolverState,
     /// Memory for tasks that move only few of the variables.
-    pub(super) moved: MovedMemory,
+    pub(super) moved_variables: ReducedWorkspace,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
     /// Residual of all tasks.
     whole_residual: Vec<f64>,
-    pub(super) ranks: LevelWorkspace,
+    pub(super) levels: LevelWorkspace,
     pub(super) solution: Solution,
     /// Workspace of collision avoidance.
-    pub(super) clear: Option<Box<CollisionWorkspace>>,
+    pub(super) collision: Option<Box<CollisionWorkspace>>,
 }
 
 impl Workspace {
@@ -46,31 +46,33 @@ impl Workspace {
         half_squared(&self.search.keeper.residual)
     }
 
-    /// Returns whether the required tasks of the last solve cost less than `share` times those of another workspace.
-    pub(super) fn is_better(&self, problem: &Problem, share: f64, than: &Self) -> bool {
+    /// Returns whether the required tasks of the last solve cost less than `max_ratio` times those of another
+    /// workspace.
+    pub(super) fn is_better(&self, problem: &Problem, max_ratio: f64, other: &Self) -> bool {
         match problem.ranks().levels() > 1 {
             true => {
-                let [own, other] = [self, than].map(|of| &of.search.keeper.residual);
-                is_better(problem, share, own, other)
+                let [residual, other_residual] =
+                    [self, other].map(|workspace| &workspace.search.keeper.residual);
+                is_better(problem, max_ratio, residual, other_residual)
             }
-            false => self.searched_cost() < share * than.searched_cost(),
+            false => self.searched_cost() < max_ratio * other.searched_cost(),
         }
     }
 
     /// Resizes the memory for the problem and returns scratch memory, which is new only for a new problem.
-    pub(super) fn fit(&mut self, question: ProblemInstance<'_>) -> Scratch {
-        let problem = question.problem;
-        let share = problem.search_share();
-        self.search.fit(question, share);
-        if share != TaskSubset::All {
+    pub(super) fn fit(&mut self, instance: ProblemInstance<'_>) -> Scratch {
+        let problem = instance.problem;
+        let subset = problem.searched_subset();
+        self.search.fit(instance, subset);
+        if subset != TaskSubset::All {
             self.whole_residual.resize(problem.rows(), 0.0);
-            self.ranks.fit(question);
+            self.levels.fit(instance);
         }
         self.solution.reserve(problem.tasks(), problem.variables());
         match self.scratch.take() {
             Some(mut scratch) if scratch.fits(problem) => {
-                if question.places_moved() {
-                    scratch.forget();
+                if instance.has_moved_tree() {
+                    scratch.invalidate();
                 }
                 scratch
             }
@@ -81,49 +83,49 @@ impl Workspace {
     /// Fills in the solution from a search result.
     pub(super) fn report(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
-        found: &SearchResult,
+        result: &SearchResult,
     ) {
-        let problem = question.problem;
+        let problem = instance.problem;
         let solution = &mut self.solution;
-        let (share, kept) = (problem.search_share(), &self.search.keeper);
-        let residual = match share {
-            TaskSubset::All => &kept.residual,
+        let (subset, keeper) = (problem.searched_subset(), &self.search.keeper);
+        let residual = match subset {
+            TaskSubset::All => &keeper.residual,
             _ => {
-                let mut whole = Evaluation::new(question, scratch);
-                whole.residual(&kept.x, &mut self.whole_residual);
+                let mut evaluation = Evaluation::new(instance, scratch);
+                evaluation.residual(&keeper.x, &mut self.whole_residual);
                 &self.whole_residual
             }
         };
         let end = End {
-            question,
-            x: &kept.x,
-            share,
+            question: instance,
+            x: &keeper.x,
+            share: subset,
             searched: match problem.ranks().levels() > 1 {
-                true => &self.ranks.multipliers,
-                false => &kept.residual,
+                true => &self.levels.multipliers,
+                false => &keeper.residual,
             },
             residual,
         };
-        solution.record(found);
-        let slope = solution.measure(&end, stopping, scratch, &mut self.memory);
-        if solution.reached || !found.termination.is_settled() {
+        solution.record(result);
+        let slope = solution.measure(&end, stopping, scratch, &mut self.state);
+        if solution.reached || !result.termination.is_settled() {
             solution.agreeing = 0;
         }
         if solution.reached {
             return;
         }
-        solution.find_out_of_reach(question);
-        if let (Some(slope), TaskSubset::All, true) = (slope, share, problem.has_preferences()) {
-            let pulls = PreferenceConflict {
-                question,
-                jacobian: self.memory.jacobian(),
+        solution.find_out_of_reach(instance);
+        if let (Some(slope), TaskSubset::All, true) = (slope, subset, problem.has_preferences()) {
+            let conflict = PreferenceConflict {
+                question: instance,
+                jacobian: self.state.jacobian(),
                 residual,
                 negligible: slope.negligible,
             };
-            pulls.list(&kept.x, &mut self.search.x, &mut solution.pulling);
+            conflict.list(&keeper.x, &mut self.search.x, &mut solution.pulling);
         }
     }
 }

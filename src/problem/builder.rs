@@ -47,7 +47,7 @@ pub(super) enum ClearanceAs {
     /// A required task of the first level.
     Goal,
     /// A soft task; all other soft tasks get weight 0.
-    OnlyPreference,
+    SoftTask,
 }
 
 impl PendingTask {
@@ -86,7 +86,7 @@ pub struct ProblemBuilder<'m> {
     tolerances: Vec<(Quantity, f64)>,
     derivatives: Derivatives,
     preferences: Preferences,
-    pub(super) clear_of: Option<ClearanceRequest>,
+    pub(super) clearance_request: Option<ClearanceRequest>,
 }
 
 impl<'m> ProblemBuilder<'m> {
@@ -99,7 +99,7 @@ impl<'m> ProblemBuilder<'m> {
             tolerances: Vec::new(),
             derivatives: Derivatives::default(),
             preferences: Preferences::default(),
-            clear_of: None,
+            clearance_request: None,
         }
     }
 
@@ -163,10 +163,12 @@ impl<'m> ProblemBuilder<'m> {
     /// - bounds that leave no value;
     /// - a checker of another model.
     pub fn build(mut self) -> Result<Problem, ProblemError> {
-        let asked = self.clear_of.take();
-        let fence = asked.map(|asked| self.fence(asked)).transpose()?;
+        let request = self.clearance_request.take();
+        let constraint = request
+            .map(|request| self.collision_constraint(request))
+            .transpose()?;
         let mut problem = self.compile(None)?;
-        problem.fence = fence.map(Arc::new);
+        problem.collision_constraint = constraint.map(Arc::new);
         Ok(problem)
     }
 
@@ -200,11 +202,11 @@ impl<'m> ProblemBuilder<'m> {
             });
         }
 
-        if let Some((mut task, counts)) = clearance {
+        if let Some((mut task, role)) = clearance {
             let goals = self.tasks.iter().filter(|task| task.role == Role::Goal);
             let levels = goals.filter(|task| !task.is_loop).map(|task| task.level);
             task.level = levels.min().unwrap_or(0);
-            if counts == ClearanceAs::OnlyPreference {
+            if role == ClearanceAs::SoftTask {
                 for other in &mut self.tasks {
                     if other.role == Role::Preference {
                         other.factor = 0.0;
@@ -251,12 +253,12 @@ impl<'m> ProblemBuilder<'m> {
                     half_angles,
                 }),
             }
-            if let Some(most) = ball.angle.filter(|angle| *angle < PI) {
+            if let Some(max_angle) = ball.angle.filter(|angle| *angle < PI) {
                 let third = ball.variable + 2;
                 let twist = Limits::new(map.lower()[third], map.upper()[third]);
                 let inside = [0.0, 0.0, twist.clamp(0.0)];
-                let turn = TurnLimit::from_zero(ball.variable, ball.chart, inside, most);
-                rotations.turns.push(turn);
+                let limit = TurnLimit::from_zero(ball.variable, ball.chart, inside, max_angle);
+                rotations.turns.push(limit);
             }
         }
         let name_of = |variable: usize| {
@@ -280,7 +282,11 @@ impl<'m> ProblemBuilder<'m> {
                 .collect(),
             variable_is_angle: variables.map(|v| !leading_joint(v).kind.slides()).collect(),
             tasks: tasks.iter().map(|task| task.name.clone()).collect(),
-            loops: model.loops().iter().map(|own| own.name.clone()).collect(),
+            loops: model
+                .loops()
+                .iter()
+                .map(|model_loop| model_loop.name.clone())
+                .collect(),
             task_levels: tasks.iter().map(|task| task.level).collect(),
             task_frames: (first_frames.iter())
                 .map(|frame| frame.map(|f| model.frames()[f.index()].name.clone()))
@@ -303,16 +309,16 @@ impl<'m> ProblemBuilder<'m> {
             preferences: self.preferences,
             tangent: Tangent::new(model),
             rotations,
-            floating,
+            is_base_variable: floating,
             spread,
             step_scale: step_scale(&is_angle, model.length_unit(), reach),
             reach,
             derivatives: self.derivatives,
-            moving: Vec::new(),
-            moved: None,
-            fence: None,
+            moves_task: Vec::new(),
+            moved_variables: None,
+            collision_constraint: None,
         };
-        problem.mark_moving();
+        problem.mark_task_variables();
         problem.choose_sweeps();
         Ok(problem)
     }
@@ -388,8 +394,8 @@ fn compile_task(
         let Some(first) = model.coordinate(joint) else {
             return Err(foreign(&name, "moving joint"));
         };
-        let own = model.joint_of(first).kind.coordinates();
-        coordinates.extend(first..first + own);
+        let coordinate_count = model.joint_of(first).kind.coordinates();
+        coordinates.extend(first..first + coordinate_count);
     }
     if let Some(expected) = pending.residual.joint_values()
         && expected != coordinates.len()
@@ -417,14 +423,15 @@ fn compile_task(
     let mut blocks = Vec::with_capacity(pending.rows.len());
     let mut next_row = first_row;
     for rows in &pending.rows {
-        let own = |list: &[(Quantity, f64)]| {
+        let last_value = |list: &[(Quantity, f64)]| {
             let last = list.iter().rev().find(|(q, _)| *q == rows.quantity);
             last.map(|&(_, value)| value)
         };
-        let weight = own(&pending.weights).unwrap_or_else(|| default_weight(rows.quantity, model));
+        let weight =
+            last_value(&pending.weights).unwrap_or_else(|| default_weight(rows.quantity, model));
         let weight = Block::weight_of(&name, rows.quantity, weight * pending.factor)?;
-        let tolerance = own(&pending.tolerances)
-            .or_else(|| own(tolerances))
+        let tolerance = last_value(&pending.tolerances)
+            .or_else(|| last_value(tolerances))
             .unwrap_or_else(|| default_tolerance(rows.quantity, model));
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(ProblemError::BadTolerance {
@@ -442,9 +449,10 @@ fn compile_task(
         next_row += rows.count;
     }
     let (inequalities, count) = (pending.residual.inequalities(), next_row - first_row);
-    let beyond = |room: &&Inequality| room.rows().is_empty() || room.rows().end > count;
-    if let Some(room) = inequalities.iter().find(beyond) {
-        let rows = room.rows();
+    let is_out_of_range =
+        |inequality: &&Inequality| inequality.rows().is_empty() || inequality.rows().end > count;
+    if let Some(inequality) = inequalities.iter().find(is_out_of_range) {
+        let rows = inequality.rows();
         return Err(ProblemError::BadTask {
             task: name,
             problem: format!("it has an inequality of its rows {rows:?}, but {count} rows"),
@@ -461,15 +469,15 @@ fn compile_task(
         // Set later: by `Ranks`, which has all tasks, and `choose_sweeps`, which has the tree.
         rank: 0,
         rows_by_rank: 0..0,
-        edges_by_rank: 0..0,
-        swept: false,
-        edge_weights: Vec::new(),
+        slacks_by_rank: 0..0,
+        uses_sweeps: false,
+        slack_weights: Vec::new(),
         inequalities,
         weights: Vec::new(),
         frames: slots,
         coordinates,
     };
-    task.weigh();
+    task.update_weights();
     Ok(task)
 }
 
@@ -488,8 +496,8 @@ fn check_numbers(
             quantity,
         });
     }
-    let bad = weights.iter().find(|(_, w)| !(*w >= 0.0 && w.is_finite()));
-    match bad {
+    let invalid = weights.iter().find(|(_, w)| !(*w >= 0.0 && w.is_finite()));
+    match invalid {
         None => Ok(()),
         Some(&(quantity, weight)) => Err(ProblemError::BadWeight {
             task: task.to_owned(),
@@ -540,12 +548,12 @@ fn narrow(
             None => Err(limits),
         };
         let name = || joint.name.clone();
-        narrowed.map_err(|left| match joint.kind {
+        narrowed.map_err(|range| match joint.kind {
             JointKind::Ball => ProblemError::BoundOnBall { joint: name() },
             _ => ProblemError::EmptyRange {
                 joint: name(),
-                lower: left.lower,
-                upper: left.upper,
+                lower: range.lower,
+                upper: range.upper,
             },
         })?;
     }

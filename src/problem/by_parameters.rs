@@ -15,7 +15,7 @@ pub(crate) struct ParameterScratch {
     dual: DualScratch,
     rows: Vec<f64>,
     /// For each row of a task, its coefficient before weighting.
-    counts: Vec<f64>,
+    coefficients: Vec<f64>,
     rotations: Vec<Matrix3<f64>>,
     /// For each joint, the force on it and on its descendants, or its velocity.
     by_joint: Vec<Vector3<f64>>,
@@ -31,54 +31,56 @@ impl Evaluation<'_> {
         x: &[f64],
         (coefficients, factor): (&[f64], f64),
         model: Option<&Model>,
-        memory: &mut ParameterScratch,
+        scratch: &mut ParameterScratch,
         slopes: &mut ParameterVector,
     ) {
         self.forward(x);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let model = model.filter(|_| !slopes.joint_origins().is_empty());
-        memory.by_joint.clear();
-        memory
+        scratch.by_joint.clear();
+        scratch
             .by_joint
             .resize(slopes.joint_origins().len(), Vector3::zero());
         let mut first_block = 0;
         for (index, task) in problem.tasks.iter().enumerate() {
-            let own_block = first_block;
+            let task_block = first_block;
             first_block += task.blocks.len();
             let c = &coefficients[task.rows.clone()];
             if c.iter().all(|c| *c == 0.0) {
                 continue;
             }
             Self::gather(self.scratch, task);
-            let residual = self.question.residual(index);
+            let residual = self.instance.residual(index);
             let target = slopes.target_mut(index);
-            memory.counts.clear();
-            let counts = c.iter().zip(&task.weights);
-            memory
-                .counts
-                .extend(counts.map(|(c, weight)| factor * c * weight));
-            let (frames, joints) = self.scratch.placed();
+            scratch.coefficients.clear();
+            let weighted = c.iter().zip(&task.weights);
+            scratch
+                .coefficients
+                .extend(weighted.map(|(c, weight)| factor * c * weight));
+            let (frames, joints) = self.scratch.task_inputs();
             if !target.is_empty()
-                && !residual.add_target_slopes(frames, joints, &memory.counts, target)
+                && !residual.add_target_slopes(frames, joints, &scratch.coefficients, target)
             {
-                memory.read((frames, joints), task.rows.len());
+                scratch.load_constants((frames, joints), task.rows.len());
                 for first in (0..target.len()).step_by(CHUNK) {
                     let count = CHUNK.min(target.len() - first);
-                    memory.move_target(residual, target.len(), first, count);
-                    for (row, by) in memory.dual.residual.iter().zip(&memory.counts) {
+                    scratch.differentiate_target(residual, target.len(), first, count);
+                    for (row, coefficient) in
+                        scratch.dual.residual.iter().zip(&scratch.coefficients)
+                    {
                         let slopes = target[first..first + count].iter_mut();
                         for (slope, derivative) in slopes.zip(row.derivatives()) {
-                            *slope += by * derivative;
+                            *slope += coefficient * derivative;
                         }
                     }
                 }
             }
-            memory.rows.resize(task.rows.len(), 0.0);
-            residual.evaluate(frames, joints, &mut memory.rows);
+            scratch.rows.resize(task.rows.len(), 0.0);
+            residual.evaluate(frames, joints, &mut scratch.rows);
             let blocks = task.blocks.iter();
-            for (block, slope) in blocks.zip(slopes.weights_of(own_block, task)) {
-                let own = block.rows_after(task.rows.start, 0);
-                let terms = c[own.clone()].iter().zip(&memory.rows[own]);
+            for (block, slope) in blocks.zip(slopes.weights_of(task_block, task)) {
+                let rows = block.rows_after(task.rows.start, 0);
+                let terms = c[rows.clone()].iter().zip(&scratch.rows[rows]);
                 *slope += factor * terms.map(|(c, row)| c * row).sum::<f64>();
             }
             if let Some(model) = model {
@@ -86,9 +88,9 @@ impl Evaluation<'_> {
                 for (k, &slot) in task.frames.iter().enumerate() {
                     let parts = self.scratch.local().linear(k).iter().zip(c);
                     let force = parts.fold(Vector3::zero(), |sum, (&part, &c)| sum + part * c);
-                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    let frame = &model.frames()[self.instance.tree().frame(slot).index()];
                     if let Some(joint) = frame.joint {
-                        memory.by_joint[joint.index()] += force;
+                        scratch.by_joint[joint.index()] += force;
                     }
                 }
             }
@@ -96,17 +98,17 @@ impl Evaluation<'_> {
         let Some(model) = model else {
             return;
         };
-        joint_rotations(model, self.scratch.q(), &mut memory.rotations);
+        joint_rotations(model, self.scratch.q(), &mut scratch.rotations);
         for (index, joint) in model.joints().iter().enumerate().rev() {
-            let force = memory.by_joint[index];
-            let turned = match joint.parent {
+            let force = scratch.by_joint[index];
+            let force_in_parent = match joint.parent {
                 Some(parent) => {
-                    memory.by_joint[parent.index()] += force;
-                    memory.rotations[parent.index()].transpose_mul(force)
+                    scratch.by_joint[parent.index()] += force;
+                    scratch.rotations[parent.index()].transpose_mul(force)
                 }
                 None => force,
             };
-            slopes.joint_origins_mut()[index] += turned * factor;
+            slopes.joint_origins_mut()[index] += force_in_parent * factor;
         }
     }
 
@@ -115,23 +117,23 @@ impl Evaluation<'_> {
         &mut self,
         x: &[f64],
         index: usize,
-        memory: &mut ParameterScratch,
+        scratch: &mut ParameterScratch,
         columns: &mut Vec<f64>,
     ) {
         self.forward(x);
         columns.clear();
-        let Some(task) = self.question.problem.tasks.get(index) else {
+        let Some(task) = self.instance.problem.tasks.get(index) else {
             return;
         };
         Self::gather(self.scratch, task);
-        let residual = self.question.residual(index);
-        memory.read(self.scratch.placed(), task.rows.len());
+        let residual = self.instance.residual(index);
+        scratch.load_constants(self.scratch.task_inputs(), task.rows.len());
         let len = residual.target_len();
         for first in (0..len).step_by(CHUNK) {
             let count = CHUNK.min(len - first);
-            memory.move_target(residual, len, first, count);
+            scratch.differentiate_target(residual, len, first, count);
             for k in 0..count {
-                let rows = memory.dual.residual.iter().zip(&task.weights);
+                let rows = scratch.dual.residual.iter().zip(&task.weights);
                 columns.extend(rows.map(|(row, weight)| weight * row.derivatives()[k]));
             }
         }
@@ -143,24 +145,25 @@ impl Evaluation<'_> {
         x: &[f64],
         rates: &ParameterVector,
         model: Option<&Model>,
-        memory: &mut ParameterScratch,
+        scratch: &mut ParameterScratch,
         rows: &mut [f64],
     ) {
         self.forward(x);
         rows.fill(0.0);
-        let problem = self.question.problem;
+        let problem = self.instance.problem;
         let model = model.filter(|_| !rates.joint_origins().is_empty());
         if let Some(model) = model {
-            joint_rotations(model, self.scratch.q(), &mut memory.rotations);
-            memory.by_joint.clear();
-            for (joint, &own) in model.joints().iter().zip(rates.joint_origins()) {
-                let moved = match joint.parent {
+            joint_rotations(model, self.scratch.q(), &mut scratch.rotations);
+            scratch.by_joint.clear();
+            for (joint, &origin_rate) in model.joints().iter().zip(rates.joint_origins()) {
+                let velocity = match joint.parent {
                     Some(parent) => {
-                        memory.by_joint[parent.index()] + memory.rotations[parent.index()] * own
+                        scratch.by_joint[parent.index()]
+                            + scratch.rotations[parent.index()] * origin_rate
                     }
-                    None => own,
+                    None => origin_rate,
                 };
-                memory.by_joint.push(moved);
+                scratch.by_joint.push(velocity);
             }
         }
         let mut first_block = 0;
@@ -168,43 +171,43 @@ impl Evaluation<'_> {
             let blocks = first_block..first_block + task.blocks.len();
             first_block = blocks.end;
             Self::gather(self.scratch, task);
-            let residual = self.question.residual(index);
-            let own_rows = &mut rows[task.rows.clone()];
-            let by_weight = &rates.weights()[blocks];
-            if by_weight.iter().any(|rate| *rate != 0.0) {
-                let (frames, joints) = self.scratch.placed();
-                residual.evaluate(frames, joints, own_rows);
-                for (block, rate) in task.blocks.iter().zip(by_weight) {
-                    for row in &mut own_rows[block.rows_after(task.rows.start, 0)] {
+            let residual = self.instance.residual(index);
+            let task_rows = &mut rows[task.rows.clone()];
+            let weight_rates = &rates.weights()[blocks];
+            if weight_rates.iter().any(|rate| *rate != 0.0) {
+                let (frames, joints) = self.scratch.task_inputs();
+                residual.evaluate(frames, joints, task_rows);
+                for (block, rate) in task.blocks.iter().zip(weight_rates) {
+                    for row in &mut task_rows[block.rows_after(task.rows.start, 0)] {
                         *row *= rate;
                     }
                 }
             }
             let target = rates.target(index);
             if target.iter().any(|rate| *rate != 0.0) {
-                memory.read(self.scratch.placed(), task.rows.len());
-                let along = target.iter().map(|&rate| {
+                scratch.load_constants(self.scratch.task_inputs(), task.rows.len());
+                let rates_along = target.iter().map(|&rate| {
                     let mut derivatives = [0.0; CHUNK];
                     derivatives[0] = rate;
                     Dual::new(0.0, derivatives)
                 });
-                memory.step.clear();
-                memory.step.extend(along);
-                memory.evaluate(residual);
-                let moved = memory.dual.residual.iter().zip(&task.weights);
-                for (row, (moved, weight)) in own_rows.iter_mut().zip(moved) {
-                    *row += weight * moved.derivatives()[0];
+                scratch.step.clear();
+                scratch.step.extend(rates_along);
+                scratch.evaluate(residual);
+                let velocity = scratch.dual.residual.iter().zip(&task.weights);
+                for (row, (velocity, weight)) in task_rows.iter_mut().zip(velocity) {
+                    *row += weight * velocity.derivatives()[0];
                 }
             }
             if let Some(model) = model {
                 Self::differentiate(self.scratch, task, residual);
                 for (k, &slot) in task.frames.iter().enumerate() {
-                    let frame = &model.frames()[self.question.tree().frame(slot).index()];
+                    let frame = &model.frames()[self.instance.tree().frame(slot).index()];
                     let Some(joint) = frame.joint else { continue };
-                    let moved = memory.by_joint[joint.index()];
+                    let velocity = scratch.by_joint[joint.index()];
                     let parts = self.scratch.local().linear(k).iter();
-                    for (row, part) in own_rows.iter_mut().zip(parts) {
-                        *row += part.dot(moved);
+                    for (row, part) in task_rows.iter_mut().zip(parts) {
+                        *row += part.dot(velocity);
                     }
                 }
             }
@@ -214,7 +217,7 @@ impl Evaluation<'_> {
 
 impl ParameterScratch {
     /// Copies the input of a residual as constants.
-    fn read(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
+    fn load_constants(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
         let dual = &mut self.dual;
         dual.frames.clear();
         dual.frames.extend(frames.iter().map(Placement::constant));
@@ -225,7 +228,7 @@ impl ParameterScratch {
     }
 
     /// Evaluates with a range of the target's parameters as variables.
-    fn move_target(
+    fn differentiate_target(
         &mut self,
         residual: &dyn ErasedResidual,
         len: usize,
@@ -239,8 +242,8 @@ impl ParameterScratch {
         self.evaluate(residual);
     }
 
-    fn evaluate(&mut self, own: &dyn ErasedResidual) {
+    fn evaluate(&mut self, residual: &dyn ErasedResidual) {
         let dual = &mut self.dual;
-        own.evaluate_moved(&dual.frames, &dual.joints, &self.step, &mut dual.residual);
+        residual.evaluate_moved(&dual.frames, &dual.joints, &self.step, &mut dual.residual);
     }
 }

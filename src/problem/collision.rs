@@ -80,8 +80,8 @@ impl Collision {
 
     /// True if `other` has the same two bodies.
     pub(crate) fn is_of_same_pair(&self, other: &Self) -> bool {
-        let of = |pair: &Self| (pair.first_kind, pair.second_kind);
-        of(self) == of(other) && self.first == other.first && self.second == other.second
+        let kinds = |pair: &Self| (pair.first_kind, pair.second_kind);
+        kinds(self) == kinds(other) && self.first == other.first && self.second == other.second
     }
 
     /// Penetration depth, metres; 0 if the bodies do not overlap.

@@ -6,11 +6,11 @@ use super::builder::{ClearanceAs, PendingTask};
 use super::{Collision, Problem, ProblemBuilder, ProblemError};
 use crate::task::{Residual, Task};
 
-/// Weight factor of a holding clearance relative to a leading one.
+/// Weight factor of the strong clearance relative to the plain one.
 ///
 /// A required task with an error of e metres inside an obstacle violates the clearance's additional distance by e/w².
 /// With a distance of 1 mm, this factor withstands an error of 10 m.
-const HOLDING: f64 = 100.0;
+const STRONG_CLEARANCE_FACTOR: f64 = 100.0;
 
 /// A collision checker.
 ///
@@ -95,30 +95,30 @@ pub(super) struct ClearanceRequest {
 #[derive(Clone, Debug)]
 pub(crate) struct CollisionConstraint {
     /// The tasks and then the clearance: solved only if a solution without clearance is in collision.
-    leading: Problem,
+    with_clearance: Problem,
     /// The tasks and a clearance that withstands required tasks inside obstacles.
-    holding: Problem,
+    with_strong_clearance: Problem,
     /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
-    yielding: Problem,
+    with_soft_clearance: Problem,
     check: Box<dyn AnyClearanceCheck>,
 }
 
 impl CollisionConstraint {
     getters! {
         /// The tasks and then the clearance. Accepts targets of the problem without clearance.
-        pub(crate) fn leading(&self) -> &Problem = &self.leading;
+        pub(crate) fn with_clearance(&self) -> &Problem = &self.with_clearance;
         /// The tasks and a clearance that withstands required tasks inside obstacles.
-        pub(crate) fn holding(&self) -> &Problem = &self.holding;
+        pub(crate) fn with_strong_clearance(&self) -> &Problem = &self.with_strong_clearance;
         /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
-        pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
+        pub(crate) fn with_soft_clearance(&self) -> &Problem = &self.with_soft_clearance;
         /// A check with its own workspace.
         pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
     }
 
     pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {
-        self.leading = self.leading.with_derivatives(route);
-        self.holding = self.holding.with_derivatives(route);
-        self.yielding = self.yielding.with_derivatives(route);
+        self.with_clearance = self.with_clearance.with_derivatives(route);
+        self.with_strong_clearance = self.with_strong_clearance.with_derivatives(route);
+        self.with_soft_clearance = self.with_soft_clearance.with_derivatives(route);
         self
     }
 }
@@ -130,21 +130,21 @@ impl ProblemBuilder<'_> {
     /// [`Solution::collisions`](crate::Solution::collisions) lists the pairs otherwise. The tasks are first solved
     /// without collision avoidance. If that solution is in collision, the checker's clearance is added to the required
     /// tasks of the first level. It does not appear in reports on tasks.
-    pub fn keep_clear<C: CollisionAvoidance>(&mut self, of: &C) -> &mut Self {
-        self.clear_of = Some(ClearanceRequest {
-            configuration_len: of.configuration_len(),
-            clearance: PendingTask::new(of.clearance()),
-            check: Box::new(of.check()),
+    pub fn keep_clear<C: CollisionAvoidance>(&mut self, checker: &C) -> &mut Self {
+        self.clearance_request = Some(ClearanceRequest {
+            configuration_len: checker.configuration_len(),
+            clearance: PendingTask::new(checker.clearance()),
+            check: Box::new(checker.check()),
         });
         self
     }
 
     /// The collision constraint: the problem with the clearance among its tasks.
-    pub(super) fn fence(
+    pub(super) fn collision_constraint(
         &self,
-        asked: ClearanceRequest,
+        request: ClearanceRequest,
     ) -> Result<CollisionConstraint, ProblemError> {
-        let (given, expected) = (asked.configuration_len, self.model.configuration_len());
+        let (given, expected) = (request.configuration_len, self.model.configuration_len());
         if given != expected {
             return Err(ProblemError::ForeignChecker {
                 given,
@@ -152,17 +152,17 @@ impl ProblemBuilder<'_> {
                 expected,
             });
         }
-        let mut holding = asked.clearance.clone();
-        holding.factor *= HOLDING;
-        let with = |clearance: &PendingTask, counts| {
-            let clearance = (clearance.clone(), counts);
+        let mut strong_clearance = request.clearance.clone();
+        strong_clearance.factor *= STRONG_CLEARANCE_FACTOR;
+        let compile_with = |clearance: &PendingTask, role| {
+            let clearance = (clearance.clone(), role);
             self.clone().compile(Some(clearance))
         };
         Ok(CollisionConstraint {
-            leading: with(&asked.clearance, ClearanceAs::Goal)?,
-            holding: with(&holding, ClearanceAs::Goal)?,
-            yielding: with(&holding, ClearanceAs::OnlyPreference)?,
-            check: asked.check,
+            with_clearance: compile_with(&request.clearance, ClearanceAs::Goal)?,
+            with_strong_clearance: compile_with(&strong_clearance, ClearanceAs::Goal)?,
+            with_soft_clearance: compile_with(&strong_clearance, ClearanceAs::SoftTask)?,
+            check: request.check,
         })
     }
 }

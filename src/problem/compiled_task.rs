@@ -7,7 +7,7 @@ use crate::kinematics::FrameSlot;
 use crate::task::{Inequality, Quantity, Role, RowBlock};
 
 /// Largest change of a required task's error in favour of lower priorities, relative to its tolerance.
-const KEPT: f64 = 1e-3;
+const MAX_RELATIVE_CHANGE: f64 = 1e-3;
 
 /// Rows of one quantity with their weight and tolerance.
 #[derive(Clone, Debug)]
@@ -50,12 +50,12 @@ impl Block {
     }
 
     /// Largest change of its weighted error in favour of lower priorities.
-    pub(crate) fn kept_within(&self) -> f64 {
-        KEPT * self.tolerance * self.weight
+    pub(crate) fn max_change(&self) -> f64 {
+        MAX_RELATIVE_CHANGE * self.tolerance * self.weight
     }
 
     /// True if the rows can be unreached: the weight is above 0 and the tolerance is finite.
-    pub(crate) fn can_miss(&self) -> bool {
+    pub(crate) fn can_be_unreached(&self) -> bool {
         self.weight > 0.0 && self.tolerance < f64::INFINITY
     }
 }
@@ -86,11 +86,11 @@ pub(crate) struct CompiledTask {
     pub(crate) weights: Vec<f64>,
     /// Inequalities of the rows; the range of their slacks in the priority order and the weight of each slack follow.
     pub(crate) inequalities: Vec<Inequality>,
-    pub(crate) edges_by_rank: Range<usize>,
-    pub(crate) edge_weights: Vec<f64>,
+    pub(crate) slacks_by_rank: Range<usize>,
+    pub(crate) slack_weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
     /// True if its Jacobian is cheaper by sweeps over the whole tree than frame by frame.
-    pub(crate) swept: bool,
+    pub(crate) uses_sweeps: bool,
     /// Coordinates of the configuration that it reads.
     pub(crate) coordinates: Vec<usize>,
 }
@@ -105,23 +105,23 @@ impl CompiledTask {
     }
 
     /// Updates the values that depend on the weights of its blocks.
-    pub(super) fn weigh(&mut self) {
+    pub(super) fn update_weights(&mut self) {
         let blocks = self.blocks.iter();
         self.weights.clear();
         self.weights.extend(
             blocks.flat_map(|block| std::iter::repeat_n(block.weight, block.measure.count)),
         );
-        self.edge_weights.clear();
-        for room in &self.inequalities {
-            let weight = self.weights.get(room.rows().start).copied();
-            let edges = std::iter::repeat_n(weight.unwrap_or_default(), room.edges());
-            self.edge_weights.extend(edges);
+        self.slack_weights.clear();
+        for inequality in &self.inequalities {
+            let weight = self.weights.get(inequality.rows().start).copied();
+            let edges = std::iter::repeat_n(weight.unwrap_or_default(), inequality.edges());
+            self.slack_weights.extend(edges);
         }
-        self.binds = self.role == Role::Goal && self.blocks.iter().any(Block::can_miss);
+        self.binds = self.role == Role::Goal && self.blocks.iter().any(Block::can_be_unreached);
     }
 
     /// True if lower priorities must keep the error of a block.
     pub(crate) fn keeps(&self, block: &Block) -> bool {
-        self.binds && block.can_miss()
+        self.binds && block.can_be_unreached()
     }
 }

@@ -8,35 +8,35 @@ use crate::task::{CHUNK, DualScratch};
 
 impl Evaluation<'_> {
     pub(super) fn dual_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
-        let (question, share) = (self.question, self.share);
-        let problem = question.problem;
+        let (instance, subset) = (self.instance, self.subset);
+        let problem = instance.problem;
         let pass = &mut *self.scratch.dual;
         for first in (0..x.len()).step_by(CHUNK) {
             let chunk = first..x.len().min(first + CHUNK);
-            for (k, (value, &at)) in pass.x.iter_mut().zip(x).enumerate() {
+            for (k, (value, &x_k)) in pass.x.iter_mut().zip(x).enumerate() {
                 *value = if chunk.contains(&k) {
-                    Dual::variable(at, k - first)
+                    Dual::variable(x_k, k - first)
                 } else {
-                    Dual::constant(at)
+                    Dual::constant(x_k)
                 };
             }
-            question.tree().forward(&pass.x, &mut pass.state);
+            instance.tree().forward(&pass.x, &mut pass.state);
             problem.map.scatter(&pass.x, &mut pass.q);
-            for (index, task, task_rows) in problem.tasks_of(share) {
-                let all = pass.state.frames();
+            for (index, task, task_rows) in problem.tasks_of(subset) {
+                let all_frames = pass.state.frames();
                 let DualScratch {
                     frames,
                     joints,
                     residual,
                 } = &mut pass.gathered;
                 frames.clear();
-                frames.extend(task.frames.iter().map(|&slot| all[slot]));
+                frames.extend(task.frames.iter().map(|&slot| all_frames[slot]));
                 joints.clear();
                 joints.extend(task.coordinates.iter().map(|&c| pass.q[c]));
                 residual.clear();
                 residual.resize(task.rows.len(), Dual::zero());
-                let own = question.residual(index);
-                own.evaluate_dual(frames, joints, residual);
+                let residual_function = instance.residual(index);
+                residual_function.evaluate_dual(frames, joints, residual);
                 let rows = residual.iter().zip(&task.weights).zip(task_rows);
                 for ((value, weight), row) in rows {
                     let derivatives = value.derivatives();

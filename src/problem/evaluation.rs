@@ -19,7 +19,7 @@ pub struct Scratch {
     owner: Arc<ReportNames>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
-    at: Vec<f64>,
+    last_x: Vec<f64>,
     q: Vec<f64>,
     frames: Vec<Placement<f64>>,
     joints: Vec<f64>,
@@ -51,20 +51,20 @@ impl Scratch {
         let mut local = LocalJacobian::default();
         let mut gathered = DualScratch::default();
         for task in &problem.tasks {
-            let rows = task.rows.len().max(task.edge_weights.len());
+            let rows = task.rows.len().max(task.slack_weights.len());
             let (frames, joints) = (task.frames.len(), task.coordinates.len());
             local.reserve(rows, frames, joints);
             gathered.reserve(rows, frames, joints);
         }
-        let most =
+        let max_count =
             |count: fn(&CompiledTask) -> usize| problem.tasks.iter().map(count).max().unwrap_or(0);
         Self {
             owner: Arc::clone(&problem.names),
             state: TreeState::new(&problem.tree),
-            at: vec![f64::NAN; n],
+            last_x: vec![f64::NAN; n],
             q: vec![0.0; dof],
-            frames: Vec::with_capacity(most(|task| task.frames.len())),
-            joints: Vec::with_capacity(most(|task| task.coordinates.len())),
+            frames: Vec::with_capacity(max_count(|task| task.frames.len())),
+            joints: Vec::with_capacity(max_count(|task| task.coordinates.len())),
             local,
             local_dual: gathered.clone_empty(),
             wrenches: Wrenches::new(&problem.tree),
@@ -82,17 +82,17 @@ impl Scratch {
 
 impl Scratch {
     /// Invalidates the last forward pass, after joints or frames moved.
-    pub(crate) fn forget(&mut self) {
-        self.at.fill(f64::NAN);
+    pub(crate) fn invalidate(&mut self) {
+        self.last_x.fill(f64::NAN);
     }
 
     /// The frames and joint values of the task gathered last.
-    pub(super) fn placed(&self) -> (&[Placement<f64>], &[f64]) {
+    pub(super) fn task_inputs(&self) -> (&[Placement<f64>], &[f64]) {
         (&self.frames, &self.joints)
     }
 
     /// The frames and joint values of the task gathered last, with the workspace for its derivatives.
-    pub(super) fn reading(
+    pub(super) fn differentiation_inputs(
         &mut self,
     ) -> (
         &[Placement<f64>],
@@ -122,8 +122,8 @@ impl Scratch {
 /// A problem instance with the workspace to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
-    pub(super) question: ProblemInstance<'a>,
-    pub(super) share: TaskSubset,
+    pub(super) instance: ProblemInstance<'a>,
+    pub(super) subset: TaskSubset,
     pub(super) scratch: &'a mut Scratch,
 }
 
@@ -132,22 +132,22 @@ impl<'a> Evaluation<'a> {
     ///
     /// A workspace of another problem is replaced. Arguments of wrong length give NaN in every entry.
     #[must_use]
-    pub fn new(question: impl Into<ProblemInstance<'a>>, scratch: &'a mut Scratch) -> Self {
-        Self::of(TaskSubset::All, question.into(), scratch)
+    pub fn new(instance: impl Into<ProblemInstance<'a>>, scratch: &'a mut Scratch) -> Self {
+        Self::of(TaskSubset::All, instance.into(), scratch)
     }
 
     /// Does the same as [`new`](Self::new), for a subset of the tasks.
     pub(crate) fn of(
-        share: TaskSubset,
-        question: ProblemInstance<'a>,
+        subset: TaskSubset,
+        instance: ProblemInstance<'a>,
         scratch: &'a mut Scratch,
     ) -> Self {
-        if !scratch.fits(question.problem) {
-            *scratch = question.problem.scratch();
+        if !scratch.fits(instance.problem) {
+            *scratch = instance.problem.scratch();
         }
         Self {
-            question,
-            share,
+            instance,
+            subset,
             scratch,
         }
     }
@@ -157,11 +157,11 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // Reuses the buffer of finite differences, which keep nothing in it.
         let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
-        for (index, task) in self.question.problem.tasks.iter().enumerate() {
+        for (index, task) in self.instance.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
             let rows = &mut residual[task.rows.clone()];
-            let own = self.question.residual(index);
-            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let residual_function = self.instance.residual(index);
+            residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
         }
         self.scratch.shifted_residual[0] = residual;
         &self.scratch.shifted_residual[0]
@@ -170,31 +170,31 @@ impl<'a> Evaluation<'a> {
     /// The placement of a task's first frame at x.
     pub(crate) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
         self.forward(x);
-        let slot = self.question.problem.tasks.get(task)?.frames.first()?;
+        let slot = self.instance.problem.tasks.get(task)?.frames.first()?;
         self.scratch.state.frames().get(*slot).copied()
     }
 
     fn fits(&self, x: &[f64], rows: usize) -> bool {
-        x.len() == self.question.problem.variables() && rows == self.rows()
+        x.len() == self.instance.problem.variables() && rows == self.rows()
     }
 
     /// Runs the forward pass, unless the last one was at the same x.
     pub(super) fn forward(&mut self, x: &[f64]) {
         let scratch = &mut *self.scratch;
-        if scratch.at != x {
-            scratch.at.copy_from_slice(x);
-            self.question.tree().forward(x, &mut scratch.state);
-            self.question.problem.map.scatter(x, &mut scratch.q);
+        if scratch.last_x != x {
+            scratch.last_x.copy_from_slice(x);
+            self.instance.tree().forward(x, &mut scratch.state);
+            self.instance.problem.map.scatter(x, &mut scratch.q);
         }
     }
 
     /// Copies the input of a task into consecutive memory.
     pub(super) fn gather(scratch: &mut Scratch, task: &CompiledTask) {
-        let all = scratch.state.frames();
+        let all_frames = scratch.state.frames();
         scratch.frames.clear();
         scratch
             .frames
-            .extend(task.frames.iter().map(|&slot| all[slot]));
+            .extend(task.frames.iter().map(|&slot| all_frames[slot]));
         scratch.joints.clear();
         scratch
             .joints
@@ -208,7 +208,7 @@ impl<'a> Evaluation<'a> {
         residual: &dyn ErasedResidual,
     ) {
         Self::gather(scratch, task);
-        let (frames, joints, local, dual) = scratch.reading();
+        let (frames, joints, local, dual) = scratch.differentiation_inputs();
         local.reset(task.rows.len(), frames.len(), joints.len());
         residual.differentiate(frames, joints, local, dual);
         local.scale_rows(&task.weights);
@@ -222,8 +222,8 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // A slice fill, because nalgebra's `fill` writes entry by entry and is much slower.
         jacobian.as_mut_slice().fill(0.0);
-        let problem = self.question.problem;
-        for (index, task, task_rows) in problem.tasks_of(self.share) {
+        let problem = self.instance.problem;
+        for (index, task, task_rows) in problem.tasks_of(self.subset) {
             self.add_rows(x, (index, task), task_rows.start, jacobian);
         }
     }
@@ -236,7 +236,7 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
-        Self::differentiate(self.scratch, task, self.question.residual(index));
+        Self::differentiate(self.scratch, task, self.instance.residual(index));
         self.add_local(x, task, first_row, jacobian);
     }
 
@@ -249,13 +249,17 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
         let rows = jacobian.nrows();
-        if task.swept {
+        if task.uses_sweeps {
             Self::add_by_sweeps(tree, self.scratch, task, first_row, jacobian);
         }
         let Scratch { state, local, .. } = &*self.scratch;
-        let frames = if task.swept { &[][..] } else { &task.frames };
+        let frames = if task.uses_sweeps {
+            &[][..]
+        } else {
+            &task.frames
+        };
         for (k, &frame) in frames.iter().enumerate() {
             let partials = Partials {
                 frame,
@@ -306,8 +310,8 @@ impl<'a> Evaluation<'a> {
                 };
                 tree.push(&scratch.state, frame, wrench, wrenches);
             }
-            tree.sweep_by(&scratch.state, wrenches, |variable, share| {
-                entries[variable * rows + first_row + row] += share;
+            tree.sweep_by(&scratch.state, wrenches, |variable, contribution| {
+                entries[variable * rows + first_row + row] += contribution;
             });
         }
     }
@@ -329,9 +333,9 @@ impl<'a> Evaluation<'a> {
 
     /// Adds the wrenches of a subset's rows on the frames, and the gradient by the joints that they read.
     pub(super) fn push_residual(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
-        let problem = self.question.problem;
-        for (index, task, rows) in problem.tasks_of(self.share) {
-            Self::differentiate(self.scratch, task, self.question.residual(index));
+        let problem = self.instance.problem;
+        for (index, task, rows) in problem.tasks_of(self.subset) {
+            Self::differentiate(self.scratch, task, self.instance.residual(index));
             self.push_local(x, task, &r[rows], gradient);
         }
     }
@@ -345,7 +349,7 @@ impl<'a> Evaluation<'a> {
         r: &[f64],
         gradient: &mut [f64],
     ) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
         let scratch = &mut *self.scratch;
         let local = &scratch.local;
         for (k, &frame) in task.frames.iter().enumerate() {
@@ -369,20 +373,20 @@ impl<'a> Evaluation<'a> {
 
     /// Adds the gradient of all wrenches on the frames.
     pub(super) fn end_sweep(&mut self, gradient: &mut [f64]) {
-        let (tree, scratch) = (self.question.tree(), &mut *self.scratch);
+        let (tree, scratch) = (self.instance.tree(), &mut *self.scratch);
         tree.sweep(&scratch.state, &mut scratch.wrenches, gradient);
     }
 }
 
 impl LeastSquares for Evaluation<'_> {
     answers! {
-        fn variables(&self) -> usize = self.question.problem.variables();
-        fn rows(&self) -> usize = self.question.problem.rows_of(self.share);
-        fn lower(&self) -> &[f64] = self.question.lower();
-        fn upper(&self) -> &[f64] = self.question.upper();
-        fn step_scale(&self) -> &[f64] = self.question.problem.step_scale();
-        fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
-        fn stops_when_reached(&self) -> bool = !self.question.problem.pulls_in(self.share);
+        fn variables(&self) -> usize = self.instance.problem.variables();
+        fn rows(&self) -> usize = self.instance.problem.rows_of(self.subset);
+        fn lower(&self) -> &[f64] = self.instance.lower();
+        fn upper(&self) -> &[f64] = self.instance.upper();
+        fn step_scale(&self) -> &[f64] = self.instance.problem.step_scale();
+        fn space(&self) -> ConfigurationSpace<'_> = self.instance.space();
+        fn stops_when_reached(&self) -> bool = !self.instance.problem.has_soft_tasks(self.subset);
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -390,11 +394,11 @@ impl LeastSquares for Evaluation<'_> {
             return residual.fill(f64::NAN);
         }
         self.forward(x);
-        for (index, task, rows) in self.question.problem.tasks_of(self.share) {
+        for (index, task, rows) in self.instance.problem.tasks_of(self.subset) {
             Self::gather(self.scratch, task);
             let rows = &mut residual[rows];
-            let own = self.question.residual(index);
-            own.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
+            let residual_function = self.instance.residual(index);
+            residual_function.evaluate(&self.scratch.frames, &self.scratch.joints, rows);
             for (row, weight) in rows.iter_mut().zip(&task.weights) {
                 *row *= weight;
             }
@@ -405,14 +409,14 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, jacobian.nrows()) || jacobian.ncols() != x.len() {
             return jacobian.fill(f64::NAN);
         }
-        match self.question.problem.derivatives {
+        match self.instance.problem.derivatives {
             Derivatives::Analytic => self.analytic_jacobian(x, jacobian),
             Derivatives::Dual => self.dual_jacobian(x, jacobian),
             Derivatives::ForwardDifference => self.difference_jacobian(x, false, jacobian),
             Derivatives::CentralDifference => self.difference_jacobian(x, true, jacobian),
         }
         let rows = jacobian.nrows();
-        let space = self.question.space();
+        let space = self.instance.space();
         space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
@@ -426,9 +430,9 @@ impl LeastSquares for Evaluation<'_> {
         if !self.fits(x, residual.len()) || gradient.len() != x.len() {
             return gradient.fill(f64::NAN);
         }
-        if self.question.problem.derivatives == Derivatives::Analytic {
+        if self.instance.problem.derivatives == Derivatives::Analytic {
             self.reverse_gradient(x, residual, gradient);
-            self.question.space().by_steps(x, 1, gradient);
+            self.instance.space().by_steps(x, 1, gradient);
         } else {
             if jacobian.shape() != (residual.len(), x.len()) {
                 return gradient.fill(f64::NAN);
@@ -442,6 +446,6 @@ impl LeastSquares for Evaluation<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.question.problem.is_reached_by(self.share, residual)
+        self.instance.problem.is_reached_by(self.subset, residual)
     }
 }

@@ -14,10 +14,10 @@ impl Evaluation<'_> {
         jacobian: &mut DMatrix<f64>,
     ) {
         let mut shifted = std::mem::take(&mut self.scratch.shifted);
-        let mut both = std::mem::take(&mut self.scratch.shifted_residual);
+        let mut residuals = std::mem::take(&mut self.scratch.shifted_residual);
         shifted.copy_from_slice(x);
         let rows = self.rows();
-        let [ahead, behind] = both.each_mut().map(|residual| &mut residual[..rows]);
+        let [ahead, behind] = residuals.each_mut().map(|residual| &mut residual[..rows]);
         if !central {
             self.residual(x, behind);
         }
@@ -29,20 +29,20 @@ impl Evaluation<'_> {
         for k in 0..x.len() {
             let step = relative_step * x[k].abs().max(1.0);
             shifted[k] = x[k] + step;
-            let mut taken = shifted[k] - x[k];
+            let mut step_taken = shifted[k] - x[k];
             self.residual(&shifted, ahead);
             if central {
                 shifted[k] = x[k] - step;
-                taken -= shifted[k] - x[k];
+                step_taken -= shifted[k] - x[k];
                 self.residual(&shifted, behind);
             }
             shifted[k] = x[k];
             let rows = jacobian.column_mut(k);
             for ((entry, a), b) in rows.into_iter().zip(&*ahead).zip(&*behind) {
-                *entry = (a - b) / taken;
+                *entry = (a - b) / step_taken;
             }
         }
         self.scratch.shifted = shifted;
-        self.scratch.shifted_residual = both;
+        self.scratch.shifted_residual = residuals;
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Anchor {
 }
 
 /// Relative rounding error of the lengths.
-const ROUNDING: f64 = 1e-9;
+const RELATIVE_ROUNDING: f64 = 1e-9;
 
 impl Anchor {
     /// The distance of a target from the centre and the largest reach of a point at `offset` from the frame, metres.
@@ -24,14 +24,14 @@ impl Anchor {
     /// `None` unless the target is proven unreachable within `tolerance`.
     pub(crate) fn falls_short_of(
         &self,
-        place: Vector3<f64>,
+        position: Vector3<f64>,
         offset: Vector3<f64>,
         tolerance: f64,
     ) -> Option<(f64, f64)> {
-        let distance = (place - self.centre).norm();
+        let distance = (position - self.centre).norm();
         let reach = self.reach + offset.norm();
-        let certain = distance - reach > tolerance + ROUNDING * (distance + reach);
-        (certain && distance.is_finite()).then_some((distance, reach))
+        let is_unreachable = distance - reach > tolerance + RELATIVE_ROUNDING * (distance + reach);
+        (is_unreachable && distance.is_finite()).then_some((distance, reach))
     }
 }
 
@@ -39,41 +39,41 @@ impl Anchor {
 pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Option<Anchor> {
     let frame = model.frames().get(frame.index())?;
     let mut chain = Vec::new();
-    let mut above = frame.joint;
-    while let Some(id) = above {
+    let mut ancestor = frame.joint;
+    while let Some(id) = ancestor {
         chain.push(id);
-        above = model.joints()[id.index()].parent;
+        ancestor = model.joints()[id.index()].parent;
     }
-    let mut world = Placement::identity();
-    let mut found: Option<Anchor> = None;
+    let mut world_from_joint = Placement::identity();
+    let mut anchor_found: Option<Anchor> = None;
     for &id in chain.iter().rev() {
         let joint = &model.joints()[id.index()];
-        let slide = match model.coordinate(id) {
-            Some(coordinate) if joint.kind.slides() => farthest(map, coordinate),
+        let travel = match model.coordinate(id) {
+            Some(coordinate) if joint.kind.slides() => max_distance_from_zero(map, coordinate),
             _ => 0.0,
         };
-        match &mut found {
-            Some(anchor) => anchor.reach += joint.parent_from_joint.translation.norm() + slide,
+        match &mut anchor_found {
+            Some(anchor) => anchor.reach += joint.parent_from_joint.translation.norm() + travel,
             None => {
-                world = world * joint.parent_from_joint;
+                world_from_joint = world_from_joint * joint.parent_from_joint;
                 if joint.kind.moves() {
-                    found = Some(Anchor {
+                    anchor_found = Some(Anchor {
                         joint: joint.name.clone(),
-                        centre: world.translation,
-                        reach: slide,
+                        centre: world_from_joint.translation,
+                        reach: travel,
                     });
                 }
             }
         }
     }
-    let mut anchor = found?;
+    let mut anchor = anchor_found?;
     anchor.reach += frame.joint_from_frame.translation.norm();
     anchor.reach.is_finite().then_some(anchor)
 }
 
 /// Largest distance of a coordinate from zero.
-fn farthest(map: &ParameterMap, coordinate: usize) -> f64 {
+fn max_distance_from_zero(map: &ParameterMap, coordinate: usize) -> f64 {
     let source = map.sources()[coordinate];
-    let [one, other] = [map.lower(), map.upper()].map(|end| source.at(end).abs());
-    one.max(other)
+    let [lower, upper] = [map.lower(), map.upper()].map(|bound| source.at(bound).abs());
+    lower.max(upper)
 }

@@ -10,40 +10,40 @@ use super::{CompiledTask, Evaluation, Problem, TaskSubset};
 
 /// An inequality of a required task above some rank.
 #[derive(Clone, Debug)]
-pub(crate) struct InequalityAbove {
+pub(crate) struct HigherInequality {
     pub(crate) rank: usize,
     /// Its rows and slacks, among those of all ranks above.
     pub(crate) rows: Range<usize>,
-    pub(crate) edges: Range<usize>,
+    pub(crate) slacks: Range<usize>,
     /// Largest change of its error in favour of lower priorities.
-    pub(crate) kept_within: f64,
+    pub(crate) max_change: f64,
     /// Largest violation of a slack that counts as satisfied.
     pub(crate) tolerance: f64,
 }
 
 impl Problem {
     /// Number of slacks of required tasks above a rank.
-    pub(crate) fn edges_above(&self, rank: usize) -> usize {
-        let above = self.tasks.iter().filter(|task| task.rank < rank);
-        above.map(|task| task.edge_weights.len()).sum()
+    pub(crate) fn slacks_above(&self, rank: usize) -> usize {
+        let higher_tasks = self.tasks.iter().filter(|task| task.rank < rank);
+        higher_tasks.map(|task| task.slack_weights.len()).sum()
     }
 
     /// The inequalities of required tasks above a rank whose errors must be kept.
-    pub(crate) fn inequalities_above(&self, rank: usize) -> impl Iterator<Item = InequalityAbove> {
-        let above = self.tasks_of(TaskSubset::above(rank));
-        above.flat_map(|(_, task, rows)| {
-            let mut end = task.edges_by_rank.start;
-            task.inequalities.iter().filter_map(move |room| {
-                let edges = end..end + room.edges();
+    pub(crate) fn inequalities_above(&self, rank: usize) -> impl Iterator<Item = HigherInequality> {
+        let higher_tasks = self.tasks_of(TaskSubset::above(rank));
+        higher_tasks.flat_map(|(_, task, rows)| {
+            let mut end = task.slacks_by_rank.start;
+            task.inequalities.iter().filter_map(move |inequality| {
+                let edges = end..end + inequality.edges();
                 end = edges.end;
-                let own = room.rows();
-                let first = task.rows.start + own.start;
+                let row_range = inequality.rows();
+                let first = task.rows.start + row_range.start;
                 let block = task.blocks().find(|block| block.rows.contains(&first))?;
-                task.keeps(block).then(|| InequalityAbove {
+                task.keeps(block).then(|| HigherInequality {
                     rank: task.rank,
-                    rows: rows.start + own.start..rows.start + own.end,
-                    edges,
-                    kept_within: block.kept_within(),
+                    rows: rows.start + row_range.start..rows.start + row_range.end,
+                    slacks: edges,
+                    max_change: block.max_change(),
                     tolerance: block.tolerance * block.weight,
                 })
             })
@@ -55,34 +55,36 @@ impl Evaluation<'_> {
     /// Writes the slacks at x of a subset of the first ranks.
     pub(crate) fn slacks(&mut self, x: &[f64], slacks: &mut [f64]) {
         self.forward(x);
-        let problem = self.question.problem;
-        for (index, task, _) in problem.tasks_of(self.share) {
-            if task.edge_weights.is_empty() {
+        let problem = self.instance.problem;
+        for (index, task, _) in problem.tasks_of(self.subset) {
+            if task.slack_weights.is_empty() {
                 continue;
             }
             Self::gather(self.scratch, task);
-            let own = &mut slacks[task.edges_by_rank.clone()];
-            let (frames, joints) = self.scratch.placed();
-            self.question.residual(index).slacks(frames, joints, own);
-            for (slack, weight) in own.iter_mut().zip(&task.edge_weights) {
+            let task_slacks = &mut slacks[task.slacks_by_rank.clone()];
+            let (frames, joints) = self.scratch.task_inputs();
+            self.instance
+                .residual(index)
+                .slacks(frames, joints, task_slacks);
+            for (slack, weight) in task_slacks.iter_mut().zip(&task.slack_weights) {
                 *slack *= weight;
             }
         }
     }
 
     /// Writes the derivatives of the slacks by the components of a step.
-    pub(crate) fn depth_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+    pub(crate) fn slack_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         jacobian.as_mut_slice().fill(0.0);
-        let problem = self.question.problem;
-        for (index, task, _) in problem.tasks_of(self.share) {
-            if !task.edge_weights.is_empty() {
+        let problem = self.instance.problem;
+        for (index, task, _) in problem.tasks_of(self.subset) {
+            if !task.slack_weights.is_empty() {
                 self.differentiate_depths(index, task);
-                self.add_local(x, task, task.edges_by_rank.start, jacobian);
+                self.add_local(x, task, task.slacks_by_rank.start, jacobian);
             }
         }
         let rows = jacobian.nrows();
-        let space = self.question.space();
+        let space = self.instance.space();
         space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
@@ -96,25 +98,25 @@ impl Evaluation<'_> {
     ) {
         self.start_sweep(x, slope);
         self.push_residual(x, r, slope);
-        let problem = self.question.problem;
-        for (index, task, _) in problem.tasks_of(self.share) {
-            let own = &multipliers[task.edges_by_rank.clone()];
-            if own.iter().any(|multiplier| *multiplier != 0.0) {
+        let problem = self.instance.problem;
+        for (index, task, _) in problem.tasks_of(self.subset) {
+            let task_multipliers = &multipliers[task.slacks_by_rank.clone()];
+            if task_multipliers.iter().any(|multiplier| *multiplier != 0.0) {
                 self.differentiate_depths(index, task);
-                self.push_local(x, task, own, slope);
+                self.push_local(x, task, task_multipliers, slope);
             }
         }
         self.end_sweep(slope);
-        self.question.space().by_steps(x, 1, slope);
+        self.instance.space().by_steps(x, 1, slope);
     }
 
     /// The weighted local derivatives of one task's slacks at the last forward pass.
     fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
-        let residual = self.question.residual(index);
+        let residual = self.instance.residual(index);
         Self::gather(self.scratch, task);
-        let (frames, joints, local, dual) = self.scratch.reading();
-        local.reset(task.edge_weights.len(), frames.len(), joints.len());
+        let (frames, joints, local, dual) = self.scratch.differentiation_inputs();
+        local.reset(task.slack_weights.len(), frames.len(), joints.len());
         residual.differentiate_depths(frames, joints, local, dual);
-        local.scale_rows(&task.edge_weights);
+        local.scale_rows(&task.slack_weights);
     }
 }

@@ -18,8 +18,8 @@ mod names;
 mod normal_equations;
 mod parameter_vector;
 mod preferences;
+mod problem_instance;
 mod problem_parameters;
-mod question;
 mod ranks;
 mod tangent;
 mod targets;
@@ -35,14 +35,14 @@ pub use collision_avoidance::{ClearanceCheck, CollisionAvoidance};
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
-pub(crate) use moved_variables::{Moved, MovedMemory, MovedVariables, ObserverOfAll};
+pub(crate) use moved_variables::{FullObserver, MovedVariables, ReducedProblem, ReducedWorkspace};
 pub(crate) use names::ReportNames;
 pub(crate) use normal_equations::NormalEquations;
 pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
-pub use question::ProblemInstance;
+pub use problem_instance::ProblemInstance;
 pub(crate) use ranks::{Ranks, TaskSubset};
-pub(crate) use tangent::{Standing, Tangent};
+pub(crate) use tangent::{Tangent, TangentPoint};
 pub use targets::Targets;
 
 use std::sync::Arc;
@@ -107,20 +107,20 @@ pub struct Problem {
     /// The variables that rotate ball joints.
     rotations: RotationSets,
     /// For each variable, true if it moves a free joint; empty if there is no free joint.
-    floating: Vec<bool>,
+    is_base_variable: Vec<bool>,
     /// Half width of the sampling range of each unbounded variable: π or the reach.
     spread: Vec<f64>,
     /// For each variable, true if a task depends on it.
-    moving: Vec<bool>,
+    moves_task: Vec<bool>,
     /// The variables that a task depends on, if a search over them alone pays off.
-    moved: Option<MovedVariables>,
+    moved_variables: Option<MovedVariables>,
     /// A length of the model's own scale, in metres.
     reach: f64,
     /// The length equivalent to a radian by variable, 1 for angles; empty unless the model has its own unit of length.
     step_scale: Vec<f64>,
     derivatives: Derivatives,
     /// The collision constraint, if any.
-    fence: Option<Arc<CollisionConstraint>>,
+    collision_constraint: Option<Arc<CollisionConstraint>>,
 }
 
 impl std::fmt::Debug for Problem {
@@ -183,7 +183,8 @@ impl Problem {
         /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
         /// The collision constraint, if any.
-        pub(crate) fn fence(&self) -> Option<&Arc<CollisionConstraint>> = self.fence.as_ref();
+        pub(crate) fn collision_constraint(&self) -> Option<&Arc<CollisionConstraint>>
+            = self.collision_constraint.as_ref();
         /// A workspace for this problem.
         pub fn scratch(&self) -> Scratch = Scratch::new(self);
     }
@@ -209,8 +210,9 @@ impl Problem {
     #[must_use]
     pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
-        let fence = self.fence.as_deref().cloned();
-        self.fence = fence.map(|fence| Arc::new(fence.with_derivatives(route)));
+        let constraint = self.collision_constraint.as_deref().cloned();
+        self.collision_constraint =
+            constraint.map(|constraint| Arc::new(constraint.with_derivatives(route)));
         self
     }
 
@@ -239,8 +241,8 @@ impl Problem {
     }
 
     /// True if some task of a subset is soft.
-    pub(crate) fn pulls_in(&self, share: TaskSubset) -> bool {
-        let mut tasks = self.tasks_of(share);
+    pub(crate) fn has_soft_tasks(&self, subset: TaskSubset) -> bool {
+        let mut tasks = self.tasks_of(subset);
         tasks.any(|(_, task, _)| task.role == Role::Preference)
     }
 
@@ -252,7 +254,7 @@ impl Problem {
     /// The tasks of a solver's first search.
     ///
     /// The required tasks of all levels if there are several ranks to separate, otherwise all tasks.
-    pub(crate) fn search_share(&self) -> TaskSubset {
+    pub(crate) fn searched_subset(&self) -> TaskSubset {
         let (levels, ranks) = (self.ranks.levels(), self.ranks.count());
         match levels > 1 || (levels > 0 && ranks > levels && self.has_preferences()) {
             true => self.goals(),
@@ -261,8 +263,8 @@ impl Problem {
     }
 
     /// Number of rows of a subset.
-    pub(crate) fn rows_of(&self, share: TaskSubset) -> usize {
-        match share {
+    pub(crate) fn rows_of(&self, subset: TaskSubset) -> usize {
+        match subset {
             TaskSubset::All => self.rows,
             TaskSubset::Ranks { from, to } => self.ranks.rows(from, to),
         }
@@ -271,29 +273,30 @@ impl Problem {
     /// The tasks of a subset with their indices and the range of their rows in it.
     pub(crate) fn tasks_of(
         &self,
-        share: TaskSubset,
+        subset: TaskSubset,
     ) -> impl Iterator<Item = (usize, &CompiledTask, Range<usize>)> {
         let tasks = self.tasks.iter().enumerate();
-        tasks.filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, share)?)))
+        tasks
+            .filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, subset)?)))
     }
 
     /// Rows with weight 0 or infinite tolerance in binding tasks of a subset.
-    pub(crate) fn free_rows(&self, share: TaskSubset) -> impl Iterator<Item = Range<usize>> {
-        self.tasks_of(share).flat_map(|(_, task, rows)| {
-            let free = task
+    pub(crate) fn free_rows(&self, subset: TaskSubset) -> impl Iterator<Item = Range<usize>> {
+        self.tasks_of(subset).flat_map(|(_, task, rows)| {
+            let free_blocks = task
                 .blocks()
                 .filter(|block| task.binds && !task.keeps(block));
-            free.map(move |block| block.rows_after(task.rows.start, rows.start))
+            free_blocks.map(move |block| block.rows_after(task.rows.start, rows.start))
         })
     }
 
     /// True if a change of a subset's weighted residual keeps the errors of its required tasks.
-    pub(crate) fn is_kept(&self, share: TaskSubset, change: &[f64]) -> bool {
-        self.tasks_of(share).all(|(_, task, rows)| {
-            let mut kept = task.blocks().filter(|block| task.keeps(block));
-            kept.all(|block| {
+    pub(crate) fn is_kept(&self, subset: TaskSubset, change: &[f64]) -> bool {
+        self.tasks_of(subset).all(|(_, task, rows)| {
+            let mut kept_blocks = task.blocks().filter(|block| task.keeps(block));
+            kept_blocks.all(|block| {
                 let rows = block.rows_after(task.rows.start, rows.start);
-                norm(&change[rows]) <= block.kept_within()
+                norm(&change[rows]) <= block.max_change()
             })
         })
     }
@@ -311,34 +314,36 @@ impl Problem {
     /// Marks the variables that move an unreached required task and no reached one.
     ///
     /// `r` is the weighted residual of the subset. Without such variables, marks all that move a task.
-    pub(crate) fn mark_local(&self, share: TaskSubset, r: &[f64], marked: &mut [bool]) {
+    pub(crate) fn mark_local(&self, subset: TaskSubset, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
-            for (index, task, _) in self.tasks_of(share) {
-                let mut blocks = self.errors(share, r).filter(|block| block.task == index);
-                let missed = blocks.any(|block| !block.reached);
+            for (index, task, _) in self.tasks_of(subset) {
+                let mut blocks = self.errors(subset, r).filter(|block| block.task == index);
+                let is_unreached = blocks.any(|block| !block.reached);
                 // Loop closures do not fix variables: the joints of a closed loop may move and close it again.
-                let counts = task.role == Role::Goal && !(pass_reached && task.is_loop);
-                if counts && missed != pass_reached {
+                let applies = task.role == Role::Goal && !(pass_reached && task.is_loop);
+                if applies && is_unreached != pass_reached {
                     for variable in self.variables_moving(task) {
-                        marked[variable] = missed;
+                        marked[variable] = is_unreached;
                     }
                 }
             }
         }
         if !marked.contains(&true) {
-            marked.copy_from_slice(&self.moving);
+            marked.copy_from_slice(&self.moves_task);
         }
     }
 
     /// True if a variable moves a free joint, and with it the whole body.
-    pub(crate) fn floats(&self, variable: usize) -> bool {
-        self.floating.get(variable).is_some_and(|floats| *floats)
+    pub(crate) fn is_base_variable(&self, variable: usize) -> bool {
+        self.is_base_variable
+            .get(variable)
+            .is_some_and(|is_base| *is_base)
     }
 
     /// True if a free joint moves the whole body.
     pub(crate) fn has_free_joint(&self) -> bool {
-        self.floating.contains(&true)
+        self.is_base_variable.contains(&true)
     }
 
     /// The bounded swing of which a variable is one of the two components.
@@ -348,19 +353,19 @@ impl Problem {
 
     /// True if some task of the search depends on a variable.
     pub(crate) fn moves_a_task(&self, variable: usize) -> bool {
-        self.moving[variable]
+        self.moves_task[variable]
     }
 
-    fn mark_moving(&mut self) {
+    fn mark_task_variables(&mut self) {
         let mut moving = vec![false; self.variables()];
         for variable in self
-            .tasks_of(self.search_share())
+            .tasks_of(self.searched_subset())
             .flat_map(|(_, task, _)| self.variables_moving(task))
         {
             moving[variable] = true;
         }
-        self.moved = MovedVariables::of(&moving, &self.rotations, &self.step_scale);
-        self.moving = moving;
+        self.moved_variables = MovedVariables::of(&moving, &self.rotations, &self.step_scale);
+        self.moves_task = moving;
     }
 
     /// A sweep visits every joint and frame once; frame by frame, each frame visits all joints that move it.
@@ -368,67 +373,67 @@ impl Problem {
         let Self { tree, tasks, .. } = self;
         for task in tasks {
             let slots = task.frames.iter();
-            let passed: usize = slots.map(|&slot| tree.variables_moving(slot).count()).sum();
-            task.swept = passed > SWEPT * (tree.joints() + task.frames.len());
+            let variables: usize = slots.map(|&slot| tree.variables_moving(slot).count()).sum();
+            task.uses_sweeps = variables > MIN_SWEEP_RATIO * (tree.joints() + task.frames.len());
         }
     }
 
     /// Joins variables on which a task of a subset depends together (union-find).
     ///
-    /// Afterwards `joined` holds for each variable the lowest variable of its set. On entry, each entry is its own
+    /// Afterwards `groups` holds for each variable the lowest variable of its set. On entry, each entry is its own
     /// index. Returns the number of separate sets on which tasks depend.
-    pub(crate) fn join_by_tasks(&self, share: TaskSubset, joined: &mut [usize]) -> usize {
-        fn root(joined: &[usize], mut variable: usize) -> usize {
-            while joined[variable] != variable {
-                variable = joined[variable];
+    pub(crate) fn group_by_tasks(&self, subset: TaskSubset, groups: &mut [usize]) -> usize {
+        fn root(groups: &[usize], mut variable: usize) -> usize {
+            while groups[variable] != variable {
+                variable = groups[variable];
             }
             variable
         }
-        for (_, task, _) in self.tasks_of(share) {
+        for (_, task, _) in self.tasks_of(subset) {
             let mut first = None;
             for variable in self.variables_moving(task) {
-                let own = root(joined, variable);
-                let lowest = own.min(*first.get_or_insert(own));
-                let highest = own.max(first.unwrap_or(own));
-                joined[highest] = lowest;
+                let group = root(groups, variable);
+                let lowest = group.min(*first.get_or_insert(group));
+                let highest = group.max(first.unwrap_or(group));
+                groups[highest] = lowest;
                 first = Some(lowest);
             }
         }
-        for variable in 0..joined.len() {
-            joined[variable] = root(joined, variable);
+        for variable in 0..groups.len() {
+            groups[variable] = root(groups, variable);
         }
         let moves_a_task =
-            |variable: &usize| joined[*variable] == *variable && self.moving[*variable];
-        (0..joined.len()).filter(moves_a_task).count()
+            |variable: &usize| groups[*variable] == *variable && self.moves_task[*variable];
+        (0..groups.len()).filter(moves_a_task).count()
     }
 
-    /// True if the required tasks of a subset on one set of [joined](Self::join_by_tasks) variables are reached.
+    /// True if the required tasks of a subset on one set of [grouped](Self::group_by_tasks) variables are reached.
     ///
     /// `residual` is the weighted residual of the subset. False for a set without required tasks.
     pub(crate) fn is_limb_reached(
         &self,
-        share: TaskSubset,
+        subset: TaskSubset,
         residual: &[f64],
-        joined: &[usize],
+        groups: &[usize],
         limb: usize,
     ) -> bool {
-        let mut any = false;
+        let mut has_tasks = false;
         for block in self
-            .errors(share, residual)
+            .errors(subset, residual)
             .filter(|block| block.role == Role::Goal)
         {
             let mut moving = self.variables_moving(&self.tasks[block.task]);
             if moving
                 .next()
-                .is_some_and(|variable| joined[variable] == limb)
+                .is_some_and(|variable| groups[variable] == limb)
             {
-                any = true;
+                has_tasks = true;
                 if !block.reached {
                     return false;
                 }
             }
         }
-        any
+        has_tasks
     }
 
     /// The variables that a task depends on.
@@ -449,12 +454,12 @@ impl Problem {
     /// Errors are in the unit of their quantity. Rows of weight 0 report an error of 0.
     pub(crate) fn errors<'a>(
         &'a self,
-        share: TaskSubset,
+        subset: TaskSubset,
         r: &'a [f64],
     ) -> impl Iterator<Item = BlockError> + 'a {
         let tasks = self.tasks.iter().enumerate();
         tasks.flat_map(move |(task, compiled)| {
-            let rows = self.ranks.rows_in(compiled, share);
+            let rows = self.ranks.rows_in(compiled, subset);
             rows.into_iter().flat_map(move |rows| {
                 compiled.blocks().map(move |block| {
                     let rows = block.rows_after(compiled.rows.start, rows.start);
@@ -475,7 +480,7 @@ impl Problem {
     }
 
     /// True if some rows have weight 0.
-    pub(crate) fn leaves_rows_out(&self) -> bool {
+    pub(crate) fn has_unweighted_blocks(&self) -> bool {
         let mut blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
         blocks.any(|block| block.weight == 0.0)
     }
@@ -483,7 +488,7 @@ impl Problem {
     /// The true errors of rows of weight 0, from the unweighted residual of the whole problem.
     ///
     /// In the order of [`errors`](Self::errors); `None` for all other rows.
-    pub(crate) fn unasked_errors<'a>(
+    pub(crate) fn unweighted_errors<'a>(
         &'a self,
         unweighted: &'a [f64],
     ) -> impl Iterator<Item = Option<f64>> + 'a {
@@ -494,25 +499,25 @@ impl Problem {
         })
     }
 
-    /// True if every required task of a subset is reached or within [`NEARBY`] of its target at the start.
+    /// True if every required task of a subset is reached or within [`MAX_NEARBY_ERROR`] of its target at the start.
     ///
     /// Metres are compared relative to the distance that has the weight of a radian. `r` is the weighted residual.
-    pub(crate) fn is_nearby(&self, share: TaskSubset, r: &[f64]) -> bool {
-        self.errors(share, r).all(|block| {
-            let most = match block.quantity {
-                Quantity::Radians => NEARBY,
-                Quantity::Metres => NEARBY * builder::RADIAN_PER_REACH * self.reach,
+    pub(crate) fn is_nearby(&self, subset: TaskSubset, r: &[f64]) -> bool {
+        self.errors(subset, r).all(|block| {
+            let max_error = match block.quantity {
+                Quantity::Radians => MAX_NEARBY_ERROR,
+                Quantity::Metres => MAX_NEARBY_ERROR * builder::RADIAN_PER_REACH * self.reach,
                 _ => 0.0,
             };
-            block.reached || block.role == Role::Preference || block.error <= most
+            block.reached || block.role == Role::Preference || block.error <= max_error
         })
     }
 
     /// Does the same as [`is_reached`](Self::is_reached), for the residual of a subset.
-    pub(crate) fn is_reached_by(&self, share: TaskSubset, r: &[f64]) -> bool {
-        r.len() == self.rows_of(share)
+    pub(crate) fn is_reached_by(&self, subset: TaskSubset, r: &[f64]) -> bool {
+        r.len() == self.rows_of(subset)
             && self
-                .errors(share, r)
+                .errors(subset, r)
                 .all(|block| block.reached || block.role == Role::Preference)
     }
 }
@@ -521,10 +526,10 @@ impl Problem {
 ///
 /// For near targets the first attempt runs to its end before any other starts. For more distant targets a stalled
 /// attempt is abandoned, because further attempts take less time than continuing it.
-pub(crate) const NEARBY: f64 = 1.0;
+pub(crate) const MAX_NEARBY_ERROR: f64 = 1.0;
 
 /// Ratio of joints visited frame by frame to those of a sweep, above which a task is swept.
-const SWEPT: usize = 2;
+const MIN_SWEEP_RATIO: usize = 2;
 
 /// Euclidean norm, without overflow or underflow of the squares.
 fn norm(rows: &[f64]) -> f64 {

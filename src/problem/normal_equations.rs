@@ -30,12 +30,15 @@ impl NormalEquations {
     /// Normal equations of all tasks of a problem with analytic derivatives.
     pub(crate) fn new(problem: &Problem) -> Self {
         let (tree, n) = (problem.tree(), problem.variables());
-        let by_frames = tree.has_own_variables();
+        let has_own_variables = tree.has_own_variables();
         let is_of_a_frame = |task: &CompiledTask| {
-            by_frames && task.frames.len() == 1 && task.coordinates.is_empty() && !task.swept
+            has_own_variables
+                && task.frames.len() == 1
+                && task.coordinates.is_empty()
+                && !task.uses_sweeps
         };
         let tasks = problem.compiled_tasks().iter().enumerate();
-        let (on_frames, others): (Vec<_>, Vec<_>) = tasks.partition(|own| is_of_a_frame(own.1));
+        let (on_frames, others): (Vec<_>, Vec<_>) = tasks.partition(|entry| is_of_a_frame(entry.1));
         let mut scratch = problem.scratch();
         let others = others.into_iter().map(|(index, task)| {
             let variables = match task.frames.is_empty() {
@@ -46,16 +49,16 @@ impl NormalEquations {
         });
         let others: Vec<_> = others.collect();
         let frames = on_frames.iter().flat_map(|(_, task)| &task.frames);
-        let ways = frames.map(|&slot| tree.variables_moving(slot).collect());
+        let frame_variables = frames.map(|&slot| tree.variables_moving(slot).collect());
         let rows = others.iter().flat_map(|(_, rows)| rows.iter().cloned());
-        let coupled: BTreeSet<Vec<usize>> = ways.chain(rows).collect();
+        let coupled: BTreeSet<Vec<usize>> = frame_variables.chain(rows).collect();
         let coupled: Vec<_> = coupled.into_iter().collect();
-        let count = others.iter().map(|(_, rows)| rows.len()).sum();
+        let row_count = others.iter().map(|(_, rows)| rows.len()).sum();
         Self {
             on_frames: on_frames.into_iter().map(|(index, _)| index).collect(),
             others,
             composites: Composites::new(tree),
-            rows: DMatrix::zeros(count, n),
+            rows: DMatrix::zeros(row_count, n),
             matrix: BranchedMatrix::new(n, &coupled),
             gradient: vec![0.0; n],
         }
@@ -73,9 +76,10 @@ impl NormalEquations {
 fn variables_of_task(problem: &Problem, task: &CompiledTask) -> Vec<usize> {
     let frames = task.frames.iter();
     let moving = frames.flat_map(|&slot| problem.tree().variables_moving(slot));
-    let own = task.coordinates.iter();
-    let own = own.flat_map(|&coordinate| problem.parameters().variables_of(coordinate));
-    let all: BTreeSet<usize> = moving.chain(own).collect();
+    let joint_variables = task.coordinates.iter();
+    let joint_variables =
+        joint_variables.flat_map(|&coordinate| problem.parameters().variables_of(coordinate));
+    let all: BTreeSet<usize> = moving.chain(joint_variables).collect();
     all.into_iter().collect()
 }
 
@@ -90,9 +94,9 @@ fn variables_of_joints(
     let x: Vec<f64> = bounds
         .map(|(low, high)| 0.0_f64.max(*low).min(*high))
         .collect();
-    let question = ProblemInstance::from(problem);
-    Evaluation::new(question, scratch).forward(&x);
-    Evaluation::differentiate(scratch, task, question.residual(index));
+    let instance = ProblemInstance::from(problem);
+    Evaluation::new(instance, scratch).forward(&x);
+    Evaluation::differentiate(scratch, task, instance.residual(index));
     let mut variables = vec![BTreeSet::new(); task.rows.len()];
     for (joint, &coordinate) in task.coordinates.iter().enumerate() {
         for (row, _) in scratch.local().joint(joint) {
@@ -109,21 +113,21 @@ impl Evaluation<'_> {
         &mut self,
         x: &[f64],
         residual: &[f64],
-        to: &mut NormalEquations,
+        equations: &mut NormalEquations,
     ) {
         self.forward(x);
-        to.matrix.clear();
-        to.gradient.fill(0.0);
-        self.add_rows_of_frames(x, residual, to);
-        self.add_other_rows(x, residual, to);
+        equations.matrix.clear();
+        equations.gradient.fill(0.0);
+        self.add_rows_of_frames(x, residual, equations);
+        self.add_other_rows(x, residual, equations);
     }
 
-    fn add_rows_of_frames(&mut self, x: &[f64], residual: &[f64], to: &mut NormalEquations) {
-        let (problem, tree) = (self.question.problem, self.question.tree());
-        to.composites.clear();
-        for &index in &to.on_frames {
+    fn add_rows_of_frames(&mut self, x: &[f64], residual: &[f64], equations: &mut NormalEquations) {
+        let (problem, tree) = (self.instance.problem, self.instance.tree());
+        equations.composites.clear();
+        for &index in &equations.on_frames {
             let task = &problem.compiled_tasks()[index];
-            Self::differentiate(self.scratch, task, self.question.residual(index));
+            Self::differentiate(self.scratch, task, self.instance.residual(index));
             let (state, local) = (self.scratch.state(), self.scratch.local());
             let partials = Partials {
                 frame: task.frames[0],
@@ -131,44 +135,48 @@ impl Evaluation<'_> {
                 linear: local.linear(0),
                 angular: local.angular(0),
             };
-            let own = &residual[task.rows.clone()];
-            tree.add_to_composites(state, &partials, own, &mut to.composites);
+            let task_residual = &residual[task.rows.clone()];
+            tree.add_to_composites(state, &partials, task_residual, &mut equations.composites);
         }
-        tree.write_motions(self.scratch.state(), &mut to.composites);
-        self.question
+        tree.write_motions(self.scratch.state(), &mut equations.composites);
+        self.instance
             .space()
-            .by_steps(x, 6, to.composites.motions_mut());
-        let matrix = &mut to.matrix;
-        tree.sweep_composites(&mut to.composites, &mut to.gradient, |a, b, entry| {
-            matrix.add(a, b, entry);
-        });
+            .by_steps(x, 6, equations.composites.motions_mut());
+        let matrix = &mut equations.matrix;
+        tree.sweep_composites(
+            &mut equations.composites,
+            &mut equations.gradient,
+            |a, b, entry| {
+                matrix.add(a, b, entry);
+            },
+        );
     }
 
-    fn add_other_rows(&mut self, x: &[f64], residual: &[f64], to: &mut NormalEquations) {
-        let problem = self.question.problem;
-        to.rows.as_mut_slice().fill(0.0);
+    fn add_other_rows(&mut self, x: &[f64], residual: &[f64], equations: &mut NormalEquations) {
+        let problem = self.instance.problem;
+        equations.rows.as_mut_slice().fill(0.0);
         let mut first = 0;
-        for (index, rows) in &to.others {
+        for (index, rows) in &equations.others {
             let task = &problem.compiled_tasks()[*index];
-            self.add_rows(x, (*index, task), first, &mut to.rows);
+            self.add_rows(x, (*index, task), first, &mut equations.rows);
             first += rows.len();
         }
-        let height = to.rows.nrows();
-        self.question
+        let height = equations.rows.nrows();
+        self.instance
             .space()
-            .by_steps(x, height, to.rows.as_mut_slice());
+            .by_steps(x, height, equations.rows.as_mut_slice());
         let mut first = 0;
-        for (index, rows) in &to.others {
+        for (index, rows) in &equations.others {
             let residual = &residual[problem.compiled_tasks()[*index].rows.clone()];
             for (row, (variables, r)) in (first..).zip(rows.iter().zip(residual)) {
                 for (k, &a) in variables.iter().enumerate() {
-                    let slope = to.rows[(row, a)];
+                    let slope = equations.rows[(row, a)];
                     if slope == 0.0 {
                         continue;
                     }
-                    to.gradient[a] += slope * r;
+                    equations.gradient[a] += slope * r;
                     for &b in &variables[..=k] {
-                        to.matrix.add(a, b, slope * to.rows[(row, b)]);
+                        equations.matrix.add(a, b, slope * equations.rows[(row, b)]);
                     }
                 }
             }

@@ -101,8 +101,8 @@ impl ParameterVector {
 
     /// True if its lengths fit a problem, and a model with `joints` joints if it has joint origins.
     pub(crate) fn fits(&self, problem: &Problem, joints: Option<usize>) -> bool {
-        let own = &problem.targets.residuals;
-        let lens = own.iter().map(|residual| residual.target_len());
+        let residuals = &problem.targets.residuals;
+        let lens = residuals.iter().map(|residual| residual.target_len());
         let starts = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
         let blocks: usize = problem.tasks.iter().map(|task| task.blocks.len()).sum();
         let links = self.joint_origins.is_empty() || joints == Some(self.joint_origins.len());

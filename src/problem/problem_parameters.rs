@@ -30,17 +30,17 @@ impl Problem {
                 expected,
             });
         }
-        self.check_restated("weights")?;
+        self.check_no_collision_avoidance("weights")?;
         let mut weights = weights.iter();
         for task in &mut self.tasks {
             for (block, &weight) in task.blocks.iter_mut().zip(&mut weights) {
                 block.weight = Block::weight_of(&task.name, block.measure.quantity, weight)?;
             }
-            task.weigh();
+            task.update_weights();
         }
         self.ranks = Ranks::of(&mut self.tasks, self.preferences);
-        self.mark_moving();
-        Ok(self.apart())
+        self.mark_task_variables();
+        Ok(self.with_new_identity())
     }
 
     /// The problem with the joint origins of `model`: its own model [moved](Model::with_joint_origins).
@@ -58,10 +58,10 @@ impl Problem {
                 expected: self.names.model.clone(),
             });
         }
-        self.check_restated("joint origins")?;
+        self.check_no_collision_avoidance("joint origins")?;
         let frames: Vec<_> = self.tree.frames().collect();
         self.tree = Tree::new(model, &self.map, &frames);
-        Ok(self.apart())
+        Ok(self.with_new_identity())
     }
 
     /// True if `model` has the joints and frames of the problem's model.
@@ -72,15 +72,15 @@ impl Problem {
             && self.tree.frames().all(|frame| frame.index() < known)
     }
 
-    fn check_restated(&self, what: &'static str) -> Result<(), ProblemError> {
-        match self.fence {
+    fn check_no_collision_avoidance(&self, what: &'static str) -> Result<(), ProblemError> {
+        match self.collision_constraint {
             None => Ok(()),
             Some(_) => Err(ProblemError::KeepsClear { what }),
         }
     }
 
     /// Gives the problem a new identity, because workspaces of the old one hold outdated placements.
-    fn apart(mut self) -> Self {
+    fn with_new_identity(mut self) -> Self {
         self.names = Arc::new((*self.names).clone());
         self
     }

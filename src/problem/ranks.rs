@@ -46,7 +46,7 @@ enum Class {
     /// A required task that can be unreached, or a soft task weighted with it.
     Goal,
     /// A soft task, or a required task with infinite tolerances.
-    Pull,
+    Soft,
 }
 
 /// The ranks of a problem.
@@ -67,25 +67,31 @@ impl Ranks {
             (true, _, _) if task.is_loop => (Class::Loop, 0),
             (true, _, _) => (Class::Goal, task.level),
             (false, Preferences::Traded, Some(last)) => (Class::Goal, last),
-            (false, _, _) => (Class::Pull, task.level),
+            (false, _, _) => (Class::Soft, task.level),
         };
         let mut ranks: Vec<_> = tasks.iter().map(order).collect();
         ranks.sort_unstable();
         ranks.dedup();
         let (mut ends, mut end) = (Vec::with_capacity(ranks.len()), 0);
         let mut last_edge = 0;
-        for (rank, own) in ranks.iter().enumerate() {
-            for task in tasks.iter_mut().filter(|task| order(task) == *own) {
+        for (rank, order_of_rank) in ranks.iter().enumerate() {
+            for task in tasks
+                .iter_mut()
+                .filter(|task| order(task) == *order_of_rank)
+            {
                 task.rank = rank;
                 task.rows_by_rank = end..end + task.rows.len();
                 end = task.rows_by_rank.end;
-                task.edges_by_rank = last_edge..last_edge + task.edge_weights.len();
-                last_edge = task.edges_by_rank.end;
+                task.slacks_by_rank = last_edge..last_edge + task.slack_weights.len();
+                last_edge = task.slacks_by_rank.end;
             }
             ends.push(end);
         }
-        let bound = tasks.iter().filter(|task| task.binds);
-        let levels = bound.map(|task| task.rank + 1).max().unwrap_or(0);
+        let can_be_unreached = tasks.iter().filter(|task| task.binds);
+        let levels = can_be_unreached
+            .map(|task| task.rank + 1)
+            .max()
+            .unwrap_or(0);
         Self { ends, levels }
     }
 
@@ -116,15 +122,15 @@ impl Ranks {
     }
 
     /// The rows of a task among those of a subset; `None` if it is not in the subset.
-    pub(super) fn rows_in(&self, task: &CompiledTask, share: TaskSubset) -> Option<Range<usize>> {
-        match share {
+    pub(super) fn rows_in(&self, task: &CompiledTask, subset: TaskSubset) -> Option<Range<usize>> {
+        match subset {
             TaskSubset::All => Some(task.rows.clone()),
             TaskSubset::Ranks { from, to } => {
-                let before = self.start(from);
+                let first = self.start(from);
                 let Range { start, end } = task.rows_by_rank;
                 (from..to)
                     .contains(&task.rank)
-                    .then(|| start - before..end - before)
+                    .then(|| start - first..end - first)
             }
         }
     }

@@ -12,13 +12,13 @@ pub(crate) struct Tangent {
 
 /// A configuration with its variables.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Standing<'a> {
+pub(crate) struct TangentPoint<'a> {
     pub(crate) map: &'a ParameterMap,
     pub(crate) x: &'a [f64],
     pub(crate) q: &'a [f64],
 }
 
-impl Standing<'_> {
+impl TangentPoint<'_> {
     /// The variables of a ball joint whose quaternion starts at `coordinate`: first index, and angular velocity per
     /// unit rate.
     ///
@@ -39,13 +39,16 @@ impl Standing<'_> {
 }
 
 /// Converts derivatives by a quaternion to derivatives by its angular velocity in its own axes: q' = ½ q ω.
-fn by_turn(q: &[f64], by_q: &[f64]) -> [f64; 3] {
+fn slope_by_angular_velocity(q: &[f64], slope_by_q: &[f64]) -> [f64; 3] {
     let Some(Quaternion { w, v }) = quaternion_at(q) else {
         return [0.0; 3];
     };
-    let (by_w, by) = (by_q[0], Vector3::new(by_q[1], by_q[2], by_q[3]));
+    let (slope_by_w, slope_by_vector) = (
+        slope_by_q[0],
+        Vector3::new(slope_by_q[1], slope_by_q[2], slope_by_q[3]),
+    );
     // The vector part of ½ q* by_q.
-    ((by * w - v * by_w - v.cross(by)) * 0.5).to_array()
+    ((slope_by_vector * w - v * slope_by_w - v.cross(slope_by_vector)) * 0.5).to_array()
 }
 
 impl Tangent {
@@ -62,12 +65,16 @@ impl Tangent {
     }
 
     /// Writes v for the rates of the variables.
-    pub(crate) fn velocity(&self, at: &Standing<'_>, rates: &[f64], v: &mut [f64]) {
-        let along = |coordinate| at.slope(coordinate).map_or(0.0, |(k, by)| by * rates[k]);
-        let turn = |coordinate| match at.ball_axes(coordinate) {
+    pub(crate) fn velocity(&self, point: &TangentPoint<'_>, rates: &[f64], v: &mut [f64]) {
+        let rate = |coordinate| {
+            point
+                .slope(coordinate)
+                .map_or(0.0, |(k, ratio)| ratio * rates[k])
+        };
+        let angular_velocity = |coordinate| match point.ball_axes(coordinate) {
             Some((first, [x, y, z])) => {
-                let omega = x * rates[first] + y * rates[first + 1] + z * rates[first + 2];
-                at.rotation(coordinate).transpose_mul(omega)
+                let world_velocity = x * rates[first] + y * rates[first + 1] + z * rates[first + 2];
+                point.rotation(coordinate).transpose_mul(world_velocity)
             }
             None => Vector3::zero(),
         };
@@ -80,20 +87,27 @@ impl Tangent {
         {
             let v = &mut v[*velocity..];
             match kind {
-                SegmentKind::Scalar => v[0] = along(*coordinate),
-                SegmentKind::Ball => v[..3].copy_from_slice(&turn(*coordinate).to_array()),
+                SegmentKind::Scalar => v[0] = rate(*coordinate),
+                SegmentKind::Ball => {
+                    v[..3].copy_from_slice(&angular_velocity(*coordinate).to_array())
+                }
                 SegmentKind::Free => {
-                    let way = Vector3::from([0, 1, 2].map(|k| along(coordinate + k)));
-                    let way = at.rotation(coordinate + 3).transpose_mul(way);
-                    v[..3].copy_from_slice(&way.to_array());
-                    v[3..6].copy_from_slice(&turn(coordinate + 3).to_array());
+                    let linear = Vector3::from([0, 1, 2].map(|k| rate(coordinate + k)));
+                    let linear = point.rotation(coordinate + 3).transpose_mul(linear);
+                    v[..3].copy_from_slice(&linear.to_array());
+                    v[3..6].copy_from_slice(&angular_velocity(coordinate + 3).to_array());
                 }
             }
         }
     }
 
     /// Adds derivatives by v, converted to derivatives by the variables: the transpose of [`velocity`](Self::velocity).
-    pub(crate) fn add_slope(&self, at: &Standing<'_>, by_v: &[f64], slope: &mut [f64]) {
+    pub(crate) fn add_slope(
+        &self,
+        point: &TangentPoint<'_>,
+        slope_by_v: &[f64],
+        slope: &mut [f64],
+    ) {
         for Segment {
             kind,
             coordinate,
@@ -101,39 +115,41 @@ impl Tangent {
             ..
         } in &self.segments
         {
-            let by_v = &by_v[*velocity..];
-            let mut along = |coordinate, by_value: f64| {
-                if let Some((variable, ratio)) = at.slope(coordinate) {
-                    slope[variable] += ratio * by_value;
+            let slope_by_v = &slope_by_v[*velocity..];
+            let mut add = |coordinate, slope_by_value: f64| {
+                if let Some((variable, ratio)) = point.slope(coordinate) {
+                    slope[variable] += ratio * slope_by_value;
                 }
             };
-            let (ball, by_turn) = match kind {
+            let (ball, slope_by_turn) = match kind {
                 SegmentKind::Scalar => {
-                    along(*coordinate, by_v[0]);
+                    add(*coordinate, slope_by_v[0]);
                     continue;
                 }
-                SegmentKind::Ball => (*coordinate, by_v),
+                SegmentKind::Ball => (*coordinate, slope_by_v),
                 SegmentKind::Free => {
-                    let rotation = at.rotation(coordinate + 3);
-                    let by_way = rotation * Vector3::new(by_v[0], by_v[1], by_v[2]);
-                    for (k, by_way) in by_way.to_array().into_iter().enumerate() {
-                        along(coordinate + k, by_way);
+                    let rotation = point.rotation(coordinate + 3);
+                    let slope_by_linear =
+                        rotation * Vector3::new(slope_by_v[0], slope_by_v[1], slope_by_v[2]);
+                    for (k, slope_by_linear) in slope_by_linear.to_array().into_iter().enumerate() {
+                        add(coordinate + k, slope_by_linear);
                     }
-                    (coordinate + 3, &by_v[3..])
+                    (coordinate + 3, &slope_by_v[3..])
                 }
             };
-            if let Some((first, axes)) = at.ball_axes(ball) {
-                let by_omega = Vector3::new(by_turn[0], by_turn[1], by_turn[2]);
-                let by_omega = at.rotation(ball) * by_omega;
+            if let Some((first, axes)) = point.ball_axes(ball) {
+                let slope_by_angular =
+                    Vector3::new(slope_by_turn[0], slope_by_turn[1], slope_by_turn[2]);
+                let slope_by_angular = point.rotation(ball) * slope_by_angular;
                 for (slope, axis) in slope[first..].iter_mut().zip(axes) {
-                    *slope += axis.dot(by_omega);
+                    *slope += axis.dot(slope_by_angular);
                 }
             }
         }
     }
 
     /// Converts derivatives by the coordinates of a configuration, quaternions included, to derivatives by v.
-    pub(crate) fn slope_by_velocity(&self, q: &[f64], by_q: &[f64], by_v: &mut [f64]) {
+    pub(crate) fn slope_by_velocity(&self, q: &[f64], slope_by_q: &[f64], slope_by_v: &mut [f64]) {
         for Segment {
             kind,
             coordinate,
@@ -141,27 +157,34 @@ impl Tangent {
             ..
         } in &self.segments
         {
-            let (q, by_q) = (&q[*coordinate..], &by_q[*coordinate..]);
-            let by_v = &mut by_v[*velocity..];
+            let (q, slope_by_q) = (&q[*coordinate..], &slope_by_q[*coordinate..]);
+            let slope_by_v = &mut slope_by_v[*velocity..];
             match kind {
-                SegmentKind::Scalar => by_v[0] = by_q[0],
-                SegmentKind::Ball => by_v[..3].copy_from_slice(&by_turn(q, by_q)),
+                SegmentKind::Scalar => slope_by_v[0] = slope_by_q[0],
+                SegmentKind::Ball => {
+                    slope_by_v[..3].copy_from_slice(&slope_by_angular_velocity(q, slope_by_q))
+                }
                 SegmentKind::Free => {
-                    let turned =
+                    let rotation =
                         quaternion_at(&q[3..]).map_or(Matrix3::identity(), Quaternion::to_matrix);
-                    let along = turned.transpose_mul(Vector3::new(by_q[0], by_q[1], by_q[2]));
-                    by_v[..3].copy_from_slice(&along.to_array());
-                    by_v[3..6].copy_from_slice(&by_turn(&q[3..], &by_q[3..]));
+                    let slope_by_linear = rotation.transpose_mul(Vector3::new(
+                        slope_by_q[0],
+                        slope_by_q[1],
+                        slope_by_q[2],
+                    ));
+                    slope_by_v[..3].copy_from_slice(&slope_by_linear.to_array());
+                    slope_by_v[3..6]
+                        .copy_from_slice(&slope_by_angular_velocity(&q[3..], &slope_by_q[3..]));
                 }
             }
         }
     }
 
     /// Writes the squared norm of v for a unit rate of each variable; 0 for variables of ball joints.
-    pub(crate) fn squared_speeds(&self, at: &Standing<'_>, squared: &mut [f64]) {
+    pub(crate) fn squared_speeds(&self, point: &TangentPoint<'_>, squared: &mut [f64]) {
         squared.fill(0.0);
-        for coordinate in 0..at.map.sources().len() {
-            if let Some((variable, ratio)) = at.slope(coordinate) {
+        for coordinate in 0..point.map.sources().len() {
+            if let Some((variable, ratio)) = point.slope(coordinate) {
                 squared[variable] += ratio * ratio;
             }
         }

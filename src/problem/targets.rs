@@ -25,8 +25,8 @@ use crate::task::{ErasedResidual, Residual};
 /// let mut targets = problem.targets();
 /// targets.get_mut(hand)?.set_target([0.0, 1.0, 0.0]);
 /// let mut workspace = Workspace::new();
-/// let question = problem.with_targets(&targets)?;
-/// let solution = Solver::default().solve(question, &[0.1], &mut workspace)?;
+/// let instance = problem.with_targets(&targets)?;
+/// let solution = Solver::default().solve(instance, &[0.1], &mut workspace)?;
 /// assert!(solution.reached);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -74,9 +74,9 @@ impl Targets {
 
     /// True if these are targets of a problem with the same tasks.
     pub(super) fn fit(&self, problem: &Problem) -> bool {
-        let own = &problem.targets.residuals;
-        let mut pairs = self.residuals.iter().zip(own);
-        self.residuals.len() == own.len()
+        let residuals = &problem.targets.residuals;
+        let mut pairs = self.residuals.iter().zip(residuals);
+        self.residuals.len() == residuals.len()
             && pairs.all(|(a, b)| a.as_any().type_id() == b.as_any().type_id())
     }
 }

@@ -58,7 +58,7 @@ impl Hops {
             let (low, high) = instance.sampling_range(j, *value);
             let (is_resampled, fraction) = (random.unit() < RESAMPLED_FRACTION, random.unit());
             let problem = instance.problem;
-            if is_resampled && problem.moves_a_task(j) && !problem.floats(j) {
+            if is_resampled && problem.moves_a_task(j) && !problem.is_base_variable(j) {
                 *value = low + (high - low) * fraction;
             }
         }

@@ -28,7 +28,7 @@ impl Solution {
 
     /// Checks the collisions of the problem at `q`, for engines that do not avoid them.
     pub(crate) fn check_collisions(&mut self, instance: ProblemInstance<'_>) {
-        let fence = instance.problem.fence();
+        let fence = instance.problem.collision_constraint();
         if let Some(fence) = fence.filter(|_| self.q.iter().all(|value| value.is_finite())) {
             self.set_collisions(fence.check().collisions(&self.q));
         }

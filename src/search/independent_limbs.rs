@@ -35,12 +35,12 @@ impl IndependentLimbs {
         let problem = instance.problem;
         self.several = false;
         // With collision avoidance the solution of one limb may collide with obstacles or other limbs.
-        if problem.fence().is_some() {
+        if problem.collision_constraint().is_some() {
             return;
         }
         self.limbs.clear();
         self.limbs.extend(0..instance.variables());
-        let limbs = problem.join_by_tasks(subset, &mut self.limbs);
+        let limbs = problem.group_by_tasks(subset, &mut self.limbs);
         self.several = limbs > 1;
         if self.several {
             self.x.clear();

@@ -61,20 +61,20 @@ impl Solution {
                 role: block.role,
             }),
         );
-        if problem.leaves_rows_out() {
+        if problem.has_unweighted_blocks() {
             let mut evaluation = Evaluation::new(instance, scratch);
-            let errors = problem.unasked_errors(evaluation.unweighted(x));
+            let errors = problem.unweighted_errors(evaluation.unweighted(x));
             for (rows, error) in self.rows.iter_mut().zip(errors) {
                 rows.error = error.unwrap_or(rows.error);
             }
         }
-        let lower_is_better = problem.pulls_in(end.share);
+        let lower_is_better = problem.has_soft_tasks(end.share);
         let has_gradient = !lower_is_better || self.projected_gradient.is_some();
         let cost = half_squared(end.searched);
         if self.reached && has_gradient || !cost.is_finite() {
             return None;
         }
-        memory.take_shape(end.searched.len(), x.len());
+        memory.resize_derivatives(end.searched.len(), x.len());
         let mut evaluation = Evaluation::of(end.share, instance, scratch);
         let (gradient, steepest) = memory.slope_at(&mut evaluation, x, end.searched);
         let negligible = negligible_slope(steepest, cost, stopping);

@@ -154,7 +154,7 @@ impl MoveLimits {
                 .iter_mut()
                 .find(|turn| turn.variables().start == first);
             match turn_limit {
-                Some(turn) => turn.most = turn.most.min(angle),
+                Some(turn) => turn.max_angle = turn.max_angle.min(angle),
                 None => self.limit_turn(problem, first, angle),
             }
         }

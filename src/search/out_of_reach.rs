@@ -35,11 +35,13 @@ fn out_of_reach(
     task: &CompiledTask,
 ) -> Option<OutOfReach> {
     // Anchors are valid only for the targets with which the problem was built.
-    let problem = (!instance.places_moved()).then_some(instance.problem)?;
+    let problem = (!instance.has_moved_tree()).then_some(instance.problem)?;
     let residual = instance.residual(index).as_any();
-    let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;
-    let target = place?;
-    let mut checked_blocks = task.blocks().filter(|block| block.can_miss());
+    let FrameGoal {
+        position, offset, ..
+    } = FrameGoal::of_residual(residual)?;
+    let target = position?;
+    let mut checked_blocks = task.blocks().filter(|block| block.can_be_unreached());
     let position_block = checked_blocks.find(|block| block.measure.quantity == Quantity::Metres)?;
     let anchor = problem.anchor(index)?;
     let (distance, reach) = anchor.falls_short_of(target, offset, position_block.tolerance)?;

@@ -129,11 +129,12 @@ impl Restarts {
             let (low, high) = instance.sampling_range(j, start[j]);
             let sample = low + (high - low) * random.unit();
             // The caller's pose of a free base is usually a better guess than a sample.
-            let fraction =
-                match instance.problem.floats(j) && !index.is_multiple_of(BASE_SAMPLING_INTERVAL) {
-                    true => PERTURBATION_FRACTION * fraction,
-                    false => fraction,
-                };
+            let fraction = match instance.problem.is_base_variable(j)
+                && !index.is_multiple_of(BASE_SAMPLING_INTERVAL)
+            {
+                true => PERTURBATION_FRACTION * fraction,
+                false => fraction,
+            };
             if local[j] || (index > LOCAL_ATTEMPTS && instance.problem.moves_a_task(j)) {
                 *value = start[j] + fraction * (sample - start[j]);
             }

@@ -159,11 +159,12 @@ impl Schedule {
         let Trial::Quick(index) = trial else {
             return self.stopping;
         };
-        self.stopping.impatient(match self.restarts.agreeing {
-            _ if index == 0 => START_STALL_STEPS,
-            None => STALL_STEPS,
-            Some(_) => AGREEMENT_STALL_STEPS,
-        })
+        self.stopping
+            .with_max_patience(match self.restarts.agreeing {
+                _ if index == 0 => START_STALL_STEPS,
+                None => STALL_STEPS,
+                Some(_) => AGREEMENT_STALL_STEPS,
+            })
     }
 
     /// Number of agreeing attempts that end the search.

@@ -15,15 +15,15 @@ impl ConfigurationSpace<'_> {
         slope: f64,
         negligible: f64,
     ) -> Option<Side> {
-        if let Some(out) = self.room_on_edge(x, component) {
-            return (out == 0.0 && slope < -negligible).then_some(Side::Upper);
+        if let Some(max_increase) = self.max_increase_on_edge(x, component) {
+            return (max_increase == 0.0 && slope < -negligible).then_some(Side::Upper);
         }
-        self.bound_holding(x[component], component, slope, negligible)
+        self.holding_bound(x[component], component, slope, negligible)
     }
 
     /// Bound that holds a variable by its interval, if any.
     #[inline(always)]
-    fn bound_holding(
+    fn holding_bound(
         &self,
         value: f64,
         variable: usize,
@@ -51,17 +51,16 @@ impl ConfigurationSpace<'_> {
     /// A full step over all variables, clamped, is no descent method (Bertsekas 1982, "Projected Newton methods for
     /// optimization problems with simple constraints").
     pub(super) fn list_free(&self, x: &[f64], gradient: &[f64], free: &mut Vec<usize>) {
-        let moves = |j: &usize| self.lower[*j] < self.upper[*j];
+        let is_movable = |j: &usize| self.lower[*j] < self.upper[*j];
         free.clear();
         // Without ball joint limits, which most models do not have, intervals suffice.
         match !self.has_edges() {
-            true => {
-                free.extend((0..x.len()).filter(|&j| {
-                    moves(&j) && self.bound_holding(x[j], j, gradient[j], 0.0).is_none()
-                }))
-            }
-            false => free
-                .extend((0..x.len()).filter(|&j| moves(&j) && !self.holds(x, j, gradient[j], 0.0))),
+            true => free.extend((0..x.len()).filter(|&j| {
+                is_movable(&j) && self.holding_bound(x[j], j, gradient[j], 0.0).is_none()
+            })),
+            false => free.extend(
+                (0..x.len()).filter(|&j| is_movable(&j) && !self.holds(x, j, gradient[j], 0.0)),
+            ),
         }
     }
 
@@ -71,31 +70,35 @@ impl ConfigurationSpace<'_> {
     #[must_use]
     pub fn projected_gradient_norm(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
         let bounds = self.lower.iter().zip(self.upper);
-        let mut largest = 0.0_f64;
+        let mut max_step = 0.0_f64;
         for ((&value, &slope), (&lower, &upper)) in x.iter().zip(gradient).zip(bounds) {
             if !slope.is_finite() {
                 // `min` and `max` would drop a NaN.
                 return f64::NAN;
             }
-            let room = if slope > 0.0 {
+            let slack = if slope > 0.0 {
                 value - lower
             } else {
                 upper - value
             };
-            largest = largest.max((slope.abs() / curvature).min(room));
+            max_step = max_step.max((slope.abs() / curvature).min(slack));
         }
         // At the edge of a ball joint's limits, components are not variables.
         match self.frames(x).next() {
             Some(_) => self.projected_gradient_norm_at_edges(x, gradient, curvature),
-            None => largest,
+            None => max_step,
         }
     }
 
     fn projected_gradient_norm_at_edges(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
         let lengths = gradient.iter().enumerate().map(|(j, slope)| {
-            let (down, up) = self.room(x, j);
-            let room = if *slope > 0.0 { down } else { up };
-            (slope.abs() / curvature).min(room)
+            let (max_decrease, max_increase) = self.room(x, j);
+            let slack = if *slope > 0.0 {
+                max_decrease
+            } else {
+                max_increase
+            };
+            (slope.abs() / curvature).min(slack)
         });
         lengths.fold(0.0, f64::max)
     }

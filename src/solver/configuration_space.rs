@@ -1,6 +1,6 @@
 //! Configuration space of a solver: integration, difference, bounds and projection.
 
-use super::ball_joints::{RotationSets, TurnLimit, shorten, shortest};
+use super::ball_joints::{RotationSets, TurnLimit, shorten_rotation_step, shorten_rotation_vector};
 use super::linear::largest;
 
 /// End of a joint's range.
@@ -68,14 +68,14 @@ impl<'a> ConfigurationSpace<'a> {
         self.integrate_share(x, 1.0, step, to);
     }
 
-    /// Writes x ⊕ share · step, regardless of bounds.
+    /// Writes x ⊕ fraction · step, regardless of bounds.
     #[inline]
-    pub fn integrate_share(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
+    pub fn integrate_share(&self, x: &[f64], fraction: f64, step: &[f64], to: &mut [f64]) {
         for ((to, &x), &step) in to.iter_mut().zip(x).zip(step) {
-            *to = x + share * step;
+            *to = x + fraction * step;
         }
         for frame in self.frames(x) {
-            frame.integrate(x, share, step, to);
+            frame.integrate(x, fraction, step, to);
         }
     }
 
@@ -108,7 +108,7 @@ impl<'a> ConfigurationSpace<'a> {
             *step = to - from;
         }
         for &first in &self.rotations.vectors {
-            shorten(&mut step[first..first + 3], &to[first..first + 3]);
+            shorten_rotation_step(&mut step[first..first + 3], &to[first..first + 3]);
         }
         for frame in self.frames(from) {
             frame.components(step);
@@ -130,27 +130,27 @@ impl<'a> ConfigurationSpace<'a> {
         for swing in &self.rotations.swings {
             swing.project(x);
         }
-        for ((value, &low), &high) in x.iter_mut().zip(self.lower).zip(self.upper) {
-            if *value < low {
-                *value = low;
-            } else if *value > high {
-                *value = high;
+        for ((value, &lower), &upper) in x.iter_mut().zip(self.lower).zip(self.upper) {
+            if *value < lower {
+                *value = lower;
+            } else if *value > upper {
+                *value = upper;
             }
         }
         for &first in &self.rotations.vectors {
             // Within bounds, as those of a motion, the vector must not change its sign.
             if self.lower[first..first + 3]
                 .iter()
-                .all(|low| *low == f64::NEG_INFINITY)
+                .all(|lower| *lower == f64::NEG_INFINITY)
             {
-                shortest(&mut x[first..first + 3]);
+                shorten_rotation_vector(&mut x[first..first + 3]);
             }
         }
         for swing in &self.rotations.swings {
             swing.project(x);
         }
         for (turn, is_move) in self.turns() {
-            turn.project(x, |own| self.keeps(turn.first, own, is_move));
+            turn.project(x, |values| self.keeps(turn.first, values, is_move));
         }
     }
 
@@ -158,8 +158,8 @@ impl<'a> ConfigurationSpace<'a> {
     #[inline]
     #[must_use]
     pub fn room(&self, x: &[f64], component: usize) -> (f64, f64) {
-        if let Some(out) = self.room_on_edge(x, component) {
-            return (f64::INFINITY, out);
+        if let Some(max_increase) = self.max_increase_on_edge(x, component) {
+            return (f64::INFINITY, max_increase);
         }
         let value = x[component];
         (value - self.lower[component], self.upper[component] - value)
@@ -167,19 +167,19 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// Returns true if one component of x may both increase and decrease.
     pub(crate) fn is_between_bounds(&self, x: &[f64], component: usize) -> bool {
-        let (down, up) = self.room(x, component);
-        down > 0.0 && up > 0.0
+        let (max_decrease, max_increase) = self.room(x, component);
+        max_decrease > 0.0 && max_increase > 0.0
     }
 
     /// Step to the bound that a step along one component would cross; `None` if it crosses none.
     #[must_use]
     pub fn stopped_step(&self, x: &[f64], component: usize, step: f64) -> Option<f64> {
-        if let Some(out) = self.room_on_edge(x, component) {
-            return (step > out).then_some(out);
+        if let Some(max_increase) = self.max_increase_on_edge(x, component) {
+            return (step > max_increase).then_some(max_increase);
         }
-        let to = x[component] + step;
+        let end = x[component] + step;
         let (lower, upper) = (self.lower[component], self.upper[component]);
-        let within = lower <= to && to <= upper;
-        (!within).then(|| to.clamp(lower, upper) - x[component])
+        let is_within = lower <= end && end <= upper;
+        (!is_within).then(|| end.clamp(lower, upper) - x[component])
     }
 }

@@ -15,9 +15,9 @@ pub struct GaussNewton {
 }
 
 /// Largest initial step of a line search, relative to max(1, ‖x‖∞): near singularities Δ may be very long.
-const LONGEST: f64 = 10.0;
+const MAX_INITIAL_STEP: f64 = 10.0;
 /// Largest numbers of trials along Δ, and then along the damped step, each at half the length of the last.
-const MOST_TRIALS: [usize; 2] = [6, 30];
+const MAX_TRIALS: [usize; 2] = [6, 30];
 
 impl GaussNewton {
     setters! {
@@ -58,7 +58,7 @@ impl Method for GaussNewton {
     answers! {
         fn name(&self) -> &'static str = "gauss-newton";
         fn needs_jacobian(&self) -> bool = true;
-        fn control(&self, own: &Self::State) -> f64 = own.length;
+        fn control(&self, state: &Self::State) -> f64 = state.length;
     }
 
     fn check(&self) -> Result<(), BadOption> {
@@ -70,49 +70,52 @@ impl Method for GaussNewton {
         )
     }
 
-    fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
-        own.length = 0.0;
-        own.buffers.direction.clear();
-        own.buffers.direction.reserve(variables);
-        own.buffers.orthogonal.reserve(rows, variables);
-        own.buffers.normal.reserve(rows, variables);
+    fn reserve(&self, state: &mut Self::State, rows: usize, variables: usize) {
+        state.length = 0.0;
+        state.buffers.direction.clear();
+        state.buffers.direction.reserve(variables);
+        state.buffers.orthogonal.reserve(rows, variables);
+        state.buffers.normal.reserve(rows, variables);
     }
 
-    fn begin(&self, own: &mut Self::State, _: &SolverState) {
-        own.length = 1.0;
+    fn begin(&self, state: &mut Self::State, _: &SolverState) {
+        state.length = 1.0;
     }
 
-    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
+    fn step(&self, state: &mut Self::State, iterate: &mut Iterate<'_>) -> Step {
         let Buffers {
             direction,
             orthogonal,
             normal,
-        } = &mut own.buffers;
-        orthogonal.factorise(&at.jacobian, &at.free, self.rank_tolerance);
+        } = &mut state.buffers;
+        orthogonal.factorise(&iterate.jacobian, &iterate.free, self.rank_tolerance);
         direction.clear();
-        direction.resize(at.x.len(), 0.0);
-        orthogonal.minimise(&at.residual, &at.free, direction);
+        direction.resize(iterate.x.len(), 0.0);
+        orthogonal.minimise(&iterate.residual, &iterate.free, direction);
 
-        let reference = at.cost;
-        let longest = LONGEST * largest(&at.x).max(1.0);
-        let first = (longest / largest(direction)).min(1.0);
-        let along = |_: &SolverState, j: usize| direction[j];
-        let mut found = along_projected_path(at, along, first, reference, MOST_TRIALS[0]);
-        if found.is_none() {
+        let reference = iterate.cost;
+        let max_length = MAX_INITIAL_STEP * largest(&iterate.x).max(1.0);
+        let first = (max_length / largest(direction)).min(1.0);
+        let component = |_: &SolverState, j: usize| direction[j];
+        let mut result = along_projected_path(iterate, component, first, reference, MAX_TRIALS[0]);
+        if result.is_none() {
             // With a large residual near a singularity, Δ is almost perpendicular to the gradient. The step damped by
             // λ = s ‖r‖ is not. With s the largest column norm, λ is the size of the curvature that Gauss-Newton
             // neglects.
             normal.forget();
-            normal.step(at.state, at.column_norm * (2.0 * at.cost).sqrt());
-            direction.copy_from_slice(&at.step);
-            let along = |_: &SolverState, j: usize| direction[j];
-            found = along_projected_path(at, along, 1.0, reference, MOST_TRIALS[1]);
+            normal.step(
+                iterate.state,
+                iterate.column_norm * (2.0 * iterate.cost).sqrt(),
+            );
+            direction.copy_from_slice(&iterate.step);
+            let component = |_: &SolverState, j: usize| direction[j];
+            result = along_projected_path(iterate, component, 1.0, reference, MAX_TRIALS[1]);
         }
-        let Some((alpha, _)) = found else {
+        let Some((alpha, _)) = result else {
             return Step::Stuck;
         };
-        at.accept();
-        own.length = alpha;
+        iterate.accept();
+        state.length = alpha;
         Step::Taken
     }
 }

@@ -7,7 +7,7 @@ use super::state::half_squared;
 use super::{ConfigurationSpace, LeastSquares, SolverState};
 
 /// Relative change of the cost up to which a step counts as flat.
-const FLAT: f64 = 1e-13;
+const FLAT_CHANGE: f64 = 1e-13;
 
 /// Current point of a search, as a method sees it: it reads like its [`SolverState`], has the bounds, and tries steps.
 ///
@@ -40,7 +40,7 @@ impl Iterate<'_> {
         pub fn step_mut(&mut self) -> &mut [f64] = &mut self.state.step;
     }
 
-    /// Projects the trial x + Δ into the bounds, shortens it to the share that the problem allows, and updates Δ to
+    /// Projects the trial x + Δ into the bounds, shortens it to the fraction that the problem allows, and updates Δ to
     /// match.
     pub fn project_step(&mut self) {
         let SolverState { x, step, trial, .. } = &mut *self.state;
@@ -48,11 +48,11 @@ impl Iterate<'_> {
         space.integrate(x, step, trial);
         space.project(trial);
         space.difference(trial, x, step);
-        let share = self.problem.allowed_share(x, trial);
-        if share < 1.0 {
+        let fraction = self.problem.allowed_share(x, trial);
+        if fraction < 1.0 {
             let space = self.problem.space();
             for part in step.iter_mut() {
-                *part *= share;
+                *part *= fraction;
             }
             space.integrate(x, step, trial);
             space.project(trial);
@@ -62,12 +62,12 @@ impl Iterate<'_> {
 
     /// ½‖r + J Δ‖²: the cost that the linear model predicts for the step. Overwrites the trial's residual.
     pub fn model_cost(&mut self) -> f64 {
-        let at = &mut *self.state;
-        let predicted = &mut at.trial_residual;
-        predicted.copy_from_slice(&at.residual);
-        let columns = at.jacobian.as_slice();
-        let columns = columns.chunks_exact(at.residual.len().max(1));
-        for (&step, column) in at.step.iter().zip(columns) {
+        let state = &mut *self.state;
+        let predicted = &mut state.trial_residual;
+        predicted.copy_from_slice(&state.residual);
+        let columns = state.jacobian.as_slice();
+        let columns = columns.chunks_exact(state.residual.len().max(1));
+        for (&step, column) in state.step.iter().zip(columns) {
             if step != 0.0 {
                 add_scaled(predicted, step, column);
             }
@@ -77,24 +77,25 @@ impl Iterate<'_> {
 
     /// Evaluates the projected trial and returns its cost.
     pub fn evaluate_trial(&mut self) -> f64 {
-        let at = &mut *self.state;
-        self.problem.residual(&at.trial, &mut at.trial_residual);
-        at.counts.residuals += 1;
-        at.trial_cost = half_squared(&at.trial_residual);
-        at.trial_cost
+        let state = &mut *self.state;
+        self.problem
+            .residual(&state.trial, &mut state.trial_residual);
+        state.counts.residuals += 1;
+        state.trial_cost = half_squared(&state.trial_residual);
+        state.trial_cost
     }
 
     /// Makes the evaluated trial the current point. Derivatives are evaluated again before the next step.
     pub fn accept(&mut self) {
-        let at = &mut *self.state;
-        std::mem::swap(&mut at.x, &mut at.trial);
-        std::mem::swap(&mut at.residual, &mut at.trial_residual);
-        let flat = (at.cost - at.trial_cost).abs() <= FLAT * at.cost;
-        at.flat_steps = if flat { at.flat_steps + 1 } else { 0 };
-        at.cost = at.trial_cost;
-        if at.cost < at.best_cost {
-            at.best_cost = at.cost;
-            at.best_x.copy_from_slice(&at.x);
+        let state = &mut *self.state;
+        std::mem::swap(&mut state.x, &mut state.trial);
+        std::mem::swap(&mut state.residual, &mut state.trial_residual);
+        let is_flat = (state.cost - state.trial_cost).abs() <= FLAT_CHANGE * state.cost;
+        state.flat_steps = if is_flat { state.flat_steps + 1 } else { 0 };
+        state.cost = state.trial_cost;
+        if state.cost < state.best_cost {
+            state.best_cost = state.cost;
+            state.best_x.copy_from_slice(&state.x);
         }
     }
 }

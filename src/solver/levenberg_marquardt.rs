@@ -9,9 +9,9 @@ use super::{Iterate, Method, SolverState, Step};
 use crate::bad_option::{BadOption, POSITIVE};
 
 /// First λ that is tried to make an indefinite model convex, relative to max diag(JᵀJ).
-const LEAST_CONVEX_DAMPING: f64 = 1e-6;
+const MIN_CONVEX_DAMPING: f64 = 1e-6;
 /// Number of times that this λ is quadrupled: to far above any curvature.
-const MOST_CONVEX_TRIALS: usize = 20;
+const MAX_CONVEX_TRIALS: usize = 20;
 
 /// Rule for the damping λ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -133,18 +133,22 @@ impl Method for LevenbergMarquardt {
         let linear = at.model_cost();
         let promised = at.cost - linear - own.curvature.bend_in_use(at.state);
         let trial_cost = at.evaluate_trial();
-        let won = at.cost - trial_cost;
-        let accepted = won > 0.0;
+        let decrease = at.cost - trial_cost;
+        let accepted = decrease > 0.0;
 
         match self.damping {
             Damping::GainRatio if accepted => {
                 // Projection and curvature may leave a model that predicts no decrease for a step that achieves one.
                 // That is no reason to raise λ.
-                let ratio = if promised > 0.0 { won / promised } else { 1.0 };
-                let beyond_half = 2.0 * ratio - 1.0;
-                let cubed = beyond_half * beyond_half * beyond_half;
-                let kept = (1.0 - cubed).max(1.0 / 3.0);
-                own.damping *= kept.min(trial_cost / at.cost);
+                let ratio = if promised > 0.0 {
+                    decrease / promised
+                } else {
+                    1.0
+                };
+                let gain_offset = 2.0 * ratio - 1.0;
+                let cube = gain_offset * gain_offset * gain_offset;
+                let damping_factor = (1.0 - cube).max(1.0 / 3.0);
+                own.damping *= damping_factor.min(trial_cost / at.cost);
                 own.growth = 2.0;
             }
             Damping::GainRatio => {
@@ -211,24 +215,28 @@ impl LevenbergMarquardtState {
         let Some(curvature) = self.curvature.in_use() else {
             return false;
         };
-        let at = &mut *iterate.state;
+        let state = &mut *iterate.state;
         let model = CurvedModel {
-            jacobian: &at.jacobian,
+            jacobian: &state.jacobian,
             curvature,
-            gradient: &at.gradient,
-            free: &at.free,
-            scale: &at.step_scale,
-            x: &at.x,
+            gradient: &state.gradient,
+            free: &state.free,
+            scale: &state.step_scale,
+            x: &state.x,
             space: iterate.problem.space(),
         };
-        let least = LEAST_CONVEX_DAMPING * at.column_norm * at.column_norm;
+        let min_damping = MIN_CONVEX_DAMPING * state.column_norm * state.column_norm;
         let mut damping = self.damping;
-        for _ in 0..MOST_CONVEX_TRIALS {
-            if self.buffers.curved.minimise(&model, damping, &mut at.step) {
+        for _ in 0..MAX_CONVEX_TRIALS {
+            if self
+                .buffers
+                .curved
+                .minimise(&model, damping, &mut state.step)
+            {
                 self.damping = damping;
                 return true;
             }
-            damping = (4.0 * damping).max(least);
+            damping = (4.0 * damping).max(min_damping);
         }
         false
     }

@@ -3,9 +3,9 @@
 use super::{Iterate, SolverState};
 
 /// Fraction of the predicted decrease that a step must achieve (Nocedal & Wright 2006, eq. 3.4).
-const SUFFICIENT: f64 = 1e-4;
+const MIN_DECREASE_FRACTION: f64 = 1e-4;
 /// Factor on α after a failed trial.
-const SHRINK: f64 = 0.5;
+const SHRINK_FACTOR: f64 = 0.5;
 
 /// Shortens α from `first` until the cost falls below `reference` by a fraction of gᵀ(x(α) − x).
 ///
@@ -20,21 +20,21 @@ pub(super) fn along_projected_path(
 ) -> Option<(f64, f64)> {
     let mut alpha = first;
     for _ in 0..trials {
-        let at = &mut *iterate.state;
-        for j in 0..at.x.len() {
-            at.step[j] = alpha * direction(at, j);
+        let state = &mut *iterate.state;
+        for j in 0..state.x.len() {
+            state.step[j] = alpha * direction(state, j);
         }
         iterate.project_step();
         let cost = iterate.evaluate_trial();
-        let moves = iterate.gradient.iter().zip(&iterate.step);
-        let slope: f64 = moves.map(|(g, s)| g * s).sum();
-        if slope < 0.0 && cost < reference && cost <= reference + SUFFICIENT * slope {
+        let terms = iterate.gradient.iter().zip(&iterate.step);
+        let slope: f64 = terms.map(|(g, s)| g * s).sum();
+        if slope < 0.0 && cost < reference && cost <= reference + MIN_DECREASE_FRACTION * slope {
             return Some((alpha, cost));
         }
         if iterate.step.iter().all(|&s| s == 0.0) {
             return None;
         }
-        alpha *= SHRINK;
+        alpha *= SHRINK_FACTOR;
     }
     None
 }

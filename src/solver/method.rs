@@ -108,10 +108,17 @@ impl<M: Method> AnyMethod for M {
         state: &mut SolverState,
     ) -> Outcome {
         // Taken out for the search, so that both can change.
-        let mut own = state.pool.take::<M::State>();
+        let mut method_state = state.pool.take::<M::State>();
         let limits = (stopping, deadline);
-        let outcome = search(problem, (self, &mut own), start, limits, observer, state);
-        state.pool.keep(own);
+        let outcome = search(
+            problem,
+            (self, &mut method_state),
+            start,
+            limits,
+            observer,
+            state,
+        );
+        state.pool.keep(method_state);
         outcome
     }
 }

@@ -76,19 +76,19 @@ pub fn minimise(
 ///
 /// It ends at the first of these:
 /// 1. A cost that is not finite.
-/// 2. A reached goal, a gradient that is not finite, a stationary point, or flat steps ([`Progress::judge`]).
+/// 2. A reached goal, a gradient that is not finite, a stationary point, or flat steps ([`Progress::termination`]).
 /// 3. The observer's request.
 /// 4. The end of the patience, the iteration limit, or the deadline.
 /// 5. A negligible step ([`Progress::step`]).
 pub(super) fn search<M: Method>(
     problem: &mut dyn LeastSquares,
-    (method, own): (&M, &mut M::State),
+    (method, method_state): (&M, &mut M::State),
     start: &[f64],
     (stopping, deadline): (&Stopping, Option<Instant>),
     observer: &mut dyn Observer,
     state: &mut SolverState,
 ) -> Outcome {
-    method.reserve(own, problem.rows(), problem.variables());
+    method.reserve(method_state, problem.rows(), problem.variables());
     let Some(mut progress) = Progress::start(problem, start, state) else {
         return Outcome {
             termination: Termination::NonFinite,
@@ -99,28 +99,31 @@ pub(super) fn search<M: Method>(
     // Iteration and cost at the last halving of the cost.
     let (mut halved_at, mut halved_cost) = (0, state.cost);
     let termination = loop {
-        if !progress.look(problem, method, own, state) {
+        if !progress.evaluate(problem, method, method_state, state) {
             break Termination::NonFinite;
         }
-        let seen = observer.observe(&Iteration {
+        let observation = observer.observe(&Iteration {
             index: progress.iterations,
             cost: state.cost,
             projected_gradient: progress.projected_gradient,
             step: progress.step_norm(state),
-            control: method.control(own),
+            control: method.control(method_state),
             x: &state.x,
         });
-        if let Some(termination) = progress.judge(state, stopping) {
+        if let Some(termination) = progress.termination(state, stopping) {
             break termination;
         }
-        if seen.is_break() {
+        if observation.is_break() {
             break Termination::Cancelled;
         }
         if state.cost < 0.5 * halved_cost {
             (halved_at, halved_cost) = (progress.iterations, state.cost);
         }
-        let waited = progress.iterations - halved_at;
-        if stopping.patience.is_some_and(|patience| waited >= patience) {
+        let steps_since_halving = progress.iterations - halved_at;
+        if stopping
+            .patience
+            .is_some_and(|patience| steps_since_halving >= patience)
+        {
             break Termination::Stalled;
         }
         if progress.iterations >= stopping.max_iterations {
@@ -129,7 +132,7 @@ pub(super) fn search<M: Method>(
         if is_past(deadline) {
             break Termination::TimeLimit;
         }
-        if let Some(termination) = progress.step(problem, method, own, state, stopping) {
+        if let Some(termination) = progress.step(problem, method, method_state, state, stopping) {
             break termination;
         }
     };

@@ -3,12 +3,12 @@
 use super::{Iterate, LeastSquares, Method, SolverState, Step, Stopping, Termination};
 
 /// Number of flat steps in a row after which a search ends.
-const FLAT_STEPS: usize = 5;
+const MAX_FLAT_STEPS: usize = 5;
 
 /// Stationarity below which rounding of the cost hides any decrease.
 ///
 /// With a slope g and a curvature c, a step lowers the cost by g²/2c, which must exceed ε of the cost.
-const ROUNDED: f64 = 1e-7;
+const ROUNDING_STATIONARITY: f64 = 1e-7;
 
 /// Progress of a search; its current point is in the state.
 #[derive(Clone, Copy, Debug)]
@@ -32,10 +32,10 @@ impl Progress {
         state: &mut SolverState,
     ) -> Option<Self> {
         state.start_at(problem, start);
-        let usable = start.len() == problem.variables()
+        let is_valid = start.len() == problem.variables()
             && start.iter().all(|v| v.is_finite())
             && problem.space().is_of(start.len());
-        usable.then_some(Self {
+        is_valid.then_some(Self {
             iterations: 0,
             projected_gradient: None,
             stationarity: f64::INFINITY,
@@ -57,11 +57,11 @@ impl Progress {
     /// Evaluates the derivatives at x, unless they are known or x reaches the goal.
     ///
     /// Returns false if the cost is not finite.
-    pub(crate) fn look<M: Method>(
+    pub(crate) fn evaluate<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
         method: &M,
-        own: &mut M::State,
+        method_state: &mut M::State,
         state: &mut SolverState,
     ) -> bool {
         if !state.cost.is_finite() {
@@ -74,7 +74,7 @@ impl Progress {
         if self.iterations == 0 {
             // The Jacobian's size scales the gradient test, also for methods that use gradients only.
             state.differentiate(problem);
-            method.begin(own, state);
+            method.begin(method_state, state);
         } else if self.last_step == Step::Taken && method.needs_jacobian() {
             state.differentiate(problem);
         } else if self.last_step == Step::Taken {
@@ -86,15 +86,19 @@ impl Progress {
     }
 
     /// Termination of the search at its current point, if any.
-    pub(crate) fn judge(&self, state: &SolverState, stopping: &Stopping) -> Option<Termination> {
+    pub(crate) fn termination(
+        &self,
+        state: &SolverState,
+        stopping: &Stopping,
+    ) -> Option<Termination> {
         match self.projected_gradient {
-            // `look` evaluates no derivatives if the goal is reached, and only then.
+            // `evaluate` evaluates no derivatives if the goal is reached, and only then.
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
                 Some(Termination::Stationary)
             }
-            Some(_) if state.flat_steps >= FLAT_STEPS => Some(self.out_of_steps()),
+            Some(_) if state.flat_steps >= MAX_FLAT_STEPS => Some(self.no_progress_termination()),
             Some(_) => None,
         }
     }
@@ -104,7 +108,7 @@ impl Progress {
         &mut self,
         problem: &mut dyn LeastSquares,
         method: &M,
-        own: &mut M::State,
+        method_state: &mut M::State,
         state: &mut SolverState,
         stopping: &Stopping,
     ) -> Option<Termination> {
@@ -112,20 +116,20 @@ impl Progress {
             problem: &mut *problem,
             state: &mut *state,
         };
-        self.last_step = method.step(own, &mut iterate);
+        self.last_step = method.step(method_state, &mut iterate);
         self.iterations += 1;
-        // A small step that reached the goal does not end the search here: the next `look` finds that.
-        let negligible = state.step_is_negligible(stopping.step_tolerance);
-        let reached = self.last_step == Step::Taken
+        // A small step that reached the goal does not end the search here: the next `evaluate` finds that.
+        let is_negligible = state.step_is_negligible(stopping.step_tolerance);
+        let is_reached = self.last_step == Step::Taken
             && problem.stops_when_reached()
             && problem.is_reached(&state.residual);
-        let ends = self.last_step == Step::Stuck || (negligible && !reached);
-        ends.then(|| self.out_of_steps())
+        let has_ended = self.last_step == Step::Stuck || (is_negligible && !is_reached);
+        has_ended.then(|| self.no_progress_termination())
     }
 
     /// Termination of a search that makes no useful step.
-    fn out_of_steps(&self) -> Termination {
-        if self.stationarity <= ROUNDED {
+    fn no_progress_termination(&self) -> Termination {
+        if self.stationarity <= ROUNDING_STATIONARITY {
             Termination::Stationary
         } else {
             Termination::SmallStep

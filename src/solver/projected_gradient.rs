@@ -4,11 +4,11 @@ use super::line_search::along_projected_path;
 use super::{Iterate, Method, SolverState, Step};
 
 /// Large first σ of the source documents.
-const LARGE: f64 = 10_000.0;
+const DEFAULT_FIRST_STEP: f64 = 10_000.0;
 /// Largest number of trials: from the large σ down to steps that change nothing.
-const MOST_TRIALS: usize = 80;
+const MAX_TRIALS: usize = 80;
 /// Number of past costs up to which a spectral step may climb (Birgin, Martínez & Raydan 2000).
-const HISTORY: usize = 10;
+const HISTORY_LENGTH: usize = 10;
 
 /// Rule for the first σ of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl ProjectedGradient {
 
 impl Default for ProjectedGradient {
     fn default() -> Self {
-        Self::new(FirstStep::Fixed(LARGE))
+        Self::new(FirstStep::Fixed(DEFAULT_FIRST_STEP))
     }
 }
 
@@ -72,76 +72,76 @@ impl Method for ProjectedGradient {
 
     answers! {
         fn needs_jacobian(&self) -> bool = false;
-        fn control(&self, own: &Self::State) -> f64 = own.length;
+        fn control(&self, state: &Self::State) -> f64 = state.length;
     }
 
-    fn reserve(&self, own: &mut Self::State, _rows: usize, variables: usize) {
-        own.length = 0.0;
-        for vector in [&mut own.step, &mut own.previous_gradient] {
+    fn reserve(&self, state: &mut Self::State, _rows: usize, variables: usize) {
+        state.length = 0.0;
+        for vector in [&mut state.step, &mut state.previous_gradient] {
             vector.clear();
             vector.resize(variables, 0.0);
         }
-        own.recent_costs.clear();
-        own.recent_costs.reserve(HISTORY);
+        state.recent_costs.clear();
+        state.recent_costs.reserve(HISTORY_LENGTH);
     }
 
-    fn begin(&self, own: &mut Self::State, at: &SolverState) {
+    fn begin(&self, state: &mut Self::State, solver_state: &SolverState) {
         // The step length of a linear problem of this curvature.
-        let curvature = at.column_norm * at.column_norm;
-        own.length = if curvature > 0.0 {
+        let curvature = solver_state.column_norm * solver_state.column_norm;
+        state.length = if curvature > 0.0 {
             1.0 / curvature
         } else {
             1.0
         };
-        own.recent_costs.push(at.cost);
+        state.recent_costs.push(solver_state.cost);
     }
 
-    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
+    fn step(&self, state: &mut Self::State, iterate: &mut Iterate<'_>) -> Step {
         let (first, reference) = match self.first_step {
-            FirstStep::Fixed(sigma) => (sigma, at.cost),
+            FirstStep::Fixed(sigma) => (sigma, iterate.cost),
             FirstStep::BarzilaiBorwein => {
-                if own.recent_costs.len() > 1 {
-                    own.length = own.spectral_step(at).unwrap_or(own.length);
+                if state.recent_costs.len() > 1 {
+                    state.length = state.spectral_step(iterate).unwrap_or(state.length);
                 }
-                let worst = own.recent_costs.iter().copied().fold(0.0, f64::max);
-                (own.length, worst)
+                let max_recent_cost = state.recent_costs.iter().copied().fold(0.0, f64::max);
+                (state.length, max_recent_cost)
             }
         };
-        own.previous_gradient.copy_from_slice(&at.gradient);
+        state.previous_gradient.copy_from_slice(&iterate.gradient);
 
-        let downhill = |at: &SolverState, j: usize| -at.gradient[j];
-        let found = along_projected_path(at, downhill, first, reference, MOST_TRIALS);
-        let Some((sigma, cost)) = found else {
+        let downhill = |iterate: &SolverState, j: usize| -iterate.gradient[j];
+        let result = along_projected_path(iterate, downhill, first, reference, MAX_TRIALS);
+        let Some((sigma, cost)) = result else {
             return Step::Stuck;
         };
-        own.step.copy_from_slice(&at.step);
-        at.accept();
-        own.length = sigma;
+        state.step.copy_from_slice(&iterate.step);
+        iterate.accept();
+        state.length = sigma;
         if self.first_step == FirstStep::BarzilaiBorwein {
-            own.remember(cost);
+            state.record_cost(cost);
         }
         Step::Taken
     }
 
-    fn fits(&self, own: &Self::State, variables: usize) -> bool {
-        own.step.len() == variables && own.previous_gradient.len() == variables
+    fn fits(&self, state: &Self::State, variables: usize) -> bool {
+        state.step.len() == variables && state.previous_gradient.len() == variables
     }
 }
 
 impl ProjectedGradientState {
-    fn remember(&mut self, cost: f64) {
-        if self.recent_costs.len() == HISTORY {
+    fn record_cost(&mut self, cost: f64) {
+        if self.recent_costs.len() == HISTORY_LENGTH {
             self.recent_costs.remove(0);
         }
         self.recent_costs.push(cost);
     }
 
     /// sᵀs / sᵀy, if the curvature along s is positive.
-    fn spectral_step(&self, at: &SolverState) -> Option<f64> {
+    fn spectral_step(&self, solver_state: &SolverState) -> Option<f64> {
         let (mut ss, mut sy) = (0.0, 0.0);
-        for j in 0..at.x.len() {
+        for j in 0..solver_state.x.len() {
             let s = self.step[j];
-            let y = at.gradient[j] - self.previous_gradient[j];
+            let y = solver_state.gradient[j] - self.previous_gradient[j];
             ss += s * s;
             sy += s * y;
         }

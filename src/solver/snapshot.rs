@@ -42,12 +42,12 @@ impl SolverState {
     pub(crate) fn restore<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
-        (method, own): (&M, &M::State),
+        (method, method_state): (&M, &M::State),
         snapshot: &Snapshot,
     ) -> bool {
         let n = problem.variables();
         let Snapshot { x, best_x, .. } = snapshot;
-        if x.len() != n || best_x.len() != n || !method.fits(own, n) {
+        if x.len() != n || best_x.len() != n || !method.fits(method_state, n) {
             return false;
         }
         self.start_at(problem, x);

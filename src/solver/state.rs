@@ -87,9 +87,9 @@ pub(super) struct StatePool(Vec<Box<dyn Any + Send + Sync>>);
 impl StatePool {
     /// State of this type from the last search, or a new one.
     pub(super) fn take<S: Any + Default>(&mut self) -> Box<S> {
-        let last = self.0.iter().position(|state| state.is::<S>());
-        let last = last.and_then(|at| self.0.swap_remove(at).downcast().ok());
-        last.unwrap_or_default()
+        let known = self.0.iter().position(|state| state.is::<S>());
+        let known = known.and_then(|index| self.0.swap_remove(index).downcast().ok());
+        known.unwrap_or_default()
     }
 
     /// Stores a state for the next search.
@@ -155,8 +155,8 @@ impl SolverState {
         self.counts = Counts::default();
         self.flat_steps = 0;
 
-        for (own, &given) in self.x.iter_mut().zip(start) {
-            *own = if given.is_finite() { given } else { 0.0 };
+        for (value, &given) in self.x.iter_mut().zip(start) {
+            *value = if given.is_finite() { given } else { 0.0 };
         }
         problem.space().project(&mut self.x);
         self.cost = f64::INFINITY;
@@ -174,13 +174,13 @@ impl SolverState {
         problem.jacobian(&self.x, &mut self.jacobian);
         self.counts.jacobians += 1;
         let residual = std::mem::take(&mut self.residual);
-        self.take_slope(&residual);
+        self.compute_slope(&residual);
         self.residual = residual;
         self.list_free(problem);
     }
 
     /// Computes Jᵀr and the largest column norm from the Jacobian in memory.
-    fn take_slope(&mut self, residual: &[f64]) {
+    fn compute_slope(&mut self, residual: &[f64]) {
         let columns = self.jacobian.as_slice().chunks_exact(residual.len().max(1));
         let (mut squared, mut scales) = (0.0_f64, self.step_scale.iter());
         for (entry, column) in self.gradient.iter_mut().zip(columns) {
@@ -216,12 +216,12 @@ impl SolverState {
         residual: &[f64],
     ) -> (&[f64], f64) {
         problem.jacobian(x, &mut self.jacobian);
-        self.take_slope(residual);
+        self.compute_slope(residual);
         (&self.gradient, self.column_norm)
     }
 
     /// Resizes the gradient and the Jacobian for a problem without a search.
-    pub(crate) fn take_shape(&mut self, rows: usize, variables: usize) {
+    pub(crate) fn resize_derivatives(&mut self, rows: usize, variables: usize) {
         self.gradient.resize(variables, 0.0);
         if self.jacobian.shape() != (rows, variables) {
             self.jacobian = DMatrix::zeros(rows, variables);
@@ -262,8 +262,8 @@ impl SolverState {
 
     /// Returns true if the last step moves no variable by more than tolerance · max(1, |x|).
     pub(super) fn step_is_negligible(&self, tolerance: f64) -> bool {
-        let moves = self.step.iter().zip(&self.x);
-        moves
+        let pairs = self.step.iter().zip(&self.x);
+        pairs
             .into_iter()
             .all(|(s, x)| s.abs() <= tolerance * x.abs().max(1.0))
     }

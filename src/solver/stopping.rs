@@ -71,8 +71,8 @@ impl Stopping {
     }
 
     /// The same criteria with at most this patience.
-    pub(crate) fn impatient(self, steps: usize) -> Self {
-        let patience = self.patience.map_or(steps, |own| own.min(steps));
+    pub(crate) fn with_max_patience(self, steps: usize) -> Self {
+        let patience = self.patience.map_or(steps, |limit| limit.min(steps));
         self.with_patience(Some(patience))
     }
 

@@ -1,6 +1,6 @@
 //! Bounds on any residual.
 
-use super::residual::refuse;
+use super::residual::error_if;
 use super::{Inequality, Residual, Role};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -175,12 +175,12 @@ impl<R: Residual> Residual for Bounded<R> {
         // Backwards, so that no slack overwrites a row that is still needed.
         for row in (0..rows).rev() {
             let value = slacks[row];
-            let own = &mut slacks[row * edges..(row + 1) * edges];
+            let row_slacks = &mut slacks[row * edges..(row + 1) * edges];
             if self.lower.is_finite() {
-                own[0] = value - S::constant(self.lower);
+                row_slacks[0] = value - S::constant(self.lower);
             }
             if self.upper.is_finite() {
-                own[edges - 1] = S::constant(self.upper) - value;
+                row_slacks[edges - 1] = S::constant(self.upper) - value;
             }
         }
     }
@@ -188,8 +188,8 @@ impl<R: Residual> Residual for Bounded<R> {
     fn validate(&self) -> Result<(), String> {
         self.residual.validate()?;
         let (lower, upper) = (self.lower, self.upper);
-        let holds = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
-        refuse(!holds, || {
+        let is_valid = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
+        error_if(!is_valid, || {
             format!("its interval from {lower} to {upper} holds no number")
         })
     }

@@ -1,7 +1,7 @@
 //! Derivatives of residuals by dual numbers: one frame's twist, or six joints, at a time.
 
 use super::LocalJacobian;
-use super::local_jacobian::make_room;
+use super::local_jacobian::reserve_total;
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
 
@@ -19,9 +19,9 @@ pub(crate) struct DualScratch {
 impl DualScratch {
     /// Reserves memory for a residual of this shape.
     pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
-        make_room(&mut self.frames, frames);
-        make_room(&mut self.joints, joints);
-        make_room(&mut self.residual, rows);
+        reserve_total(&mut self.frames, frames);
+        reserve_total(&mut self.joints, joints);
+        reserve_total(&mut self.residual, rows);
     }
 
     /// An empty workspace with the capacities of this one.
@@ -89,12 +89,12 @@ pub(super) fn by_dual_numbers(
 pub(super) fn moved_by_unit_twists(frame: &Placement<f64>) -> Placement<Dual<CHUNK>> {
     let twist = |direction| Dual::<CHUNK>::variable(0.0, direction);
     let velocity = Vector3::new(twist(0), twist(1), twist(2));
-    let turning = Vector3::new(twist(3), twist(4), twist(5));
+    let angular_velocity = Vector3::new(twist(3), twist(4), twist(5));
     let mut moved = Placement::constant(frame);
     moved.translation += velocity;
     let rotation = &mut moved.rotation;
     for column in [&mut rotation.x, &mut rotation.y, &mut rotation.z] {
-        *column += turning.cross(*column);
+        *column += angular_velocity.cross(*column);
     }
     moved
 }

@@ -1,7 +1,7 @@
 //! Position task for the centre of mass.
 
 use super::goal::Axis;
-use super::residual::{moved, not_finite};
+use super::residual::{check_finite, moved};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, Masses};
 use crate::scalar::Scalar;
@@ -41,7 +41,7 @@ use crate::spatial::{Placement, Vector3};
 pub struct CentreOfMass {
     body: Body,
     target: Vector3<f64>,
-    counts: [bool; 3],
+    is_constrained: [bool; 3],
     base: Option<FrameId>,
 }
 
@@ -50,7 +50,7 @@ pub struct CentreOfMass {
 pub(super) struct Body {
     pub(super) frames: Vec<FrameId>,
     /// For each frame, its fraction of the total mass and the position of the mass in the frame, metres.
-    shares: Vec<(f64, Vector3<f64>)>,
+    mass_fractions: Vec<(f64, Vector3<f64>)>,
 }
 
 impl CentreOfMass {
@@ -60,14 +60,14 @@ impl CentreOfMass {
         Self {
             body: Body::of(masses),
             target: target.into(),
-            counts: [true; 3],
+            is_constrained: [true; 3],
             base: None,
         }
     }
 
     setters! {
         /// Leaves the position along an axis free; with z free, only the point below the centre counts.
-        pub fn free_along(mut self, axis: Axis) { self.counts[axis as usize] = false }
+        pub fn free_along(mut self, axis: Axis) { self.is_constrained[axis as usize] = false }
         /// Gives the target and the axes in the coordinates of `base`, which may move with the joints.
         pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
@@ -86,19 +86,19 @@ impl CentreOfMass {
 
     /// The indices of the constrained axes.
     fn axes(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..3).filter(|&axis| self.counts[axis])
+        (0..3).filter(|&axis| self.is_constrained[axis])
     }
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let centre = self.body.centre(frames);
-        let at = match (self.base, frames.last()) {
+        let position = match (self.base, frames.last()) {
             (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
             _ => centre,
         };
-        let miss = (at - moved(self.target, step)).to_array();
+        let error = (position - moved(self.target, step)).to_array();
         for (row, axis) in residual.iter_mut().zip(self.axes()) {
-            *row = miss[axis];
+            *row = error[axis];
         }
     }
 }
@@ -107,16 +107,16 @@ impl Body {
     pub(super) fn of(masses: &Masses) -> Self {
         Self {
             frames: masses.frames(),
-            shares: masses.shares().collect(),
+            mass_fractions: masses.shares().collect(),
         }
     }
 
     /// The centre of mass, from the first frames of a list.
     pub(super) fn centre<S: Scalar>(&self, frames: &[Placement<S>]) -> Vector3<S> {
-        let parts = frames.iter().zip(&self.shares);
-        parts.fold(Vector3::zero(), |sum, (frame, (share, at))| {
-            let at = frame.apply(Vector3::constant(*at));
-            at.mul_add(S::constant(*share), sum)
+        let parts = frames.iter().zip(&self.mass_fractions);
+        parts.fold(Vector3::zero(), |sum, (frame, (fraction, position))| {
+            let position = frame.apply(Vector3::constant(*position));
+            position.mul_add(S::constant(*fraction), sum)
         })
     }
 
@@ -127,14 +127,16 @@ impl Body {
         slopes: &[Vector3<f64>],
         jacobian: &mut LocalJacobian,
     ) {
-        for (part, (frame, (share, at))) in frames.iter().zip(&self.shares).enumerate() {
-            let lever = frame.rotation * *at;
+        for (part, (frame, (fraction, position))) in
+            frames.iter().zip(&self.mass_fractions).enumerate()
+        {
+            let lever = frame.rotation * *position;
             for (row, slope) in jacobian.linear_mut(part).iter_mut().zip(slopes) {
-                *row = *slope * *share;
+                *row = *slope * *fraction;
             }
             // e · (ω × l) = ω · (l × e)
             for (row, slope) in jacobian.angular_mut(part).iter_mut().zip(slopes) {
-                *row = lever.cross(*slope) * *share;
+                *row = lever.cross(*slope) * *fraction;
             }
         }
     }
@@ -176,23 +178,23 @@ impl Residual for CentreOfMass {
         let slopes = &slopes[..count];
         self.body.differentiate(frames, slopes, jacobian);
         if let Some(base) = base {
-            let away = self.body.centre(frames) - base.translation;
+            let offset = self.body.centre(frames) - base.translation;
             let part = self.body.frames.len();
             for (row, slope) in jacobian.linear_mut(part).iter_mut().zip(slopes) {
                 *row = -*slope;
             }
             // In a rotating base, fixed points rotate in the opposite direction.
             for (row, slope) in jacobian.angular_mut(part).iter_mut().zip(slopes) {
-                *row = slope.cross(away);
+                *row = slope.cross(offset);
             }
         }
         true
     }
 
     fn validate(&self) -> Result<(), String> {
-        match self.counts {
+        match self.is_constrained {
             [false, false, false] => Err("all its axes are free".to_owned()),
-            _ => not_finite("its target", self.target.to_array()),
+            _ => check_finite("its target", self.target.to_array()),
         }
     }
 }

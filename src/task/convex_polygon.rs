@@ -3,7 +3,7 @@
 use crate::scalar::Scalar;
 
 /// Sine of the exterior angle below which a corner counts as straight.
-const STRAIGHT: f64 = 1e-7;
+const MIN_CORNER_SINE: f64 = 1e-7;
 
 /// A point of the plane.
 pub(super) type Point2<S> = [S; 2];
@@ -22,9 +22,9 @@ pub(super) struct ConvexPolygon<S> {
 
 /// An input point with its value and its index.
 #[derive(Clone, Copy)]
-struct Seen<S> {
+struct HullPoint<S> {
     point: Point2<S>,
-    at: [f64; 2],
+    values: [f64; 2],
     source: usize,
 }
 
@@ -32,8 +32,11 @@ fn minus<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-fn along<S: Scalar>(a: Point2<S>, way: Point2<S>, share: S) -> Point2<S> {
-    [way[0].mul_add(share, a[0]), way[1].mul_add(share, a[1])]
+fn point_along<S: Scalar>(a: Point2<S>, direction: Point2<S>, fraction: S) -> Point2<S> {
+    [
+        direction[0].mul_add(fraction, a[0]),
+        direction[1].mul_add(fraction, a[1]),
+    ]
 }
 
 fn dot<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
@@ -41,7 +44,7 @@ fn dot<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
 }
 
 /// Twice the area of a triangle, positive if its corners are counter-clockwise.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+fn turn_direction(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let (ab, ac) = (minus(b, a), minus(c, a));
     ab[0] * ac[1] - ab[1] * ac[0]
 }
@@ -57,44 +60,46 @@ impl<S: Scalar> ConvexPolygon<S> {
     /// Monotone chain of Andrew (1979, "Another efficient algorithm for convex hulls in two dimensions").
     pub(super) fn around(points: impl Iterator<Item = Point2<S>>) -> Self {
         let points = points.enumerate();
-        let mut points: Vec<Seen<S>> = points
-            .map(|(source, point)| Seen {
+        let mut points: Vec<HullPoint<S>> = points
+            .map(|(source, point)| HullPoint {
                 point,
-                at: point.map(value),
+                values: point.map(value),
                 source,
             })
             .collect();
-        let share = S::constant(1.0 / points.len() as f64);
+        let weight = S::constant(1.0 / points.len() as f64);
         let zero = [S::zero(); 2];
-        let middle = (points.iter()).fold(zero, |sum, seen| along(sum, seen.point, share));
-        points.sort_by(|Seen { at: a, .. }, Seen { at: b, .. }| {
+        let middle = (points.iter()).fold(zero, |sum, hull_point| {
+            point_along(sum, hull_point.point, weight)
+        });
+        points.sort_by(|HullPoint { values: a, .. }, HullPoint { values: b, .. }| {
             a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
         });
-        points.dedup_by(|a, b| a.at == b.at);
-        let mut hull: Vec<Seen<S>> = Vec::with_capacity(2 * points.len());
-        let mut walk = |way: &mut dyn Iterator<Item = &Seen<S>>| {
+        points.dedup_by(|a, b| a.values == b.values);
+        let mut hull: Vec<HullPoint<S>> = Vec::with_capacity(2 * points.len());
+        let mut add_chain = |chain: &mut dyn Iterator<Item = &HullPoint<S>>| {
             let first = hull.len();
-            for &seen in way {
+            for &hull_point in chain {
                 while let [.., a, b] = &hull[first..] {
-                    if turn(a.at, b.at, seen.at) > 0.0 {
+                    if turn_direction(a.values, b.values, hull_point.values) > 0.0 {
                         break;
                     }
                     hull.pop();
                 }
-                hull.push(seen);
+                hull.push(hull_point);
             }
             // The next chain starts with this point.
             hull.pop();
         };
         if points.len() > 1 {
-            walk(&mut points.iter());
-            walk(&mut points.iter().rev());
+            add_chain(&mut points.iter());
+            add_chain(&mut points.iter().rev());
         } else {
             hull = points;
         }
         Self {
-            corners: hull.iter().map(|seen| seen.point).collect(),
-            sources: hull.iter().map(|seen| seen.source).collect(),
+            corners: hull.iter().map(|hull_point| hull_point.point).collect(),
+            sources: hull.iter().map(|hull_point| hull_point.source).collect(),
             middle,
         }
     }
@@ -103,9 +108,9 @@ impl<S: Scalar> ConvexPolygon<S> {
     fn edges(&self) -> impl Iterator<Item = (Point2<S>, Point2<S>, S)> + '_ {
         let next = self.corners.iter().cycle().skip(1);
         self.corners.iter().zip(next).filter_map(|(&from, &to)| {
-            let way = minus(to, from);
-            let squared = dot(way, way);
-            (value(squared) > 0.0).then(|| (from, way, squared.sqrt()))
+            let direction = minus(to, from);
+            let squared = dot(direction, direction);
+            (value(squared) > 0.0).then(|| (from, direction, squared.sqrt()))
         })
     }
 
@@ -114,103 +119,116 @@ impl<S: Scalar> ConvexPolygon<S> {
         if margin == 0.0 {
             return self;
         }
-        let mut left = self.corners.clone();
-        for (from, way, length) in self.edges() {
+        let mut remaining = self.corners.clone();
+        for (from, direction, length) in self.edges() {
             // Positive inside.
             let scale = S::one() / length;
-            let slack = |at: &Point2<S>| {
-                let away = minus(*at, from);
-                (way[0] * away[1] - way[1] * away[0]) * scale - S::constant(margin)
+            let slack = |point: &Point2<S>| {
+                let offset = minus(*point, from);
+                (direction[0] * offset[1] - direction[1] * offset[0]) * scale - S::constant(margin)
             };
-            let slacks: Vec<S> = left.iter().map(slack).collect();
-            let mut kept = Vec::with_capacity(left.len() + 1);
-            for k in 0..left.len() {
-                let next = (k + 1) % left.len();
-                let (here, there) = (slacks[k], slacks[next]);
-                if value(here) >= 0.0 {
-                    kept.push(left[k]);
+            let slacks: Vec<S> = remaining.iter().map(slack).collect();
+            let mut clipped = Vec::with_capacity(remaining.len() + 1);
+            for k in 0..remaining.len() {
+                let next = (k + 1) % remaining.len();
+                let (slack_here, slack_next) = (slacks[k], slacks[next]);
+                if value(slack_here) >= 0.0 {
+                    clipped.push(remaining[k]);
                 }
-                if (value(here) >= 0.0) != (value(there) >= 0.0) {
-                    let share = here / (here - there);
-                    kept.push(along(left[k], minus(left[next], left[k]), share));
+                if (value(slack_here) >= 0.0) != (value(slack_next) >= 0.0) {
+                    let fraction = slack_here / (slack_here - slack_next);
+                    clipped.push(point_along(
+                        remaining[k],
+                        minus(remaining[next], remaining[k]),
+                        fraction,
+                    ));
                 }
             }
-            left = kept;
+            remaining = clipped;
         }
-        if left.is_empty() || self.corners.len() < 3 {
-            left = vec![self.middle];
+        if remaining.is_empty() || self.corners.len() < 3 {
+            remaining = vec![self.middle];
         }
         Self {
-            corners: left,
+            corners: remaining,
             sources: Vec::new(),
             ..self
         }
     }
 
-    /// Writes the slack of `at` in each edge: its distance inside the edge minus `margin`.
+    /// Writes the slack of `point` in each edge: its distance inside the edge minus `margin`.
     ///
     /// The slack of an edge has the index of the point that starts it. Points that start no edge get infinity. Almost
     /// straight corners start no edge, because rounding would create and remove it. A degenerate polygon gives minus
     /// infinity everywhere.
-    pub(super) fn slacks(&self, at: Point2<S>, margin: f64, slacks: &mut [S]) {
+    pub(super) fn slacks(&self, point: Point2<S>, margin: f64, slacks: &mut [S]) {
         slacks.fill(S::constant(f64::INFINITY));
-        let turns = self.turning_corners();
-        if turns.len() < 3 {
+        let corners = self.strict_corners();
+        if corners.len() < 3 {
             return slacks.fill(S::constant(f64::NEG_INFINITY));
         }
-        let next = turns.iter().cycle().skip(1);
-        for (&from, &to) in turns.iter().zip(next) {
-            let way = minus(self.corners[to], self.corners[from]);
-            let away = minus(at, self.corners[from]);
-            let slack = (way[0] * away[1] - way[1] * away[0]) / dot(way, way).sqrt();
+        let next = corners.iter().cycle().skip(1);
+        for (&from, &to) in corners.iter().zip(next) {
+            let direction = minus(self.corners[to], self.corners[from]);
+            let offset = minus(point, self.corners[from]);
+            let slack = (direction[0] * offset[1] - direction[1] * offset[0])
+                / dot(direction, direction).sqrt();
             slacks[self.sources[from]] = slack - S::constant(margin);
         }
     }
 
     /// The corners whose exterior angle exceeds rounding.
-    fn turning_corners(&self) -> Vec<usize> {
-        let at = |corner: usize| self.corners[corner].map(value);
-        let mut kept: Vec<usize> = (0..self.corners.len()).collect();
+    fn strict_corners(&self) -> Vec<usize> {
+        let corner_values = |corner: usize| self.corners[corner].map(value);
+        let mut remaining: Vec<usize> = (0..self.corners.len()).collect();
         let mut k = 0;
-        while k < kept.len() && kept.len() > 2 {
-            let last = at(kept[(k + kept.len() - 1) % kept.len()]);
-            let (own, next) = (at(kept[k]), at(kept[(k + 1) % kept.len()]));
+        while k < remaining.len() && remaining.len() > 2 {
+            let previous = corner_values(remaining[(k + remaining.len() - 1) % remaining.len()]);
+            let (current, next) = (
+                corner_values(remaining[k]),
+                corner_values(remaining[(k + 1) % remaining.len()]),
+            );
             let squared = |a, b| -> f64 {
-                let way: Point2<f64> = minus(b, a);
-                dot(way, way)
+                let edge: Point2<f64> = minus(b, a);
+                dot(edge, edge)
             };
-            let lengths = squared(last, own) * squared(own, next);
-            match turn(last, own, next) > STRAIGHT * lengths.sqrt() {
+            let lengths = squared(previous, current) * squared(current, next);
+            match turn_direction(previous, current, next) > MIN_CORNER_SINE * lengths.sqrt() {
                 true => k += 1,
-                false => drop(kept.remove(k)),
+                false => drop(remaining.remove(k)),
             }
         }
-        kept
+        remaining
     }
 
-    /// The vector from the closest point of the polygon to `at`; zero inside.
-    pub(super) fn outside(&self, at: Point2<S>) -> Point2<S> {
-        self.outside_as(at, |number| number)
+    /// The vector from the closest point of the polygon to `point`; zero inside.
+    pub(super) fn offset_outside(&self, point: Point2<S>) -> Point2<S> {
+        self.offset_outside_as(point, |number| number)
     }
 
-    /// [`outside`](Self::outside) for a point whose scalar carries more derivatives than the corners.
-    fn outside_as<T: Scalar>(&self, at: Point2<T>, number: impl Fn(S) -> T) -> Point2<T> {
+    /// [`offset_outside`](Self::offset_outside) for a point whose scalar carries more derivatives than the corners.
+    fn offset_outside_as<T: Scalar>(
+        &self,
+        point: Point2<T>,
+        convert: impl Fn(S) -> T,
+    ) -> Point2<T> {
         let mut inside = self.corners.len() > 2;
         let mut nearest = match self.corners.first() {
-            Some(&corner) => minus(at, corner.map(&number)),
+            Some(&corner) => minus(point, corner.map(&convert)),
             None => [T::constant(f64::NAN); 2],
         };
-        let mut shortest = value(dot(nearest, nearest));
-        for (from, way, length) in self.edges() {
-            let (from, way, length) = (from.map(&number), way.map(&number), number(length));
-            let away = minus(at, from);
-            inside &= value(way[0] * away[1] - way[1] * away[0]) >= 0.0;
-            let share = dot(away, way) / (length * length);
-            let share = share.max(T::zero()).min(T::one());
-            let miss = minus(away, [way[0] * share, way[1] * share]);
-            let squared = value(dot(miss, miss));
-            if squared < shortest {
-                (nearest, shortest) = (miss, squared);
+        let mut min_squared = value(dot(nearest, nearest));
+        for (from, direction, length) in self.edges() {
+            let (from, direction, length) =
+                (from.map(&convert), direction.map(&convert), convert(length));
+            let offset = minus(point, from);
+            inside &= value(direction[0] * offset[1] - direction[1] * offset[0]) >= 0.0;
+            let fraction = dot(offset, direction) / (length * length);
+            let fraction = fraction.max(T::zero()).min(T::one());
+            let edge_offset = minus(offset, [direction[0] * fraction, direction[1] * fraction]);
+            let squared = value(dot(edge_offset, edge_offset));
+            if squared < min_squared {
+                (nearest, min_squared) = (edge_offset, squared);
             }
         }
         match inside {
@@ -221,14 +239,14 @@ impl<S: Scalar> ConvexPolygon<S> {
 }
 
 impl ConvexPolygon<f64> {
-    /// [`outside`](Self::outside) for constant corners and a moving point.
-    pub(super) fn outside_of<T: Scalar>(&self, at: Point2<T>) -> Point2<T> {
-        self.outside_as(at, T::constant)
+    /// [`offset_outside`](Self::offset_outside) for constant corners and a moving point.
+    pub(super) fn constant_offset_outside<T: Scalar>(&self, point: Point2<T>) -> Point2<T> {
+        self.offset_outside_as(point, T::constant)
     }
 
     /// True if some point is inside by at least `margin`.
-    pub(super) fn has_room_for(&self, margin: f64) -> bool {
-        let left = self.clone().shrunk(margin);
-        margin == 0.0 || (self.corners.len() > 2 && left.corners != [self.middle])
+    pub(super) fn contains_margin(&self, margin: f64) -> bool {
+        let shrunk_polygon = self.clone().shrunk(margin);
+        margin == 0.0 || (self.corners.len() > 2 && shrunk_polygon.corners != [self.middle])
     }
 }

@@ -1,6 +1,6 @@
 //! Distance task between two frames.
 
-use super::residual::{moved_by, not_finite, refuse};
+use super::residual::{check_finite, error_if, moved_by};
 use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -30,15 +30,15 @@ impl Distance {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let apart = frames[0].translation - frames[1].translation;
-        let squared = apart.norm_squared();
+        let offset = frames[0].translation - frames[1].translation;
+        let squared = offset.norm_squared();
         // At distance zero every direction is valid; x gives a derivative.
-        let together = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let coincide = squared.less_than(S::constant(f64::MIN_POSITIVE));
         let unit_x = Vector3::constant(Vector3::UNITS[0]);
         let length = S::select(
-            together,
-            apart.dot(unit_x),
-            S::select(together, S::one(), squared).sqrt(),
+            coincide,
+            offset.dot(unit_x),
+            S::select(coincide, S::one(), squared).sqrt(),
         );
         residual[0] = length - moved_by(self.distance, step);
     }
@@ -55,11 +55,11 @@ impl Residual for Distance {
     evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its distance", [self.distance])?;
-        refuse(self.distance < 0.0, || {
+        check_finite("its distance", [self.distance])?;
+        error_if(self.distance < 0.0, || {
             format!("its distance {} is negative", self.distance)
         })?;
-        refuse(self.frames[0] == self.frames[1], || {
+        error_if(self.frames[0] == self.frames[1], || {
             "it is from a frame to itself".to_owned()
         })
     }

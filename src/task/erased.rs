@@ -34,7 +34,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool;
 
@@ -126,10 +126,10 @@ impl<R: Residual> ErasedResidual for R {
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        Residual::add_target_slopes(self, frames, joints, counts, slopes)
+        Residual::add_target_slopes(self, frames, joints, coefficients, slopes)
     }
 
     fn differentiate(

@@ -1,7 +1,7 @@
 //! Velocity task for a frame.
 
 use super::orientation::check_rotation;
-use super::residual::{moved, no_time_step, not_finite};
+use super::residual::{check_finite, check_time_step, moved};
 use super::{Orientation, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -57,14 +57,15 @@ impl FrameVelocity {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let way = frames[0].translation - Vector3::constant(self.previous.translation);
-        let turn = Vector3::from(Orientation::miss(
+        let translation = frames[0].translation - Vector3::constant(self.previous.translation);
+        let rotation = Vector3::from(Orientation::error(
             self.previous.rotation,
             frames[0].rotation,
         ));
         let per_second = S::constant(1.0 / self.time_step_s);
-        let linear = way * per_second - moved(self.linear, step);
-        let angular = turn * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
+        let linear = translation * per_second - moved(self.linear, step);
+        let angular =
+            rotation * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
         residual[..3].copy_from_slice(&linear.to_array());
         residual[3..].copy_from_slice(&angular.to_array());
     }
@@ -88,10 +89,10 @@ impl Residual for FrameVelocity {
     evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its previous place", self.previous.translation.to_array())?;
+        check_finite("its previous place", self.previous.translation.to_array())?;
         check_rotation("its previous place has", &self.previous.rotation)?;
-        not_finite("its velocity", self.linear.to_array())?;
-        not_finite("its angular velocity", self.angular.to_array())?;
-        no_time_step(self.time_step_s)
+        check_finite("its velocity", self.linear.to_array())?;
+        check_finite("its angular velocity", self.angular.to_array())?;
+        check_time_step(self.time_step_s)
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::bounded::beyond;
-use super::look_at::{line_of_sight, turn_onto};
-use super::residual::{moved, no_direction, not_finite, refuse};
+use super::look_at::{line_of_sight, rotation_onto};
+use super::residual::{check_direction, check_finite, error_if, moved};
 use super::{Inequality, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -37,13 +37,13 @@ use crate::spatial::{Placement, Vector3};
 pub struct Gaze {
     frame: FrameId,
     axis: Vector3<f64>,
-    aim: Aim,
+    cone_axis: ConeAxis,
     half_angle: f64,
 }
 
 /// The axis of the cone, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Aim {
+enum ConeAxis {
     Along(Vector3<f64>),
     At(Vector3<f64>),
 }
@@ -63,7 +63,7 @@ impl Gaze {
         Self {
             frame,
             axis: axis.into(),
-            aim: Aim::Along(direction.into()),
+            cone_axis: ConeAxis::Along(direction.into()),
             half_angle,
         }
     }
@@ -82,7 +82,7 @@ impl Gaze {
         Self {
             frame,
             axis: axis.into(),
-            aim: Aim::At(target.into()),
+            cone_axis: ConeAxis::At(target.into()),
             half_angle,
         }
     }
@@ -90,24 +90,24 @@ impl Gaze {
     /// θ².
     fn squared_angle<S: Scalar>(&self, frames: &[Placement<S>], step: &[S]) -> S {
         let axis = frames[0].rotation * Vector3::constant(self.axis * (1.0 / self.axis.norm()));
-        let aim = match self.aim {
-            Aim::Along(direction) if step.is_empty() => {
+        let cone_direction = match self.cone_axis {
+            ConeAxis::Along(direction) if step.is_empty() => {
                 Vector3::constant(direction * (1.0 / direction.norm()))
             }
-            Aim::Along(direction) => {
+            ConeAxis::Along(direction) => {
                 let direction = moved(direction, step);
                 direction * (S::one() / direction.norm())
             }
-            Aim::At(target) => line_of_sight(&frames[0], axis, moved(target, step)),
+            ConeAxis::At(target) => line_of_sight(&frames[0], axis, moved(target, step)),
         };
-        turn_onto(axis, aim).norm_squared()
+        rotation_onto(axis, cone_direction).norm_squared()
     }
 
     /// Sets the target point, or the direction.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
-        self.aim = match self.aim {
-            Aim::Along(_) => Aim::Along(target.into()),
-            Aim::At(_) => Aim::At(target.into()),
+        self.cone_axis = match self.cone_axis {
+            ConeAxis::Along(_) => ConeAxis::Along(target.into()),
+            ConeAxis::At(_) => ConeAxis::At(target.into()),
         };
     }
 
@@ -115,10 +115,10 @@ impl Gaze {
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let squared = self.squared_angle(frames, step);
         // Well inside the cone, to avoid θ = 0, at which θ has no derivative.
-        let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
-        let angle = S::select(inside, S::one(), squared).sqrt();
-        let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
-        residual[0] = S::select(inside, S::zero(), outside);
+        let is_inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
+        let angle = S::select(is_inside, S::one(), squared).sqrt();
+        let excess = beyond(angle, f64::NEG_INFINITY, self.half_angle);
+        residual[0] = S::select(is_inside, S::zero(), excess);
     }
 }
 
@@ -141,16 +141,16 @@ impl Residual for Gaze {
     }
 
     fn validate(&self) -> Result<(), String> {
-        let (Aim::Along(aim) | Aim::At(aim)) = self.aim;
-        not_finite("its target", aim.to_array())?;
-        no_direction("its axis", self.axis)?;
-        if let Aim::Along(direction) = self.aim {
-            refuse(direction.norm() <= 0.0, || {
+        let (ConeAxis::Along(aim) | ConeAxis::At(aim)) = self.cone_axis;
+        check_finite("its target", aim.to_array())?;
+        check_direction("its axis", self.axis)?;
+        if let ConeAxis::Along(direction) = self.cone_axis {
+            error_if(direction.norm() <= 0.0, || {
                 "its direction has no length".to_owned()
             })?;
         }
         let half_angle = self.half_angle;
-        refuse(!(half_angle > 0.0 && half_angle < PI), || {
+        error_if(!(half_angle > 0.0 && half_angle < PI), || {
             format!("its half angle {half_angle} rad is not within 0 and π")
         })
     }

@@ -86,7 +86,7 @@ impl PoseBounds {
     }
 
     /// The first half width that is negative or NaN, with the name of its component.
-    pub(crate) fn bad_half_width(&self) -> Option<(&'static str, f64)> {
+    pub(crate) fn invalid_half_width(&self) -> Option<(&'static str, f64)> {
         let names = ["x", "y", "z", "rx", "ry", "rz"];
         let mut named = names.into_iter().zip(self.half_widths);
         named.find(|(_, h)| h.is_nan() || *h < 0.0)
@@ -106,7 +106,7 @@ impl PoseBounds {
     }
 
     /// True if some component is bounded or free.
-    pub(crate) fn has_room(&self) -> bool {
+    pub(crate) fn has_bounds(&self) -> bool {
         self.half_widths.iter().any(|h| *h > 0.0)
     }
 

@@ -1,6 +1,6 @@
 //! Linear relation between joints.
 
-use super::residual::{moved_by, not_finite, refuse};
+use super::residual::{check_finite, error_if, moved_by};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
@@ -108,9 +108,9 @@ impl Residual for JointCoupling {
     }
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its coefficients", self.coefficients.iter().copied())?;
-        not_finite("its offset", [self.offset])?;
-        let idle = self.coefficients.iter().all(|c| *c == 0.0);
-        refuse(idle, || "it couples no joints".to_owned())
+        check_finite("its coefficients", self.coefficients.iter().copied())?;
+        check_finite("its offset", [self.offset])?;
+        let is_zero = self.coefficients.iter().all(|c| *c == 0.0);
+        error_if(is_zero, || "it couples no joints".to_owned())
     }
 }

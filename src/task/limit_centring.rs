@@ -61,7 +61,7 @@ impl Residual for LimitCentring {
         jacobian.set_diagonal(
             self.middle_and_half_range
                 .iter()
-                .map(|(_, half)| 1.0 / half),
+                .map(|(_, half_range)| 1.0 / half_range),
         );
         true
     }

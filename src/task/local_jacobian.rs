@@ -13,7 +13,7 @@ pub struct LocalJacobian {
     rows: usize,
     linear: Vec<Vector3<f64>>,
     angular: Vec<Vector3<f64>>,
-    turning: Vec<bool>,
+    has_angular: Vec<bool>,
     joint_count: usize,
     /// The rows that each joint moves; empty until something is written.
     columns: Vec<Column>,
@@ -35,7 +35,7 @@ impl LocalJacobian {
         refill(&mut self.linear, rows * frames, Vector3::zero());
         // Zeroed on first use of a frame, because most frames have no angular part.
         self.angular.resize(rows * frames, Vector3::zero());
-        refill(&mut self.turning, frames, false);
+        refill(&mut self.has_angular, frames, false);
         self.joint_count = joints;
         self.columns.clear();
         self.entries.clear();
@@ -43,11 +43,11 @@ impl LocalJacobian {
 
     /// Reserves memory for a residual of this shape.
     pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
-        make_room(&mut self.linear, rows * frames);
-        make_room(&mut self.angular, rows * frames);
-        make_room(&mut self.turning, frames);
-        make_room(&mut self.columns, joints);
-        make_room(&mut self.entries, rows * joints);
+        reserve_total(&mut self.linear, rows * frames);
+        reserve_total(&mut self.angular, rows * frames);
+        reserve_total(&mut self.has_angular, frames);
+        reserve_total(&mut self.columns, joints);
+        reserve_total(&mut self.entries, rows * joints);
     }
 
     /// Number of rows of the residual.
@@ -71,7 +71,7 @@ impl LocalJacobian {
     /// ∂r/∂angular velocity of a frame, one vector per row; empty if it was never written.
     #[must_use]
     pub fn angular(&self, frame: usize) -> &[Vector3<f64>] {
-        match self.turning.get(frame) {
+        match self.has_angular.get(frame) {
             Some(true) => self.angular.get(self.range(frame)).unwrap_or_default(),
             _ => &[],
         }
@@ -80,10 +80,10 @@ impl LocalJacobian {
     /// The stored entries of ∂r/∂value of a joint, as (row, entry); all other entries are zero.
     pub(crate) fn joint(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let column = self.columns.get(joint).copied();
-        let (first_row, own) = column.map_or((0, 0..0), |column| {
+        let (first_row, entry_range) = column.map_or((0, 0..0), |column| {
             (column.first_row, column.first..column.first + column.count)
         });
-        let entries = self.entries.get(own).unwrap_or_default();
+        let entries = self.entries.get(entry_range).unwrap_or_default();
         (first_row..).zip(entries.iter().copied())
     }
 
@@ -97,7 +97,7 @@ impl LocalJacobian {
     pub fn angular_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
         let range = self.range(frame);
         let angular = self.angular.get_mut(range).unwrap_or_default();
-        if let Some(turning) = self.turning.get_mut(frame) {
+        if let Some(turning) = self.has_angular.get_mut(frame) {
             if !*turning {
                 angular.fill(Vector3::zero());
             }
@@ -120,14 +120,14 @@ impl LocalJacobian {
     fn make_dense(&mut self) {
         let (rows, joints) = (self.rows, self.joint_count);
         let sparse = std::mem::take(&mut self.columns);
-        let few = match sparse.is_empty() {
+        let sparse_entries = match sparse.is_empty() {
             true => Vec::new(),
             false => std::mem::take(&mut self.entries),
         };
         refill(&mut self.entries, rows * joints, 0.0);
-        for (joint, own) in sparse.iter().enumerate() {
-            let to = &mut self.entries[joint * rows + own.first_row..][..own.count];
-            to.copy_from_slice(&few[own.first..own.first + own.count]);
+        for (joint, column) in sparse.iter().enumerate() {
+            let to = &mut self.entries[joint * rows + column.first_row..][..column.count];
+            to.copy_from_slice(&sparse_entries[column.first..column.first + column.count]);
         }
         self.columns = sparse;
         self.columns.clear();
@@ -142,8 +142,8 @@ impl LocalJacobian {
     pub fn set_diagonal(&mut self, entries: impl IntoIterator<Item = f64>) {
         self.columns.clear();
         self.entries.clear();
-        let most = self.rows.min(self.joint_count);
-        for (joint, entry) in entries.into_iter().take(most).enumerate() {
+        let count = self.rows.min(self.joint_count);
+        for (joint, entry) in entries.into_iter().take(count).enumerate() {
             self.push_column(joint, [entry]);
         }
     }
@@ -186,14 +186,14 @@ impl LocalJacobian {
             }
         };
         self.linear.chunks_exact_mut(rows).for_each(scale);
-        let frames = self.angular.chunks_exact_mut(rows).zip(&self.turning);
+        let frames = self.angular.chunks_exact_mut(rows).zip(&self.has_angular);
         for (frame, _) in frames.filter(|(_, turning)| **turning) {
             scale(frame);
         }
         for column in &self.columns {
-            let own = self.entries[column.first..].iter_mut().take(column.count);
+            let column_entries = self.entries[column.first..].iter_mut().take(column.count);
             let weights = weights.iter().skip(column.first_row);
-            for (entry, &weight) in own.zip(weights) {
+            for (entry, &weight) in column_entries.zip(weights) {
                 *entry *= weight;
             }
         }
@@ -201,6 +201,6 @@ impl LocalJacobian {
 }
 
 /// Reserves capacity for `count` elements in total.
-pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
+pub(super) fn reserve_total<T>(vector: &mut Vec<T>, count: usize) {
     vector.reserve(count.saturating_sub(vector.len()));
 }

@@ -1,6 +1,6 @@
 //! Look-at task: an axis of a frame points at a target.
 
-use super::residual::{moved, no_direction, not_finite};
+use super::residual::{check_direction, check_finite, moved};
 use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -45,7 +45,7 @@ impl LookAt {
         let unit_axis = self.axis * (1.0 / self.axis.norm());
         let axis = frames[0].rotation * Vector3::constant(unit_axis);
         let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
-        residual.copy_from_slice(&turn_onto(axis, sight).to_array());
+        residual.copy_from_slice(&rotation_onto(axis, sight).to_array());
     }
 }
 
@@ -61,52 +61,56 @@ impl Residual for LookAt {
     evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its target", self.target.to_array())?;
-        no_direction("its axis", self.axis)
+        check_finite("its target", self.target.to_array())?;
+        check_direction("its axis", self.axis)
     }
 }
 
-/// The direction from a frame's origin to a target; `blind` if the target is the origin.
+/// The direction from a frame's origin to a target; `fallback` if the target is the origin.
 #[inline]
 pub(super) fn line_of_sight<S: Scalar>(
     frame: &Placement<S>,
-    blind: Vector3<S>,
+    fallback: Vector3<S>,
     target: Vector3<S>,
 ) -> Vector3<S> {
     let sight = target - frame.translation;
     let squared = sight.norm_squared();
-    let is_blind = squared.less_than(S::constant(f64::MIN_POSITIVE));
-    let length = S::select(is_blind, S::one(), squared).sqrt();
-    Vector3::select(is_blind, blind, sight * (S::one() / length))
+    let is_degenerate = squared.less_than(S::constant(f64::MIN_POSITIVE));
+    let length = S::select(is_degenerate, S::one(), squared).sqrt();
+    Vector3::select(is_degenerate, fallback, sight * (S::one() / length))
 }
 
 /// The shortest rotation vector from one unit vector to another, with an angle in [0, π].
 #[inline]
-pub(super) fn turn_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vector3<S> {
+pub(super) fn rotation_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vector3<S> {
     // The half-angle quaternion (1 + a·s, a × s) rotates a onto s. It vanishes for opposite vectors, for which any axis
     // n perpendicular to a works. A rotation of a about n by ε leaves π − ε, so w = ε/2 and ε = (a × s)·n. This slope
     // lets a search leave the singularity. ½‖a + s‖² is 1 + a·s without cancellation.
     let w = (axis + sight).norm_squared() * S::constant(0.5);
-    let opposite = w.less_than(S::constant(1e-12));
-    let turn = axis.cross(sight);
-    let other = across(axis);
-    let v = Vector3::select(opposite, other, turn);
-    let w = S::select(opposite, turn.dot(other) * S::constant(0.5), w);
+    let is_opposite = w.less_than(S::constant(1e-12));
+    let cross_product = axis.cross(sight);
+    let perpendicular_axis = perpendicular(axis);
+    let v = Vector3::select(is_opposite, perpendicular_axis, cross_product);
+    let w = S::select(
+        is_opposite,
+        cross_product.dot(perpendicular_axis) * S::constant(0.5),
+        w,
+    );
     let scale = S::one() / w.mul_add(w, v.norm_squared()).sqrt();
-    let turn = Quaternion {
+    let rotation = Quaternion {
         w: w * scale,
         v: v * scale,
     };
-    turn.log()
+    rotation.log()
 }
 
 /// A vector perpendicular to a unit vector, of length at least one half.
-fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
-    let along_x = S::constant(0.5).less_than(unit.x.abs());
+fn perpendicular<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
+    let is_along_x = S::constant(0.5).less_than(unit.x.abs());
     let (zero, one) = (S::zero(), S::one());
     let other = Vector3::new(
-        S::select(along_x, zero, one),
-        S::select(along_x, one, zero),
+        S::select(is_along_x, zero, one),
+        S::select(is_along_x, one, zero),
         zero,
     );
     unit.cross(other)

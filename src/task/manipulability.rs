@@ -1,7 +1,7 @@
 //! Manipulability task: a frame keeps a distance from singularities.
 
 use super::bounded::beyond;
-use super::residual::refuse;
+use super::residual::error_if;
 use super::{Inequality, Quantity, Residual, Role, RowBlock};
 use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;
@@ -17,13 +17,13 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manipulability {
     /// The chain from the common ancestor to the base, then the chain to the frame.
-    ways: [Vec<Hinge>; 2],
+    chains: [Vec<ChainJoint>; 2],
     /// The moving joints, in the order of the chains.
     joints: Vec<JointId>,
     values: usize,
     frame: Placement<f64>,
-    of: Motions,
-    least: f64,
+    motions: Motions,
+    min_measure: f64,
 }
 
 /// The motions of the frame that count.
@@ -36,19 +36,19 @@ enum Motions {
 
 /// A joint of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Hinge {
+struct ChainJoint {
     parent_from_joint: Placement<f64>,
     kind: JointKind,
     axis: Vector3<f64>,
 }
 
 impl Manipulability {
-    /// A task for a measure of at least `least`, above 0, of `frame` relative to `base` (`None`: the world).
+    /// A task for a measure of at least `min_measure`, above 0, of `frame` relative to `base` (`None`: the world).
     ///
     /// The unit is metres³ for all six motions, the default. A frame id that is not in the model is an error when the
     /// problem is built, because no joint moves it.
     #[must_use]
-    pub fn new(model: &Model, base: Option<FrameId>, frame: FrameId, least: f64) -> Self {
+    pub fn new(model: &Model, base: Option<FrameId>, frame: FrameId, min_measure: f64) -> Self {
         let path = model.path(base, frame);
         let mut up = path.up;
         up.reverse();
@@ -59,81 +59,83 @@ impl Manipulability {
             .filter(is_moving)
             .copied()
             .collect();
-        let own = |id: &JointId| &model.joints()[id.index()];
-        let hinge = |id: &JointId| Hinge {
-            parent_from_joint: own(id).parent_from_joint,
-            kind: own(id).kind,
-            axis: own(id).axis,
+        let joint = |id: &JointId| &model.joints()[id.index()];
+        let chain_joint = |id: &JointId| ChainJoint {
+            parent_from_joint: joint(id).parent_from_joint,
+            kind: joint(id).kind,
+            axis: joint(id).axis,
         };
-        let values = joints.iter().map(|id| own(id).kind.coordinates()).sum();
-        let placed = model.frames().get(frame.index());
-        let mut ways: [Vec<Hinge>; 2] = [up, path.down].map(|way| way.iter().map(hinge).collect());
-        if let [[], [first, ..]] | [[first, ..], []] = ways.each_mut().map(Vec::as_mut_slice) {
+        let values = joints.iter().map(|id| joint(id).kind.coordinates()).sum();
+        let frame_data = model.frames().get(frame.index());
+        let mut chains: [Vec<ChainJoint>; 2] =
+            [up, path.down].map(|ids| ids.iter().map(chain_joint).collect());
+        if let [[], [first, ..]] | [[first, ..], []] = chains.each_mut().map(Vec::as_mut_slice) {
             // The measure does not depend on the start of a single chain; near the origin fewer digits are lost.
             first.parent_from_joint = Placement::identity();
         }
         Self {
-            ways,
+            chains,
             joints,
             values,
-            frame: placed.map_or_else(Placement::identity, |frame| frame.joint_from_frame),
-            of: Motions::All,
-            least,
+            frame: frame_data.map_or_else(Placement::identity, |frame| frame.joint_from_frame),
+            motions: Motions::All,
+            min_measure,
         }
     }
 
     setters! {
         /// Counts only the linear velocity of the frame's origin: 3 rows of J, metres³ for arms.
-        pub fn of_position(mut self) { self.of = Motions::Linear }
+        pub fn of_position(mut self) { self.motions = Motions::Linear }
         /// Counts only the angular velocity of the frame: 3 rows of J, without unit.
-        pub fn of_orientation(mut self) { self.of = Motions::Angular }
+        pub fn of_orientation(mut self) { self.motions = Motions::Angular }
     }
 
     /// Sets the smallest measure with residual zero.
-    pub fn set_least(&mut self, least: f64) {
-        self.least = least;
+    pub fn set_least(&mut self, min_measure: f64) {
+        self.min_measure = min_measure;
     }
 
     /// The measure at the values of the joints that the residual reads.
     fn measure<S: Scalar>(&self, values: &[S]) -> S {
-        let mut sums = Sums::zero();
-        let mut rest = values;
+        let mut sums = MotionSums::zero();
+        let mut values_left = values;
         let mut end = Placement::identity();
-        for way in &self.ways {
+        for chain in &self.chains {
             end = Placement::identity();
-            for hinge in way {
-                let (own, others) = rest.split_at(hinge.kind.coordinates());
-                end = sums.pass(
-                    end * Placement::constant(&hinge.parent_from_joint),
-                    hinge,
-                    own,
+            for chain_joint in chain {
+                let (joint_values, remaining) =
+                    values_left.split_at(chain_joint.kind.coordinates());
+                end = sums.add_joint(
+                    end * Placement::constant(&chain_joint.parent_from_joint),
+                    chain_joint,
+                    joint_values,
                 );
-                rest = others;
+                values_left = remaining;
             }
         }
-        let at = (end * Placement::constant(&self.frame)).translation;
-        let squared = match self.of {
+        let point = (end * Placement::constant(&self.frame)).translation;
+        let squared = match self.motions {
             Motions::All => sums.determinant_of_all(),
-            Motions::Linear => determinant(&sums.linear_at(at)),
+            Motions::Linear => determinant(&sums.linear_at(point)),
             Motions::Angular => determinant(&sums.angular),
         };
-        let singular = squared.less_than(S::constant(f64::MIN_POSITIVE));
-        let root = S::select(singular, S::one(), squared).sqrt();
-        S::select(singular, S::zero(), root)
+        let is_singular = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let root = S::select(is_singular, S::one(), squared).sqrt();
+        S::select(is_singular, S::zero(), root)
     }
 }
 
 /// Sums over the joints of (ω, v)(ω, v)ᵀ.
 ///
 /// ω is the angular velocity of the joint's motion; v is the velocity of the moved body's point at the origin.
-struct Sums<S> {
+struct MotionSums<S> {
     angular: Matrix3<S>,
     /// v ωᵀ.
     mixed: Matrix3<S>,
     linear: Matrix3<S>,
 }
 
-impl<S: Scalar> Sums<S> {
+impl<S: Scalar> MotionSums<S> {
     fn zero() -> Self {
         let zero = || {
             Matrix3::constant(Matrix3::from_columns(
@@ -156,49 +158,55 @@ impl<S: Scalar> Sums<S> {
     }
 
     /// Adds a joint with the placement `joint` at value zero; returns its placement after its motion.
-    fn pass(&mut self, joint: Placement<S>, hinge: &Hinge, values: &[S]) -> Placement<S> {
+    fn add_joint(
+        &mut self,
+        joint: Placement<S>,
+        chain_joint: &ChainJoint,
+        values: &[S],
+    ) -> Placement<S> {
         let Placement {
             rotation,
             translation,
         } = joint;
-        let axis = rotation * Vector3::constant(hinge.axis);
+        let axis = rotation * Vector3::constant(chain_joint.axis);
         match *values {
-            [value] if hinge.kind.slides() => {
+            [value] if chain_joint.kind.slides() => {
                 self.add(axis, Vector3::zero());
                 Placement::new(rotation, axis.mul_add(value, translation))
             }
             [value] => {
                 self.add(translation.cross(axis), axis);
-                let turn = Matrix3::rotation(Vector3::constant(hinge.axis), value.sin_cos());
-                Placement::new(rotation * turn, translation)
+                let joint_rotation =
+                    Matrix3::rotation(Vector3::constant(chain_joint.axis), value.sin_cos());
+                Placement::new(rotation * joint_rotation, translation)
             }
             [w, x, y, z] => {
                 for axis in [rotation.x, rotation.y, rotation.z] {
                     self.add(translation.cross(axis), axis);
                 }
                 let v = Vector3::new(x, y, z);
-                let turned = rotation * Quaternion { w, v }.to_matrix();
-                Placement::new(turned, translation)
+                let moved_rotation = rotation * Quaternion { w, v }.to_matrix();
+                Placement::new(moved_rotation, translation)
             }
             // A fixed joint.
             _ => joint,
         }
     }
 
-    /// The sum for the velocities of a point at `at`: v + ω × at for each joint.
-    fn linear_at(&self, at: Vector3<S>) -> Matrix3<S> {
+    /// The sum for the velocities of a point: v + ω × point for each joint.
+    fn linear_at(&self, point: Vector3<S>) -> Matrix3<S> {
         // Σ (v + K ω)(v + K ω)ᵀ with K ω = ω × x.
-        let across = |v: Vector3<S>| v.cross(at);
+        let cross_point = |v: Vector3<S>| v.cross(point);
         let columns = |m: Matrix3<S>| [m.x, m.y, m.z];
-        let crossed = |m: Matrix3<S>| {
-            let [x, y, z] = columns(m).map(across);
+        let cross_columns = |m: Matrix3<S>| {
+            let [x, y, z] = columns(m).map(cross_point);
             Matrix3::from_columns(x, y, z)
         };
         // K ω vᵀ, and K (ω ωᵀ) Kᵀ.
-        let turned = crossed(self.mixed.transpose());
-        let twice = crossed(crossed(self.angular).transpose());
+        let mixed_term = cross_columns(self.mixed.transpose());
+        let angular_term = cross_columns(cross_columns(self.angular).transpose());
         let mut sum = self.linear;
-        for other in [turned, turned.transpose(), twice] {
+        for other in [mixed_term, mixed_term.transpose(), angular_term] {
             sum = Matrix3::from_columns(sum.x + other.x, sum.y + other.y, sum.z + other.z);
         }
         sum
@@ -211,19 +219,19 @@ impl<S: Scalar> Sums<S> {
             mixed,
             linear,
         } = self;
-        let (top, left) = (
+        let (angular_columns, linear_columns) = (
             [angular.x, angular.y, angular.z],
             [linear.x, linear.y, linear.z],
         );
-        let across = [mixed.x, mixed.y, mixed.z];
+        let mixed_columns = [mixed.x, mixed.y, mixed.z];
         let transposed = mixed.transpose();
-        let across_transposed = [transposed.x, transposed.y, transposed.z];
+        let mixed_transposed = [transposed.x, transposed.y, transposed.z];
         let mut columns = [[S::zero(); 6]; 6];
         for k in 0..3 {
-            columns[k][..3].copy_from_slice(&top[k].to_array());
-            columns[k][3..].copy_from_slice(&across[k].to_array());
-            columns[3 + k][..3].copy_from_slice(&across_transposed[k].to_array());
-            columns[3 + k][3..].copy_from_slice(&left[k].to_array());
+            columns[k][..3].copy_from_slice(&angular_columns[k].to_array());
+            columns[k][3..].copy_from_slice(&mixed_columns[k].to_array());
+            columns[3 + k][..3].copy_from_slice(&mixed_transposed[k].to_array());
+            columns[3 + k][3..].copy_from_slice(&linear_columns[k].to_array());
         }
         determinant_by_pivots(columns)
     }
@@ -246,7 +254,7 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
     let mut product = S::one();
     for k in 0..6 {
         let value = |i: usize| m[i][i].as_f64().unwrap_or(f64::NAN);
-        let largest = (k..6).fold(k, |most, i| if value(i) > value(most) { i } else { most });
+        let largest = (k..6).fold(k, |best, i| if value(i) > value(best) { i } else { best });
         m.swap(k, largest);
         for row in &mut m {
             row.swap(k, largest);
@@ -259,11 +267,11 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
             Some(_) => {}
         }
         product *= pivot;
-        let (above, below) = m.split_at_mut(k + 1);
+        let (pivot_rows, below) = m.split_at_mut(k + 1);
         for row in below {
             let factor = row[k] / pivot;
-            for (entry, &own) in row.iter_mut().zip(&above[k]).skip(k + 1) {
-                *entry -= factor * own;
+            for (entry, &pivot_entry) in row.iter_mut().zip(&pivot_rows[k]).skip(k + 1) {
+                *entry -= factor * pivot_entry;
             }
         }
     }
@@ -283,26 +291,28 @@ impl Residual for Manipulability {
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        let missing = S::one() - self.measure(joints) * S::constant(1.0 / self.least);
+        let missing = S::one() - self.measure(joints) * S::constant(1.0 / self.min_measure);
         residual[0] = beyond(missing, f64::NEG_INFINITY, 0.0);
     }
 
     fn slacks<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        slacks[0] = self.measure(joints) * S::constant(1.0 / self.least) - S::one();
+        slacks[0] = self.measure(joints) * S::constant(1.0 / self.min_measure) - S::one();
     }
 
     fn validate(&self) -> Result<(), String> {
-        let needed = if self.of == Motions::All { 6 } else { 3 };
-        let hinges = self.ways.iter().flatten();
-        let freedom: usize = hinges.map(|hinge| hinge.kind.degrees_of_freedom()).sum();
-        refuse(freedom < needed, || {
+        let required = if self.motions == Motions::All { 6 } else { 3 };
+        let chain_joints = self.chains.iter().flatten();
+        let freedom: usize = chain_joints
+            .map(|chain_joint| chain_joint.kind.degrees_of_freedom())
+            .sum();
+        error_if(freedom < required, || {
             format!(
-                "its {freedom} degrees of freedom cannot move the frame along all {needed} directions"
+                "its {freedom} degrees of freedom cannot move the frame along all {required} directions"
             )
         })?;
-        let least = self.least;
-        refuse(!(least > 0.0 && least.is_finite()), || {
-            format!("its least measure {least} is not a number above 0")
+        let min_measure = self.min_measure;
+        error_if(!(min_measure > 0.0 && min_measure.is_finite()), || {
+            format!("its least measure {min_measure} is not a number above 0")
         })
     }
 }

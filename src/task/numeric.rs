@@ -111,13 +111,13 @@ impl<R: NumericResidual> Residual for Numeric<R> {
 
     /// Evaluates dual numbers to first order. NaN for SIMD lanes, which no problem uses.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        let places: Option<Vec<_>> = frames.iter().map(place_of).collect();
+        let placements: Option<Vec<_>> = frames.iter().map(placement_of).collect();
         let values: Option<Vec<_>> = joints.iter().map(|joint| joint.as_f64()).collect();
-        let (Some(places), Some(values)) = (places, values) else {
+        let (Some(placements), Some(values)) = (placements, values) else {
             return residual.fill(S::constant(f64::NAN));
         };
         let mut rows = vec![0.0; residual.len()];
-        self.0.evaluate(&places, &values, &mut rows);
+        self.0.evaluate(&placements, &values, &mut rows);
         for (row, &value) in residual.iter_mut().zip(&rows) {
             *row = S::constant(value);
         }
@@ -126,15 +126,15 @@ impl<R: NumericResidual> Residual for Numeric<R> {
         }
         let mut jacobian = LocalJacobian::default();
         jacobian.reset(rows.len(), frames.len(), joints.len());
-        self.derivatives(&places, &values, &mut jacobian);
-        for (k, (frame, place)) in frames.iter().zip(&places).enumerate() {
-            let (velocity, turning) = motion(frame, place);
+        self.derivatives(&placements, &values, &mut jacobian);
+        for (k, (frame, placement)) in frames.iter().zip(&placements).enumerate() {
+            let (velocity, angular_velocity) = motion(frame, placement);
             let (linear, angular) = (jacobian.linear(k), jacobian.angular(k));
-            for (row, along) in residual.iter_mut().zip(linear) {
-                *row += Vector3::constant(*along).dot(velocity);
+            for (row, slope) in residual.iter_mut().zip(linear) {
+                *row += Vector3::constant(*slope).dot(velocity);
             }
-            for (row, about) in residual.iter_mut().zip(angular) {
-                *row += Vector3::constant(*about).dot(turning);
+            for (row, angular_slope) in residual.iter_mut().zip(angular) {
+                *row += Vector3::constant(*angular_slope).dot(angular_velocity);
             }
         }
         for (k, (&joint, &value)) in joints.iter().zip(&values).enumerate() {
@@ -157,24 +157,31 @@ impl<R: NumericResidual> Residual for Numeric<R> {
 }
 
 /// The values of a placement, without derivatives; `None` for SIMD lanes.
-fn place_of<S: Scalar>(frame: &Placement<S>) -> Option<Placement<f64>> {
-    let value = |v: Vector3<S>| Some(Vector3::new(v.x.as_f64()?, v.y.as_f64()?, v.z.as_f64()?));
+fn placement_of<S: Scalar>(frame: &Placement<S>) -> Option<Placement<f64>> {
+    let values_of = |v: Vector3<S>| Some(Vector3::new(v.x.as_f64()?, v.y.as_f64()?, v.z.as_f64()?));
     let Matrix3 { x, y, z } = frame.rotation;
-    let rotation = Matrix3::from_columns(value(x)?, value(y)?, value(z)?);
-    Some(Placement::new(rotation, value(frame.translation)?))
+    let rotation = Matrix3::from_columns(values_of(x)?, values_of(y)?, values_of(z)?);
+    Some(Placement::new(rotation, values_of(frame.translation)?))
 }
 
 /// The twist in the derivatives of a frame; the values of the twist are 0.
-fn motion<S: Scalar>(frame: &Placement<S>, at: &Placement<f64>) -> (Vector3<S>, Vector3<S>) {
-    let velocity = frame.translation - Vector3::constant(at.translation);
-    let (moved, still) = (frame.rotation, at.rotation);
+fn motion<S: Scalar>(frame: &Placement<S>, placement: &Placement<f64>) -> (Vector3<S>, Vector3<S>) {
+    let velocity = frame.translation - Vector3::constant(placement.translation);
+    let (rotation, start_rotation) = (frame.rotation, placement.rotation);
     // A column c moves by ω × c, and Σ c × (ω × c) = 2 ω.
-    let columns = [(moved.x, still.x), (moved.y, still.y), (moved.z, still.z)];
-    let turning = columns.map(|(moved, still)| {
-        let still = Vector3::constant(still);
-        still.cross(moved - still) * S::constant(0.5)
+    let columns = [
+        (rotation.x, start_rotation.x),
+        (rotation.y, start_rotation.y),
+        (rotation.z, start_rotation.z),
+    ];
+    let angular_terms = columns.map(|(rotation, start_rotation)| {
+        let start_rotation = Vector3::constant(start_rotation);
+        start_rotation.cross(rotation - start_rotation) * S::constant(0.5)
     });
-    (velocity, turning[0] + turning[1] + turning[2])
+    (
+        velocity,
+        angular_terms[0] + angular_terms[1] + angular_terms[2],
+    )
 }
 
 /// Central differences along every frame's twist and every joint.
@@ -199,42 +206,44 @@ impl<'a, R: NumericResidual> Differences<'a, R> {
 
     fn write(&mut self, jacobian: &mut LocalJacobian) {
         for k in 0..self.frames.len() {
-            let at = self.frames[k];
-            let far = at.translation.to_array();
-            let far = far.into_iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            let start = self.frames[k];
+            let distance = start.translation.to_array();
+            let distance = distance
+                .into_iter()
+                .fold(1.0, |max: f64, x| max.max(x.abs()));
             for (axis, unit) in Vector3::UNITS.into_iter().enumerate() {
-                let slope = self.slope(step(far), |own, step| {
-                    own.frames[k].translation = at.translation + unit * step;
+                let slope = self.slope(step(distance), |differences, step| {
+                    differences.frames[k].translation = start.translation + unit * step;
                 });
                 for (row, &value) in jacobian.linear_mut(k).iter_mut().zip(slope) {
                     *component(row, axis) = value;
                 }
-                self.frames[k] = at;
-                let slope = self.slope(step(1.0), |own, step| {
-                    own.frames[k].rotation = rotation_exp(unit * step) * at.rotation;
+                self.frames[k] = start;
+                let slope = self.slope(step(1.0), |differences, step| {
+                    differences.frames[k].rotation = rotation_exp(unit * step) * start.rotation;
                 });
                 for (row, &value) in jacobian.angular_mut(k).iter_mut().zip(slope) {
                     *component(row, axis) = value;
                 }
-                self.frames[k] = at;
+                self.frames[k] = start;
             }
         }
         for k in 0..self.joints.len() {
-            let at = self.joints[k];
-            let slope = self.slope(step(at.abs().max(1.0)), |own, step| {
-                own.joints[k] = at + step;
+            let start = self.joints[k];
+            let slope = self.slope(step(start.abs().max(1.0)), |differences, step| {
+                differences.joints[k] = start + step;
             });
             jacobian.joint_mut(k).copy_from_slice(slope);
-            self.joints[k] = at;
+            self.joints[k] = start;
         }
     }
 
-    /// The derivative of every row along the motion that `go` applies.
-    fn slope(&mut self, step: f64, go: impl Fn(&mut Self, f64)) -> &[f64] {
-        go(self, step);
+    /// The derivative of every row along the motion that `apply` applies.
+    fn slope(&mut self, step: f64, apply: impl Fn(&mut Self, f64)) -> &[f64] {
+        apply(self, step);
         self.residual
             .evaluate(&self.frames, &self.joints, &mut self.ahead);
-        go(self, -step);
+        apply(self, -step);
         self.residual
             .evaluate(&self.frames, &self.joints, &mut self.behind);
         for (ahead, behind) in self.ahead.iter_mut().zip(&self.behind) {

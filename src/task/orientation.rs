@@ -1,6 +1,8 @@
 //! Orientation task for a frame.
 
-use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
+use super::residual::{
+    add_base_derivatives, check_base, check_finite, frame_and_base, in_base, rotated,
+};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -45,27 +47,27 @@ impl Orientation {
     }
 
     /// The rotation vector from the target to `rotation`.
-    pub(super) fn miss<S: Scalar>(target: Matrix3<f64>, rotation: Matrix3<S>) -> [S; 3] {
-        Self::miss_from(Matrix3::constant(target), rotation)
+    pub(super) fn error<S: Scalar>(target: Matrix3<f64>, rotation: Matrix3<S>) -> [S; 3] {
+        Self::error_from(Matrix3::constant(target), rotation)
     }
 
     /// The rotation vector from a target with derivatives to `rotation`.
-    pub(super) fn miss_from<S: Scalar>(target: Matrix3<S>, rotation: Matrix3<S>) -> [S; 3] {
+    pub(super) fn error_from<S: Scalar>(target: Matrix3<S>, rotation: Matrix3<S>) -> [S; 3] {
         rotation_log(&(rotation * target.transpose())).to_array()
     }
 
     /// Writes the derivative of the rotation vector by ω to three rows of `jacobian`.
     ///
     /// It is J_l⁻¹(φ) (Chirikjian 2012, eq. 10.86, see [`rotation_log_jacobian`]).
-    pub(super) fn differentiate_miss(
+    pub(super) fn differentiate_error(
         target: Matrix3<f64>,
         rotation: Matrix3<f64>,
         first_row: usize,
         jacobian: &mut LocalJacobian,
     ) {
-        let miss = Self::miss(target, rotation);
+        let rotation_error = Self::error(target, rotation);
         // Its rows are the columns of its transpose.
-        let transposed = rotation_log_jacobian(miss.into()).transpose();
+        let transposed = rotation_log_jacobian(rotation_error.into()).transpose();
         let rows = &mut jacobian.angular_mut(0)[first_row..];
         for (row, value) in rows
             .iter_mut()
@@ -79,24 +81,25 @@ impl Orientation {
     ///
     /// The rotation vector is then log(exp(φ) exp(−R_target s)). Its derivative by R_target s is −J_r⁻¹(φ) =
     /// −J_l⁻¹(φ)ᵀ.
-    pub(super) fn add_turned_target(
+    pub(super) fn add_target_rotation_slopes(
         target: Matrix3<f64>,
         rotation: Matrix3<f64>,
-        counts: Vector3<f64>,
+        coefficients: Vector3<f64>,
         slopes: &mut [f64],
     ) {
-        let by_turn = rotation_log_jacobian(Self::miss(target, rotation).into()) * counts;
-        let own = target.transpose_mul(by_turn).to_array();
-        for (slope, own) in slopes.iter_mut().zip(own) {
-            *slope -= own;
+        let slope_by_rotation =
+            rotation_log_jacobian(Self::error(target, rotation).into()) * coefficients;
+        let target_slopes = target.transpose_mul(slope_by_rotation).to_array();
+        for (slope, target_slope) in slopes.iter_mut().zip(target_slopes) {
+            *slope -= target_slope;
         }
     }
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let placed = in_base(frames);
-        let target = turned(self.target, step);
-        residual.copy_from_slice(&Self::miss_from(target, placed.rotation));
+        let placement = in_base(frames);
+        let target = rotated(self.target, step);
+        residual.copy_from_slice(&Self::error_from(target, placement.rotation));
     }
 }
 
@@ -115,12 +118,14 @@ impl Residual for Orientation {
         &self,
         frames: &[Placement<f64>],
         _joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        let &[x, y, z] = counts else { return false };
-        let (rotation, counts) = (in_base(frames).rotation, Vector3::new(x, y, z));
-        Self::add_turned_target(self.target, rotation, counts, slopes);
+        let &[x, y, z] = coefficients else {
+            return false;
+        };
+        let (rotation, coefficients) = (in_base(frames).rotation, Vector3::new(x, y, z));
+        Self::add_target_rotation_slopes(self.target, rotation, coefficients, slopes);
         true
     }
 
@@ -130,13 +135,13 @@ impl Residual for Orientation {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        Self::differentiate_miss(self.target, in_base(frames).rotation, 0, jacobian);
-        add_base(frames, jacobian);
+        Self::differentiate_error(self.target, in_base(frames).rotation, 0, jacobian);
+        add_base_derivatives(frames, jacobian);
         true
     }
 
     fn validate(&self) -> Result<(), String> {
-        own_base(self.frame, self.base)?;
+        check_base(self.frame, self.base)?;
         check_rotation("its target is", &self.target)
     }
 }
@@ -144,7 +149,7 @@ impl Residual for Orientation {
 /// Returns an error for a matrix that is not a rotation; `what` starts the message.
 pub(super) fn check_rotation(what: &str, rotation: &Matrix3<f64>) -> Result<(), String> {
     let columns = [rotation.x, rotation.y, rotation.z];
-    not_finite("its orientation", columns.iter().flat_map(|c| c.to_array()))?;
+    check_finite("its orientation", columns.iter().flat_map(|c| c.to_array()))?;
     Placement::new(*rotation, Vector3::zero())
         .check_rigid(1e-6)
         .map_err(|problem| format!("{what} no orientation: {problem}"))

@@ -2,7 +2,7 @@
 
 use nalgebra as na;
 
-use super::residual::{moved_by, not_finite};
+use super::residual::{check_finite, moved_by};
 use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -32,13 +32,13 @@ impl Camera {
         let t = camera_from_world.translation;
         let row = |axis: Vector3<f64>, shift| [axis.x, axis.y, axis.z, shift];
         let [x, y, z] = [row(r.x, t.x), row(r.y, t.y), row(r.z, t.z)];
-        let mixed = |along: [f64; 4], focal: f64, centre: f64| {
-            std::array::from_fn(|k| focal * along[k] + centre * z[k])
+        let combined = |axis_row: [f64; 4], focal: f64, centre: f64| {
+            std::array::from_fn(|k| focal * axis_row[k] + centre * z[k])
         };
         Self {
             pixel_from_world: [
-                mixed(x, focal_length[0], principal_point[0]),
-                mixed(y, focal_length[1], principal_point[1]),
+                combined(x, focal_length[0], principal_point[0]),
+                combined(y, focal_length[1], principal_point[1]),
                 z,
             ],
         }
@@ -63,9 +63,9 @@ impl Camera {
         let linear = na::Matrix3::from_fn(|row, column| rows[row][column]);
         let shift = na::Vector3::from_fn(|row, _| rows[row][3]);
         let inverse = linear.try_inverse()?;
-        let ends = [-shift, na::Vector3::new(u, v, 1.0) - shift].map(|seen| inverse * seen);
-        let finite = ends.iter().flatten().all(|x| x.is_finite());
-        finite.then(|| ends.map(Vector3::from))
+        let ends = [-shift, na::Vector3::new(u, v, 1.0) - shift].map(|image| inverse * image);
+        let are_finite = ends.iter().flatten().all(|x| x.is_finite());
+        are_finite.then(|| ends.map(Vector3::from))
     }
 }
 
@@ -95,9 +95,9 @@ impl Pixel {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let seen = self.camera.project(frames[0].translation);
-        for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {
-            *row = at - moved_by(self.target[k], step.get(k..).unwrap_or_default());
+        let image = self.camera.project(frames[0].translation);
+        for (k, (row, coordinate)) in residual.iter_mut().zip(image).enumerate() {
+            *row = coordinate - moved_by(self.target[k], step.get(k..).unwrap_or_default());
         }
     }
 }
@@ -114,8 +114,8 @@ impl Residual for Pixel {
     evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its pixel", self.target)?;
+        check_finite("its pixel", self.target)?;
         let camera = self.camera.pixel_from_world.into_iter().flatten();
-        not_finite("its camera", camera)
+        check_finite("its camera", camera)
     }
 }

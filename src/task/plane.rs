@@ -1,6 +1,6 @@
 //! Plane task: a frame's origin is in a plane.
 
-use super::residual::{moved, no_direction, not_finite};
+use super::residual::{check_direction, check_finite, moved};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -43,8 +43,8 @@ impl Plane {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let from_plane = frames[0].translation - moved(self.point, step);
-        residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));
+        let offset = frames[0].translation - moved(self.point, step);
+        residual[0] = offset.dot(Vector3::constant(self.unit_normal()));
     }
 }
 
@@ -65,7 +65,7 @@ impl Residual for Plane {
     }
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its point", self.point.to_array())?;
-        no_direction("its normal", self.normal)
+        check_finite("its point", self.point.to_array())?;
+        check_direction("its normal", self.normal)
     }
 }

@@ -1,6 +1,8 @@
 //! Position task for a point of a frame.
 
-use super::residual::{add_base, frame_and_base, in_base, moved, not_finite, own_base};
+use super::residual::{
+    add_base_derivatives, check_base, check_finite, frame_and_base, in_base, moved,
+};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -53,9 +55,9 @@ impl Point {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let at = in_base(frames).apply(Vector3::constant(self.offset));
-        let miss = at - moved(self.target, step);
-        residual.copy_from_slice(&miss.to_array());
+        let position = in_base(frames).apply(Vector3::constant(self.offset));
+        let error = position - moved(self.target, step);
+        residual.copy_from_slice(&error.to_array());
     }
 }
 
@@ -74,11 +76,11 @@ impl Residual for Point {
         &self,
         _frames: &[Placement<f64>],
         _joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        for (slope, count) in slopes.iter_mut().zip(counts) {
-            *slope -= count;
+        for (slope, coefficient) in slopes.iter_mut().zip(coefficients) {
+            *slope -= coefficient;
         }
         true
     }
@@ -89,16 +91,16 @@ impl Residual for Point {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        let aside = self.offset != Vector3::zero();
-        let lever = aside.then(|| in_base(frames).rotation * self.offset);
+        let has_offset = self.offset != Vector3::zero();
+        let lever = has_offset.then(|| in_base(frames).rotation * self.offset);
         jacobian.set_point(0, lever, 1.0);
-        add_base(frames, jacobian);
+        add_base_derivatives(frames, jacobian);
         true
     }
 
     fn validate(&self) -> Result<(), String> {
-        own_base(self.frame, self.base)?;
-        not_finite("its target", self.target.to_array())?;
-        not_finite("its offset", self.offset.to_array())
+        check_base(self.frame, self.base)?;
+        check_finite("its target", self.target.to_array())?;
+        check_finite("its offset", self.offset.to_array())
     }
 }

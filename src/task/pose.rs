@@ -3,7 +3,9 @@
 use super::bounded::beyond;
 use super::goal::PoseBounds;
 use super::orientation::check_rotation;
-use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
+use super::residual::{
+    add_base_derivatives, check_base, check_finite, frame_and_base, in_base, rotated,
+};
 use super::{Inequality, LocalJacobian, Orientation, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -94,39 +96,39 @@ impl Pose {
     }
 
     /// The row blocks of this task.
-    pub(crate) fn measures(&self) -> [RowBlock; 2] {
-        let turn = match self.goal {
+    pub(crate) fn row_blocks(&self) -> [RowBlock; 2] {
+        let orientation = match self.goal {
             Some(goal) if !goal.is_full_pose() => RowBlock::chords(3),
             _ => RowBlock::new(Quantity::Radians, 3),
         };
-        [RowBlock::new(Quantity::Metres, 3), turn]
+        [RowBlock::new(Quantity::Metres, 3), orientation]
     }
 
     /// Placement of the tool, in the base or the world.
     fn base_from_tool<S: Scalar>(&self, frames: &[Placement<S>]) -> Placement<S> {
-        let placed = in_base(frames);
+        let base_from_frame = in_base(frames);
         match &self.frame_from_tool {
-            Some(tool) => placed * Placement::constant(tool),
-            None => placed,
+            Some(tool) => base_from_frame * Placement::constant(tool),
+            None => base_from_frame,
         }
     }
 
     /// The rotation from the target's axes to the tool's.
-    fn turn<S: Scalar>(target: &Placement<S>, rotation: Matrix3<S>) -> Quaternion<S> {
+    fn relative_rotation<S: Scalar>(target: &Placement<S>, rotation: Matrix3<S>) -> Quaternion<S> {
         Quaternion::from_matrix(&(target.rotation.transpose() * rotation))
     }
 
     /// The position of the tool relative to the target, in the target's axes.
-    fn offset<S: Scalar>(target: &Placement<S>, placed: &Placement<S>) -> Vector3<S> {
-        target.rotation.transpose() * (placed.translation - target.translation)
+    fn offset<S: Scalar>(target: &Placement<S>, placement: &Placement<S>) -> Vector3<S> {
+        target.rotation.transpose() * (placement.translation - target.translation)
     }
 
     /// The target moved along and about its axes by a step of six numbers; unchanged by an empty step.
     fn moved_target<S: Scalar>(&self, step: &[S]) -> Placement<S> {
         let mut target = Placement::constant(&self.target);
-        if let [x, y, z, turn @ ..] = step {
+        if let [x, y, z, rotation_step @ ..] = step {
             target.translation += target.rotation * Vector3::new(*x, *y, *z);
-            target.rotation = turned(self.target.rotation, turn);
+            target.rotation = rotated(self.target.rotation, rotation_step);
         }
         target
     }
@@ -138,29 +140,29 @@ impl Pose {
     fn differentiate_goal(
         &self,
         goal: &PoseBounds,
-        placed: &Placement<f64>,
+        placement: &Placement<f64>,
         lever: Option<Vector3<f64>>,
         jacobian: &mut LocalJacobian,
     ) {
         let target = &self.target.rotation;
-        let quaternion = Self::turn(&self.target, placed.rotation);
+        let quaternion = Self::relative_rotation(&self.target, placement.rotation);
         // Columns, one for each axis of the target.
-        let by_turning = if goal.is_full_pose() {
+        let slope_by_rotation = if goal.is_full_pose() {
             rotation_log_jacobian(quaternion.log())
         } else {
             let column = |unit: Vector3<f64>| unit * quaternion.w + unit.cross(quaternion.v);
             let [x, y, z] = Vector3::UNITS.map(column);
             Matrix3::from_columns(x, y, z)
         };
-        // The angular velocity ω of the world is targetᵀ ω in the target's axes. The rows of by_turning · targetᵀ are
-        // the columns of its transpose.
-        let rows_in_world = *target * by_turning.transpose();
+        // The angular velocity ω of the world is targetᵀ ω in the target's axes. The rows of slope_by_rotation ·
+        // targetᵀ are the columns of its transpose.
+        let rows_in_world = *target * slope_by_rotation.transpose();
         let bands = goal.bands();
-        let offset = Self::offset(&self.target, placed).to_array();
-        let turn = (quaternion.v * 2.0).to_array();
-        let counts = |value: f64, band: f64| band == 0.0 || value.abs() > band;
+        let offset = Self::offset(&self.target, placement).to_array();
+        let rotation = (quaternion.v * 2.0).to_array();
+        let is_outside = |value: f64, band: f64| band == 0.0 || value.abs() > band;
         for (k, axis) in [target.x, target.y, target.z].into_iter().enumerate() {
-            if counts(offset[k], bands[k]) {
+            if is_outside(offset[k], bands[k]) {
                 jacobian.linear_mut(0)[k] = axis;
                 if let Some(lever) = lever {
                     jacobian.angular_mut(0)[k] = lever.cross(axis);
@@ -169,7 +171,7 @@ impl Pose {
         }
         let rows = [rows_in_world.x, rows_in_world.y, rows_in_world.z];
         for (k, row) in rows.into_iter().enumerate() {
-            if counts(turn[k], bands[3 + k]) {
+            if is_outside(rotation[k], bands[3 + k]) {
                 jacobian.angular_mut(0)[3 + k] = row;
             }
         }
@@ -177,17 +179,17 @@ impl Pose {
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let placed = self.base_from_tool(frames);
+        let placement = self.base_from_tool(frames);
         let target = self.moved_target(step);
         if let Some(goal) = &self.goal {
-            let quaternion = Self::turn(&target, placed.rotation);
-            let turn = if goal.is_full_pose() {
+            let quaternion = Self::relative_rotation(&target, placement.rotation);
+            let rotation = if goal.is_full_pose() {
                 quaternion.log()
             } else {
                 // Both q and −q are valid: rows of opposite sign cost the same.
                 quaternion.v * S::constant(2.0)
             };
-            let components = [Self::offset(&target, &placed), turn].map(Vector3::to_array);
+            let components = [Self::offset(&target, &placement), rotation].map(Vector3::to_array);
             let components = components.into_iter().flatten().zip(goal.bands());
             for (row, (value, band)) in residual.iter_mut().zip(components) {
                 *row = match band {
@@ -198,11 +200,11 @@ impl Pose {
             }
             return;
         }
-        let miss = placed.translation - target.translation;
-        let turn = Orientation::miss_from(target.rotation, placed.rotation);
+        let position_error = placement.translation - target.translation;
+        let rotation = Orientation::error_from(target.rotation, placement.rotation);
         let (position, orientation) = residual.split_at_mut(3);
-        position.copy_from_slice(&miss.to_array());
-        orientation.copy_from_slice(&turn);
+        position.copy_from_slice(&position_error.to_array());
+        orientation.copy_from_slice(&rotation);
     }
 }
 
@@ -210,7 +212,7 @@ impl Residual for Pose {
     answers! {
         fn kind(&self) -> &'static str = "pose";
         fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<RowBlock> = self.measures().to_vec();
+        fn rows(&self) -> Vec<RowBlock> = self.row_blocks().to_vec();
         fn target_len(&self) -> usize = 6;
     }
 
@@ -220,24 +222,29 @@ impl Residual for Pose {
         &self,
         frames: &[Placement<f64>],
         _joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        let (&[x, y, z, rx, ry, rz], None) = (counts, &self.goal) else {
+        let (&[x, y, z, rx, ry, rz], None) = (coefficients, &self.goal) else {
             return false;
         };
         let target = self.target.rotation;
-        let along = target.transpose_mul(Vector3::new(x, y, z)).to_array();
-        for (slope, own) in slopes.iter_mut().zip(along) {
-            *slope -= own;
+        let position_slopes = target.transpose_mul(Vector3::new(x, y, z)).to_array();
+        for (slope, position_slope) in slopes.iter_mut().zip(position_slopes) {
+            *slope -= position_slope;
         }
-        let (rotation, turned) = (in_base(frames).rotation, slopes.get_mut(3..));
+        let (rotation, rotation_slopes) = (in_base(frames).rotation, slopes.get_mut(3..));
         let rotation = match &self.frame_from_tool {
             Some(tool) => rotation * tool.rotation,
             None => rotation,
         };
-        let turned = turned.unwrap_or_default();
-        Orientation::add_turned_target(target, rotation, Vector3::new(rx, ry, rz), turned);
+        let rotation_slopes = rotation_slopes.unwrap_or_default();
+        Orientation::add_target_rotation_slopes(
+            target,
+            rotation,
+            Vector3::new(rx, ry, rz),
+            rotation_slopes,
+        );
         true
     }
 
@@ -247,17 +254,17 @@ impl Residual for Pose {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        let placed = self.base_from_tool(frames);
+        let placement = self.base_from_tool(frames);
         let tool = self.frame_from_tool.map(|tool| tool.translation);
         let lever = tool.map(|tool| in_base(frames).rotation * tool);
         if let Some(goal) = &self.goal {
-            self.differentiate_goal(goal, &placed, lever, jacobian);
-            add_base(frames, jacobian);
+            self.differentiate_goal(goal, &placement, lever, jacobian);
+            add_base_derivatives(frames, jacobian);
             return true;
         }
         jacobian.set_point(0, lever, 1.0);
-        Orientation::differentiate_miss(self.target.rotation, placed.rotation, 3, jacobian);
-        add_base(frames, jacobian);
+        Orientation::differentiate_error(self.target.rotation, placement.rotation, 3, jacobian);
+        add_base_derivatives(frames, jacobian);
         true
     }
 
@@ -270,18 +277,19 @@ impl Residual for Pose {
 
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let Some(goal) = &self.goal else { return };
-        let placed = self.base_from_tool(frames);
+        let placement = self.base_from_tool(frames);
         let target = Placement::constant(&self.target);
-        let turn = Self::turn(&target, placed.rotation);
+        let rotation = Self::relative_rotation(&target, placement.rotation);
         // Of q and −q take the smaller rotation, so that the two bounds do not swap.
         let two = S::constant(2.0);
-        let twice = S::select(turn.w.less_than(S::zero()), -two, two);
-        let components = [Self::offset(&target, &placed), turn.v * twice].map(Vector3::to_array);
+        let double_sign = S::select(rotation.w.less_than(S::zero()), -two, two);
+        let components =
+            [Self::offset(&target, &placement), rotation.v * double_sign].map(Vector3::to_array);
         let components = components.into_iter().flatten().zip(goal.bands());
-        let roomy = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
-        for (own, (value, band)) in slacks.chunks_exact_mut(2).zip(roomy) {
-            own[0] = S::constant(band) + value;
-            own[1] = S::constant(band) - value;
+        let bounded = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
+        for (component_slacks, (value, band)) in slacks.chunks_exact_mut(2).zip(bounded) {
+            component_slacks[0] = S::constant(band) + value;
+            component_slacks[1] = S::constant(band) - value;
         }
     }
 
@@ -291,17 +299,17 @@ impl Residual for Pose {
     }
 
     fn validate(&self) -> Result<(), String> {
-        own_base(self.frame, self.base)?;
-        not_finite("its target", self.target.translation.to_array())?;
+        check_base(self.frame, self.base)?;
+        check_finite("its target", self.target.translation.to_array())?;
         check_rotation("its target is", &self.target.rotation)?;
         if let Some(tool) = &self.frame_from_tool {
-            not_finite("its tool", tool.translation.to_array())?;
+            check_finite("its tool", tool.translation.to_array())?;
             check_rotation("its tool has", &tool.rotation)?;
         }
         let Some(goal) = &self.goal else {
             return Ok(());
         };
-        match goal.bad_half_width() {
+        match goal.invalid_half_width() {
             Some((component, value)) => Err(format!(
                 "its half width for {component} is {value}, which is no number of at least 0"
             )),

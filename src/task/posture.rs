@@ -1,6 +1,6 @@
 //! Posture task: joints are near reference values.
 
-use super::residual::{moved_by, not_finite, refuse};
+use super::residual::{check_finite, error_if, moved_by};
 use super::{LocalJacobian, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
@@ -67,9 +67,9 @@ impl Posture {
     #[must_use]
     pub fn by_range(self, model: &Model) -> Self {
         let reach = model.reach();
-        let half_range = |id: &JointId| {
+        let range_weight = |id: &JointId| {
             let joint = model.joints().get(id.index());
-            let half = joint.map_or(0.0, |joint| match (joint.kind, &joint.ball) {
+            let half_range = joint.map_or(0.0, |joint| match (joint.kind, &joint.ball) {
                 (JointKind::Ball, Some(limits)) => limits.swing[0].max(limits.swing[1]),
                 (JointKind::Ball, None) => std::f64::consts::PI,
                 _ => {
@@ -78,12 +78,12 @@ impl Posture {
                     0.5 * (upper - lower)
                 }
             });
-            match half > 0.0 {
-                true => 1.0 / half,
+            match half_range > 0.0 {
+                true => 1.0 / half_range,
                 false => 1.0,
             }
         };
-        let weights: Vec<f64> = self.joints.iter().map(half_range).collect();
+        let weights: Vec<f64> = self.joints.iter().map(range_weight).collect();
         self.with_weights(weights)
     }
 
@@ -126,33 +126,34 @@ impl Posture {
         }
         let (mut first, mut row) = (0, 0);
         for (&is_ball, weight) in self.is_ball.iter().zip(weights()) {
-            let own = weight * slope;
+            let scaled_weight = weight * slope;
             if !is_ball {
-                jacobian.push_column(row, [own]);
+                jacobian.push_column(row, [scaled_weight]);
                 (first, row) = (first + 1, row + 1);
                 continue;
             }
-            let at = first..first + 4;
-            let (Some(values), Some(reference)) =
-                (joints.get(at.clone()), self.reference.get(at.clone()))
-            else {
+            let coordinates = first..first + 4;
+            let (Some(values), Some(reference)) = (
+                joints.get(coordinates.clone()),
+                self.reference.get(coordinates.clone()),
+            ) else {
                 return false;
             };
             let mut variables = [Dual::constant(0.0); 4];
             for (k, (variable, &value)) in variables.iter_mut().zip(values).enumerate() {
                 *variable = Dual::<4>::variable(value, k);
             }
-            let turn = turn_from(reference, variables, &[]);
+            let rotation = rotation_from(reference, variables, &[]);
             for k in 0..4 {
-                let entries = turn.map(|part| part.derivatives()[k] * weight * slope);
+                let entries = rotation.map(|part| part.derivatives()[k] * weight * slope);
                 jacobian.push_column(row, entries);
             }
-            (first, row) = (at.end, row + 3);
+            (first, row) = (coordinates.end, row + 3);
         }
         true
     }
 
-    fn weigh<S: Scalar>(&self, residual: &mut [S]) {
+    fn apply_weights<S: Scalar>(&self, residual: &mut [S]) {
         let rows = self.weights.iter().zip(&self.is_ball);
         let rows =
             rows.flat_map(|(&weight, &ball)| std::iter::repeat_n(weight, if ball { 3 } else { 1 }));
@@ -167,44 +168,44 @@ impl Posture {
             {
                 *row = value - S::constant(reference);
             }
-            for (row, &by) in residual.iter_mut().zip(step) {
-                *row -= by;
+            for (row, &step_value) in residual.iter_mut().zip(step) {
+                *row -= step_value;
             }
             return;
         }
         let mut step = step;
         let (mut values, mut references, mut rows) = (joints, &self.reference[..], residual);
         for &is_ball in &self.is_ball {
-            let (coordinates, own_rows) = if is_ball { (4, 3) } else { (1, 1) };
-            let (own, rest) = values.split_at(coordinates);
+            let (coordinates, row_count) = if is_ball { (4, 3) } else { (1, 1) };
+            let (joint_values, other_values) = values.split_at(coordinates);
             let (reference, other_references) = references.split_at(coordinates);
-            let (row, other_rows) = rows.split_at_mut(own_rows);
-            match own {
-                &[w, x, y, z] => row.copy_from_slice(&turn_from(reference, [w, x, y, z], step)),
-                _ => row[0] = own[0] - moved_by(reference[0], step),
+            let (row, other_rows) = rows.split_at_mut(row_count);
+            match joint_values {
+                &[w, x, y, z] => row.copy_from_slice(&rotation_from(reference, [w, x, y, z], step)),
+                _ => row[0] = joint_values[0] - moved_by(reference[0], step),
             }
-            step = step.get(own_rows..).unwrap_or_default();
-            (values, references, rows) = (rest, other_references, other_rows);
+            step = step.get(row_count..).unwrap_or_default();
+            (values, references, rows) = (other_values, other_references, other_rows);
         }
     }
 }
 
 /// The rotation vector from a reference quaternion, rotated by `step`, to another; zero for an invalid reference.
-fn turn_from<S: Scalar>(reference: &[f64], to: [S; 4], step: &[S]) -> [S; 3] {
+fn rotation_from<S: Scalar>(reference: &[f64], coordinates: [S; 4], step: &[S]) -> [S; 3] {
     let Some(Quaternion { w: real, v }) = quaternion_at(reference) else {
         return [S::zero(); 3];
     };
-    let back = Quaternion {
+    let inverse_reference = Quaternion {
         w: S::constant(real),
         v: Vector3::constant(-v),
     };
-    let [w, x, y, z] = to;
+    let [w, x, y, z] = coordinates;
     let v = Vector3::new(x, y, z);
-    let mut turn = back * Quaternion { w, v };
+    let mut rotation = inverse_reference * Quaternion { w, v };
     if let [x, y, z, ..] = *step {
-        turn = Quaternion::exp(-Vector3::new(x, y, z)) * turn;
+        rotation = Quaternion::exp(-Vector3::new(x, y, z)) * rotation;
     }
-    turn.log().to_array()
+    rotation.log().to_array()
 }
 
 impl Residual for Posture {
@@ -237,7 +238,7 @@ impl Residual for Posture {
     ) {
         self.differences(joints, step, residual);
         if !self.weights.is_empty() {
-            self.weigh(residual);
+            self.apply_weights(residual);
         }
     }
 
@@ -251,21 +252,21 @@ impl Residual for Posture {
     }
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("its reference", self.reference.iter().copied())?;
+        check_finite("its reference", self.reference.iter().copied())?;
         let (weights, joints) = (self.weights.len(), self.joints.len());
-        refuse(weights != 0 && weights != joints, || {
+        error_if(weights != 0 && weights != joints, || {
             format!("it has {weights} weights for {joints} joints")
         })?;
-        let bad = |weight: &&f64| !(**weight >= 0.0 && weight.is_finite());
-        if let Some(weight) = self.weights.iter().find(bad) {
+        let is_invalid = |weight: &&f64| !(**weight >= 0.0 && weight.is_finite());
+        if let Some(weight) = self.weights.iter().find(is_invalid) {
             return Err(format!(
                 "its weight {weight} of a joint is no number of at least 0"
             ));
         }
         let mut first = 0;
         for &is_ball in &self.is_ball {
-            let own = self.reference.get(first..).unwrap_or_default();
-            if is_ball && own.len() >= 4 && quaternion_at(own).is_none() {
+            let remaining = self.reference.get(first..).unwrap_or_default();
+            if is_ball && remaining.len() >= 4 && quaternion_at(remaining).is_none() {
                 return Err("its reference holds a quaternion of length zero".to_owned());
             }
             first += if is_ball { 4 } else { 1 };

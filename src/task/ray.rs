@@ -1,6 +1,6 @@
 //! Ray task: a frame's origin is on a line, such as a viewing ray.
 
-use super::residual::{moved, not_finite, refuse};
+use super::residual::{check_finite, error_if, moved};
 use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -41,16 +41,16 @@ impl Ray {
     }
 
     fn direction(&self) -> Vector3<f64> {
-        let along = self.eye - self.through;
-        along * (1.0 / along.norm())
+        let axis = self.eye - self.through;
+        axis * (1.0 / axis.norm())
     }
 
     /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let direction = Vector3::constant(self.direction());
-        let from_mouse = frames[0].translation - moved(self.through, step);
-        let across = from_mouse - direction * from_mouse.dot(direction);
-        residual.copy_from_slice(&across.to_array());
+        let offset = frames[0].translation - moved(self.through, step);
+        let perpendicular = offset - direction * offset.dot(direction);
+        residual.copy_from_slice(&perpendicular.to_array());
     }
 }
 
@@ -75,9 +75,9 @@ impl Residual for Ray {
 
     fn validate(&self) -> Result<(), String> {
         let points = [self.eye, self.through];
-        not_finite("its line", points.iter().flat_map(|p| p.to_array()))?;
+        check_finite("its line", points.iter().flat_map(|p| p.to_array()))?;
         let length = (self.eye - self.through).norm();
-        refuse(length <= 0.0, || {
+        error_if(length <= 0.0, || {
             "its eye and point coincide, so they span no line".to_owned()
         })
     }

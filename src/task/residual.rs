@@ -122,15 +122,15 @@ pub trait Residual: Clone + Send + Sync + 'static {
 
     /// Adds the derivatives of Σ cᵢ rᵢ by the step of [`evaluate_moved`](Self::evaluate_moved), at a step of zero.
     ///
-    /// Returns true, or returns false to use dual numbers. `counts` are the cᵢ, one for each row.
+    /// Returns true, or returns false to use dual numbers. `coefficients` are the cᵢ, one for each row.
     fn add_target_slopes(
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
-        counts: &[f64],
+        coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        let _ = (frames, joints, counts, slopes);
+        let _ = (frames, joints, coefficients, slopes);
         false
     }
 
@@ -208,10 +208,10 @@ pub trait Residual: Clone + Send + Sync + 'static {
 
 /// A position moved by the first three numbers of a step; unchanged by a shorter step.
 #[inline]
-pub(super) fn moved<S: Scalar>(place: Vector3<f64>, step: &[S]) -> Vector3<S> {
+pub(super) fn moved<S: Scalar>(position: Vector3<f64>, step: &[S]) -> Vector3<S> {
     match *step {
-        [x, y, z, ..] => Vector3::constant(place) + Vector3::new(x, y, z),
-        _ => Vector3::constant(place),
+        [x, y, z, ..] => Vector3::constant(position) + Vector3::new(x, y, z),
+        _ => Vector3::constant(position),
     }
 }
 
@@ -219,14 +219,14 @@ pub(super) fn moved<S: Scalar>(place: Vector3<f64>, step: &[S]) -> Vector3<S> {
 #[inline]
 pub(super) fn moved_by<S: Scalar>(value: f64, step: &[S]) -> S {
     match step {
-        [by, ..] => S::constant(value) + *by,
+        [offset, ..] => S::constant(value) + *offset,
         [] => S::constant(value),
     }
 }
 
 /// An orientation rotated about its axes by the first three numbers of a step; unchanged by a shorter step.
 #[inline]
-pub(super) fn turned<S: Scalar>(rotation: Matrix3<f64>, step: &[S]) -> Matrix3<S> {
+pub(super) fn rotated<S: Scalar>(rotation: Matrix3<f64>, step: &[S]) -> Matrix3<S> {
     let rotation = Matrix3::constant(rotation);
     match *step {
         [x, y, z, ..] => rotation * rotation_exp(Vector3::new(x, y, z)),
@@ -243,7 +243,7 @@ pub(super) fn frame_and_base(frame: FrameId, base: Option<FrameId>) -> Vec<Frame
 #[inline]
 pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
     match frames {
-        [placed, world_from_base, ..] => world_from_base.inverse() * *placed,
+        [world_from_frame, world_from_base, ..] => world_from_base.inverse() * *world_from_frame,
         _ => frames[0],
     }
 }
@@ -251,25 +251,31 @@ pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
 /// Extends derivatives by the first frame, in the axes of a fixed base, to derivatives by frame and base in world axes.
 ///
 /// The relative motion is the frame's motion minus the base's motion.
-pub(super) fn add_base(frames: &[Placement<f64>], jacobian: &mut LocalJacobian) {
+pub(super) fn add_base_derivatives(frames: &[Placement<f64>], jacobian: &mut LocalJacobian) {
     let [frame, base, ..] = frames else { return };
-    let away = frame.translation - base.translation;
+    let offset = frame.translation - base.translation;
     for row in 0..jacobian.rows() {
         let linear = base.rotation * jacobian.linear(0)[row];
-        let angular = jacobian.angular(0).get(row).map(|own| base.rotation * *own);
+        let angular = jacobian
+            .angular(0)
+            .get(row)
+            .map(|angular_slope| base.rotation * *angular_slope);
         jacobian.linear_mut(0)[row] = linear;
         if let Some(angular) = angular {
             jacobian.angular_mut(0)[row] = angular;
         }
         jacobian.linear_mut(1)[row] = -linear;
         // v · (ω × d) = ω · (d × v)
-        let turned = angular.unwrap_or(Vector3::zero()) + away.cross(linear);
-        jacobian.angular_mut(1)[row] = -turned;
+        let angular_row = angular.unwrap_or(Vector3::zero()) + offset.cross(linear);
+        jacobian.angular_mut(1)[row] = -angular_row;
     }
 }
 
 /// Returns an error for the first number that is not finite.
-pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
+pub(super) fn check_finite(
+    what: &str,
+    numbers: impl IntoIterator<Item = f64>,
+) -> Result<(), String> {
     match numbers.into_iter().find(|number| !number.is_finite()) {
         Some(number) => Err(format!(
             "{what} holds {number}, which is not a finite number"
@@ -279,27 +285,27 @@ pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> 
 }
 
 /// Returns an error for a vector that is not finite or is zero.
-pub(super) fn no_direction(what: &str, vector: Vector3<f64>) -> Result<(), String> {
-    not_finite(what, vector.to_array())?;
-    refuse(vector.norm() <= 0.0, || format!("{what} has no direction"))
+pub(super) fn check_direction(what: &str, vector: Vector3<f64>) -> Result<(), String> {
+    check_finite(what, vector.to_array())?;
+    error_if(vector.norm() <= 0.0, || format!("{what} has no direction"))
 }
 
 /// Returns an error for a time step that is not positive and finite.
-pub(super) fn no_time_step(seconds: f64) -> Result<(), String> {
-    let usable = seconds > 0.0 && seconds.is_finite();
-    refuse(!usable, || {
+pub(super) fn check_time_step(seconds: f64) -> Result<(), String> {
+    let is_valid = seconds > 0.0 && seconds.is_finite();
+    error_if(!is_valid, || {
         format!("its time step {seconds} s is not positive")
     })
 }
 
 /// Returns an error for a frame that is its own base.
-pub(super) fn own_base(frame: FrameId, base: Option<FrameId>) -> Result<(), String> {
-    refuse(base == Some(frame), || {
+pub(super) fn check_base(frame: FrameId, base: Option<FrameId>) -> Result<(), String> {
+    error_if(base == Some(frame), || {
         "its frame is its own base, so nothing moves it there".to_owned()
     })
 }
 
-/// Returns an error with `reason` if `bad` is true.
-pub(super) fn refuse(bad: bool, reason: impl FnOnce() -> String) -> Result<(), String> {
-    if bad { Err(reason()) } else { Ok(()) }
+/// Returns an error with `reason` if `condition` is true.
+pub(super) fn error_if(condition: bool, reason: impl FnOnce() -> String) -> Result<(), String> {
+    if condition { Err(reason()) } else { Ok(()) }
 }

@@ -1,6 +1,6 @@
 //! Joint velocity minimisation.
 
-use super::residual::no_time_step;
+use super::residual::check_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
 use crate::model::{FrameId, Model};
@@ -90,6 +90,6 @@ impl Residual for Smoothness {
 
     fn validate(&self) -> Result<(), String> {
         self.previous.validate()?;
-        no_time_step(self.time_step_s)
+        check_time_step(self.time_step_s)
     }
 }

@@ -3,7 +3,7 @@
 use super::by_dual_numbers::moved_by_unit_twists;
 use super::centre_of_mass::Body;
 use super::convex_polygon::{ConvexPolygon, Point2};
-use super::residual::{not_finite, refuse};
+use super::residual::{check_finite, error_if};
 use super::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, Masses};
 use crate::scalar::{Dual, Scalar};
@@ -56,7 +56,7 @@ pub struct SupportPolygon {
     margin: f64,
     up: Vector3<f64>,
     /// The polygon reduced by the margin, if no support point is on a frame; `None` otherwise.
-    still: Option<ConvexPolygon<f64>>,
+    fixed_polygon: Option<ConvexPolygon<f64>>,
 }
 
 /// A support point.
@@ -64,7 +64,7 @@ pub struct SupportPolygon {
 struct Support {
     /// Index of the frame that carries it; `None` for the world.
     frame: Option<usize>,
-    at: Vector3<f64>,
+    position: Vector3<f64>,
 }
 
 impl SupportPolygon {
@@ -77,7 +77,7 @@ impl SupportPolygon {
             frames: Vec::new(),
             margin: 0.0,
             up: Vector3::UNITS[2],
-            still: None,
+            fixed_polygon: None,
         }
     }
 
@@ -85,14 +85,14 @@ impl SupportPolygon {
         /// Sets the vertical in the world, of any length except zero.
         pub fn with_up(mut self, up: impl Into<Vector3<f64>>) {
             self.up = up.into();
-            self.see();
+            self.update_fixed_polygon();
         }
         /// Sets the distance from the polygon's edges, metres.
         ///
         /// If moving frames leave no point inside the margin, the target is the mean of the support points.
         pub fn with_margin(mut self, margin: f64) {
             self.margin = margin;
-            self.see();
+            self.update_fixed_polygon();
         }
     }
 
@@ -102,12 +102,12 @@ impl SupportPolygon {
         mut self,
         points: impl IntoIterator<Item = P>,
     ) -> Self {
-        let points = points.into_iter().map(|at| Support {
+        let points = points.into_iter().map(|position| Support {
             frame: None,
-            at: at.into(),
+            position: position.into(),
         });
         self.points.extend(points);
-        self.see();
+        self.update_fixed_polygon();
         self
     }
 
@@ -118,36 +118,39 @@ impl SupportPolygon {
         frame: FrameId,
         points: impl IntoIterator<Item = P>,
     ) -> Self {
-        let known = self.frames.iter().position(|own| *own == frame);
+        let known = self
+            .frames
+            .iter()
+            .position(|known_frame| *known_frame == frame);
         let slot = known.unwrap_or(self.frames.len());
         if known.is_none() {
             self.frames.push(frame);
         }
-        let points = points.into_iter().map(|at| Support {
+        let points = points.into_iter().map(|position| Support {
             frame: Some(slot),
-            at: at.into(),
+            position: position.into(),
         });
         self.points.extend(points);
-        self.see();
+        self.update_fixed_polygon();
         self
     }
 
     /// Computes the constant polygon, if no support point moves.
-    fn see(&mut self) {
-        let axes = self.across();
-        self.still = self.frames.is_empty().then(|| {
-            let seen = |point: &Support| axes.map(|axis| axis.dot(point.at));
-            ConvexPolygon::around(self.points.iter().map(seen)).shrunk(self.margin)
+    fn update_fixed_polygon(&mut self) {
+        let axes = self.horizontal_axes();
+        self.fixed_polygon = self.frames.is_empty().then(|| {
+            let project = |point: &Support| axes.map(|axis| axis.dot(point.position));
+            ConvexPolygon::around(self.points.iter().map(project)).shrunk(self.margin)
         });
     }
 
     /// Two axes perpendicular to the vertical; with it they are right-handed.
-    fn across(&self) -> [Vector3<f64>; 2] {
+    fn horizontal_axes(&self) -> [Vector3<f64>; 2] {
         let up = self.up * (1.0 / self.up.norm());
         let [x, y, z] = Vector3::UNITS;
         // For a vertical along z these are x and y, so that the rows are in x and y.
-        let beside = if up.dot(z).abs() > 0.5 { x } else { z };
-        let first = beside - up * beside.dot(up);
+        let reference = if up.dot(z).abs() > 0.5 { x } else { z };
+        let first = reference - up * reference.dot(up);
         let first = first * (1.0 / first.norm());
         match up == y {
             true => [z, x],
@@ -156,31 +159,33 @@ impl SupportPolygon {
     }
 
     /// The rows from the centre and the frames with support points; NaN for SIMD lanes, which no problem uses.
-    fn outside<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>]) -> [S; 2] {
-        let axes = self.across().map(Vector3::constant);
-        if let Some(still) = &self.still {
-            return still.outside_of(axes.map(|axis| axis.dot(centre)));
+    fn offset_outside<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>]) -> [S; 2] {
+        let axes = self.horizontal_axes().map(Vector3::constant);
+        if let Some(fixed_polygon) = &self.fixed_polygon {
+            return fixed_polygon.constant_offset_outside(axes.map(|axis| axis.dot(centre)));
         }
-        let seen = axes.map(|axis| axis.dot(centre));
-        self.polygon(frames).shrunk(self.margin).outside(seen)
+        let projected = axes.map(|axis| axis.dot(centre));
+        self.polygon(frames)
+            .shrunk(self.margin)
+            .offset_outside(projected)
     }
 
     /// Writes the slack of the centre in each edge, less the margin, by the point that starts the edge.
     fn slacks<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>], slacks: &mut [S]) {
-        let axes = self.across().map(Vector3::constant);
-        let seen = axes.map(|axis| axis.dot(centre));
-        self.polygon(frames).slacks(seen, self.margin, slacks);
+        let axes = self.horizontal_axes().map(Vector3::constant);
+        let projected = axes.map(|axis| axis.dot(centre));
+        self.polygon(frames).slacks(projected, self.margin, slacks);
     }
 
     /// The convex hull of the support points, projected along the vertical.
     fn polygon<S: Scalar>(&self, frames: &[Placement<S>]) -> ConvexPolygon<S> {
-        let axes = self.across().map(Vector3::constant);
-        let seen = |at: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(at)) };
+        let axes = self.horizontal_axes().map(Vector3::constant);
+        let project = |position: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(position)) };
         ConvexPolygon::around(self.points.iter().map(|point| {
-            let at = Vector3::constant(point.at);
-            seen(match point.frame {
-                Some(frame) => frames[frame].apply(at),
-                None => at,
+            let position = Vector3::constant(point.position);
+            project(match point.frame {
+                Some(frame) => frames[frame].apply(position),
+                None => position,
             })
         }))
     }
@@ -197,14 +202,14 @@ impl SupportPolygon {
     ) {
         let (parts, feet) = frames.split_at(self.body.frames.len());
         let centre = self.body.centre(parts);
-        let mut moved: Vec<Placement<Dual<6>>> = feet.iter().map(Placement::constant).collect();
+        let mut dual_feet: Vec<Placement<Dual<6>>> = feet.iter().map(Placement::constant).collect();
         let variable = |value, axis| Dual::<6>::variable(value, axis);
-        let from = Vector3::new(
+        let dual_centre = Vector3::new(
             variable(centre.x, 0),
             variable(centre.y, 1),
             variable(centre.z, 2),
         );
-        write(from, &moved, rows);
+        write(dual_centre, &dual_feet, rows);
         for (slope, row) in slopes.iter_mut().zip(&*rows) {
             let [x, y, z, ..] = row.derivatives();
             *slope = Vector3::new(x, y, z);
@@ -215,15 +220,15 @@ impl SupportPolygon {
         self.body.differentiate(parts, slopes, jacobian);
         let centre = Vector3::constant(centre);
         for (k, foot) in feet.iter().enumerate() {
-            moved[k] = moved_by_unit_twists(foot);
-            write(centre, &moved, rows);
+            dual_feet[k] = moved_by_unit_twists(foot);
+            write(centre, &dual_feet, rows);
             let slot = parts.len() + k;
             for (row, slope) in rows.iter().enumerate() {
                 let [vx, vy, vz, wx, wy, wz] = slope.derivatives();
                 jacobian.linear_mut(slot)[row] = Vector3::new(vx, vy, vz);
                 jacobian.angular_mut(slot)[row] = Vector3::new(wx, wy, wz);
             }
-            moved[k] = Placement::constant(foot);
+            dual_feet[k] = Placement::constant(foot);
         }
     }
 }
@@ -244,7 +249,7 @@ impl Residual for SupportPolygon {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         let (parts, feet) = frames.split_at(self.body.frames.len());
-        residual.copy_from_slice(&self.outside(self.body.centre(parts), feet));
+        residual.copy_from_slice(&self.offset_outside(self.body.centre(parts), feet));
     }
 
     fn differentiate(
@@ -254,9 +259,9 @@ impl Residual for SupportPolygon {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         let (mut rows, mut slopes) = ([Dual::zero(); 2], [Vector3::zero(); 2]);
-        let room = (&mut rows[..], &mut slopes[..]);
-        self.differentiate_by(frames, jacobian, room, |centre, feet, rows| {
-            rows.copy_from_slice(&self.outside(centre, feet));
+        let buffers = (&mut rows[..], &mut slopes[..]);
+        self.differentiate_by(frames, jacobian, buffers, |centre, feet, rows| {
+            rows.copy_from_slice(&self.offset_outside(centre, feet));
         });
         true
     }
@@ -274,34 +279,37 @@ impl Residual for SupportPolygon {
     ) -> bool {
         let edges = jacobian.rows();
         let (mut rows, mut slopes) = (vec![Dual::zero(); edges], vec![Vector3::zero(); edges]);
-        let room = (&mut rows[..], &mut slopes[..]);
-        self.differentiate_by(frames, jacobian, room, |centre, feet, slacks| {
+        let buffers = (&mut rows[..], &mut slopes[..]);
+        self.differentiate_by(frames, jacobian, buffers, |centre, feet, slacks| {
             Self::slacks(self, centre, feet, slacks);
         });
         true
     }
 
     fn validate(&self) -> Result<(), String> {
-        not_finite("the vertical", self.up.to_array())?;
-        refuse(self.up.norm() <= 0.0, || {
+        check_finite("the vertical", self.up.to_array())?;
+        error_if(self.up.norm() <= 0.0, || {
             "its vertical has no direction".to_owned()
         })?;
-        let coordinates = self.points.iter().flat_map(|point| point.at.to_array());
-        not_finite("its points of support", coordinates)?;
-        refuse(self.points.is_empty(), || {
+        let coordinates = self
+            .points
+            .iter()
+            .flat_map(|point| point.position.to_array());
+        check_finite("its points of support", coordinates)?;
+        error_if(self.points.is_empty(), || {
             "it has no points of support".to_owned()
         })?;
         let margin = self.margin;
-        refuse(!(margin >= 0.0 && margin.is_finite()), || {
+        error_if(!(margin >= 0.0 && margin.is_finite()), || {
             format!("its margin {margin} m is not a number of at least 0")
         })?;
         if !self.frames.is_empty() {
             return Ok(());
         }
-        let axes = self.across();
-        let seen = |point: &Support| axes.map(|axis| axis.dot(point.at));
-        let polygon = ConvexPolygon::around(self.points.iter().map(seen));
-        refuse(!polygon.has_room_for(margin), || {
+        let axes = self.horizontal_axes();
+        let project = |point: &Support| axes.map(|axis| axis.dot(point.position));
+        let polygon = ConvexPolygon::around(self.points.iter().map(project));
+        error_if(!polygon.contains_margin(margin), || {
             format!("its margin {margin} m leaves nothing of its polygon")
         })
     }

@@ -268,7 +268,7 @@ impl ReachLayer {
         let (model, map) = (self.posed.skeleton().model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.tree_workspace);
         let instance = ProblemInstance::from(&self.problem);
-        let instance = instance.with_targets(&self.targets).with_places(&self.tree);
+        let instance = instance.with_targets(&self.targets).with_tree(&self.tree);
         let solution = solver.solve(instance, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         for &bone in &self.moved {

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::curvature::{Curvature, NEW, add_rows};
+use super::curvature::{Curvature, MIN_INDEPENDENT_PART, add_rows};
 use super::descent_problem::DescentProblem;
 use super::inequalities::LevelInequalities;
 use super::level_constraints::LevelConstraint;
@@ -10,7 +10,7 @@ use crate::solver::{dot, half_squared, negligible_slope};
 
 impl Curvature {
     /// Fixes the variables at bounds, and locks the inequalities, that an unreached level pushes against.
-    pub(super) fn fix(
+    pub(super) fn fix_active_bounds(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         (ranks, inequalities): (&[LevelConstraint], &mut LevelInequalities),
@@ -18,37 +18,40 @@ impl Curvature {
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
         fixed: &mut [bool],
     ) {
-        let space = descent.question.space();
+        let space = descent.instance.space();
         // Multipliers are computed from variables between their bounds.
-        let bound: Vec<bool> = (0..x.len())
+        let is_at_bound: Vec<bool> = (0..x.len())
             .map(|j| !space.is_between_bounds(x, j))
             .collect();
-        for held in ranks.iter().filter(|held| !held.reached) {
-            let own = descent.question.problem.ranks().rows_of(held.rank);
-            self.take_pushes(
+        for level in ranks.iter().filter(|level| !level.reached) {
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
+            self.compute_pushing_multipliers(
                 descent,
                 (ranks, inequalities),
-                held,
+                level,
                 (jacobian, residual),
-                &bound,
+                &is_at_bound,
             );
-            let multipliers = &self.multipliers[held.rank * self.first..][..self.first];
-            let columns = jacobian.as_slice().chunks_exact(self.first.max(1));
-            let mut steepest = 0.0_f64;
+            let multipliers =
+                &self.multipliers[level.rank * self.constraint_rows..][..self.constraint_rows];
+            let columns = jacobian
+                .as_slice()
+                .chunks_exact(self.constraint_rows.max(1));
+            let mut max_column_norm = 0.0_f64;
             for (slope, column) in self.slope.iter_mut().zip(columns) {
                 *slope = dot(column, multipliers);
-                let own = &column[own.clone()];
-                steepest = steepest.max(dot(own, own).sqrt());
+                let entries = &column[row_range.clone()];
+                max_column_norm = max_column_norm.max(dot(entries, entries).sqrt());
             }
-            let cost = half_squared(&residual[own]);
-            let negligible = negligible_slope(steepest, cost, &descent.stopping);
+            let cost = half_squared(&residual[row_range]);
+            let negligible = negligible_slope(max_column_norm, cost, &descent.stopping);
             for (j, fixed) in fixed.iter_mut().enumerate() {
                 *fixed |= space.holds(x, j, self.slope[j], negligible);
             }
-            let pushes = &multipliers[self.residual..];
-            for edge in (0..pushes.len()).filter(|&edge| pushes[edge] < 0.0) {
-                let row = jacobian.row(self.residual + edge).norm();
-                if -pushes[edge] * row > negligible {
+            let push_multipliers = &multipliers[self.residual_rows..];
+            for edge in (0..push_multipliers.len()).filter(|&edge| push_multipliers[edge] < 0.0) {
+                let row = jacobian.row(self.residual_rows + edge).norm();
+                if -push_multipliers[edge] * row > negligible {
                     inequalities.lock(edge);
                 }
             }
@@ -56,38 +59,52 @@ impl Curvature {
     }
 
     /// Computes λ of an unreached level, with the active inequalities of levels above that it pushes against.
-    fn take_pushes(
+    fn compute_pushing_multipliers(
         &mut self,
         descent: &DescentProblem<'_, '_>,
         (ranks, inequalities): (&[LevelConstraint], &LevelInequalities),
-        missed: &LevelConstraint,
+        unreached: &LevelConstraint,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
-        bound: &[bool],
+        is_at_bound: &[bool],
     ) {
-        let mut above = std::mem::take(&mut self.running);
-        let mut let_go = Vec::new();
+        let mut span = std::mem::take(&mut self.span);
+        let mut dropped = Vec::new();
         loop {
-            above.clear();
+            span.clear();
             let higher = ranks
                 .iter()
-                .filter(|held| held.rank < missed.rank && held.reached);
-            for held in higher {
-                let own = descent.question.problem.ranks().rows_of(held.rank);
-                add_rows(&mut above, jacobian, own, bound, NEW);
-                let edges = inequalities.holding_of(held.rank);
-                for edge in edges.filter(|edge| !let_go.contains(edge)) {
-                    let row = self.residual + edge;
-                    add_rows(&mut above, jacobian, row..row + 1, bound, NEW);
+                .filter(|level| level.rank < unreached.rank && level.reached);
+            for level in higher {
+                let row_range = descent.instance.problem.ranks().rows_of(level.rank);
+                add_rows(
+                    &mut span,
+                    jacobian,
+                    row_range,
+                    is_at_bound,
+                    MIN_INDEPENDENT_PART,
+                );
+                let edges = inequalities.equations_of(level.rank);
+                for edge in edges.filter(|edge| !dropped.contains(edge)) {
+                    let row = self.residual_rows + edge;
+                    add_rows(
+                        &mut span,
+                        jacobian,
+                        row..row + 1,
+                        is_at_bound,
+                        MIN_INDEPENDENT_PART,
+                    );
                 }
             }
-            self.take_multipliers(descent, ranks, missed, &mut above, (jacobian, residual));
-            let pushes = &self.multipliers[missed.rank * self.first..][self.residual..self.first];
-            let hardest = (0..pushes.len()).max_by(|&a, &b| pushes[a].total_cmp(&pushes[b]));
-            match hardest.filter(|&edge| pushes[edge] > 0.0) {
-                Some(edge) => let_go.push(edge),
+            self.compute_multipliers(descent, ranks, unreached, &mut span, (jacobian, residual));
+            let push_multipliers = &self.multipliers[unreached.rank * self.constraint_rows..]
+                [self.residual_rows..self.constraint_rows];
+            let most_inward = (0..push_multipliers.len())
+                .max_by(|&a, &b| push_multipliers[a].total_cmp(&push_multipliers[b]));
+            match most_inward.filter(|&edge| push_multipliers[edge] > 0.0) {
+                Some(edge) => dropped.push(edge),
                 None => break,
             }
         }
-        self.running = above;
+        self.span = span;
     }
 }

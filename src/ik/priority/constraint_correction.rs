@@ -1,133 +1,144 @@
 //! Correction of a trial point back to the constraints.
 
 use super::descent_problem::DescentProblem;
-use super::level_constraints::{Held, HigherLevels, SAME_MISS};
+use super::level_constraints::{COST_TOLERANCE, HigherLevels, LevelConstraints};
 use crate::problem::{Evaluation, Problem, TaskSubset};
 use crate::solver::{AnyMethod, HeldStep, LevenbergMarquardt, Silent, StepBounds, half_squared};
 
 /// Maximum number of corrections of a trial.
-const CORRECTIONS: usize = 6;
+const MAX_CORRECTIONS: usize = 6;
 /// Maximum number of iterations that re-solve an unreached first level.
-const SETTLING: usize = 20;
+const MAX_RESOLVE_ITERATIONS: usize = 20;
 
-impl Held {
+impl LevelConstraints {
     /// Moves a trial back to the constraints. Returns whether it satisfies them.
-    pub(super) fn bring_back(
+    pub(super) fn correct_trial(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         trial: &mut [f64],
         step: &mut HeldStep,
         fixed: &[bool],
     ) -> bool {
-        match self.above {
+        match self.higher_levels {
             HigherLevels::Reached | HigherLevels::Mixed => {
-                self.correct(descent, trial, step, fixed)
+                self.correct_by_newton(descent, trial, step, fixed)
             }
-            HigherLevels::FirstMissed => self.settle(descent, trial),
+            HigherLevels::FirstUnreached => self.resolve_first_level(descent, trial),
         }
     }
 
     /// Applies Newton's method to the changed residuals of reached levels and gradients of unreached ones.
-    fn correct(
+    fn correct_by_newton(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         trial: &mut [f64],
         step: &mut HeldStep,
         fixed: &[bool],
     ) -> bool {
-        let question = descent.question;
-        let (share, rows, rank) = (self.share(), self.kept.len(), self.ranks.len());
-        for round in 0..=CORRECTIONS {
-            descent.residual(share, trial, &mut self.now[..rows]);
-            let stands = self.stand(question.problem);
-            if self.above == HigherLevels::Mixed && round < CORRECTIONS {
-                self.curvature.slopes(descent, &self.ranks, trial, fixed);
+        let instance = descent.instance;
+        let (subset, rows, rank) = (self.subset(), self.held_residual.len(), self.ranks.len());
+        for round in 0..=MAX_CORRECTIONS {
+            descent.residual(subset, trial, &mut self.residual_change[..rows]);
+            let is_as_good = self.are_levels_as_good(instance.problem);
+            if self.higher_levels == HigherLevels::Mixed && round < MAX_CORRECTIONS {
+                self.curvature
+                    .compute_slopes(descent, &self.ranks, trial, fixed);
             }
-            for (now, kept) in self.now.iter_mut().zip(&self.kept) {
-                *now -= kept;
+            for (value, held_value) in self.residual_change.iter_mut().zip(&self.held_residual) {
+                *value -= held_value;
             }
-            let change = self.now.split_at_mut(rows);
+            let change_parts = self.residual_change.split_at_mut(rows);
             self.inequalities
-                .change(descent, (rank, trial), round == 0, change);
+                .write_violations(descent, (rank, trial), round == 0, change_parts);
             // At least one correction: second-order errors of a step can exceed its decrease.
-            if round > 0 && stands && self.is_kept(question.problem) {
+            if round > 0 && is_as_good && self.is_within_tolerance(instance.problem) {
                 return true;
             }
-            if round == CORRECTIONS || !self.now.iter().all(|v| v.is_finite()) {
+            if round == MAX_CORRECTIONS || !self.residual_change.iter().all(|v| v.is_finite()) {
                 break;
             }
-            self.take_jacobian_there(descent, trial);
-            let (held, miss) = match self.above {
-                HigherLevels::Mixed => {
-                    self.curvature
-                        .system(descent, &self.ranks, &self.jacobian, &self.now)
-                }
-                _ => (&self.jacobian, &self.now[..]),
+            self.compute_trial_jacobian(descent, trial);
+            let (constraint_rows, changes) = match self.higher_levels {
+                HigherLevels::Mixed => self.curvature.system(
+                    descent,
+                    &self.ranks,
+                    &self.jacobian,
+                    &self.residual_change,
+                ),
+                _ => (&self.jacobian, &self.residual_change[..]),
             };
-            let within = StepBounds {
+            let bounds = StepBounds {
                 x: trial,
-                space: question.space(),
+                space: instance.space(),
                 fixed,
             };
-            step.restore(held, miss, &within, &mut self.back);
+            step.restore(constraint_rows, changes, &bounds, &mut self.correction);
             self.uncorrected.copy_from_slice(trial);
-            let space = question.space();
-            space.integrate(&self.uncorrected, &self.back, trial);
+            let space = instance.space();
+            space.integrate(&self.uncorrected, &self.correction, trial);
             space.project(trial);
         }
         false
     }
 
     /// Computes the constraint Jacobian at a trial.
-    fn take_jacobian_there(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &[f64]) {
-        let share = self.share();
+    fn compute_trial_jacobian(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &[f64]) {
+        let subset = self.subset();
         if self.inequalities.len() == 0 {
-            return descent.held_jacobian(share, trial, &mut self.jacobian);
+            return descent.constraint_jacobian(subset, trial, &mut self.jacobian);
         }
-        descent.held_jacobian(share, trial, &mut self.of_residual);
-        let at = (self.ranks.len(), trial);
-        self.inequalities
-            .complete_there(descent, at, &self.of_residual, &mut self.jacobian);
+        descent.constraint_jacobian(subset, trial, &mut self.residual_jacobian);
+        let rank_and_trial = (self.ranks.len(), trial);
+        self.inequalities.write_trial_jacobian(
+            descent,
+            rank_and_trial,
+            &self.residual_jacobian,
+            &mut self.jacobian,
+        );
     }
 
     /// Returns whether every level is as good as before by the current residual: reached, or unreached at no higher
     /// cost.
-    fn stand(&self, problem: &Problem) -> bool {
-        self.ranks.iter().all(|held| {
-            let own = &self.now[problem.ranks().rows_of(held.rank)];
-            match held.reached {
-                true => problem.is_reached_by(TaskSubset::rank(held.rank), own),
-                false => half_squared(own) <= held.cost * (1.0 + SAME_MISS),
+    fn are_levels_as_good(&self, problem: &Problem) -> bool {
+        self.ranks.iter().all(|level| {
+            let residual = &self.residual_change[problem.ranks().rows_of(level.rank)];
+            match level.reached {
+                true => problem.is_reached_by(TaskSubset::rank(level.rank), residual),
+                false => half_squared(residual) <= level.cost * (1.0 + COST_TOLERANCE),
             }
         })
     }
 
     /// Returns whether reached levels have kept their residual within tolerance.
-    fn is_kept(&self, problem: &Problem) -> bool {
-        let mut reached = self.ranks.iter().filter(|held| held.reached);
-        let edges = &self.now[self.kept.len()..];
-        self.inequalities.are_kept(edges)
-            && reached.all(|held| {
-                let own = &self.now[problem.ranks().rows_of(held.rank)];
-                problem.is_kept(TaskSubset::rank(held.rank), own)
+    fn is_within_tolerance(&self, problem: &Problem) -> bool {
+        let mut reached = self.ranks.iter().filter(|level| level.reached);
+        let edges = &self.residual_change[self.held_residual.len()..];
+        self.inequalities.are_within_tolerance(edges)
+            && reached.all(|level| {
+                let residual = &self.residual_change[problem.ranks().rows_of(level.rank)];
+                problem.is_kept(TaskSubset::rank(level.rank), residual)
             })
     }
 
     /// Re-solves an unreached first level from the trial. Returns whether its cost is as low as before.
-    fn settle(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &mut [f64]) -> bool {
-        let stopping = descent.stopping.with_max_iterations(SETTLING);
-        let share = self.share();
-        let memory = &mut *descent.memory;
+    fn resolve_first_level(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        trial: &mut [f64],
+    ) -> bool {
+        let stopping = descent.stopping.with_max_iterations(MAX_RESOLVE_ITERATIONS);
+        let subset = self.subset();
+        let state = &mut *descent.state;
         LevenbergMarquardt::default().minimise(
-            &mut Evaluation::of(share, descent.question, descent.scratch),
+            &mut Evaluation::of(subset, descent.instance, descent.scratch),
             trial,
             &stopping,
             descent.deadline,
             &mut Silent,
-            memory,
+            state,
         );
-        descent.counts += memory.counts();
-        trial.copy_from_slice(memory.x());
-        memory.cost() <= half_squared(&self.kept) * (1.0 + SAME_MISS)
+        descent.counts += state.counts();
+        trial.copy_from_slice(state.x());
+        state.cost() <= half_squared(&self.held_residual) * (1.0 + COST_TOLERANCE)
     }
 }

@@ -9,14 +9,14 @@ use nalgebra::DMatrix;
 use super::descent_problem::DescentProblem;
 use super::inequalities::LevelInequalities;
 use super::level_constraints::{LevelConstraint, is_of_reached};
-use super::slope_differences::{SlopeDifferences, Weighted};
+use super::slope_differences::{SlopeDifferences, WeightedGradient};
 use crate::problem::{Problem, TaskSubset};
 use crate::solver::{RowSpan, dot};
 
 /// Part of a row outside the span, relative to its level's rows, above which the row is independent.
-pub(super) const NEW: f64 = 1e-9;
-/// As `NEW`, for curvature rows, which come from finite differences.
-pub(super) const NEW_CURVATURE: f64 = 1e-5;
+pub(super) const MIN_INDEPENDENT_PART: f64 = 1e-9;
+/// As `MIN_INDEPENDENT_PART`, for curvature rows, which come from finite differences.
+pub(super) const MIN_INDEPENDENT_CURVATURE: f64 = 1e-5;
 
 /// Constraint rows of unreached levels, with scratch memory.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +25,8 @@ pub(super) struct Curvature {
     /// level.
     rows: DMatrix<f64>,
     /// Number of residual rows, and number of residual and inequality rows.
-    pub(super) residual: usize,
-    pub(super) first: usize,
+    pub(super) residual_rows: usize,
+    pub(super) constraint_rows: usize,
     /// Change of the constrained values.
     change: Vec<f64>,
     pub(super) slope: Vec<f64>,
@@ -34,8 +34,8 @@ pub(super) struct Curvature {
     /// Weights of the row gradients in each unreached level's ∇L, level by level.
     pub(super) multipliers: Vec<f64>,
     /// Row span of the levels above each unreached one.
-    above: Vec<RowSpan>,
-    pub(super) running: RowSpan,
+    higher_spans: Vec<RowSpan>,
+    pub(super) span: RowSpan,
 }
 
 impl Curvature {
@@ -45,21 +45,21 @@ impl Curvature {
         let rows = problem.rows_of(TaskSubset::above(rank));
         self.slope.resize(n, 0.0);
         self.differences.fit(n, rows);
-        let edges = problem.edges_above(rank);
-        (self.residual, self.first) = (rows, rows + edges);
-        let own = match rank {
+        let edges = problem.slacks_above(rank);
+        (self.residual_rows, self.constraint_rows) = (rows, rows + edges);
+        let total_rows = match rank {
             1 => n,
             _ => rows + edges + n * rank,
         };
-        if self.rows.shape() != (own, n) {
-            self.rows = DMatrix::zeros(own, n);
+        if self.rows.shape() != (total_rows, n) {
+            self.rows = DMatrix::zeros(total_rows, n);
         }
         if rank > 1 {
-            self.change.resize(own, 0.0);
+            self.change.resize(total_rows, 0.0);
             self.multipliers.resize((rows + edges) * rank, 0.0);
-            self.above.resize_with(rank, RowSpan::default);
+            self.higher_spans.resize_with(rank, RowSpan::default);
         }
-        own
+        total_rows
     }
 
     /// Constraint Jacobian C.
@@ -72,26 +72,26 @@ impl Curvature {
     }
 
     /// Computes the Hessian of the cost of a lone level at x.
-    pub(super) fn of_first(
+    pub(super) fn compute_first_level(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         x: &[f64],
         fixed: &[bool],
     ) {
         let n = x.len();
-        let of = Weighted {
-            share: TaskSubset::rank(0),
+        let cost = WeightedGradient {
+            subset: TaskSubset::rank(0),
             multipliers: &[],
-            edges: &[],
-            own: 0..0,
+            inequality_multipliers: &[],
+            residual_rows: 0..0,
         };
-        (self.differences).columns(descent, &of, x, fixed, |j, column| {
+        (self.differences).columns(descent, &cost, x, fixed, |j, column| {
             self.rows.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
         });
     }
 
     /// Computes the rows of all levels at x, from their Jacobian and residual there.
-    pub(super) fn of_all(
+    pub(super) fn compute_all_levels(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         (ranks, inequalities): (&[LevelConstraint], &LevelInequalities),
@@ -100,71 +100,83 @@ impl Curvature {
         fixed: &[bool],
     ) {
         self.rows.as_mut_slice().fill(0.0);
-        self.copy_rows(jacobian, self.residual..self.first);
-        let mut above = std::mem::take(&mut self.running);
-        above.clear();
-        for held in ranks {
-            let own = descent.question.problem.ranks().rows_of(held.rank);
-            if held.reached {
-                self.copy_rows(jacobian, own.clone());
-                add_rows(&mut above, jacobian, own, fixed, NEW);
-                for edge in inequalities.locked_of(held.rank) {
-                    let row = self.residual + edge;
-                    add_rows(&mut above, jacobian, row..row + 1, fixed, NEW);
+        self.copy_rows(jacobian, self.residual_rows..self.constraint_rows);
+        let mut span = std::mem::take(&mut self.span);
+        span.clear();
+        for level in ranks {
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
+            if level.reached {
+                self.copy_rows(jacobian, row_range.clone());
+                add_rows(&mut span, jacobian, row_range, fixed, MIN_INDEPENDENT_PART);
+                for edge in inequalities.locked_of(level.rank) {
+                    let row = self.residual_rows + edge;
+                    add_rows(
+                        &mut span,
+                        jacobian,
+                        row..row + 1,
+                        fixed,
+                        MIN_INDEPENDENT_PART,
+                    );
                 }
                 continue;
             }
-            self.take_multipliers(descent, ranks, held, &mut above, (jacobian, residual));
-            self.above[held.rank].clone_from(&above);
-            self.differentiate_slope(descent, (ranks, held), x, fixed);
-            let first = self.first + held.rank * x.len();
-            let own = first..first + x.len();
-            add_rows(&mut above, &self.rows, own, fixed, NEW_CURVATURE);
+            self.compute_multipliers(descent, ranks, level, &mut span, (jacobian, residual));
+            self.higher_spans[level.rank].clone_from(&span);
+            self.differentiate_slope(descent, (ranks, level), x, fixed);
+            let first = self.constraint_rows + level.rank * x.len();
+            let row_range = first..first + x.len();
+            add_rows(
+                &mut span,
+                &self.rows,
+                row_range,
+                fixed,
+                MIN_INDEPENDENT_CURVATURE,
+            );
         }
-        self.running = above;
+        self.span = span;
     }
 
     /// Computes the weights of all row gradients in an unreached level's ∇L: multipliers, and its own residual.
-    pub(super) fn take_multipliers(
+    pub(super) fn compute_multipliers(
         &mut self,
         descent: &DescentProblem<'_, '_>,
         ranks: &[LevelConstraint],
-        missed: &LevelConstraint,
-        above: &mut RowSpan,
+        unreached: &LevelConstraint,
+        span: &mut RowSpan,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
     ) {
-        let (rows, first) = (self.first, self.residual);
-        let own = descent.question.problem.ranks().rows_of(missed.rank);
+        let (rows, first) = (self.constraint_rows, self.residual_rows);
+        let row_range = descent.instance.problem.ranks().rows_of(unreached.rank);
         let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
         for (slope, column) in slope.iter_mut().zip(columns) {
-            *slope = dot(&column[own.clone()], &residual[own.clone()]);
+            *slope = dot(&column[row_range.clone()], &residual[row_range.clone()]);
         }
-        let multipliers = &mut self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
+        let multipliers = &mut self.multipliers[unreached.rank * rows..(unreached.rank + 1) * rows];
         multipliers.fill(0.0);
-        for (row, multiplier) in above.multipliers(slope) {
+        for (row, multiplier) in span.multipliers(slope) {
             let is_edge = (first..rows).contains(&row);
-            if is_edge || is_of_reached(descent.question.problem, ranks, row) {
+            if is_edge || is_of_reached(descent.instance.problem, ranks, row) {
                 multipliers[row] = multiplier;
             }
         }
-        multipliers[own.clone()].copy_from_slice(&residual[own]);
+        multipliers[row_range.clone()].copy_from_slice(&residual[row_range]);
     }
 
     /// Computes P ∇L of every unreached level at a trial.
-    pub(super) fn slopes(
+    pub(super) fn compute_slopes(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         ranks: &[LevelConstraint],
         trial: &[f64],
         fixed: &[bool],
     ) {
-        let (rows, n) = ((self.residual, self.first), trial.len());
-        for missed in ranks.iter().filter(|held| !held.reached) {
-            let of = lagrangian(descent, ranks, missed, &self.multipliers, rows);
-            let slope = self.differences.slope(descent, &of, trial, fixed);
-            self.above[missed.rank].project_out(slope);
-            let first = rows.1 + missed.rank * n;
+        let (rows, n) = ((self.residual_rows, self.constraint_rows), trial.len());
+        for unreached in ranks.iter().filter(|level| !level.reached) {
+            let weighted = lagrangian(descent, ranks, unreached, &self.multipliers, rows);
+            let slope = self.differences.slope(descent, &weighted, trial, fixed);
+            self.higher_spans[unreached.rank].project_out(slope);
+            let first = rows.1 + unreached.rank * n;
             self.change[first..first + n].copy_from_slice(slope);
         }
     }
@@ -173,16 +185,19 @@ impl Curvature {
     fn differentiate_slope(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
-        (ranks, missed): (&[LevelConstraint], &LevelConstraint),
+        (ranks, unreached): (&[LevelConstraint], &LevelConstraint),
         x: &[f64],
         fixed: &[bool],
     ) {
         let n = x.len();
-        let (order, rows) = (self.rows.nrows(), (self.residual, self.first));
-        let of = lagrangian(descent, ranks, missed, &self.multipliers, rows);
-        (self.differences).columns(descent, &of, x, fixed, |j, column| {
-            self.above[missed.rank].project_out(column);
-            let first = j * order + rows.1 + missed.rank * n;
+        let (order, rows) = (
+            self.rows.nrows(),
+            (self.residual_rows, self.constraint_rows),
+        );
+        let weighted = lagrangian(descent, ranks, unreached, &self.multipliers, rows);
+        (self.differences).columns(descent, &weighted, x, fixed, |j, column| {
+            self.higher_spans[unreached.rank].project_out(column);
+            let first = j * order + rows.1 + unreached.rank * n;
             self.rows.as_mut_slice()[first..first + n].copy_from_slice(column);
         });
     }
@@ -198,49 +213,51 @@ impl Curvature {
         jacobian: &DMatrix<f64>,
         residual_change: &[f64],
     ) -> (&DMatrix<f64>, &[f64]) {
-        for held in ranks {
-            let own = descent.question.problem.ranks().rows_of(held.rank);
-            match held.reached {
+        for level in ranks {
+            let row_range = descent.instance.problem.ranks().rows_of(level.rank);
+            match level.reached {
                 true => {
-                    self.change[own.clone()].copy_from_slice(&residual_change[own.clone()]);
-                    self.copy_rows(jacobian, own);
+                    self.change[row_range.clone()]
+                        .copy_from_slice(&residual_change[row_range.clone()]);
+                    self.copy_rows(jacobian, row_range);
                 }
-                false => self.change[own].fill(0.0),
+                false => self.change[row_range].fill(0.0),
             }
         }
-        let edges = self.residual..self.first;
+        let edges = self.residual_rows..self.constraint_rows;
         self.change[edges.clone()].copy_from_slice(&residual_change[edges.clone()]);
         self.copy_rows(jacobian, edges);
         (&self.rows, &self.change)
     }
 
-    fn copy_rows(&mut self, jacobian: &DMatrix<f64>, own: std::ops::Range<usize>) {
+    fn copy_rows(&mut self, jacobian: &DMatrix<f64>, row_range: std::ops::Range<usize>) {
         let (order, rows) = (self.rows.nrows(), jacobian.nrows());
         let columns = self.rows.as_mut_slice().chunks_exact_mut(order.max(1));
         for (to, from) in columns.zip(jacobian.as_slice().chunks_exact(rows.max(1))) {
-            to[own.clone()].copy_from_slice(&from[own.clone()]);
+            to[row_range.clone()].copy_from_slice(&from[row_range.clone()]);
         }
     }
 }
 
-/// Adds rows of a matrix, restricted to free variables, if their independent part exceeds `share` of their common norm.
+/// Adds rows of a matrix, restricted to free variables, if their independent part exceeds `min_part` of their common
+/// norm.
 pub(super) fn add_rows(
     space: &mut RowSpan,
     matrix: &DMatrix<f64>,
     rows: std::ops::Range<usize>,
     fixed: &[bool],
-    share: f64,
+    min_part: f64,
 ) {
     let columns = || {
         let columns = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
         columns.zip(fixed)
     };
-    let moving = columns().filter(|(_, fixed)| !**fixed);
+    let free_columns = columns().filter(|(_, fixed)| !**fixed);
     let squared: f64 =
-        (moving.map(|(column, _)| dot(&column[rows.clone()], &column[rows.clone()]))).sum();
+        (free_columns.map(|(column, _)| dot(&column[rows.clone()], &column[rows.clone()]))).sum();
     for row in rows {
         let entries = columns().map(|(column, fixed)| if *fixed { 0.0 } else { column[row] });
-        space.add(row, entries, share * squared.sqrt());
+        space.add(row, entries, min_part * squared.sqrt());
     }
 }
 
@@ -248,15 +265,16 @@ pub(super) fn add_rows(
 fn lagrangian<'a>(
     descent: &DescentProblem<'_, '_>,
     ranks: &[LevelConstraint],
-    missed: &LevelConstraint,
+    unreached: &LevelConstraint,
     multipliers: &'a [f64],
-    (residual, all): (usize, usize),
-) -> Weighted<'a> {
-    let (multipliers, edges) = multipliers[missed.rank * all..][..all].split_at(residual);
-    Weighted {
-        share: TaskSubset::above(ranks.len()),
+    (residual_rows, constraint_rows): (usize, usize),
+) -> WeightedGradient<'a> {
+    let (multipliers, edges) =
+        multipliers[unreached.rank * constraint_rows..][..constraint_rows].split_at(residual_rows);
+    WeightedGradient {
+        subset: TaskSubset::above(ranks.len()),
         multipliers,
-        edges,
-        own: descent.question.problem.ranks().rows_of(missed.rank),
+        inequality_multipliers: edges,
+        residual_rows: descent.instance.problem.ranks().rows_of(unreached.rank),
     }
 }

@@ -7,65 +7,65 @@ use crate::solver::{Counts, LeastSquares, SolverState, Stopping};
 
 /// Problem of a descent, the memory to evaluate it, and evaluation counts.
 pub(super) struct DescentProblem<'q, 'm> {
-    pub(super) question: ProblemInstance<'q>,
+    pub(super) instance: ProblemInstance<'q>,
     pub(super) scratch: &'m mut Scratch,
-    pub(super) memory: &'m mut SolverState,
+    pub(super) state: &'m mut SolverState,
     pub(super) stopping: Stopping,
     pub(super) deadline: Option<crate::clock::Instant>,
     pub(super) counts: Counts,
 }
 
 impl DescentProblem<'_, '_> {
-    pub(super) fn evaluate(&mut self, share: TaskSubset) -> Evaluation<'_> {
-        Evaluation::of(share, self.question, self.scratch)
+    pub(super) fn evaluate(&mut self, subset: TaskSubset) -> Evaluation<'_> {
+        Evaluation::of(subset, self.instance, self.scratch)
     }
 
     /// Writes r(x) of a task subset.
-    pub(super) fn residual(&mut self, share: TaskSubset, x: &[f64], residual: &mut [f64]) {
+    pub(super) fn residual(&mut self, subset: TaskSubset, x: &[f64], residual: &mut [f64]) {
         self.counts.residuals += 1;
-        self.evaluate(share).residual(x, residual);
+        self.evaluate(subset).residual(x, residual);
     }
 
     /// Writes J(x) of a minimised task subset.
-    pub(super) fn jacobian(&mut self, share: TaskSubset, x: &[f64], jacobian: &mut DMatrix<f64>) {
+    pub(super) fn jacobian(&mut self, subset: TaskSubset, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.counts.jacobians += 1;
-        self.evaluate(share).jacobian(x, jacobian);
+        self.evaluate(subset).jacobian(x, jacobian);
     }
 
     /// Writes J(x) of a constrained task subset, with zero rows for errors of unlimited tolerance.
-    pub(super) fn held_jacobian(
+    pub(super) fn constraint_jacobian(
         &mut self,
-        share: TaskSubset,
+        subset: TaskSubset,
         x: &[f64],
         jacobian: &mut DMatrix<f64>,
     ) {
-        self.jacobian(share, x, jacobian);
+        self.jacobian(subset, x, jacobian);
         let rows = jacobian.nrows();
-        for free in self.question.problem.free_rows(share) {
+        for free_rows in self.instance.problem.free_rows(subset) {
             for column in jacobian.as_mut_slice().chunks_exact_mut(rows.max(1)) {
-                column[free.clone()].fill(0.0);
+                column[free_rows.clone()].fill(0.0);
             }
         }
     }
 
     /// Writes the slacks of the inequalities of a task subset.
-    pub(super) fn slacks(&mut self, share: TaskSubset, x: &[f64], slacks: &mut [f64]) {
+    pub(super) fn slacks(&mut self, subset: TaskSubset, x: &[f64], slacks: &mut [f64]) {
         if !slacks.is_empty() {
             self.counts.residuals += 1;
-            self.evaluate(share).slacks(x, slacks);
+            self.evaluate(subset).slacks(x, slacks);
         }
     }
 
     /// Writes the Jacobian of the slacks.
-    pub(super) fn depth_jacobian(
+    pub(super) fn slack_jacobian(
         &mut self,
-        share: TaskSubset,
+        subset: TaskSubset,
         x: &[f64],
         jacobian: &mut DMatrix<f64>,
     ) {
         if !jacobian.is_empty() {
             self.counts.jacobians += 1;
-            self.evaluate(share).depth_jacobian(x, jacobian);
+            self.evaluate(subset).slack_jacobian(x, jacobian);
         }
     }
 

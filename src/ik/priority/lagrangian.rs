@@ -2,54 +2,55 @@
 
 use super::descent::Descent;
 use super::descent_problem::DescentProblem;
-use super::slope_differences::release;
+use super::slope_differences::clear_fixed;
 use crate::solver::dot;
 
 impl Descent {
     /// Computes the constraints, ∇L and the row weights at x, from the level's residual and Jacobian there.
-    pub(super) fn take_lagrangian(&mut self, descent: &mut DescentProblem<'_, '_>) {
-        self.take_held(descent);
-        self.take_multipliers(descent);
+    pub(super) fn compute_lagrangian(&mut self, descent: &mut DescentProblem<'_, '_>) {
+        self.compute_constraints(descent);
+        self.compute_multipliers(descent);
     }
 
     /// Computes the constraints at x.
-    pub(super) fn take_held(&mut self, descent: &mut DescentProblem<'_, '_>) {
-        let stepped = self.newton.has_stepped;
-        self.held.take_rows(descent, &self.x, &self.fixed, stepped);
+    pub(super) fn compute_constraints(&mut self, descent: &mut DescentProblem<'_, '_>) {
+        let has_stepped = self.newton.has_stepped;
+        self.constraints
+            .compute_rows(descent, &self.x, &self.fixed, has_stepped);
     }
 
     /// Computes ∇L for the constraints and the held variables, and removes inequalities that are pulled inward.
-    pub(super) fn take_multipliers(&mut self, descent: &DescentProblem<'_, '_>) {
+    pub(super) fn compute_multipliers(&mut self, descent: &DescentProblem<'_, '_>) {
         let Self {
             newton,
-            held,
+            constraints,
             jacobian,
-            pulls,
+            residual,
             fixed,
             ..
         } = self;
-        let problem = descent.question.problem;
+        let problem = descent.instance.problem;
         loop {
-            let columns = jacobian.as_slice().chunks_exact(pulls.len().max(1));
+            let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
             for (slope, column) in newton.slope.iter_mut().zip(columns) {
-                *slope = dot(column, pulls);
+                *slope = dot(column, residual);
             }
-            newton.above.clear();
-            newton.weights.fill(0.0);
-            newton.edges.fill(0.0);
-            held.span(problem, &mut newton.above, &newton.pinned);
-            held.span_working(&mut newton.above, &newton.pinned);
-            let (slope, weights) = (&mut newton.slope, &mut newton.weights);
-            held.multiply(
+            newton.higher_span.clear();
+            newton.row_weights.fill(0.0);
+            newton.inequality_multipliers.fill(0.0);
+            constraints.add_to_span(problem, &mut newton.higher_span, &newton.is_held);
+            constraints.add_active_to_span(&mut newton.higher_span, &newton.is_held);
+            let (slope, weights) = (&mut newton.slope, &mut newton.row_weights);
+            constraints.apply_multipliers(
                 problem,
-                &mut newton.above,
+                &mut newton.higher_span,
                 slope,
-                (weights, &mut newton.edges),
+                (weights, &mut newton.inequality_multipliers),
             );
-            if !held.let_go(&newton.edges) {
+            if !constraints.drop_inward(&newton.inequality_multipliers) {
                 break;
             }
         }
-        release(&mut newton.slope, fixed);
+        clear_fixed(&mut newton.slope, fixed);
     }
 }

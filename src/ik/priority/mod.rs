@@ -22,10 +22,10 @@ mod trial_inequalities;
 
 use crate::clock::Instant;
 
-use curvature::{NEW, add_rows};
+use curvature::{MIN_INDEPENDENT_PART, add_rows};
 use descent::{Descent, Start};
 use descent_problem::DescentProblem;
-use level_constraints::SAME_MISS;
+use level_constraints::COST_TOLERANCE;
 pub(super) use step_limits::Extent;
 
 use super::Minimiser;
@@ -51,19 +51,19 @@ pub(super) struct PriorityDescent<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct LevelWorkspace {
     /// Search for the first levels alone.
-    alone: Attempts,
+    first_levels: Attempts,
     /// Variables found for all levels together, and for the first levels alone.
     starts: [Vec<f64>; 2],
     /// Residual of the first levels, each from its own search with those above it, if that search reached them.
-    kept: Vec<f64>,
-    /// Number of levels in `kept`.
-    kept_levels: usize,
+    reached_residual: Vec<f64>,
+    /// Number of levels in `reached_residual`.
+    reached_levels: usize,
     /// Variables found for the levels so far, and the residual of the levels above the next one.
     x: Vec<f64>,
     residual: Vec<f64>,
     /// Descents of all levels but the first.
     descents: Vec<Descent>,
-    above: RowSpan,
+    higher_span: RowSpan,
     /// Multipliers of the rows of required tasks. They define the gradient that identifies the limits of the first
     /// unreached level.
     pub(super) multipliers: Vec<f64>,
@@ -71,12 +71,12 @@ pub(super) struct LevelWorkspace {
 
 impl LevelWorkspace {
     /// Resizes the memory for a problem.
-    pub(super) fn fit(&mut self, question: ProblemInstance<'_>) {
-        let problem = question.problem;
+    pub(super) fn fit(&mut self, instance: ProblemInstance<'_>) {
+        let problem = instance.problem;
         let ranks = problem.ranks().count();
         self.x.resize(problem.variables(), 0.0);
         self.residual.resize(problem.rows(), 0.0);
-        self.kept_levels = 0;
+        self.reached_levels = 0;
         self.descents
             .resize_with(ranks.saturating_sub(1), Descent::default);
         for (descent, rank) in self.descents.iter_mut().zip(1..) {
@@ -88,77 +88,91 @@ impl LevelWorkspace {
             }
             let goals = problem.rows_of(problem.goals());
             self.multipliers.resize(goals, 0.0);
-            self.kept.resize(goals, 0.0);
+            self.reached_residual.resize(goals, 0.0);
         }
     }
 }
 
 /// Priority levels of a problem instance during a solve.
-pub(super) struct Ranked<'q, 'm> {
-    pub(super) question: ProblemInstance<'q>,
-    pub(super) by: PriorityDescent<'m>,
+pub(super) struct PriorityLevels<'q, 'm> {
+    pub(super) instance: ProblemInstance<'q>,
+    pub(super) descent: PriorityDescent<'m>,
     pub(super) scratch: &'m mut Scratch,
-    pub(super) solver: &'m mut SolverState,
-    pub(super) memory: &'m mut LevelWorkspace,
+    pub(super) state: &'m mut SolverState,
+    pub(super) workspace: &'m mut LevelWorkspace,
     pub(super) observer: &'m mut dyn Observer,
     /// Collision check of the steps of searches, if any.
     pub(super) guard: Option<&'m mut dyn StepGuard>,
 }
 
-impl Ranked<'_, '_> {
+impl PriorityLevels<'_, '_> {
     /// Solves the levels one after the other. Use it after a search for all levels together did not reach a target.
     ///
-    /// `all` holds that search and receives the result. `found` accumulates its statistics.
-    pub(super) fn solve_levels(&mut self, all: &mut Attempts, found: &mut SearchResult) {
-        let problem = self.question.problem;
-        let last = problem.ranks().levels() - 1;
-        let [mut together, mut alone] = std::mem::take(&mut self.memory.starts);
-        together.clone_from(&all.keeper.x);
-        alone.clone_from(&all.start);
-        let mut first = last;
-        for level in 0..last {
-            let reached = self.search(level + 1, &alone, self.by.schedule, found);
+    /// `search` holds that search and receives the result. `result` accumulates its statistics.
+    pub(super) fn solve_levels(&mut self, search: &mut Attempts, result: &mut SearchResult) {
+        let problem = self.instance.problem;
+        let last_level = problem.ranks().levels() - 1;
+        let [mut combined_x, mut first_levels_x] = std::mem::take(&mut self.workspace.starts);
+        combined_x.clone_from(&search.keeper.x);
+        first_levels_x.clone_from(&search.start);
+        let mut first_unreached = last_level;
+        for level in 0..last_level {
+            let reached = self.search(level + 1, &first_levels_x, self.descent.schedule, result);
             if reached || level == 0 {
-                alone.copy_from_slice(&self.memory.x);
+                first_levels_x.copy_from_slice(&self.workspace.x);
             }
             if reached {
-                let LevelWorkspace { kept, alone, .. } = &mut *self.memory;
-                let own = problem.ranks().rows_of(level);
-                kept[own.clone()].copy_from_slice(&alone.keeper.residual[own]);
-                self.memory.kept_levels = level + 1;
+                let LevelWorkspace {
+                    reached_residual,
+                    first_levels,
+                    ..
+                } = &mut *self.workspace;
+                let row_range = problem.ranks().rows_of(level);
+                reached_residual[row_range.clone()]
+                    .copy_from_slice(&first_levels.keeper.residual[row_range]);
+                self.workspace.reached_levels = level + 1;
             }
             if !reached {
-                first = level;
+                first_unreached = level;
                 break;
             }
         }
         // All levels together usually end nearer to the minimum of the lower levels.
-        let cost = half_squared(&self.memory.alone.keeper.residual);
-        let reached = self.search(first.max(1), &together, self.by.schedule.once(), found);
-        let now = half_squared(&self.memory.alone.keeper.residual);
-        let as_good = reached || (first == 0 && now <= cost * (1.0 + SAME_MISS));
-        if !as_good {
-            self.memory.x.copy_from_slice(&alone);
+        let first_levels_cost = half_squared(&self.workspace.first_levels.keeper.residual);
+        let reached = self.search(
+            first_unreached.max(1),
+            &combined_x,
+            self.descent.schedule.once(),
+            result,
+        );
+        let combined_cost = half_squared(&self.workspace.first_levels.keeper.residual);
+        let is_as_good = reached
+            || (first_unreached == 0
+                && combined_cost <= first_levels_cost * (1.0 + COST_TOLERANCE));
+        if !is_as_good {
+            self.workspace.x.copy_from_slice(&first_levels_x);
         }
-        self.memory.starts = [together, alone];
-        if self.by.extent.goes_on() && !self.is_better_than(&all.start, &mut all.keeper.residual) {
-            self.memory.x.copy_from_slice(&all.start);
+        self.workspace.starts = [combined_x, first_levels_x];
+        if self.descent.extent.continues_from_start()
+            && !self.is_better_than(&search.start, &mut search.keeper.residual)
+        {
+            self.workspace.x.copy_from_slice(&search.start);
         }
 
-        found.termination = Termination::Stationary;
-        for rank in first.max(1)..=last {
-            let cut = self.descend(rank, found);
-            if let Some(cut) = cut {
-                found.termination = cut;
+        result.termination = Termination::Stationary;
+        for rank in first_unreached.max(1)..=last_level {
+            let early_end = self.descend(rank, result);
+            if let Some(early_end) = early_end {
+                result.termination = early_end;
             }
         }
-        all.keeper.x.copy_from_slice(&self.memory.x);
-        let share = problem.goals();
-        Evaluation::of(share, self.question, self.scratch)
-            .residual(&all.keeper.x, &mut all.keeper.residual);
-        found.reached = problem.is_reached_by(share, &all.keeper.residual);
-        if found.reached {
-            found.termination = Termination::Reached;
+        search.keeper.x.copy_from_slice(&self.workspace.x);
+        let subset = problem.goals();
+        Evaluation::of(subset, self.instance, self.scratch)
+            .residual(&search.keeper.x, &mut search.keeper.residual);
+        result.reached = problem.is_reached_by(subset, &search.keeper.residual);
+        if result.reached {
+            result.termination = Termination::Reached;
         }
     }
 
@@ -168,167 +182,182 @@ impl Ranked<'_, '_> {
         levels: usize,
         start: &[f64],
         schedule: Schedule,
-        found: &mut SearchResult,
+        total: &mut SearchResult,
     ) -> bool {
-        let share = TaskSubset::above(levels);
-        let alone = &mut self.memory.alone;
-        alone.fit(self.question, share);
-        alone.start.copy_from_slice(start);
-        let deadline = self.by.deadline;
+        let subset = TaskSubset::above(levels);
+        let first_levels = &mut self.workspace.first_levels;
+        first_levels.fit(self.instance, subset);
+        first_levels.start.copy_from_slice(start);
+        let deadline = self.descent.deadline;
         let mut engine = Minimiser {
-            question: self.question,
-            share,
-            method: self.by.method,
+            instance: self.instance,
+            subset,
+            method: self.descent.method,
             deadline,
             observer: &mut *self.observer,
             scratch: &mut *self.scratch,
-            memory: &mut *self.solver,
+            memory: &mut *self.state,
             guard: reborrowed(&mut self.guard),
             moved: None,
         };
-        let more = run(
-            self.question,
-            share,
+        let result = run(
+            self.instance,
+            subset,
             &schedule,
             deadline,
             &mut engine,
-            alone,
+            first_levels,
         );
-        self.memory.x.copy_from_slice(&alone.keeper.x);
-        found.iterations += more.iterations;
+        self.workspace.x.copy_from_slice(&first_levels.keeper.x);
+        total.iterations += result.iterations;
         // Each search has the solver's number of attempts, from the same starts.
-        found.attempts = found.attempts.max(more.attempts);
-        found.counts += more.counts;
-        more.reached
+        total.attempts = total.attempts.max(result.attempts);
+        total.counts += result.counts;
+        result.reached
     }
 
     /// Returns whether the required tasks cost less at the current variables than at `x`, and overwrites `residual`
     /// with that at `x`.
     fn is_better_than(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
-        let problem = self.question.problem;
-        let share = problem.goals();
-        let own = &mut self.memory.residual[..problem.rows_of(share)];
-        let mut goals = Evaluation::of(share, self.question, self.scratch);
-        goals.residual(x, residual);
-        goals.residual(&self.memory.x, own);
-        is_better(problem, 1.0 - SAME_MISS, own, residual)
+        let problem = self.instance.problem;
+        let subset = problem.goals();
+        let own_residual = &mut self.workspace.residual[..problem.rows_of(subset)];
+        let mut evaluation = Evaluation::of(subset, self.instance, self.scratch);
+        evaluation.residual(x, residual);
+        evaluation.residual(&self.workspace.x, own_residual);
+        is_better(problem, 1.0 - COST_TOLERANCE, own_residual, residual)
     }
 
     /// Runs the descent of a level from the result of the levels above. Returns the reason if it ended early.
-    fn descend(&mut self, rank: usize, found: &mut SearchResult) -> Option<Termination> {
-        let share = TaskSubset::above(rank);
+    fn descend(&mut self, rank: usize, total: &mut SearchResult) -> Option<Termination> {
+        let subset = TaskSubset::above(rank);
         let LevelWorkspace {
             x,
             residual,
             descents,
-            kept,
-            kept_levels,
+            reached_residual,
+            reached_levels,
             ..
-        } = &mut *self.memory;
+        } = &mut *self.workspace;
         let descent = descents.get_mut(rank - 1)?;
-        let residual = &mut residual[..self.question.problem.rows_of(share)];
-        Evaluation::of(share, self.question, self.scratch).residual(x, residual);
-        let first = self
-            .question
+        let residual = &mut residual[..self.instance.problem.rows_of(subset)];
+        Evaluation::of(subset, self.instance, self.scratch).residual(x, residual);
+        let reached_rows = self
+            .instance
             .problem
-            .rows_of(TaskSubset::above((*kept_levels).min(rank)));
+            .rows_of(TaskSubset::above((*reached_levels).min(rank)));
         let mut problem = DescentProblem {
-            question: self.question,
+            instance: self.instance,
             scratch: &mut *self.scratch,
-            memory: &mut *self.solver,
-            stopping: self.by.stopping,
-            deadline: self.by.deadline,
+            state: &mut *self.state,
+            stopping: self.descent.stopping,
+            deadline: self.descent.deadline,
             counts: Counts::default(),
         };
-        let descended = descent.run(
+        let result = descent.run(
             &mut problem,
             &Start {
                 x,
                 residual,
-                kept: &kept[..first],
+                held_residual: &reached_residual[..reached_rows],
             },
-            self.by.extent,
+            self.descent.extent,
             self.observer,
         );
-        found.iterations += descended.iterations;
-        found.counts += problem.counts;
+        total.iterations += result.iterations;
+        total.counts += problem.counts;
         x.copy_from_slice(&descent.x);
-        descended.cut
+        result.early_end
     }
 
     /// Descends the soft tasks in the null space of the required tasks, from the result of these.
-    pub(super) fn descend_preferences(&mut self, all: &mut Attempts, found: &mut SearchResult) {
-        let problem = self.question.problem;
+    pub(super) fn descend_preferences(&mut self, search: &mut Attempts, result: &mut SearchResult) {
+        let problem = self.instance.problem;
         let (levels, ranks) = (problem.ranks().levels(), problem.ranks().count());
-        let (extent, kept) = (self.by.extent, &mut all.keeper);
-        let reached = problem.is_reached_by(problem.goals(), &kept.residual);
-        let follows = extent.follows(reached, found.iterations);
-        if levels == ranks || !follows || (!reached && !found.termination.is_settled()) {
+        let (extent, keeper) = (self.descent.extent, &mut search.keeper);
+        let reached = problem.is_reached_by(problem.goals(), &keeper.residual);
+        let runs_soft_tasks = extent.runs_soft_tasks(reached, result.iterations);
+        if levels == ranks || !runs_soft_tasks || (!reached && !result.termination.is_settled()) {
             return;
         }
-        self.memory.x.copy_from_slice(&kept.x);
+        self.workspace.x.copy_from_slice(&keeper.x);
         for rank in levels..ranks {
-            let cut = self.descend(rank, found);
+            let early_end = self.descend(rank, result);
             // An iteration limit is not reported: soft tasks may converge slowly.
-            if let Some(cut) = cut.filter(|cut| *cut != Termination::IterationLimit) {
-                found.termination = cut;
+            if let Some(early_end) =
+                early_end.filter(|early_end| *early_end != Termination::IterationLimit)
+            {
+                result.termination = early_end;
                 break;
             }
         }
-        kept.x.copy_from_slice(&self.memory.x);
-        let mut goals = Evaluation::of(problem.goals(), self.question, self.scratch);
-        goals.residual(&kept.x, &mut kept.residual);
+        keeper.x.copy_from_slice(&self.workspace.x);
+        let mut evaluation = Evaluation::of(problem.goals(), self.instance, self.scratch);
+        evaluation.residual(&keeper.x, &mut keeper.residual);
     }
 
     /// Computes the multipliers of the Lagrangian gradient of the first unreached level at `x`.
     ///
     /// They are its own residual, and for the rows of the levels above the values that cancel the gradient in their row
     /// space.
-    pub(super) fn take_multipliers(&mut self, x: &[f64], residual: &[f64]) {
-        let problem = self.question.problem;
-        let missed = (0..problem.ranks().levels()).find(|&level| {
-            let own = &residual[problem.ranks().rows_of(level)];
-            !problem.is_reached_by(TaskSubset::rank(level), own)
+    pub(super) fn compute_multipliers(&mut self, x: &[f64], residual: &[f64]) {
+        let problem = self.instance.problem;
+        let unreached = (0..problem.ranks().levels()).find(|&level| {
+            let level_residual = &residual[problem.ranks().rows_of(level)];
+            !problem.is_reached_by(TaskSubset::rank(level), level_residual)
         });
         let LevelWorkspace {
-            above, multipliers, ..
-        } = &mut *self.memory;
-        let (Some(level), share) = (missed, problem.goals()) else {
+            higher_span,
+            multipliers,
+            ..
+        } = &mut *self.workspace;
+        let (Some(level), subset) = (unreached, problem.goals()) else {
             return multipliers.copy_from_slice(residual);
         };
-        let own = problem.ranks().rows_of(level);
+        let row_range = problem.ranks().rows_of(level);
         multipliers.fill(0.0);
-        multipliers[own.clone()].copy_from_slice(&residual[own.clone()]);
-        let mut goals = Evaluation::of(share, self.question, self.scratch);
-        self.solver.take_shape(residual.len(), x.len());
-        let (slope, _) = self.solver.slope_at(&mut goals, x, multipliers);
-        above.clear();
+        multipliers[row_range.clone()].copy_from_slice(&residual[row_range.clone()]);
+        let mut evaluation = Evaluation::of(subset, self.instance, self.scratch);
+        self.state.resize_derivatives(residual.len(), x.len());
+        let (slope, _) = self.state.slope_at(&mut evaluation, x, multipliers);
+        higher_span.clear();
         let slope = slope.to_vec();
-        let bound: Vec<bool> = (0..x.len())
-            .map(|j| !self.question.space().is_between_bounds(x, j))
+        let is_at_bound: Vec<bool> = (0..x.len())
+            .map(|j| !self.instance.space().is_between_bounds(x, j))
             .collect();
-        add_rows(above, self.solver.jacobian(), 0..own.start, &bound, NEW);
-        for (row, multiplier) in above.multipliers(&slope) {
+        add_rows(
+            higher_span,
+            self.state.jacobian(),
+            0..row_range.start,
+            &is_at_bound,
+            MIN_INDEPENDENT_PART,
+        );
+        for (row, multiplier) in higher_span.multipliers(&slope) {
             multipliers[row] = multiplier;
         }
     }
 }
 
-/// Returns whether the required tasks of `residual` are better than those of `than`.
+/// Returns whether the required tasks of `residual` are better than those of `other_residual`.
 ///
-/// The first level that differs decides. Its cost must be less than `share` times the other cost.
-pub(super) fn is_better(problem: &Problem, share: f64, residual: &[f64], than: &[f64]) -> bool {
+/// The first level that differs decides. Its cost must be less than `max_ratio` times the other cost.
+pub(super) fn is_better(
+    problem: &Problem,
+    max_ratio: f64,
+    residual: &[f64],
+    other_residual: &[f64],
+) -> bool {
     for level in 0..problem.ranks().levels() {
-        let own = problem.ranks().rows_of(level);
-        let reached = |r: &[f64]| problem.is_reached_by(TaskSubset::rank(level), r);
-        let (own, other) = (&residual[own.clone()], &than[own]);
-        let (cost, before) = (half_squared(own), half_squared(other));
-        match (reached(own), reached(other)) {
+        let rows = problem.ranks().rows_of(level);
+        let is_reached = |r: &[f64]| problem.is_reached_by(TaskSubset::rank(level), r);
+        let (residual, other_residual) = (&residual[rows.clone()], &other_residual[rows]);
+        let (cost, other_cost) = (half_squared(residual), half_squared(other_residual));
+        match (is_reached(residual), is_reached(other_residual)) {
             (true, true) => {}
             (true, false) => return true,
             (false, true) => return false,
-            (false, false) if cost < share * before => return true,
-            (false, false) if cost > before * (1.0 + SAME_MISS) => return false,
+            (false, false) if cost < max_ratio * other_cost => return true,
+            (false, false) if cost > other_cost * (1.0 + COST_TOLERANCE) => return false,
             (false, false) => {}
         }
     }

@@ -3,90 +3,96 @@
 use nalgebra::DMatrix;
 
 use super::descent_problem::DescentProblem;
-use super::inequalities::{Edge, LevelInequalities};
+use super::inequalities::{BoundInequality, LevelInequalities};
 use crate::problem::TaskSubset;
 
-impl Edge {
+impl BoundInequality {
     /// Returns whether the correction of a trial ends on it.
-    fn brings_back(&self) -> bool {
-        self.counts && (self.locked || self.stands || self.joins)
+    fn constrains_trial(&self) -> bool {
+        self.is_enabled && (self.is_locked || self.is_required || self.is_crossed)
     }
 }
 
 impl LevelInequalities {
     /// Records the inequalities on which a step's model ended. A whole step must end on them.
-    pub(super) fn rest(
+    pub(super) fn record_step_end(
         &mut self,
-        on: impl Iterator<Item = usize>,
-        keeps_working: bool,
-        whole: bool,
+        ended_edges: impl Iterator<Item = usize>,
+        keeps_active_set: bool,
+        is_whole_step: bool,
     ) {
         for edge in &mut self.edges {
-            edge.rests = keeps_working && edge.works;
+            edge.ended_step = keeps_active_set && edge.is_active;
         }
-        for edge in on {
-            self.edges[edge].rests = true;
+        for edge in ended_edges {
+            self.edges[edge].ended_step = true;
         }
         for edge in 0..self.edges.len() {
-            let ends = self.edges[edge].rests && (whole || self.may_work(edge));
-            self.edges[edge].stands = ends;
+            let is_required =
+                self.edges[edge].ended_step && (is_whole_step || self.is_binding(edge));
+            self.edges[edge].is_required = is_required;
         }
     }
 
     /// Requires the trial to end on the active set.
-    pub(super) fn stand_where_they_work(&mut self) {
+    pub(super) fn require_active_set(&mut self) {
         for edge in &mut self.edges {
-            edge.stands = edge.works;
+            edge.is_required = edge.is_active;
         }
     }
 
-    /// Computes the slacks at a trial and writes the violation of each required inequality into `change`.
+    /// Computes the slacks at a trial and writes the violation of each required inequality into `violations`.
     ///
     /// Crossed inequalities are required from then on. The first round resets them.
-    pub(super) fn change(
+    pub(super) fn write_violations(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         (rank, trial): (usize, &[f64]),
         is_first: bool,
-        (residual, change): (&mut [f64], &mut [f64]),
+        (residual, violations): (&mut [f64], &mut [f64]),
     ) {
         descent.slacks(TaskSubset::above(rank), trial, &mut self.trial_slacks);
-        for (residual, replaced) in residual.iter_mut().zip(&self.replaced) {
+        for (residual, replaced) in residual.iter_mut().zip(&self.replaced_rows) {
             if *replaced {
                 *residual = 0.0;
             }
         }
         let edges = self.edges.iter_mut().zip(&self.trial_slacks);
-        for (change, (edge, slack)) in change.iter_mut().zip(edges) {
-            let gap = slack - edge.least;
+        for (violation, (edge, slack)) in violations.iter_mut().zip(edges) {
+            let gap = slack - edge.min_slack;
             if is_first {
-                edge.joins = false;
+                edge.is_crossed = false;
             }
-            edge.joins |= edge.counts && gap < 0.0;
-            let brings = edge.brings_back() && gap < f64::INFINITY;
-            *change = if brings { gap } else { 0.0 };
+            edge.is_crossed |= edge.is_enabled && gap < 0.0;
+            let constrains = edge.constrains_trial() && gap < f64::INFINITY;
+            *violation = if constrains { gap } else { 0.0 };
         }
     }
 
     /// Writes the constraint Jacobian of the correction at a trial.
-    pub(super) fn complete_there(
+    pub(super) fn write_trial_jacobian(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
         (rank, trial): (usize, &[f64]),
         residual: &DMatrix<f64>,
-        whole: &mut DMatrix<f64>,
+        jacobian: &mut DMatrix<f64>,
     ) {
-        let mut there = std::mem::take(&mut self.jacobian_there);
-        descent.depth_jacobian(TaskSubset::above(rank), trial, &mut there);
-        self.write(residual, &there, Edge::brings_back, whole);
-        self.jacobian_there = there;
+        let mut slack_jacobian = std::mem::take(&mut self.trial_jacobian);
+        descent.slack_jacobian(TaskSubset::above(rank), trial, &mut slack_jacobian);
+        self.write(
+            residual,
+            &slack_jacobian,
+            BoundInequality::constrains_trial,
+            jacobian,
+        );
+        self.trial_jacobian = slack_jacobian;
     }
 
-    /// Returns whether the violations written by [`change`](Self::change) are within tolerance.
-    pub(super) fn are_kept(&self, change: &[f64]) -> bool {
-        let edges = self.edges.iter().zip(change);
+    /// Returns whether the violations written by [`write_violations`](Self::write_violations) are within tolerance.
+    pub(super) fn are_within_tolerance(&self, violations: &[f64]) -> bool {
+        let edges = self.edges.iter().zip(violations);
         edges
             .into_iter()
-            .all(|(edge, change)| change.abs() <= edge.slack)
+            .all(|(edge, violation)| violation.abs() <= edge.active_slack)
     }
 }

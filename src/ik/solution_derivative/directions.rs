@@ -1,11 +1,11 @@
 //! Active joint limits of a configuration, and the directions that they leave free.
 
 use crate::buffer::refill;
-use crate::problem::{ProblemInstance, Standing};
+use crate::problem::{ProblemInstance, TangentPoint};
 use crate::spatial::Vector3;
 
 /// Distance from a limit within which the variable of a ball joint is at it, radians; rounding of the quaternion.
-const ROUNDING: f64 = 1e-12;
+const BOUND_TOLERANCE: f64 = 1e-12;
 
 /// Joint limit at which the configuration is.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ impl Bound {
     }
 
     /// Tangent of a swing limit.
-    pub(super) fn along(&self) -> [f64; 2] {
+    pub(super) fn tangent(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
     }
 
@@ -43,14 +43,14 @@ impl Bound {
 }
 
 /// Snaps variables of ball joints to limits within rounding, and lists the limits at x, all active.
-pub(super) fn list_bounds(question: ProblemInstance<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
-    let problem = question.problem();
-    let (lower, upper) = (question.lower(), question.upper());
+pub(super) fn list_bounds(instance: ProblemInstance<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
+    let problem = instance.problem();
+    let (lower, upper) = (instance.lower(), instance.upper());
     for ball in problem.parameters().balls() {
         for j in ball.variable..ball.variable + 3 {
-            for end in [lower[j], upper[j]] {
-                if (x[j] - end).abs() <= ROUNDING {
-                    x[j] = end;
+            for limit in [lower[j], upper[j]] {
+                if (x[j] - limit).abs() <= BOUND_TOLERANCE {
+                    x[j] = limit;
                 }
             }
         }
@@ -93,53 +93,55 @@ pub(super) fn list_bounds(question: ProblemInstance<'_>, x: &mut [f64], bounds: 
 struct Direction {
     first: usize,
     count: usize,
-    by: [f64; 3],
+    components: [f64; 3],
 }
 
 /// Basis of the directions that no active limit blocks, orthonormal in the model's velocities.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Directions {
-    list: Vec<Direction>,
-    squared: Vec<f64>,
-    barred: Vec<bool>,
+    directions: Vec<Direction>,
+    squared_speeds: Vec<f64>,
+    is_blocked: Vec<bool>,
 }
 
 impl Directions {
     /// Computes the basis for the active bounds.
-    pub(super) fn take(
+    pub(super) fn compute(
         &mut self,
-        question: ProblemInstance<'_>,
-        at: &Standing<'_>,
+        instance: ProblemInstance<'_>,
+        point: &TangentPoint<'_>,
         bounds: &[Bound],
     ) {
-        let problem = question.problem();
-        let n = at.x.len();
-        refill(&mut self.squared, n, 0.0);
-        problem.tangent().squared_speeds(at, &mut self.squared);
-        refill(&mut self.barred, n, false);
+        let problem = instance.problem();
+        let n = point.x.len();
+        refill(&mut self.squared_speeds, n, 0.0);
+        problem
+            .tangent()
+            .squared_speeds(point, &mut self.squared_speeds);
+        refill(&mut self.is_blocked, n, false);
         for bound in bounds.iter().filter(|bound| bound.is_held) {
-            self.barred[bound.variable] = true;
+            self.is_blocked[bound.variable] = true;
         }
-        self.list.clear();
+        self.directions.clear();
         let mut balls = problem.parameters().balls().iter();
         let mut ball = balls.next();
         let mut variable = 0;
         while variable < n {
-            if let Some(own) = ball.filter(|ball| ball.variable == variable) {
+            if let Some(current_ball) = ball.filter(|ball| ball.variable == variable) {
                 let edge = bounds
                     .iter()
                     .find(|bound| bound.variable == variable && bound.is_edge() && bound.is_held);
-                let axes = own.of(at.x).map(|x| own.chart.axes(x));
-                self.take_ball(variable, axes.unwrap_or([Vector3::zero(); 3]), edge);
+                let axes = current_ball.of(point.x).map(|x| current_ball.chart.axes(x));
+                self.add_ball_directions(variable, axes.unwrap_or([Vector3::zero(); 3]), edge);
                 variable += 3;
                 ball = balls.next();
                 continue;
             }
-            if !self.barred[variable] {
-                self.list.push(Direction {
+            if !self.is_blocked[variable] {
+                self.directions.push(Direction {
                     first: variable,
                     count: 1,
-                    by: [1.0 / self.squared[variable].sqrt(), 0.0, 0.0],
+                    components: [1.0 / self.squared_speeds[variable].sqrt(), 0.0, 0.0],
                 });
             }
             variable += 1;
@@ -147,50 +149,54 @@ impl Directions {
     }
 
     /// Gram-Schmidt orthonormalisation of the angular velocities of a ball joint.
-    fn take_ball(&mut self, first: usize, axes: [Vector3<f64>; 3], edge: Option<&Bound>) {
-        let mut found = [([0.0; 3], Vector3::zero()); 3];
+    fn add_ball_directions(&mut self, first: usize, axes: [Vector3<f64>; 3], edge: Option<&Bound>) {
+        let mut basis = [([0.0; 3], Vector3::zero()); 3];
         let mut count = 0;
-        for part in 0..3 {
-            let mut by = [0.0; 3];
-            by[part] = 1.0;
-            match (edge, part) {
+        for k in 0..3 {
+            let mut components = [0.0; 3];
+            components[k] = 1.0;
+            match (edge, k) {
                 (Some(_), 0) => continue,
-                (Some(edge), 1) => by[..2].copy_from_slice(&edge.along()),
-                _ if self.barred[first + part] => continue,
+                (Some(edge), 1) => components[..2].copy_from_slice(&edge.tangent()),
+                _ if self.is_blocked[first + k] => continue,
                 _ => {}
             }
-            let mut omega = axes[0] * by[0] + axes[1] * by[1] + axes[2] * by[2];
-            for (other, along) in &found[..count] {
-                let share = omega.dot(*along);
-                omega -= *along * share;
-                for (by, other) in by.iter_mut().zip(other) {
-                    *by -= share * other;
+            let mut angular_velocity =
+                axes[0] * components[0] + axes[1] * components[1] + axes[2] * components[2];
+            for (other_components, axis) in &basis[..count] {
+                let projection = angular_velocity.dot(*axis);
+                angular_velocity -= *axis * projection;
+                for (component, other) in components.iter_mut().zip(other_components) {
+                    *component -= projection * other;
                 }
             }
-            let per = 1.0 / omega.norm();
-            if per.is_finite() {
-                found[count] = (by.map(|by| by * per), omega * per);
+            let scale = 1.0 / angular_velocity.norm();
+            if scale.is_finite() {
+                basis[count] = (
+                    components.map(|component| component * scale),
+                    angular_velocity * scale,
+                );
                 count += 1;
             }
         }
-        self.list
-            .extend(found[..count].iter().map(|&(by, _)| Direction {
+        self.directions
+            .extend(basis[..count].iter().map(|&(components, _)| Direction {
                 first,
                 count: 3,
-                by,
+                components,
             }));
     }
 
     pub(super) fn len(&self) -> usize {
-        self.list.len()
+        self.directions.len()
     }
 
-    /// Adds a linear combination of the directions, scaled by `share`, to the variables.
-    pub(super) fn expand(&self, y: &[f64], share: f64, x: &mut [f64]) {
-        for (direction, y) in self.list.iter().zip(y) {
-            let own = x[direction.first..].iter_mut().zip(direction.by);
-            for (x, by) in own.take(direction.count) {
-                *x += share * y * by;
+    /// Adds a linear combination of the directions, scaled by `scale`, to the variables.
+    pub(super) fn expand(&self, y: &[f64], scale: f64, x: &mut [f64]) {
+        for (direction, y) in self.directions.iter().zip(y) {
+            let values = x[direction.first..].iter_mut().zip(direction.components);
+            for (x, component) in values.take(direction.count) {
+                *x += scale * y * component;
             }
         }
     }
@@ -200,18 +206,20 @@ impl Directions {
     /// `slopes` has `rows` rows and is stored column by column.
     pub(super) fn reduce(&self, rows: usize, slopes: &[f64], reduced: &mut Vec<f64>) {
         reduced.clear();
-        for direction in &self.list {
+        for direction in &self.directions {
             let start = reduced.len();
             let columns = slopes[direction.first * rows..].chunks_exact(rows.max(1));
-            let mut columns = columns.zip(direction.by).take(direction.count);
+            let mut columns = columns.zip(direction.components).take(direction.count);
             match columns.next() {
                 Some((column, 1.0)) => reduced.extend_from_slice(column),
-                Some((column, by)) => reduced.extend(column.iter().map(|entry| by * entry)),
+                Some((column, component)) => {
+                    reduced.extend(column.iter().map(|entry| component * entry))
+                }
                 None => reduced.resize(start + rows, 0.0),
             }
-            for (column, by) in columns.filter(|(_, by)| *by != 0.0) {
+            for (column, component) in columns.filter(|(_, component)| *component != 0.0) {
                 for (sum, entry) in reduced[start..].iter_mut().zip(column) {
-                    *sum += by * entry;
+                    *sum += component * entry;
                 }
             }
         }

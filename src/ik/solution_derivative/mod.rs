@@ -13,8 +13,8 @@ mod rows;
 mod singular;
 mod system;
 
-use self::kkt_point::{Evaluator, Place};
-use self::singular::Flat;
+use self::kkt_point::{Evaluator, KktPoint};
+use self::singular::Flatness;
 use self::system::System;
 use super::SolveError;
 use crate::model::Model;
@@ -61,7 +61,7 @@ pub use differentiability::{Differentiability, NoDerivative};
 /// ```
 #[derive(Debug)]
 pub struct SolutionDerivative<'a> {
-    question: ProblemInstance<'a>,
+    instance: ProblemInstance<'a>,
     model: Option<&'a Model>,
     memory: &'a mut DerivativeWorkspace,
     differentiability: Differentiability,
@@ -80,7 +80,7 @@ pub struct DerivativeWorkspace {
 /// All of the workspace but the evaluation memory.
 #[derive(Clone, Debug, Default)]
 struct Parts {
-    place: Place,
+    point: KktPoint,
     system: System,
     parameters: ParameterScratch,
     /// By variable.
@@ -97,7 +97,7 @@ struct Parts {
 }
 
 /// Largest remaining Newton step of a stationary configuration, radians or metres.
-const NEAR: f64 = 1e-3;
+const MAX_NEWTON_STEP: f64 = 1e-3;
 
 impl<'a> SolutionDerivative<'a> {
     /// Creates the derivative at the solution `q` of a problem or of a [problem instance](ProblemInstance).
@@ -107,32 +107,32 @@ impl<'a> SolutionDerivative<'a> {
     /// # Errors
     /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn new(
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         q: &[f64],
         memory: &'a mut DerivativeWorkspace,
     ) -> Result<Self, SolveError> {
-        let question = question.into();
-        check_start(question.problem(), q)?;
+        let instance = instance.into();
+        check_start(instance.problem(), q)?;
         let DerivativeWorkspace {
             scratch,
             parts,
-            differentiability: kept,
+            differentiability: stored_differentiability,
         } = &mut *memory;
-        let fits = |scratch: &&mut Scratch| scratch.fits(question.problem());
+        let fits = |scratch: &&mut Scratch| scratch.fits(instance.problem());
         if scratch.as_mut().filter(fits).is_none() {
-            *scratch = Some(question.scratch());
-            parts.gradient = ParameterVector::new(question.problem());
+            *scratch = Some(instance.scratch());
+            parts.gradient = ParameterVector::new(instance.problem());
         }
         let differentiability = match scratch {
             Some(scratch) => {
-                scratch.forget();
-                parts.settle(&mut Evaluator { question, scratch }, q)
+                scratch.invalidate();
+                parts.factorise(&mut Evaluator { instance, scratch }, q)
             }
             None => Differentiability::DoesNotExist(NoDerivative::NotFinite),
         };
-        *kept = Some(differentiability.clone());
+        *stored_differentiability = Some(differentiability.clone());
         Ok(Self {
-            question,
+            instance,
             model: None,
             memory,
             differentiability,
@@ -141,17 +141,17 @@ impl<'a> SolutionDerivative<'a> {
 
     /// Continues with the last derivative that `memory` has factored, for more products.
     ///
-    /// `question` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
+    /// `instance` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
     /// derivative, or one of another problem.
     pub fn resume(
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         memory: &'a mut DerivativeWorkspace,
     ) -> Option<Self> {
-        let question = question.into();
-        let fits = |scratch: &Scratch| scratch.fits(question.problem());
+        let instance = instance.into();
+        let fits = |scratch: &Scratch| scratch.fits(instance.problem());
         let differentiability = memory.differentiability.clone()?;
         memory.scratch.as_ref().is_some_and(fits).then_some(Self {
-            question,
+            instance,
             model: None,
             memory,
             differentiability,
@@ -163,7 +163,7 @@ impl<'a> SolutionDerivative<'a> {
     /// # Errors
     /// Returns an error for a model of another shape.
     pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, DerivativeError> {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         if !problem.is_of(model) {
             return Err(DerivativeError::ForeignModel {
                 given: model.name().to_owned(),
@@ -182,7 +182,7 @@ impl<'a> SolutionDerivative<'a> {
     /// Number of elements of a velocity.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
-        self.question.problem().tangent().degrees_of_freedom()
+        self.instance.problem().tangent().degrees_of_freedom()
     }
 
     /// Converts the gradient of a scalar by the configuration `q`, quaternions included, to the gradient by its
@@ -192,23 +192,29 @@ impl<'a> SolutionDerivative<'a> {
     ///
     /// # Errors
     /// Returns an error if a slice has the wrong length.
-    pub fn slope_by_velocity(&self, q: &[f64], by_q: &[f64]) -> Result<Vec<f64>, DerivativeError> {
-        let problem = self.question.problem();
+    pub fn slope_by_velocity(
+        &self,
+        q: &[f64],
+        slope_by_q: &[f64],
+    ) -> Result<Vec<f64>, DerivativeError> {
+        let problem = self.instance.problem();
         let expected = problem.configuration_len();
-        for given in [q.len(), by_q.len()] {
+        for given in [q.len(), slope_by_q.len()] {
             if given != expected {
                 return Err(DerivativeError::ConfigurationLength { given, expected });
             }
         }
-        let mut by_v = vec![0.0; self.degrees_of_freedom()];
-        problem.tangent().slope_by_velocity(q, by_q, &mut by_v);
-        Ok(by_v)
+        let mut slope_by_v = vec![0.0; self.degrees_of_freedom()];
+        problem
+            .tangent()
+            .slope_by_velocity(q, slope_by_q, &mut slope_by_v);
+        Ok(slope_by_v)
     }
 
     /// Creates a zero parameter vector of this derivative's shape, with joint origins if a model is set.
     #[must_use]
     pub fn parameters(&self) -> ParameterVector {
-        let parameters = ParameterVector::new(self.question.problem());
+        let parameters = ParameterVector::new(self.instance.problem());
         match self.model {
             Some(model) => parameters.with_joint_origins(model.joints().len()),
             None => parameters,
@@ -218,39 +224,45 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Evaluates a solution and factors its system.
-    fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
-        let question = evaluator.question;
-        let Self { place, system, .. } = self;
-        place.go(evaluator, q);
-        if !place.is_finite() {
+    fn factorise(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
+        let instance = evaluator.instance;
+        let Self { point, system, .. } = self;
+        point.evaluate(evaluator, q);
+        if !point.is_finite() {
             return Differentiability::DoesNotExist(NoDerivative::NotFinite);
         }
-        let limits = system.take_limits(question, place);
-        let lost = system.lost_ranks(evaluator, place);
-        let flat = system.take_hessian(evaluator, place);
-        let left = self.distance_left();
-        if left > NEAR {
-            return Differentiability::DoesNotExist(NoDerivative::NotStationary { distance: left });
+        let limits = system.select_active_limits(instance, point);
+        let lost_ranks = system.lost_ranks(evaluator, point);
+        let flat_directions = system.compute_hessian(evaluator, point);
+        let step_size = self.newton_step_size();
+        if step_size > MAX_NEWTON_STEP {
+            return Differentiability::DoesNotExist(NoDerivative::NotStationary {
+                distance: step_size,
+            });
         }
-        if lost > 0 {
-            return Differentiability::DoesNotExist(NoDerivative::Singular { directions: lost });
+        if lost_ranks > 0 {
+            return Differentiability::DoesNotExist(NoDerivative::Singular {
+                directions: lost_ranks,
+            });
         }
-        if let Some(weak) = limits.weak {
-            return Differentiability::DoesNotExist(weak);
+        if let Some(reason) = limits.weak {
+            return Differentiability::DoesNotExist(reason);
         }
         if let Some(task) = self.task_at_kink(evaluator) {
             return Differentiability::DoesNotExist(NoDerivative::AtKink { task });
         }
-        let directions = match self.place.roles.pulled.is_empty() {
+        let directions = match self.point.roles.minimised.is_empty() {
             true => limits.undecided,
-            false => flat,
+            false => flat_directions,
         };
-        match self.flatness(evaluator, flat) {
-            Flat::Singular => {
+        match self.flatness(evaluator, flat_directions) {
+            Flatness::Singular => {
                 Differentiability::DoesNotExist(NoDerivative::Singular { directions })
             }
-            Flat::Undecided if directions > 0 => Differentiability::ShortestOfMany { directions },
-            Flat::Undecided => Differentiability::Unique,
+            Flatness::Undecided if directions > 0 => {
+                Differentiability::ShortestOfMany { directions }
+            }
+            Flatness::Undecided => Differentiability::Unique,
         }
     }
 }

@@ -22,8 +22,8 @@ impl SolutionDerivative<'_> {
         v: &mut [f64],
     ) -> Result<(), DerivativeError> {
         self.check(v.len(), rates)?;
-        let (question, model) = (self.question, self.model);
-        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+        let (instance, model) = (self.instance, self.model);
+        if let Some((mut evaluator, parts)) = self.memory.split(instance) {
             parts.forward(&mut evaluator, model, rates, v);
         }
         Ok(())
@@ -42,8 +42,8 @@ impl SolutionDerivative<'_> {
     ) -> Result<(), DerivativeError> {
         self.check(slope.len(), gradient)?;
         gradient.clear();
-        let (question, model) = (self.question, self.model);
-        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+        let (instance, model) = (self.instance, self.model);
+        if let Some((mut evaluator, parts)) = self.memory.split(instance) {
             parts.reverse(&mut evaluator, model, slope, gradient);
         }
         Ok(())
@@ -55,20 +55,20 @@ impl SolutionDerivative<'_> {
     /// # Errors
     /// Returns an error if the task does not exist.
     pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, DerivativeError> {
-        let problem = self.question.problem();
+        let problem = self.instance.problem();
         if task >= problem.tasks() {
             return Err(DerivativeError::NoSuchTask {
                 given: task,
                 tasks: problem.tasks(),
             });
         }
-        let columns = self.question.residual(task).target_len();
+        let columns = self.instance.residual(task).target_len();
         let mut matrix = DMatrix::zeros(self.degrees_of_freedom(), columns);
-        let question = self.question;
-        if let Some((mut evaluator, parts)) = self.memory.split(question)
-            && !parts.slope_bends()
+        let instance = self.instance;
+        if let Some((mut evaluator, parts)) = self.memory.split(instance)
+            && !parts.slope_depends_on_parameters()
         {
-            parts.follow_target(&mut evaluator, task, &mut matrix);
+            parts.velocities_of_target(&mut evaluator, task, &mut matrix);
             return Ok(matrix);
         }
         let mut rates = ParameterVector::new(problem);
@@ -89,7 +89,7 @@ impl SolutionDerivative<'_> {
             });
         }
         let joints = self.model.map(|model| model.joints().len());
-        match parameters.fits(self.question.problem(), joints) {
+        match parameters.fits(self.instance.problem(), joints) {
             true => Ok(()),
             false => Err(DerivativeError::ForeignParameters),
         }
@@ -99,10 +99,10 @@ impl SolutionDerivative<'_> {
 impl super::DerivativeWorkspace {
     fn split<'s>(
         &'s mut self,
-        question: ProblemInstance<'s>,
+        instance: ProblemInstance<'s>,
     ) -> Option<(Evaluator<'s, 's>, &'s mut Parts)> {
         let scratch = self.scratch.as_mut()?;
-        Some((Evaluator { question, scratch }, &mut self.parts))
+        Some((Evaluator { instance, scratch }, &mut self.parts))
     }
 }
 
@@ -114,39 +114,39 @@ impl Parts {
         rates: &ParameterVector,
         v: &mut [f64],
     ) {
-        refill(&mut self.rows, self.place.r.len(), 0.0);
+        refill(&mut self.rows, self.point.r.len(), 0.0);
         let mut evaluation = evaluator.evaluation();
-        let (x, parameters) = (&self.place.x, &mut self.parameters);
+        let (x, parameters) = (&self.point.x, &mut self.parameters);
         evaluation.rows_by_parameters(x, rates, model, parameters, &mut self.rows);
-        self.follow(evaluator, Some((model, rates)), v);
+        self.velocity_of_rows(evaluator, Some((model, rates)), v);
     }
 
     /// Returns whether parameters change the gradient of the minimised rows beyond the change of their residual.
-    fn slope_bends(&self) -> bool {
-        self.system.bends() && !self.place.roles.pulled.is_empty()
+    fn slope_depends_on_parameters(&self) -> bool {
+        self.system.has_curvature() && !self.point.roles.minimised.is_empty()
     }
 
-    /// Writes the velocities for each element of a task's target. Valid if `slope_bends` is false.
-    fn follow_target(
+    /// Writes the velocities for each element of a task's target. Valid if `slope_depends_on_parameters` is false.
+    fn velocities_of_target(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
         task: usize,
         matrix: &mut DMatrix<f64>,
     ) {
-        let question = evaluator.question;
-        let Some(own) = question.problem().compiled_tasks().get(task) else {
+        let instance = evaluator.instance;
+        let Some(target_task) = instance.problem().compiled_tasks().get(task) else {
             return;
         };
         let mut columns = std::mem::take(&mut self.columns);
         let mut evaluation = evaluator.evaluation();
-        let place = &self.place;
-        evaluation.rows_by_target(&place.x, task, &mut self.parameters, &mut columns);
-        let count = own.rows.len().max(1);
-        for (k, column) in columns.chunks_exact(count).enumerate() {
-            refill(&mut self.rows, self.place.r.len(), 0.0);
-            self.rows[own.rows.clone()].copy_from_slice(column);
+        let point = &self.point;
+        evaluation.rows_by_target(&point.x, task, &mut self.parameters, &mut columns);
+        let row_count = target_task.rows.len().max(1);
+        for (k, column) in columns.chunks_exact(row_count).enumerate() {
+            refill(&mut self.rows, self.point.r.len(), 0.0);
+            self.rows[target_task.rows.clone()].copy_from_slice(column);
             let mut v = matrix.column_mut(k);
-            self.follow(evaluator, None, v.as_mut_slice());
+            self.velocity_of_rows(evaluator, None, v.as_mut_slice());
         }
         self.columns = columns;
     }
@@ -154,16 +154,16 @@ impl Parts {
     /// Writes the velocity for the row rates in `rows`.
     ///
     /// With curvature, the gradient also changes with the parameters `rates` directly.
-    fn follow(
+    fn velocity_of_rows(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
         rates: Option<(Option<&Model>, &ParameterVector)>,
         v: &mut [f64],
     ) {
-        let question = evaluator.question;
-        let bends = self.slope_bends();
+        let instance = evaluator.instance;
+        let needs_curvature = self.slope_depends_on_parameters();
         let Self {
-            place,
+            point,
             system,
             parameters,
             slope,
@@ -171,52 +171,55 @@ impl Parts {
             rows,
             ..
         } = self;
-        let (m, free) = (place.r.len(), place.directions.len());
-        system.restore(place, rows, step);
-        if !place.roles.pulled.is_empty() {
+        let (m, free) = (point.r.len(), point.directions.len());
+        system.restore(point, rows, step);
+        if !point.roles.minimised.is_empty() {
             refill(slope, free, 0.0);
             for (k, slope) in slope.iter_mut().enumerate() {
-                let column = &place.along[k * m..(k + 1) * m];
-                let pulled = place.roles.pulled.iter();
-                *slope = pulled.map(|&row| column[row] * rows[row]).sum();
+                let column = &point.reduced_jacobian[k * m..(k + 1) * m];
+                let minimised = point.roles.minimised.iter();
+                *slope = minimised.map(|&row| column[row] * rows[row]).sum();
             }
             if step.iter().any(|step| *step != 0.0) {
-                system.add_hessian(evaluator, place, (step, slope));
+                system.add_hessian(evaluator, point, (step, slope));
             }
-            if let Some((model, rates)) = rates.filter(|_| bends) {
+            if let Some((model, rates)) = rates.filter(|_| needs_curvature) {
                 for k in 0..system.nullity() {
                     let direction = system.null_direction(k).to_vec();
-                    let shift = place.shift(question, &direction);
-                    let mut bend = 0.0;
-                    for share in [shift, -shift] {
-                        let at = place.moved(&direction, share).to_vec();
+                    let shift = point.difference_step(instance, &direction);
+                    let mut curvature = 0.0;
+                    for offset in [shift, -shift] {
+                        let shifted_x = point.shift_x(&direction, offset).to_vec();
                         let mut evaluation = evaluator.evaluation();
-                        evaluation.rows_by_parameters(&at, rates, model, parameters, rows);
-                        bend += inner(&place.counts, rows) / (2.0 * share);
+                        evaluation.rows_by_parameters(&shifted_x, rates, model, parameters, rows);
+                        curvature += inner(&point.row_weights, rows) / (2.0 * offset);
                     }
                     for (slope, entry) in slope.iter_mut().zip(direction) {
-                        *slope += bend * entry;
+                        *slope += curvature * entry;
                     }
                 }
             }
-            system.add_pull(slope, -1.0, step);
+            system.add_minimising_step(slope, -1.0, step);
         }
-        refill(&mut self.rates, place.x.len(), 0.0);
-        place.directions.expand(step, 1.0, &mut self.rates);
-        let at = place.standing(question);
-        question.problem().tangent().velocity(&at, &self.rates, v);
+        refill(&mut self.rates, point.x.len(), 0.0);
+        point.directions.expand(step, 1.0, &mut self.rates);
+        let tangent_point = point.tangent_point(instance);
+        instance
+            .problem()
+            .tangent()
+            .velocity(&tangent_point, &self.rates, v);
     }
 
     fn reverse(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
-        by_v: &[f64],
+        slope_by_v: &[f64],
         gradient: &mut ParameterVector,
     ) {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self {
-            place,
+            point,
             system,
             rates,
             slope,
@@ -225,25 +228,25 @@ impl Parts {
             rows,
             ..
         } = self;
-        refill(rates, place.x.len(), 0.0);
-        let tangent = question.problem().tangent();
-        tangent.add_slope(&place.standing(question), by_v, rates);
-        place.directions.reduce(1, rates, slope);
-        refill(step, place.directions.len(), 0.0);
-        refill(rows, place.r.len(), 0.0);
-        if !place.roles.pulled.is_empty() {
-            system.add_pull(slope, -1.0, step);
+        refill(rates, point.x.len(), 0.0);
+        let tangent = instance.problem().tangent();
+        tangent.add_slope(&point.tangent_point(instance), slope_by_v, rates);
+        point.directions.reduce(1, rates, slope);
+        refill(step, point.directions.len(), 0.0);
+        refill(rows, point.r.len(), 0.0);
+        if !point.roles.minimised.is_empty() {
+            system.add_minimising_step(slope, -1.0, step);
         }
-        if !place.roles.held.is_empty() {
+        if !point.roles.constrained.is_empty() {
             refill(image, step.len(), 0.0);
             if step.iter().any(|step| *step != 0.0) {
-                system.add_hessian(evaluator, place, (step, image));
+                system.add_hessian(evaluator, point, (step, image));
             }
             // `step` is the negative adjoint a: −(g − W a) = −(g + W step).
             for (slope, image) in slope.iter_mut().zip(&*image) {
                 *slope = -(*slope + image);
             }
-            system.push_held(place, slope, rows);
+            system.add_constraint_multipliers(point, slope, rows);
         }
         self.add_slopes(evaluator, model, gradient);
     }
@@ -254,7 +257,7 @@ impl Parts {
         evaluator: &mut Evaluator<'_, '_>,
         gradient: &mut ParameterVector,
     ) {
-        refill(&mut self.rows, self.place.r.len(), 0.0);
+        refill(&mut self.rows, self.point.r.len(), 0.0);
         self.add_slopes(evaluator, None, gradient);
     }
 
@@ -265,9 +268,9 @@ impl Parts {
         model: Option<&Model>,
         gradient: &mut ParameterVector,
     ) {
-        let question = evaluator.question;
+        let instance = evaluator.instance;
         let Self {
-            place,
+            point,
             system,
             parameters,
             step,
@@ -275,24 +278,24 @@ impl Parts {
             ..
         } = self;
         let m = rows.len();
-        for &row in &place.roles.pulled {
-            let along = step.iter().enumerate();
-            rows[row] += along
-                .map(|(k, step)| step * place.along[k * m + row])
+        for &row in &point.roles.minimised {
+            let terms = step.iter().enumerate();
+            rows[row] += terms
+                .map(|(k, step)| step * point.reduced_jacobian[k * m + row])
                 .sum::<f64>();
         }
         let mut evaluation = evaluator.evaluation();
-        let counts = (&**rows, 1.0);
-        evaluation.add_parameter_slopes(&place.x, counts, model, parameters, gradient);
-        let shift = place.shift(question, step);
-        if !system.bends() || !shift.is_finite() {
+        let row_weights = (&**rows, 1.0);
+        evaluation.add_parameter_slopes(&point.x, row_weights, model, parameters, gradient);
+        let shift = point.difference_step(instance, step);
+        if !system.has_curvature() || !shift.is_finite() {
             return;
         }
-        for share in [shift, -shift] {
-            let at = place.moved(step, share).to_vec();
+        for offset in [shift, -shift] {
+            let shifted_x = point.shift_x(step, offset).to_vec();
             let mut evaluation = evaluator.evaluation();
-            let counts = (&*place.counts, 0.5 / share);
-            evaluation.add_parameter_slopes(&at, counts, model, parameters, gradient);
+            let row_weights = (&*point.row_weights, 0.5 / offset);
+            evaluation.add_parameter_slopes(&shifted_x, row_weights, model, parameters, gradient);
         }
     }
 }

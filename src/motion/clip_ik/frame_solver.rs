@@ -175,7 +175,7 @@ impl FrameSolver {
             &mut self.tree_workspace,
         );
         let instance = ProblemInstance::from(&self.problem);
-        let instance = instance.with_targets(&self.targets).with_places(&self.tree);
+        let instance = instance.with_targets(&self.targets).with_tree(&self.tree);
         let solution = self.solver.solve(instance, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);
         Ok(solution.reached)

@@ -160,7 +160,7 @@ impl<'a> Curve<'a> {
         let displacement = targets[1].translation - targets[0].translation;
         let relative = targets[0].rotation.transpose() * targets[1].rotation;
         let path_rotation = Quaternion::from_matrix(&relative).log().norm();
-        if arm.goal().has_room() {
+        if arm.goal().has_bounds() {
             // In the rotating axes of the target.
             let reach = arm.base_from_tool(from)?.translation - targets[0].translation;
             let reach = reach.norm() + speed + displacement.norm();
@@ -174,7 +174,7 @@ impl<'a> Curve<'a> {
         Ok(Self {
             arm,
             targets,
-            third_derivatives: (!arm.goal().has_room()).then_some(third_derivatives),
+            third_derivatives: (!arm.goal().has_bounds()).then_some(third_derivatives),
             q: step.q,
             second_derivatives: [
                 bend,

@@ -22,7 +22,7 @@ pub(super) struct CollisionFreeFrames {
 impl CollisionFreeFrames {
     /// Creates it. `size` is that of [`FrameProblem::new`], `rows` the number of rows without collision avoidance.
     pub(super) fn new(constraint: &CollisionConstraint, rows: usize, size: f64) -> Self {
-        let problem = constraint.holding();
+        let problem = constraint.with_strong_clearance();
         Self {
             q: vec![0.0; problem.configuration_len()],
             from: vec![0.0; problem.variables()],

@@ -141,7 +141,7 @@ impl BodyFollower {
             release_offsets: vec![(Vector3::zero(), 0); points.len()],
             release_frames: (lead_s * retargeting.frame_rate).ceil() as usize,
             avoidance: problem
-                .fence()
+                .collision_constraint()
                 .map(|fence| CollisionFreeFrames::new(fence, problem.rows(), size)),
             has_solved: false,
             reference: posture.iter().map(|(_, value)| *value).collect(),

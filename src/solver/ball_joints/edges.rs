@@ -1,6 +1,6 @@
 //! Edges of the rotation sets of ball joints, and frames for steps there.
 
-use super::edge_frame::{Edge, EdgeFrame, Near};
+use super::edge_frame::{Edge, EdgeFrame, NearEdge};
 use super::turn_limit::TurnLimit;
 use crate::solver::ConfigurationSpace;
 use crate::spatial::Vector3;
@@ -57,7 +57,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 
     /// Edges near a ball joint, given by its first variable.
-    fn edges_near(&self, x: &[f64], first: usize) -> impl Iterator<Item = Near> {
+    fn edges_near(&self, x: &[f64], first: usize) -> impl Iterator<Item = NearEdge> {
         let swings = self.rotations.swings.iter();
         let swing = swings.filter(move |swing| swing.first == first);
         let swing = swing.filter_map(|swing| swing.near(x));
@@ -69,7 +69,7 @@ impl<'a> ConfigurationSpace<'a> {
         let twist = twist
             .into_iter()
             .filter(|(is_on, _)| *is_on)
-            .map(|(_, upper)| Near {
+            .map(|(_, upper)| NearEdge {
                 edge: Edge::Twist { upper },
                 is_on: true,
                 normal: Vector3::UNITS[2] * if upper { 1.0 } else { -1.0 },
@@ -78,10 +78,10 @@ impl<'a> ConfigurationSpace<'a> {
         let turns = turns.filter_map(|(turn, is_move)| {
             let (is_on, normal) = turn.near_edge(x)?;
             let edge = match is_move {
-                true => Edge::Move(turn.most),
-                false => Edge::Angle(turn.most),
+                true => Edge::Move(turn.max_angle),
+                false => Edge::Angle(turn.max_angle),
             };
-            Some(Near {
+            Some(NearEdge {
                 edge,
                 is_on,
                 normal,
@@ -125,19 +125,23 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// Largest increase of a component of a ball joint at an edge: 0 across it, else infinite; `None` away from edges.
     #[inline]
-    pub(in crate::solver) fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
+    pub(in crate::solver) fn max_increase_on_edge(
+        &self,
+        x: &[f64],
+        component: usize,
+    ) -> Option<f64> {
         // A variable with equal bounds is held by those.
-        let moves = self.lower[component] < self.upper[component];
-        let frame = self.frame_of(x, component).filter(|_| moves)?;
+        let is_movable = self.lower[component] < self.upper[component];
+        let frame = self.frame_of(x, component).filter(|_| is_movable)?;
         let is_on = frame.near(component).is_some_and(|near| near.is_on);
         Some(if is_on { 0.0 } else { f64::INFINITY })
     }
 
     /// First variable of a ball joint at the edge of one of its angle limits.
-    pub(crate) fn on_edge_of_turn(&self, x: &[f64]) -> Option<usize> {
+    pub(crate) fn ball_at_angle_limit(&self, x: &[f64]) -> Option<usize> {
         let mut turns = self.turns().map(|(turn, _)| turn);
-        let on = turns.find(|turn| turn.near_edge(x).is_some_and(|(is_on, _)| is_on));
-        on.map(|turn| turn.first)
+        let turn_on_edge = turns.find(|turn| turn.near_edge(x).is_some_and(|(is_on, _)| is_on));
+        turn_on_edge.map(|turn| turn.first)
     }
 
     /// Edge that a component crosses, if one is near.
@@ -151,16 +155,17 @@ impl<'a> ConfigurationSpace<'a> {
     pub(in crate::solver) fn keeps(
         &self,
         first: usize,
-        own: [f64; 3],
-        whole_angle_too: bool,
+        values: [f64; 3],
+        checks_angle: bool,
     ) -> bool {
         let bounds = self.lower[first..].iter().zip(&self.upper[first..]);
         let mut swings = self.rotations.swings.iter();
         let mut turns = self.rotations.turns.iter();
-        own.iter()
+        values
+            .iter()
             .zip(bounds)
-            .all(|(v, (low, high))| low <= v && v <= high)
-            && swings.all(|swing| swing.first != first || swing.holds([own[0], own[1]]))
-            && (!whole_angle_too || turns.all(|turn| turn.first != first || turn.is_within(own)))
+            .all(|(v, (lower, upper))| lower <= v && v <= upper)
+            && swings.all(|swing| swing.first != first || swing.holds([values[0], values[1]]))
+            && (!checks_angle || turns.all(|turn| turn.first != first || turn.is_within(values)))
     }
 }

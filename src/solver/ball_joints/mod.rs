@@ -7,5 +7,5 @@ mod turn_limit;
 
 pub(crate) use edge_frame::Edge;
 pub(crate) use rotation_sets::{RotationSets, Swing};
-pub(super) use rotation_sets::{shorten, shortest};
+pub(super) use rotation_sets::{shorten_rotation_step, shorten_rotation_vector};
 pub(crate) use turn_limit::TurnLimit;

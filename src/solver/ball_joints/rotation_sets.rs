@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::TurnLimit;
-use super::edge_frame::{Edge, Near};
+use super::edge_frame::{Edge, NearEdge};
 use crate::spatial::Vector3;
 
 /// Variables of a problem that rotate ball joints.
@@ -46,13 +46,13 @@ pub(crate) struct Swing {
 }
 
 /// Relative distance from the edge within which a swing moves along and across it, so that the edge holds one variable.
-const NEAR: f64 = 1e-6;
+const NEAR_EDGE_TOLERANCE: f64 = 1e-6;
 /// Relative distance from the edge within which a swing counts as on it.
-const ON: f64 = 1e-12;
+const ON_EDGE_TOLERANCE: f64 = 1e-12;
 /// Relative distance within the edge at which a projection ends, for rounding.
-const WITHIN: f64 = 1e-14;
+const PROJECTION_MARGIN: f64 = 1e-14;
 /// Largest number of Newton steps to the nearest point of an ellipse.
-const MOST_STEPS: usize = 60;
+const MAX_NEWTON_STEPS: usize = 60;
 
 impl Swing {
     fn of(&self, x: &[f64]) -> [f64; 2] {
@@ -60,7 +60,7 @@ impl Swing {
     }
 
     /// Distance from the centre relative to the edge: 1 on the edge.
-    fn share(&self, [first, second]: [f64; 2]) -> f64 {
+    fn relative_distance(&self, [first, second]: [f64; 2]) -> f64 {
         let [a, b] = self.half_angles;
         let (u, v) = (first / a, second / b);
         (u * u + v * v).sqrt()
@@ -68,7 +68,7 @@ impl Swing {
 
     /// Returns true on the edge.
     pub(in crate::solver) fn is_on(&self, x: &[f64]) -> bool {
-        self.share(self.of(x)) >= 1.0 - ON
+        self.relative_distance(self.of(x)) >= 1.0 - ON_EDGE_TOLERANCE
     }
 
     /// Angle of the swing, radians.
@@ -80,11 +80,11 @@ impl Swing {
     /// Outward unit normal of the edge, if it is near; the tangent is the normal rotated by 90°.
     pub(in crate::solver) fn normal(&self, x: &[f64]) -> Option<[f64; 2]> {
         let [first, second] = self.of(x);
-        let near = self.share([first, second]) >= 1.0 - NEAR;
+        let is_near = self.relative_distance([first, second]) >= 1.0 - NEAR_EDGE_TOLERANCE;
         let [a, b] = self.half_angles;
         let (u, v) = (first / (a * a), second / (b * b));
         let length = (u * u + v * v).sqrt();
-        near.then_some([u / length, v / length])
+        is_near.then_some([u / length, v / length])
     }
 
     /// Outward unit normal of the edge and its curvature (1 / radians), for a swing on it.
@@ -93,19 +93,19 @@ impl Swing {
         let [first, second] = self.of(x);
         let [a, b] = self.half_angles.map(|a| 1.0 / (a * a));
         // With c = ½(u²/a² + v²/b² − 1): tᵀ ∇²c t / |∇c| for the tangent t.
-        let [across, along] = normal;
+        let [normal_x, normal_y] = normal;
         let (u, v) = (first * a, second * b);
-        let steepness = (u * u + v * v).sqrt();
+        let gradient_norm = (u * u + v * v).sqrt();
         Some((
             normal,
-            (along * along * a + across * across * b) / steepness,
+            (normal_y * normal_y * a + normal_x * normal_x * b) / gradient_norm,
         ))
     }
 
     /// Edge of the swing, if it is near.
-    pub(in crate::solver) fn near(&self, x: &[f64]) -> Option<Near> {
+    pub(in crate::solver) fn near(&self, x: &[f64]) -> Option<NearEdge> {
         let [first, second] = self.normal(x)?;
-        Some(Near {
+        Some(NearEdge {
             edge: Edge::Swing,
             is_on: self.is_on(x),
             normal: Vector3::new(first, second, 0.0),
@@ -114,33 +114,33 @@ impl Swing {
 
     /// Returns true if two angles are within the ellipse.
     pub(in crate::solver) fn holds(&self, pair: [f64; 2]) -> bool {
-        self.share(pair) <= 1.0
+        self.relative_distance(pair) <= 1.0
     }
 
     /// Projects the swing to the nearest point within the ellipse.
     pub(in crate::solver) fn project(&self, x: &mut [f64]) {
-        let place = self.of(x);
-        let share = self.share(place);
-        if share <= 1.0 - WITHIN || !share.is_finite() {
+        let swing = self.of(x);
+        let distance = self.relative_distance(swing);
+        if distance <= 1.0 - PROJECTION_MARGIN || !distance.is_finite() {
             return;
         }
-        let put = self.nearest(place);
-        let outside = self.share(put) / (1.0 - WITHIN);
-        let put = match outside > 1.0 {
-            true => put.map(|value| value / outside),
-            false => put,
+        let projected = self.nearest(swing);
+        let excess = self.relative_distance(projected) / (1.0 - PROJECTION_MARGIN);
+        let projected = match excess > 1.0 {
+            true => projected.map(|value| value / excess),
+            false => projected,
         };
-        x[self.first..self.first + 2].copy_from_slice(&put);
+        x[self.first..self.first + 2].copy_from_slice(&projected);
     }
 
     /// Nearest point of the ellipse: a_i² p_i / (t + a_i²). The t ≥ 0 at which it is on the edge is found by Newton's
     /// method.
-    fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
+    fn nearest(&self, swing: [f64; 2]) -> [f64; 2] {
         let squares = self.half_angles.map(|a| a * a);
         let mut t = 0.0;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let (mut value, mut slope) = (-1.0, 0.0);
-            for (p, square) in place.into_iter().zip(squares) {
+            for (p, square) in swing.into_iter().zip(squares) {
                 let part = p * p * square / ((t + square) * (t + square));
                 value += part;
                 slope -= 2.0 * part / (t + square);
@@ -150,12 +150,12 @@ impl Swing {
             }
             t -= value / slope;
         }
-        [0, 1].map(|k| squares[k] * place[k] / (t + squares[k]))
+        [0, 1].map(|k| squares[k] * swing[k] / (t + squares[k]))
     }
 }
 
 /// Replaces a rotation vector by the shortest one of the same rotation.
-pub(in crate::solver) fn shortest(vector: &mut [f64]) {
+pub(in crate::solver) fn shorten_rotation_vector(vector: &mut [f64]) {
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length > PI && length.is_finite() {
         let turns = (length / TAU).round();
@@ -165,7 +165,7 @@ pub(in crate::solver) fn shortest(vector: &mut [f64]) {
 }
 
 /// Shortens a step between rotation vectors, to − from, by a whole revolution of `to`, if that is shorter.
-pub(in crate::solver) fn shorten(step: &mut [f64], to: &[f64]) {
+pub(in crate::solver) fn shorten_rotation_step(step: &mut [f64], to: &[f64]) {
     let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let length = squared(to).sqrt();
     if length > 0.0 {

@@ -7,13 +7,13 @@ use crate::model::RotationChart;
 use crate::spatial::{Quaternion, Vector3};
 
 /// Relative distance from the edge within which a joint moves along and across it, so that the edge holds one variable.
-const NEAR: f64 = 1e-6;
+const NEAR_EDGE_TOLERANCE: f64 = 1e-6;
 /// Relative distance from the edge within which a joint counts as on it.
-const ON: f64 = 1e-12;
+const ON_EDGE_TOLERANCE: f64 = 1e-12;
 /// Relative distance within the edge at which a projection ends, for rounding.
-const WITHIN: f64 = 1e-14;
+const PROJECTION_MARGIN: f64 = 1e-14;
 /// Additional distance within the edge, radians, for the rounding of quaternions.
-const ROUNDING: f64 = 1e-15;
+const ROUNDING_MARGIN: f64 = 1e-15;
 /// Halvings of a bisection after which no number is left between its ends.
 const HALVINGS: usize = 52;
 
@@ -24,11 +24,11 @@ pub(crate) struct TurnLimit {
     pub(crate) first: usize,
     chart: RotationChart,
     centre: Quaternion<f64>,
-    at_centre: [f64; 3],
+    centre_variables: [f64; 3],
     /// Variables within all limits of the joint.
     inside: [f64; 3],
     /// Largest angle, radians.
-    pub(crate) most: f64,
+    pub(crate) max_angle: f64,
 }
 
 impl TurnLimit {
@@ -37,25 +37,25 @@ impl TurnLimit {
         first: usize,
         chart: RotationChart,
         inside: [f64; 3],
-        most: f64,
+        max_angle: f64,
     ) -> Self {
-        let own = Self {
+        let limit = Self {
             first,
             chart,
             centre: Quaternion::exp(Vector3::zero()),
-            at_centre: [0.0; 3],
+            centre_variables: [0.0; 3],
             inside,
-            most,
+            max_angle,
         };
-        debug_assert!(own.angle(inside) <= most);
-        own
+        debug_assert!(limit.angle(inside) <= max_angle);
+        limit
     }
 
     /// Sets the centre to the rotation at x, which must be within all limits of the joint.
     pub(crate) fn centre_at(&mut self, x: &[f64]) {
-        let own = self.of(x);
-        self.centre = self.chart.rotation(own);
-        (self.at_centre, self.inside) = (own, own);
+        let variables = self.of(x);
+        self.centre = self.chart.rotation(variables);
+        (self.centre_variables, self.inside) = (variables, variables);
     }
 
     pub(crate) fn variables(&self) -> std::ops::Range<usize> {
@@ -64,8 +64,8 @@ impl TurnLimit {
 
     /// Range of a variable within the limit, up to the distortion of the chart.
     pub(crate) fn range_of(&self, variable: usize) -> (f64, f64) {
-        let centre = self.at_centre[variable - self.first];
-        (centre - self.most, centre + self.most)
+        let centre = self.centre_variables[variable - self.first];
+        (centre - self.max_angle, centre + self.max_angle)
     }
 
     fn of(&self, x: &[f64]) -> [f64; 3] {
@@ -73,49 +73,52 @@ impl TurnLimit {
     }
 
     /// Rotation vector from the centre.
-    fn turn(&self, own: [f64; 3]) -> Vector3<f64> {
-        (self.chart.rotation(own) * self.centre.conjugate()).log()
+    fn rotation_vector(&self, variables: [f64; 3]) -> Vector3<f64> {
+        (self.chart.rotation(variables) * self.centre.conjugate()).log()
     }
 
-    fn angle(&self, own: [f64; 3]) -> f64 {
-        self.turn(own).norm()
+    fn angle(&self, variables: [f64; 3]) -> f64 {
+        self.rotation_vector(variables).norm()
     }
 
-    /// Returns true if the angle is certainly below the limit by more than `share` times the limit, without
+    /// Returns true if the angle is certainly below the limit by more than `margin` times the limit, without
     /// trigonometry.
     ///
     /// The angle is at most the distance of two rotation vectors, or the sum of the changes of swing and twist.
-    fn is_well_within(&self, own: [f64; 3], share: f64) -> bool {
-        let [a, b, c] = [0, 1, 2].map(|k| own[k] - self.at_centre[k]);
+    fn is_well_within(&self, variables: [f64; 3], margin: f64) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|k| variables[k] - self.centre_variables[k]);
         let swing = (a * a + b * b).sqrt();
-        let most = match self.chart {
+        let max_distance = match self.chart {
             RotationChart::Exponential => (a * a + b * b + c * c).sqrt(),
             RotationChart::SwingTwist(_) => swing + c.abs(),
         };
-        most < self.most * (1.0 - share) - ROUNDING
+        max_distance < self.max_angle * (1.0 - margin) - ROUNDING_MARGIN
     }
 
     /// Returns true if the angle is within the limit.
-    pub(in crate::solver) fn is_within(&self, own: [f64; 3]) -> bool {
-        self.is_well_within(own, 0.0) || self.angle(own) <= self.most
+    pub(in crate::solver) fn is_within(&self, variables: [f64; 3]) -> bool {
+        self.is_well_within(variables, 0.0) || self.angle(variables) <= self.max_angle
     }
 
     /// Outward unit normal of the edge, if it is near, and true if x is on the edge.
     pub(in crate::solver) fn near_edge(&self, x: &[f64]) -> Option<(bool, Vector3<f64>)> {
-        let own = self.of(x);
-        if self.is_well_within(own, NEAR) {
+        let variables = self.of(x);
+        if self.is_well_within(variables, NEAR_EDGE_TOLERANCE) {
             return None;
         }
-        let turn = self.turn(own);
-        let angle = turn.norm();
-        if angle < self.most * (1.0 - NEAR) - ROUNDING {
+        let rotation_vector = self.rotation_vector(variables);
+        let angle = rotation_vector.norm();
+        if angle < self.max_angle * (1.0 - NEAR_EDGE_TOLERANCE) - ROUNDING_MARGIN {
             return None;
         }
-        let about = turn * (1.0 / angle);
-        let [a, b, c] = self.chart.axes(own).map(|axis| axis.dot(about));
+        let rotation_axis = rotation_vector * (1.0 / angle);
+        let [a, b, c] = self
+            .chart
+            .axes(variables)
+            .map(|axis| axis.dot(rotation_axis));
         let slope = Vector3::new(a, b, c);
         let length = slope.norm();
-        let is_on = angle >= self.most * (1.0 - ON) - 8.0 * ROUNDING;
+        let is_on = angle >= self.max_angle * (1.0 - ON_EDGE_TOLERANCE) - 8.0 * ROUNDING_MARGIN;
         (length > 0.0).then(|| (is_on, slope * (1.0 / length)))
     }
 
@@ -126,26 +129,26 @@ impl TurnLimit {
     pub(in crate::solver) fn project(
         &self,
         x: &mut [f64],
-        keeps_others: impl Fn([f64; 3]) -> bool,
+        satisfies_others: impl Fn([f64; 3]) -> bool,
     ) {
-        let own = self.of(x);
-        let most = self.most * (1.0 - WITHIN) - ROUNDING;
-        if self.is_well_within(own, WITHIN) {
+        let variables = self.of(x);
+        let max_angle = self.max_angle * (1.0 - PROJECTION_MARGIN) - ROUNDING_MARGIN;
+        if self.is_well_within(variables, PROJECTION_MARGIN) {
             return;
         }
-        let turn = self.turn(own);
-        let angle = turn.norm();
+        let rotation_vector = self.rotation_vector(variables);
+        let angle = rotation_vector.norm();
         // NaN stays NaN.
-        if angle.is_nan() || angle <= most {
+        if angle.is_nan() || angle <= max_angle {
             return;
         }
-        let back = Quaternion::exp(turn * (most / angle)) * self.centre;
-        let back = self.chart.variables(back);
-        let put = match self.is_within(back) && keeps_others(back) {
-            true => back,
-            false => self.last_within(own, most, keeps_others),
+        let rotated_back = Quaternion::exp(rotation_vector * (max_angle / angle)) * self.centre;
+        let rotated_back = self.chart.variables(rotated_back);
+        let projected = match self.is_within(rotated_back) && satisfies_others(rotated_back) {
+            true => rotated_back,
+            false => self.last_within(variables, max_angle, satisfies_others),
         };
-        x[self.variables()].copy_from_slice(&put);
+        x[self.variables()].copy_from_slice(&projected);
     }
 
     /// Last point within all limits on the line of the variables from `inside`, if the line leaves the limits only
@@ -154,17 +157,19 @@ impl TurnLimit {
     /// Otherwise it is one of the points at which the line leaves them.
     fn last_within(
         &self,
-        mut to: [f64; 3],
-        most: f64,
-        keeps_others: impl Fn([f64; 3]) -> bool,
+        mut variables: [f64; 3],
+        max_angle: f64,
+        satisfies_others: impl Fn([f64; 3]) -> bool,
     ) -> [f64; 3] {
         if let RotationChart::SwingTwist(_) = self.chart {
             // Whole revolutions of twist give the same rotation.
-            to[2] -= TAU * ((to[2] - self.inside[2]) / TAU).round();
+            variables[2] -= TAU * ((variables[2] - self.inside[2]) / TAU).round();
         }
-        let at = |share: f64| [0, 1, 2].map(|k| self.inside[k] + share * (to[k] - self.inside[k]));
-        at(bisect(0.0, 1.0, HALVINGS, |share| {
-            self.angle(at(share)) <= most && keeps_others(at(share))
+        let point_at = |fraction: f64| {
+            [0, 1, 2].map(|k| self.inside[k] + fraction * (variables[k] - self.inside[k]))
+        };
+        point_at(bisect(0.0, 1.0, HALVINGS, |fraction| {
+            self.angle(point_at(fraction)) <= max_angle && satisfies_others(point_at(fraction))
         }))
     }
 }
@@ -208,7 +213,7 @@ mod tests {
             if limit.is_well_within(own, 1e-6) {
                 continue;
             }
-            let straight = limit.turn(own) * (0.4 / limit.angle(own));
+            let straight = limit.rotation_vector(own) * (0.4 / limit.angle(own));
             let back = super::Quaternion::exp(straight) * limit.centre;
             by_the_variables += u32::from(!in_cone(limit.chart.variables(back)));
             let apart = limit.chart.rotation(put).conjugate() * limit.chart.rotation(wound);

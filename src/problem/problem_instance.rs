@@ -14,7 +14,7 @@ pub struct ProblemInstance<'a> {
     lower: &'a [f64],
     upper: &'a [f64],
     /// Largest rotations of ball joints from their start.
-    moves: &'a [TurnLimit],
+    turn_limits: &'a [TurnLimit],
     /// Variables that form rotations; steps at the edges of their sets use other components.
     rotations: &'a RotationSets,
     tree: &'a Tree,
@@ -27,7 +27,7 @@ impl<'a> From<&'a Problem> for ProblemInstance<'a> {
             targets: &problem.targets,
             lower: problem.lower(),
             upper: problem.upper(),
-            moves: &[],
+            turn_limits: &[],
             rotations: &problem.rotations,
             tree: &problem.tree,
         }
@@ -51,7 +51,7 @@ impl<'a> ProblemInstance<'a> {
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &'a [f64] = self.upper;
         /// Largest rotations of ball joints from their start.
-        pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.moves;
+        pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.turn_limits;
         /// The compiled kinematics that the tasks' slots refer to.
         pub(crate) fn tree(&self) -> &'a Tree = self.tree;
     }
@@ -59,7 +59,8 @@ impl<'a> ProblemInstance<'a> {
     /// The space of the variables, within these bounds.
     #[must_use]
     pub fn space(&self) -> ConfigurationSpace<'a> {
-        ConfigurationSpace::new(self.lower, self.upper).with_rotations(self.rotations, self.moves)
+        ConfigurationSpace::new(self.lower, self.upper)
+            .with_rotations(self.rotations, self.turn_limits)
     }
 
     /// The instance with derivatives by the variables even at the edges of cones and angles, for callers that handle
@@ -77,22 +78,27 @@ impl<'a> ProblemInstance<'a> {
     }
 
     /// The instance with tighter bounds and limits on the rotation of ball joints.
-    pub(crate) fn within(self, lower: &'a [f64], upper: &'a [f64], moves: &'a [TurnLimit]) -> Self {
+    pub(crate) fn within(
+        self,
+        lower: &'a [f64],
+        upper: &'a [f64],
+        turn_limits: &'a [TurnLimit],
+    ) -> Self {
         Self {
             lower,
             upper,
-            moves,
+            turn_limits,
             ..self
         }
     }
 
     /// The instance with another tree, in which joints and frames have moved on their parents.
-    pub(crate) fn with_places(self, tree: &'a Tree) -> Self {
+    pub(crate) fn with_tree(self, tree: &'a Tree) -> Self {
         Self { tree, ..self }
     }
 
     /// True if the tree differs from the problem's.
-    pub(crate) fn places_moved(&self) -> bool {
+    pub(crate) fn has_moved_tree(&self) -> bool {
         !std::ptr::eq(self.tree, &self.problem.tree)
     }
 
@@ -105,19 +111,19 @@ impl<'a> ProblemInstance<'a> {
     }
 
     /// The instance for a problem with the same tasks and bounds and an added clearance.
-    pub(crate) fn fenced(self, by: &'a Problem) -> Self {
+    pub(crate) fn with_constraint(self, problem: &'a Problem) -> Self {
         Self {
-            problem: by,
-            tree: by.tree(),
+            problem,
+            tree: problem.tree(),
             ..self
         }
     }
 
     /// The sampling range of a variable: its bounds, or `at` ± (π or the reach) if a bound is absent or very distant.
     pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
-        let mut moves = self.moves.iter();
-        if let Some(turn) = moves.find(|turn| turn.variables().contains(&variable)) {
-            return turn.range_of(variable);
+        let mut limits = self.turn_limits.iter();
+        if let Some(limit) = limits.find(|limit| limit.variables().contains(&variable)) {
+            return limit.range_of(variable);
         }
         let bounds = Limits::new(self.lower[variable], self.upper[variable]);
         bounds.sampling_range(at, self.problem.spread(variable))

@@ -11,29 +11,29 @@ use crate::solver::half_squared;
 
 /// Number of additional starts, sampled no further from the start than the nearest known closure. Beyond this number,
 /// no nearer closure is assumed to exist.
-const PLACES: u64 = 32;
+const SAMPLES: u64 = 32;
 /// Improvement below which two closures count as equally near, radians.
-const SAME_WAY: f64 = 1e-6;
+const DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Loop problem with its start variables.
-pub(super) struct NearestClosing<'a> {
+pub(super) struct NearestClosure<'a> {
     problem: &'a Problem,
     start: Vec<f64>,
     /// Variables per unit of distance: 1 for angles, the equivalent of 1 radian for prismatic joints.
     units: Vec<f64>,
 }
 
-impl<'a> NearestClosing<'a> {
+impl<'a> NearestClosure<'a> {
     /// # Errors
     /// Returns the errors of a solver for an invalid start.
     pub(super) fn new(problem: &'a Problem, start: &[f64]) -> Result<Self, SolveError> {
-        let slide = slide_per_radian(problem);
+        let length_per_radian = slide_per_radian(problem);
         let angles = problem.names().variable_is_angle.iter();
         Ok(Self {
             problem,
             start: variables_at(ProblemInstance::from(problem), start)?,
             units: angles
-                .map(|&angle| if angle { 1.0 } else { slide })
+                .map(|&angle| if angle { 1.0 } else { length_per_radian })
                 .collect(),
         })
     }
@@ -52,22 +52,22 @@ impl<'a> NearestClosing<'a> {
         }
         let mut x = vec![0.0; self.start.len()];
         let mut distance = self.unwind(&mut nearest.q, &mut x);
-        let once = solver.clone().with_restarts(Restarts::none());
+        let single_attempt = solver.clone().with_restarts(Restarts::none());
         let mut workspace = Workspace::new();
-        for place in 0..PLACES {
-            if distance < SAME_WAY {
+        for index in 0..SAMPLES {
+            if distance < DISTANCE_TOLERANCE {
                 break;
             }
-            self.place(place, distance, &mut x);
+            self.sample(index, distance, &mut x);
             map.scatter_within_limits(&x, &mut q);
-            let found = once.solve(self.problem, &q, &mut workspace)?;
-            if !found.loops_closed() {
+            let solution = single_attempt.solve(self.problem, &q, &mut workspace)?;
+            if !solution.loops_closed() {
                 continue;
             }
-            q.copy_from_slice(&found.q);
-            let own = self.unwind(&mut q, &mut x);
-            if own < distance - SAME_WAY {
-                distance = own;
+            q.copy_from_slice(&solution.q);
+            let closure_distance = self.unwind(&mut q, &mut x);
+            if closure_distance < distance - DISTANCE_TOLERANCE {
+                distance = closure_distance;
                 nearest.q.copy_from_slice(&q);
             }
         }
@@ -75,13 +75,13 @@ impl<'a> NearestClosing<'a> {
     }
 
     /// Samples variables at most `distance` from the start.
-    fn place(&self, number: u64, distance: f64, x: &mut [f64]) {
-        let mut random = RandomStream::new(0, number);
+    fn sample(&self, index: u64, distance: f64, x: &mut [f64]) {
+        let mut random = RandomStream::new(0, index);
         x.fill_with(|| 2.0 * random.unit() - 1.0);
         let length = (2.0 * half_squared(x)).sqrt();
-        let far = distance * random.unit() / length.max(f64::MIN_POSITIVE);
+        let radius = distance * random.unit() / length.max(f64::MIN_POSITIVE);
         for ((x, start), unit) in x.iter_mut().zip(&self.start).zip(&self.units) {
-            *x = start + far * unit * *x;
+            *x = start + radius * unit * *x;
         }
         ProblemInstance::from(self.problem).space().project(x);
     }
@@ -92,7 +92,7 @@ impl<'a> NearestClosing<'a> {
         let map = self.problem.parameters();
         map.gather(q, x);
         let balls = map.balls();
-        let mut squares = 0.0;
+        let mut squared_distance = 0.0;
         for (k, (x, start)) in x.iter_mut().zip(&self.start).enumerate() {
             if balls
                 .iter()
@@ -100,24 +100,33 @@ impl<'a> NearestClosing<'a> {
             {
                 continue;
             }
-            let turns = TAU * ((start - *x) / TAU).round();
+            let revolutions = TAU * ((start - *x) / TAU).round();
             let (lower, upper) = (self.problem.lower()[k], self.problem.upper()[k]);
-            let within = lower <= *x + turns && *x + turns <= upper;
-            if turns != 0.0 && within && self.turns_alone(k) {
-                *x += turns;
+            let is_within_bounds = lower <= *x + revolutions && *x + revolutions <= upper;
+            if revolutions != 0.0 && is_within_bounds && self.has_single_joint(k) {
+                *x += revolutions;
                 q[map.leaders()[k]] = *x;
             }
-            let moved = (*x - start) / self.units[k];
-            squares += moved * moved;
+            let displacement = (*x - start) / self.units[k];
+            squared_distance += displacement * displacement;
         }
         let balls = balls.iter().map(|ball| ball.angle_between(&self.start, x));
-        (squares + balls.map(|angle| angle * angle).sum::<f64>()).sqrt()
+        (squared_distance + balls.map(|angle| angle * angle).sum::<f64>()).sqrt()
     }
 
     /// Returns whether a variable is an angle with exactly one joint, that is, without mimic joints.
-    fn turns_alone(&self, variable: usize) -> bool {
-        let moved = |source: &&Source| source.slope().is_some_and(|(own, _)| own == variable);
-        let moved = self.problem.parameters().sources().iter().filter(moved);
-        self.problem.names().variable_is_angle[variable] && moved.count() == 1
+    fn has_single_joint(&self, variable: usize) -> bool {
+        let is_of_variable = |source: &&Source| {
+            source
+                .slope()
+                .is_some_and(|(source_variable, _)| source_variable == variable)
+        };
+        let sources = self
+            .problem
+            .parameters()
+            .sources()
+            .iter()
+            .filter(is_of_variable);
+        self.problem.names().variable_is_angle[variable] && sources.count() == 1
     }
 }

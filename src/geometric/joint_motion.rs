@@ -20,12 +20,12 @@ use crate::spatial::{Matrix3, Vector3};
 
 /// Sum of the terms of several vectors, for one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Turn {
+pub(super) struct RotationCost {
     cosine: f64,
     sine: f64,
 }
 
-impl Turn {
+impl RotationCost {
     /// A sum with its maximum at `angle`, radians.
     pub(super) fn towards(angle: f64) -> Self {
         let (sine, cosine) = elementary::sin_cos(angle);
@@ -33,7 +33,7 @@ impl Turn {
     }
 
     /// Adds a vector u, relative to a point on the axis, with its target v.
-    pub(super) fn pull(
+    pub(super) fn add_target(
         &mut self,
         axis: Vector3<f64>,
         u: Vector3<f64>,
@@ -53,9 +53,9 @@ impl Turn {
         if range.contains(direct) {
             return direct;
         }
-        let other_way = direct - TAU.copysign(direct);
-        if range.contains(other_way) {
-            return other_way;
+        let equivalent = direct - TAU.copysign(direct);
+        if range.contains(equivalent) {
+            return equivalent;
         }
         // Both ends are finite; otherwise one of the two angles would be in the range.
         let gain =
@@ -69,27 +69,27 @@ impl Turn {
 
 /// Moves the variable of a joint by the result of `best` for the joint's range; returns the joint's motion.
 pub(super) fn move_joint(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     joint: usize,
     x: &mut [f64],
     best: impl FnOnce(Limits) -> f64,
 ) -> f64 {
-    let (variable, bounded) = BoundedVariable::of(question, joint);
-    let by = best(bounded.room(x[variable]));
-    x[variable] = bounded.moved(x[variable], by);
-    by
+    let (variable, bounded) = BoundedVariable::of(instance, joint);
+    let motion = best(bounded.motion_range(x[variable]));
+    x[variable] = bounded.moved_by(x[variable], motion);
+    motion
 }
 
 /// The matrix of a rotation about an axis.
-pub(super) fn turned(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
+pub(super) fn rotation_matrix(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     Matrix3::rotation(axis, elementary::sin_cos(angle))
 }
 
 /// The signed angle from u to v about the axis; 0 if one of them is parallel to it.
 fn signed_angle(axis: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>) -> f64 {
-    let mut turn = Turn::default();
-    turn.pull(axis, u, v, 1.0);
-    elementary::atan2(turn.sine, turn.cosine)
+    let mut cost = RotationCost::default();
+    cost.add_target(axis, u, v, 1.0);
+    elementary::atan2(cost.sine, cost.cosine)
 }
 
 /// The two pairs of rotations about an inner and then an outer axis through one point that rotate u onto v.
@@ -97,29 +97,29 @@ fn signed_angle(axis: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>) -> f64 {
 /// Returns (outer, inner) angles in radians. If v is unreachable, u comes close to it. `None` for parallel axes.
 /// Source: Paden-Kahan subproblem 2; Murray, Li & Sastry 1994, "A Mathematical Introduction to Robotic Manipulation",
 /// section 3.2.
-pub(super) fn two_turns(
+pub(super) fn two_rotations(
     outer: Vector3<f64>,
     inner: Vector3<f64>,
     u: Vector3<f64>,
     v: Vector3<f64>,
 ) -> Option<[(f64, f64); 2]> {
-    const PARALLEL: f64 = 1e-12;
+    const PARALLEL_TOLERANCE: f64 = 1e-12;
     let c = outer.dot(inner);
-    let across = outer.cross(inner);
-    let across_squared = across.norm_squared();
-    if across_squared < PARALLEL {
+    let normal = outer.cross(inner);
+    let normal_squared = normal.norm_squared();
+    if normal_squared < PARALLEL_TOLERANCE {
         return None;
     }
     // Between the rotations u is at z = α outer + β inner ± γ outer × inner.
-    let alpha = (outer.dot(v) - c * inner.dot(u)) / across_squared;
-    let beta = (inner.dot(u) - c * outer.dot(v)) / across_squared;
+    let alpha = (outer.dot(v) - c * inner.dot(u)) / normal_squared;
+    let beta = (inner.dot(u) - c * outer.dot(v)) / normal_squared;
     let in_plane = alpha * alpha + beta * beta + 2.0 * alpha * beta * c;
-    let gamma = ((u.norm_squared() - in_plane) / across_squared)
+    let gamma = ((u.norm_squared() - in_plane) / normal_squared)
         .max(0.0)
         .sqrt();
     let middle = outer * alpha + inner * beta;
     Some([gamma, -gamma].map(|gamma| {
-        let z = middle + across * gamma;
+        let z = middle + normal * gamma;
         (signed_angle(outer, z, v), signed_angle(inner, u, z))
     }))
 }
@@ -133,14 +133,14 @@ pub(super) struct BoundedVariable {
 
 impl BoundedVariable {
     /// Index and bounds of a joint's variable.
-    pub(super) fn of(question: ProblemInstance<'_>, joint: usize) -> (usize, Self) {
-        let (variable, ratio) = question.tree().variable_of(joint);
-        let bounds = Limits::new(question.lower()[variable], question.upper()[variable]);
+    pub(super) fn of(instance: ProblemInstance<'_>, joint: usize) -> (usize, Self) {
+        let (variable, ratio) = instance.tree().variable_of(joint);
+        let bounds = Limits::new(instance.lower()[variable], instance.upper()[variable]);
         (variable, Self { bounds, ratio })
     }
 
     /// The range of the joint's motion from its present value.
-    pub(super) fn room(&self, x: f64) -> Limits {
+    pub(super) fn motion_range(&self, x: f64) -> Limits {
         let (a, b) = (
             self.ratio * (self.bounds.lower - x),
             self.ratio * (self.bounds.upper - x),
@@ -152,17 +152,19 @@ impl BoundedVariable {
         }
     }
 
-    /// The variable after its joint moved by `by`; snaps to a bound that is within rounding.
-    pub(super) fn moved(&self, x: f64, by: f64) -> f64 {
-        const ROUNDING: f64 = 4.0 * f64::EPSILON;
-        if by == 0.0 || self.ratio == 0.0 {
+    /// The variable after its joint moved by `motion`; snaps to a bound that is within rounding.
+    pub(super) fn moved_by(&self, x: f64, motion: f64) -> f64 {
+        const RELATIVE_ROUNDING: f64 = 4.0 * f64::EPSILON;
+        if motion == 0.0 || self.ratio == 0.0 {
             return x;
         }
-        let value = self.bounds.clamp(x + by / self.ratio);
+        let value = self.bounds.clamp(x + motion / self.ratio);
         let Limits { lower, upper } = self.bounds;
-        let at =
-            |end: f64| end.is_finite() && (value - end).abs() <= ROUNDING * x.abs().max(end.abs());
-        match (at(lower), at(upper)) {
+        let is_at = |bound: f64| {
+            bound.is_finite()
+                && (value - bound).abs() <= RELATIVE_ROUNDING * x.abs().max(bound.abs())
+        };
+        match (is_at(lower), is_at(upper)) {
             (true, _) => lower,
             (_, true) => upper,
             _ => value,
@@ -172,22 +174,22 @@ impl BoundedVariable {
 
 /// The best translation of a prismatic joint for some points: the weighted mean of their offsets along its axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slide {
-    wanted: f64,
+pub(super) struct TranslationCost {
+    weighted_offset: f64,
     weight: f64,
 }
 
-impl Slide {
-    /// Adds a point whose target is at the offset `miss` from it.
-    pub(super) fn pull(&mut self, axis: &JointAxis, miss: Vector3<f64>, weight: f64) {
-        self.wanted += weight * axis.direction.dot(miss);
+impl TranslationCost {
+    /// Adds a point whose target is at `offset` from it.
+    pub(super) fn add_target(&mut self, axis: &JointAxis, offset: Vector3<f64>, weight: f64) {
+        self.weighted_offset += weight * axis.direction.dot(offset);
         self.weight += weight;
     }
 
     /// The best translation within `range`, metres.
     pub(super) fn best(&self, range: Limits) -> f64 {
         match self.weight > 0.0 {
-            true => range.clamp(self.wanted / self.weight),
+            true => range.clamp(self.weighted_offset / self.weight),
             false => 0.0,
         }
     }
