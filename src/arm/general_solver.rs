@@ -166,7 +166,7 @@ impl Arm {
         attempt_loop.start.copy_from_slice(&workspace.start);
         let (method, mut silent) = (LevenbergMarquardt::default(), Silent);
         let mut minimiser = workspace.minimiser(&method, query.deadline, &mut silent);
-        let instance = minimiser.question;
+        let instance = minimiser.instance;
         let searched = (instance, TaskSubset::All);
         let schedule = Schedule::of_searches(searched, restarts, Stopping::default(), false);
         let deadline = query.deadline;

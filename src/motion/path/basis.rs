@@ -23,7 +23,7 @@ impl NullSpace {
         self.matrix.clear();
         for (column, scale) in jacobian.chunks_exact(6).zip(scales) {
             let mut scaled = [0.0; 6];
-            for (entry, value) in entry.iter_mut().zip(column) {
+            for (entry, value) in scaled.iter_mut().zip(column) {
                 *entry = value / scale;
             }
             self.matrix.push(scaled);
