@@ -115,7 +115,7 @@ mod tests {
 
     /// Between two knots a joint has the time of all steps in between, and may move by that many steps.
     #[test]
-    #[allows(clippy::unwrap_used)]
+    #[allow(clippy::unwrap_used)]
     fn step_bounds_use_time_of_all_steps() {
         let mut builder = Model::builder("one link");
         let link = Placement::translation(Vector3::UNITS[0]);
