@@ -226,9 +226,15 @@ fn invalid_curves_are_rejected_by_name() {
     let what = "handle";
     assert_eq!(error, KeyError::NonFiniteValue { key: 1, what });
     let error = KeyedCurve::bezier(vec![0.0, 1.0], vec![0.0, 1.0], vec![]).unwrap_err();
-    assert_eq!(error.to_string(), "0 pairs of handles for 2 keys");
+    assert_eq!(
+        error.to_string(),
+        "0 pairs of handles for 2 keys; there must be one for each key"
+    );
     let error = KeyedCurve::eased(vec![0.0, 1.0], vec![0.0, 1.0], vec![Easing::Linear]);
-    assert_eq!(error.unwrap_err().to_string(), "1 easings for 2 keys");
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "1 easings for 2 keys; there must be one for each key"
+    );
     let error = RotationCurve::eased(vec![0.0], vec![Quat::IDENTITY], vec![]).unwrap_err();
     assert_eq!(error.to_string(), "0 easings for 1 keys");
     let empty = RotationCurve::slerp(vec![], vec![]).unwrap_err();

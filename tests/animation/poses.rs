@@ -243,7 +243,10 @@ fn invalid_local_transforms_fail_or_are_repaired() {
     let big = support::armatures::armature(9, &mut random);
     let stranger = big.bone_at(8).unwrap();
     let refused = pose.set_local(stranger, good).unwrap_err();
-    assert_eq!(refused.to_string(), "bone 8 does not exist; the pose has 3");
+    assert_eq!(
+        refused.to_string(),
+        "bone 8 does not exist; the pose has 3 bones"
+    );
     assert_eq!(&pose, armature.rest());
     for length in [1e-30, 0.5, 3.0, 1e30] {
         pose.set_local(bone, with(good.rotation * length)).unwrap();

@@ -299,7 +299,10 @@ fn invalid_keys_are_named_or_repaired() {
     let several = curve(&[0.0, 1.0, 2.0], &[0.0, f32::NAN, f32::NAN]).unwrap_err();
     assert!(several.to_string().contains("key 1"), "{several}");
     let count = curve(&[0.0], &[1.0, 2.0]).unwrap_err();
-    assert_eq!(count.to_string(), "2 values for 1 keys");
+    assert_eq!(
+        count.to_string(),
+        "2 values for 1 keys; there must be one for each key"
+    );
     let tangents = KeyedCurve::cubic(vec![0.0], vec![1.0], vec![[f32::NAN; 2]]).unwrap_err();
     assert!(matches!(
         tangents,

@@ -547,7 +547,7 @@ fn motion_not_finite_names_its_argument() {
     };
     let wrong = motion(f64::NAN, 0.0);
     assert!(
-        wrong.starts_with("the velocity holds NaN for joint `"),
+        wrong.starts_with("the velocity: joint `joint1` is NaN"),
         "{wrong}"
     );
     let wrong = motion(0.0, f64::INFINITY);

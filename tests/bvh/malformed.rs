@@ -308,7 +308,7 @@ fn errors_name_what_was_expected_and_where() {
     }
     refused(
         &edit("Time: 0.04", "Time: 1e39"),
-        &["line 27: ", "not finite"],
+        &["line 27: ", "must be finite"],
     );
     refused(
         &edit("51 61", "NaN 61"),

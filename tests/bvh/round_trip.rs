@@ -404,7 +404,7 @@ fn unrepresentable_motion_is_rejected() {
     let error = bvh::to_text(&good, &clip.build(), 100.0)
         .unwrap_err()
         .to_string();
-    assert!(error.contains("more than 16777216 frames"), "{error}");
+    assert!(error.contains("at most 16777216 frames"), "{error}");
     let empty = Clip::builder("empty", &good).build();
     let error = bvh::write(&good, &empty, 1.0, "no such folder/out.bvh").unwrap_err();
     assert!(

@@ -65,7 +65,7 @@ mod tests {
             ("x", "AXIS=WIDTH"),
             ("w=1", "rx, ry, rz"),
             ("x=-1", "below 0"),
-            ("x=2..1", "wrong order"),
+            ("x=2..1", "above the upper end"),
             ("rx=0..1", "either way"),
             ("x=wide", "not a number"),
         ] {

@@ -1,4 +1,4 @@
-//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
+//! Promise: docs/reference/command.md is the `--help-all` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
 //! --test command command_page` writes the page.
 #![cfg(not(any(feature = "bench", feature = "charts")))]
 
@@ -8,8 +8,8 @@ use std::process::Command;
 const PAGE: &str = "../docs/reference/command.md";
 const OPENING: &str = "# The command
 
-`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help`.
-All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
+`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help-all`.
+All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help-all` describes it.
 ";
 const SUBCOMMANDS: [&str; 9] = [
     "solve",
@@ -71,7 +71,7 @@ fn section(name: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
     // Line width without a terminal.
     let done = command
-        .args([name, "--help"])
+        .args([name, "--help-all"])
         .env_remove("COLUMNS")
         .output();
     let help = String::from_utf8(done.unwrap().stdout).unwrap();
@@ -94,7 +94,7 @@ fn section(name: &str) -> String {
                 said.extend(lines.next());
             }
             let term = line.trim();
-            if term != "-h, --help" {
+            if !term.contains("--help") {
                 let heading = std::mem::take(&mut heading);
                 writeln!(page, "{heading}- `{term}`: {}", joined(&said)).unwrap();
             }

@@ -104,7 +104,7 @@ fn held_joints_are_shown_in_text() {
         let text = text!("solve {panda} {target} {start} {option}");
         let rows = text.lines().map(|row| row.split_whitespace().collect());
         let rows: Vec<Vec<&str>> = rows.collect();
-        let told = rows.iter().filter(|row| row.last() == Some(&"held"));
+        let told = rows.iter().filter(|row| row.last() == Some(&"locked"));
         let told: Vec<&str> = told.filter_map(|row| row.first().copied()).collect();
         assert_eq!(told, held, "{text}");
         assert!(rows.contains(&vec!["joint3", "0.300000", "locked"]));

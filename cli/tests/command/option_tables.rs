@@ -26,8 +26,8 @@ fn every_documented_flag_exists() {
         rows.collect::<Vec<_>>().join("\n")
     };
     for (rows, help) in [
-        (rows(rest), text!("solve --help")),
-        (rows(paths), text!("path --help")),
+        (rows(rest), text!("solve --help-all")),
+        (rows(paths), text!("path --help-all")),
     ] {
         let (named, there) = (flags(&rows), explained(&help));
         assert!(named.len() > 8, "{named:?}");

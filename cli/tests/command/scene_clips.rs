@@ -155,7 +155,7 @@ fn rig_is_written_as_one_animated_file() {
     assert!(count(&less["keys"]) < count(&document["keys"]));
     let folded = folder.file("frames");
     refused!("animate {rig_file} --fps=20 --close-seam=0.2 --out {folded}" => 2, "--close-seam | .glb");
-    refused!("animate {rig_file} --fps=20 --close-seam=9 --out {fewer}" => 1, "9 s | 1.5 s");
+    refused!("animate {rig_file} --fps=20 --close-seam=9 --out {fewer}" => 1, "9 s | 1.5");
     refused!("animate {rig_file} --fps=20 --into {fewer}" => 2, "--into | rig");
     refused!("animate {rig_file} --time=1 --into {fewer}" => 2, "--into");
 }

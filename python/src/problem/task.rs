@@ -328,7 +328,7 @@ impl<'py> Given<'_, 'py> {
 struct About {
     name: Option<String>,
     weight: Numbers,
-    times: f64,
+    scale: f64,
     tolerance: Numbers,
     role: Option<Role>,
     level: usize,
@@ -395,7 +395,7 @@ impl About {
         Ok(Self {
             name: get("name")?.extract()?,
             weight: Numbers::of(&get("weight")?, "weight")?,
-            times: arrays::number(&get("times")?, "times")?,
+            scale: arrays::number(&get("scale")?, "scale")?,
             tolerance: Numbers::of(&get("tolerance")?, "tolerance")?,
             role,
             level: arrays::whole(&get("level")?)?,
@@ -420,7 +420,7 @@ impl About {
             Some(_) => task.goal(),
             None => task,
         };
-        task.scale(self.times).at_level(self.level)
+        task.scale(self.scale).at_level(self.level)
     }
 }
 
