@@ -138,14 +138,7 @@ fn parsed() -> Result<Command, Error> {
             let takes_value = option.get_action().takes_values();
             option.allow_negative_numbers(takes_value)
         });
-        let has_more = subcommand
-            .get_arguments()
-            .any(clap::Arg::is_hide_short_help_set);
-        if has_more {
-            with_short_help(subcommand)
-        } else {
-            subcommand
-        }
+        with_short_help(subcommand)
     });
     let typed = command.try_get_matches_from_mut(std::env::args_os())?;
     Command::from_arg_matches(&typed).map_err(|error| error.format(&mut command))

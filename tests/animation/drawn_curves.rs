@@ -236,7 +236,10 @@ fn invalid_curves_are_rejected_by_name() {
         "1 easings for 2 keys; there must be one for each key"
     );
     let error = RotationCurve::eased(vec![0.0], vec![Quat::IDENTITY], vec![]).unwrap_err();
-    assert_eq!(error.to_string(), "0 easings for 1 keys");
+    assert_eq!(
+        error.to_string(),
+        "0 easings for 1 keys; there must be one for each key"
+    );
     let empty = RotationCurve::slerp(vec![], vec![]).unwrap_err();
     assert_eq!(empty, KeyError::Empty);
     let empty: Result<KeyedCurve<f64>, _> = KeyedCurve::eased(vec![], vec![], vec![]);

@@ -66,7 +66,7 @@ mod tests {
             ("w=1", "rx, ry, rz"),
             ("x=-1", "below 0"),
             ("x=2..1", "above the upper end"),
-            ("rx=0..1", "either way"),
+            ("rx=0..1", "symmetric"),
             ("x=wide", "not a number"),
         ] {
             let error = Interval::parse(bad).unwrap_err();
