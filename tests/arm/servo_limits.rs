@@ -552,7 +552,7 @@ fn motion_not_finite_names_its_argument() {
     );
     let wrong = motion(0.0, f64::INFINITY);
     assert!(
-        wrong.starts_with("the acceleration holds inf for joint `"),
+        wrong.starts_with("the acceleration: joint `joint1` is inf"),
         "{wrong}"
     );
 }
