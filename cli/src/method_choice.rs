@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_default_is_the_library_s() {
+    fn default_method_is_the_library_default() {
         assert_eq!(solvers()[0].method(), Solver::default().method());
         for known in solvers() {
             assert_eq!(solver(known.method()).method(), known.method());

@@ -5,7 +5,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use crate::number_list::{between_commas, number, parse_exactly};
 
 /// Largest deviation of a typed quaternion's length from 1; the quaternion is normalised.
-pub(crate) const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
+pub(crate) const QUATERNION_LENGTH_TOLERANCE: f64 = 0.01;
 
 /// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
 /// Normalised quaternion, w first; an error if its length is not near 1.
 fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
+    if (length - 1.0).abs() <= QUATERNION_LENGTH_TOLERANCE {
         return Ok(quaternion.map(|c| c / length));
     }
     Err(format!(

@@ -115,7 +115,9 @@ fn joints(scene: &Scene) -> BTreeSet<usize> {
 
 fn meshes(scene: &Scene) -> Vec<MeshDocument<'_>> {
     let meshes = scene.meshes.iter();
-    meshes.map(|own| mesh(own, &scene.armature)).collect()
+    meshes
+        .map(|mesh_node| mesh(mesh_node, &scene.armature))
+        .collect()
 }
 
 fn mesh<'a>(mesh: &'a SceneMesh, armature: &'a Armature) -> MeshDocument<'a> {
