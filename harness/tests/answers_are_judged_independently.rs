@@ -17,18 +17,18 @@ impl Adapter for Claims {
         "claims"
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+    fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
         Answer {
             reached: true,
             cost: 0.0,
-            ..Answer::at((self.0)(question))
+            ..Answer::at((self.0)(instance))
         }
     }
 }
 
 /// Shoulder and elbow in closed form, by the law of cosines: independent of every solver here.
-fn closed_form(question: &ProblemInstance<'_>) -> Vec<f64> {
-    let [x, y, _] = question.targets[0].translation.to_array();
+fn closed_form(instance: &ProblemInstance<'_>) -> Vec<f64> {
+    let [x, y, _] = instance.targets[0].translation.to_array();
     let elbow = ((x * x + y * y) / 2.0 - 1.0).clamp(-1.0, 1.0).acos();
     let shoulder = |elbow: f64| y.atan2(x) - elbow.sin().atan2(1.0 + elbow.cos());
     let wrapped = |angle: f64| angle.sin().atan2(angle.cos());
@@ -39,7 +39,7 @@ fn closed_form(question: &ProblemInstance<'_>) -> Vec<f64> {
 
 #[test]
 fn a_liar_has_not_solved() {
-    let results = run(&points(20), Claims(|question| question.start.to_vec()));
+    let results = run(&points(20), Claims(|instance| instance.start.to_vec()));
     let records = &results.runs[0].records;
     assert_eq!(records.len(), 20);
     assert!(
@@ -59,8 +59,8 @@ fn the_modest_have_solved() {
             "modest"
         }
 
-        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
-            Answer::at(closed_form(question))
+        fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+            Answer::at(closed_form(instance))
         }
     }
     let results = run(&points(20), Modest);
@@ -81,12 +81,12 @@ fn too_late_does_not_count() {
             "dawdles"
         }
 
-        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+        fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
             let begun = std::time::Instant::now();
-            let mut q = closed_form(question);
+            let mut q = closed_form(instance);
             // Continues far beyond the limit on any clock.
             while begun.elapsed() < Duration::from_millis(400) {
-                q = closed_form(question);
+                q = closed_form(instance);
             }
             Answer::at(q)
         }
@@ -110,8 +110,8 @@ fn too_late_does_not_count() {
 #[test]
 fn beyond_a_limit_nothing_is_solved() {
     // After a full turn the tip is at an equal position.
-    let beyond = |question: &ProblemInstance<'_>| {
-        let mut q = closed_form(question);
+    let beyond = |instance: &ProblemInstance<'_>| {
+        let mut q = closed_form(instance);
         q[0] += std::f64::consts::TAU;
         q
     };

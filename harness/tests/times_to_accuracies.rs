@@ -22,8 +22,8 @@ impl Adapter for Approaches {
         "approaches"
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        let mut q = question.start.to_vec();
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        let mut q = instance.start.to_vec();
         for step in 0..4 {
             let begun = Instant::now();
             while begun.elapsed() < PAUSE {

@@ -171,12 +171,12 @@ fn jacobians(results: &Results) -> String {
 
 fn settings(results: &Results) -> String {
     let mut text = String::from("## The solvers\n\n");
-    let mut told: Vec<&str> = Vec::new();
+    let mut listed: Vec<&str> = Vec::new();
     for run in &results.runs {
-        if told.contains(&run.solver.as_str()) {
+        if listed.contains(&run.solver.as_str()) {
             continue;
         }
-        told.push(&run.solver);
+        listed.push(&run.solver);
         let _ = match &run.sat_out {
             Some(why) => writeln!(text, "- **{}** does not apply: {why}", run.solver),
             None if run.about.is_empty() => writeln!(text, "- **{}**", run.solver),
