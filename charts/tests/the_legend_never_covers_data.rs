@@ -20,8 +20,8 @@ fn last_x(line: &str) -> Option<f64> {
     let points = rest.split_once('"')?.0.split_whitespace();
     points
         .filter_map(|p| p.split_once(',')?.0.parse().ok())
-        .fold(None, |most, x: f64| {
-            Some(most.map_or(x, |most: f64| most.max(x)))
+        .fold(None, |max, x: f64| {
+            Some(max.map_or(x, |max: f64| max.max(x)))
         })
 }
 

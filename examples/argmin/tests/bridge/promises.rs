@@ -67,7 +67,7 @@ where
         let start = bounded.start(&START).unwrap();
 
         let mut memory = SolverState::default();
-        let alone = minimise(
+        let direct = minimise(
             &mut bounded,
             &method,
             start.as_slice(),
@@ -85,8 +85,13 @@ where
         let solution = bounded.solution(&run).unwrap();
         assert_eq!(solution.q, memory.x(), "{}", method.name());
         assert_eq!(solution.cost, memory.cost(), "{}", method.name());
-        assert_eq!(solution.iterations, alone.iterations, "{}", method.name());
-        assert_eq!(solution.termination, alone.termination, "{}", method.name());
+        assert_eq!(solution.iterations, direct.iterations, "{}", method.name());
+        assert_eq!(
+            solution.termination,
+            direct.termination,
+            "{}",
+            method.name()
+        );
         assert!(within_limits(&problem, &solution.q));
 
         // Halfway, and before its last step.
@@ -207,7 +212,7 @@ where
             .run()
             .unwrap();
         let solution = bounded.solution(&run).unwrap();
-        let largest = solution.q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        let largest = solution.q.iter().fold(1.0_f64, |max, q| max.max(q.abs()));
         let steps = steps.0.lock().unwrap();
         let (last, before) = steps.split_last().unwrap();
         let name = method.name();

@@ -81,11 +81,11 @@ fn a_state_has_the_gradient_of_its_own_place() {
             .run()
             .unwrap();
         let state = run.state();
-        let (at, mut own) = (state.get_param().unwrap(), bounded.clone());
-        let mut residual = DVector::zeros(own.rows());
-        let mut jacobian = DMatrix::zeros(own.rows(), at.len());
-        own.residual(at.as_slice(), residual.as_mut_slice());
-        own.jacobian(at.as_slice(), &mut jacobian);
+        let (param, mut copy) = (state.get_param().unwrap(), bounded.clone());
+        let mut residual = DVector::zeros(copy.rows());
+        let mut jacobian = DMatrix::zeros(copy.rows(), param.len());
+        copy.residual(param.as_slice(), residual.as_mut_slice());
+        copy.jacobian(param.as_slice(), &mut jacobian);
         let off = jacobian.tr_mul(&residual) - state.get_gradient().unwrap();
         assert!(off.amax() < 1e-12, "{off}");
     }
@@ -207,6 +207,6 @@ fn solution_counts_all_evaluations() {
         .run()
         .unwrap();
     let counts = unbounded.solution(&run).unwrap().counts;
-    let own = (counts.residuals, counts.jacobians, counts.gradients);
-    assert_eq!(own, (2 * (1 + 2), 2 * (3 + 4), 2 * 5));
+    let evaluations = (counts.residuals, counts.jacobians, counts.gradients);
+    assert_eq!(evaluations, (2 * (1 + 2), 2 * (3 + 4), 2 * 5));
 }
