@@ -186,7 +186,7 @@ mod tests {
     ///
     /// This also holds if the straight rotation back leaves the cone.
     #[test]
-    fn whole_turns_of_twist_change_nothing() {
+    fn projection_ignores_whole_revolutions_of_twist() {
         let z = Vector3::UNITS[2];
         let cone = BallLimits::elliptic([1.0, 0.0, 0.0], [0.3, 1.2], Limits::UNBOUNDED);
         let mut builder = Model::builder("shoulder");

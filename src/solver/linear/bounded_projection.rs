@@ -151,7 +151,7 @@ mod tests {
 
     /// No sampled point within the bounds is nearer: the slope from the minimiser towards each is not negative.
     #[test]
-    fn nothing_within_the_bounds_is_nearer() {
+    fn minimiser_is_nearest_within_bounds() {
         let (k, count) = (4, 9);
         let mut random = RandomStream::new(3, 0);
         let mut number = || 2.0 * random.unit() - 1.0;

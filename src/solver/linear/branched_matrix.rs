@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn it_multiplies_and_solves_as_a_dense_matrix_does() {
+    fn branched_matrix_multiplies_and_solves_like_dense() {
         let mut random = RandomStream::new(5, 0);
         for coupled in couplings() {
             let n = 8;
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_refused() {
+    fn factorise_rejects_indefinite_matrix() {
         let mut matrix = BranchedMatrix::new(2, &[vec![0, 1]]);
         for (a, b, value) in [(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)] {
             matrix.add(a, b, value);

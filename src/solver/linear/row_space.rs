@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_row_feels_is_orthonormal_and_complete() {
+    fn null_space_is_orthonormal_and_complete() {
         let mut space = RowSpace::default();
         space.factorise(&DEPENDENT, 4, 1e-12);
         assert_eq!((space.rank(), space.nullity()), (2, 2));
@@ -340,7 +340,7 @@ mod tests {
 
     /// (A⁺ b)·g = b·(A⁺ᵀ g), and A A⁺ A = A, for both ranks, with the null space and without.
     #[test]
-    fn the_pseudoinverse_is_one_and_its_transpose_its_own() {
+    fn pseudoinverse_and_transpose_agree() {
         for (rows, bare) in [(2, false), (3, false), (2, true), (3, true)] {
             let matrix = &DEPENDENT[..rows * 4];
             let mut space = RowSpace::default();
