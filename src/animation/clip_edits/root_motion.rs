@@ -119,7 +119,7 @@ impl RootMotion {
 
     getters! {
         /// Horizontal displacement in the armature's unit, by clip time in seconds.
-        pub fn displacement(&self) -> &KeyedCurve<Vec3A> = &self.displacement;
+        pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.displacement;
         /// Rotation about the up axis in radians by clip time in seconds, continuous beyond full turns.
         pub fn heading(&self) -> &KeyedCurve<f32> = &self.heading;
     }
