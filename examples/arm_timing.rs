@@ -175,7 +175,7 @@ fn robot(file: &str, base: &str, tip: &str) {
                 outward.cross(goal.rotation.z) * (1.0 / outward.cross(goal.rotation.z).norm()),
                 (1.0, 0.0),
             );
-            Placement::new(in_wards * goal.rotation, goal.translation * 1.15)
+            Placement::new(rotation * goal.rotation, goal.translation * 1.15)
         })
         .collect();
     singles("at the edge, any orientation", &arm, &turned, &starts, 2);

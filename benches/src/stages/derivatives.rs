@@ -101,7 +101,7 @@ fn query_near(model: &Model, frames: &[FrameId], posture: bool) -> Result<Query,
     let mut kinematics = kinopt::kinematics::ForwardKinematics::of_frames(model, frames)?;
     let mut tasks = Problem::builder(model);
     for (&frame, &target) in frames.iter().zip(kinematics.place(&target_configuration)?) {
-        tasks.add(Pose::new(frame, at));
+        tasks.add(Pose::new(frame, target));
     }
     if posture {
         tasks.add(Posture::new(model, &neutral));

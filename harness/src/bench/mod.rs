@@ -87,7 +87,7 @@ impl<'s> Bench<'s> {
         let mut answered = 0;
         'problems: for (index, case) in self.set.cases().iter().enumerate() {
             problem.aim(case)?;
-            let mut row = Vec::with_capacity(active.len());
+            let mut measurements = Vec::with_capacity(active.len());
             for entry in &active {
                 let Some(adapter) = self.adapters.get_mut(entry.adapter) else {
                     continue;

@@ -224,7 +224,7 @@ impl Mesh<'_> {
             let normal = self.surface.normal(p);
             let step = sum / neighbours.len() as f64 - p;
             let position = p + 0.7 * (step - normal * step.dot(normal));
-            self.positions[vertex as usize] = self.surface.project(along);
+            self.positions[vertex as usize] = self.surface.project(position);
         }
     }
 

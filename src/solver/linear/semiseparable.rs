@@ -204,10 +204,9 @@ impl SemiseparableNormal {
                 return false;
             }
             let from = self.lower.len();
-            let entries = jacobian_column.iter().zip(generator(j)).zip(&self.side);
-            self.lower.extend(
-                entries.map(|((entry, generator), side)| (entry + generator - side) / pivot),
-            );
+            let terms = jacobian_column.iter().zip(generator(j)).zip(&self.side);
+            self.lower
+                .extend(terms.map(|((entry, generator), side)| (entry + generator - side) / pivot));
             let w = &self.lower[from..];
             add_outer(&mut self.matrix, pivot, w, w);
             *value -= dot(jacobian_column, &self.sum);
