@@ -95,7 +95,7 @@ where
         assert!(within_limits(&problem, &solution.q));
 
         // Halfway, and before its last step.
-        let interrupted = [direct.iterations / 2, alone.iterations - 1];
+        let interrupted = [direct.iterations / 2, direct.iterations - 1];
         for at in interrupted.into_iter().filter(|at| *at > 0) {
             let resumed = interrupted_and_resumed(&bounded, &solver, &start, at);
             assert_eq!(resumed.q, solution.q, "{}", method.name());
