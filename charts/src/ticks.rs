@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn round_numbers() {
+    fn linear_ticks_are_round_numbers() {
         assert_eq!(
             labels(&linear(0.0, 100.0, 6)),
             ["0", "20", "40", "60", "80", "100"]
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn decades() {
+    fn log_ticks_are_decades() {
         assert_eq!(
             labels(&log(-1.2, 5.1, 8)),
             ["0.1", "1", "10", "100", "1000", "10000", "10⁵"]

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_and_feet() {
+    fn centres_and_feet_parse() {
         assert_eq!(Centre::parse("1,-2"), Ok(Centre::Above([1.0, -2.0])));
         let at = [Some(0.5), None, Some(2.0)];
         assert_eq!(Centre::parse("0.5, free,2"), Ok(Centre::At(at)));

@@ -293,7 +293,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn locks() {
+    fn locks_parse() {
         let lock = |joint: &str, value| Lock {
             joint: joint.to_owned(),
             value,

@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranks() {
+    fn percentile_and_median_by_rank() {
         let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
         assert_eq!(percentile(&hundred, 99), Some(99.0));
         assert_eq!(percentile(&[4.0], 99), Some(4.0));

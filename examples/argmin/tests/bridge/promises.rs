@@ -362,7 +362,7 @@ fn derivative_free_solvers_come_close_within_limits() {
 }
 
 #[test]
-fn outside_the_limits_the_cost_is_that_of_the_limit() {
+fn cost_outside_limits_is_that_of_the_limit() {
     let problem = held_by_limits();
     let bounded = BoundedProblem::new(&problem);
     for x in configurations(&problem, 12) {
@@ -437,7 +437,7 @@ fn derivatives_by_changed_variables_are_exact() {
 }
 
 #[test]
-fn the_hessian_is_exact_where_the_residual_vanishes() {
+fn hessian_is_exact_at_zero_residual() {
     let problem = reachable();
     let unbounded = UnboundedProblem::new(&problem);
     let ours = Solver::default().solve_once(&problem, &START).unwrap();
@@ -560,7 +560,7 @@ fn failed_run_at_a_stationary_point_is_a_solution() {
 }
 
 #[test]
-fn failures_that_are_no_optimum_are_passed_on() {
+fn failures_away_from_an_optimum_are_errors() {
     let problem = reachable();
     let unbounded = UnboundedProblem::new(&problem);
     let y = unbounded.start(&START).unwrap();
@@ -593,7 +593,7 @@ fn failures_that_are_no_optimum_are_passed_on() {
 }
 
 #[test]
-fn one_problem_serves_many_threads() {
+fn problem_serves_many_threads() {
     let problem = two_tips();
     let unbounded = UnboundedProblem::new(&problem);
     let points: Vec<DVector<f64>> = configurations(&problem, 40)

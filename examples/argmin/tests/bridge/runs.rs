@@ -30,7 +30,7 @@ fn with_second_joint(
 }
 
 #[test]
-fn a_method_that_has_run_runs_again() {
+fn used_method_repeats_its_run() {
     let problem = reachable();
     let bounded = BoundedProblem::new(&problem);
     let run = |solver: ExecutorMethod<LevenbergMarquardt>, start: &[f64]| {
@@ -52,7 +52,7 @@ fn a_method_that_has_run_runs_again() {
 }
 
 #[test]
-fn a_run_of_another_problem_is_no_solution() {
+fn run_of_another_problem_is_rejected() {
     let (problem, other) = (
         reachable(),
         with_second_joint(|map, joint| map.with_locked(joint, 0.1)),
@@ -70,7 +70,7 @@ fn a_run_of_another_problem_is_no_solution() {
 
 /// Gradients for argmin's observers and convergence tests.
 #[test]
-fn a_state_has_the_gradient_of_its_own_place() {
+fn state_has_the_gradient_at_its_parameters() {
     let problem = reachable();
     let bounded = BoundedProblem::new(&problem);
     let start = bounded.start(&START).unwrap();
@@ -93,7 +93,7 @@ fn a_state_has_the_gradient_of_its_own_place() {
 
 /// The floor of the Hessian is a fraction of its largest entry.
 #[test]
-fn a_hessian_goes_with_the_squares_of_the_weights() {
+fn hessian_scales_with_squared_weights() {
     let model = arm();
     let hessian = |weight: f64| {
         let mut builder = Problem::builder(&model);
@@ -112,7 +112,7 @@ fn a_hessian_goes_with_the_squares_of_the_weights() {
 }
 
 #[test]
-fn a_checkpoint_of_another_problem_is_refused() {
+fn checkpoint_of_another_problem_is_rejected() {
     let folder = std::env::temp_dir().join(format!("kinopt-other-{}", std::process::id()));
     let kept = || {
         let path = folder.to_str().unwrap();
@@ -146,7 +146,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
 }
 
 #[test]
-fn numbers_that_are_none_end_a_run_where_it_begins() {
+fn non_finite_numbers_end_a_run_at_its_start() {
     let model = arm();
     let mut builder = Problem::builder(&model);
     // The square of this number overflows.

@@ -87,7 +87,7 @@ fn beside_a_wall(first: f64) -> Problem {
 }
 
 #[test]
-fn a_run_that_ends_in_a_wall_has_not_reached_its_goal() {
+fn run_that_ends_in_a_wall_is_not_reached() {
     for (first, free) in [(3.0, true), (-3.0, false)] {
         let problem = beside_a_wall(first);
         let unbounded = UnboundedProblem::new(&problem);

@@ -38,7 +38,7 @@ fn legend_texts(svg: &str, names: &[&str]) -> Vec<f64> {
 }
 
 #[test]
-fn names_stand_beyond_the_axes() {
+fn legend_is_beyond_the_axes() {
     let names = ["a", "a much longer name than most series have"];
     let chart = Chart::new("t")
         .x(Axis::log("time, µs"))
@@ -62,7 +62,7 @@ fn names_stand_beyond_the_axes() {
 }
 
 #[test]
-fn a_hundred_series_have_a_hundred_entries() {
+fn legend_lists_a_hundred_series() {
     let names: Vec<String> = (0..100).map(|k| format!("series-{k}")).collect();
     let add = |chart: Chart, (k, name): (usize, &String)| {
         chart.with(Series::line(name, [(0.0, k as f64)]).style(Style::nth(k)))
