@@ -44,9 +44,9 @@ pub(crate) fn log(from: f64, to: f64, max_ticks: usize) -> Ticks {
         .map(|decade| (decade, power_of_ten(decade as i32)))
         .collect();
     let is_inside = |position: &f64| *position >= from && *position <= to;
-    let whole = (from.floor() as i32)..=(to.ceil() as i32);
+    let decade_range = (from.floor() as i32)..=(to.ceil() as i32);
     let between = |factors: &'static [u32]| {
-        whole.clone().flat_map(move |decade| {
+        decade_range.clone().flat_map(move |decade| {
             let digits = factors.iter();
             digits.map(move |&factor| {
                 (

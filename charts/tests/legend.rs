@@ -27,14 +27,14 @@ fn last_x(line: &str) -> Option<f64> {
 
 /// The x of the text elements with one of the names.
 fn legend_texts(svg: &str, names: &[&str]) -> Vec<f64> {
-    let mut found = Vec::new();
+    let mut positions = Vec::new();
     let mut lines = svg.lines().peekable();
     while let Some(line) = lines.next() {
         if line.starts_with("<text") && names.contains(lines.peek().unwrap_or(&"")) {
-            found.push(attribute(line, "x").unwrap());
+            positions.push(attribute(line, "x").unwrap());
         }
     }
-    found
+    positions
 }
 
 #[test]

@@ -25,8 +25,8 @@ pub(crate) fn names() -> PossibleValuesParser {
 
 /// Solver of a name that [`names`] accepted.
 pub(crate) fn solver(name: &str) -> Solver {
-    let found = solvers().into_iter().find(|solver| solver.method() == name);
-    found.unwrap_or_default()
+    let selected = solvers().into_iter().find(|solver| solver.method() == name);
+    selected.unwrap_or_default()
 }
 
 /// Derivative modes of `--jacobian`.

@@ -160,11 +160,11 @@ fn spheres(world: &World) -> Result<Run, Box<dyn Error>> {
 fn shapes(world: &World) -> Result<Run, Box<dyn Error>> {
     let (arm, checker, q) = panda(world)?;
     let mut workspace = checker.workspace();
-    let mut whole = checker.model().model().neutral();
+    let mut robot_q = checker.model().model().neutral();
     Ok(Box::new(move || {
         for q in q.chunks(arm.joint_count()) {
-            let _right_length = arm.configuration(q, &mut whole);
-            let _finite = black_box(checker.is_free(&mut workspace, &whole));
+            let _right_length = arm.configuration(q, &mut robot_q);
+            let _finite = black_box(checker.is_free(&mut workspace, &robot_q));
         }
     }))
 }

@@ -93,11 +93,11 @@ impl<'a> Report<'a> {
             distance: step.distance,
             length: step.length,
         });
-        let missed = solution.missed.iter().map(|missed| Miss {
-            index: missed.index,
-            position_error: missed.position_error,
-            orientation_error: missed.orientation_error,
-            reason: reason(missed),
+        let misses = solution.missed.iter().map(|miss| Miss {
+            index: miss.index,
+            position_error: miss.position_error,
+            orientation_error: miss.orientation_error,
+            reason: reason(miss),
         });
         let blocked = solution.blocked.iter().map(|blocked| Block {
             index: blocked.index,
@@ -117,7 +117,7 @@ impl<'a> Report<'a> {
             largest_turn: deviation.radians,
             largest_turn_at: deviation.radians_at,
             reached: solution.missed.is_empty(),
-            missed: missed.collect(),
+            missed: misses.collect(),
             blocked: blocked.collect(),
             times: self.times.as_deref(),
             milliseconds: self.milliseconds,
@@ -160,16 +160,16 @@ impl<'a> Report<'a> {
             )
         });
         add(&mut text, "reconfigurations", steps.collect());
-        let missed = solution.missed.iter().map(|missed| {
-            let (metres, radians) = (missed.position_error, missed.orientation_error);
-            let (row, why) = (missed.index, reason(missed));
-            match missed.reason {
+        let misses = solution.missed.iter().map(|miss| {
+            let (metres, radians) = (miss.position_error, miss.orientation_error);
+            let (row, why) = (miss.index, reason(miss));
+            match miss.reason {
                 // The pose itself is reached.
                 MissReason::Touches(_) => format!("  row {row}: {why}"),
                 _ => format!("  row {row}: by {metres:.3e} m and {radians:.3e} rad, {why}"),
             }
         });
-        add(&mut text, "not reached", missed.collect());
+        add(&mut text, "not reached", misses.collect());
         let blocked = solution.blocked.iter();
         let blocked = blocked.map(|step| format!("  to row {}: {}", step.index, step.by));
         add(&mut text, "possible collisions", blocked.collect());

@@ -600,11 +600,11 @@ fn problem_serves_many_threads() {
         .iter()
         .map(|q| unbounded.start(q).unwrap())
         .collect();
-    let alone: Vec<DVector<f64>> = points
+    let sequential: Vec<DVector<f64>> = points
         .iter()
         .map(|y| unbounded.gradient(y).unwrap())
         .collect();
-    let together = std::thread::scope(|scope| {
+    let parallel = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..4)
             .map(|_| {
                 scope.spawn(|| {
@@ -621,6 +621,6 @@ fn problem_serves_many_threads() {
             .collect();
         results
     });
-    assert!(together.iter().all(|gradients| *gradients == alone));
+    assert!(parallel.iter().all(|gradients| *gradients == sequential));
     assert_eq!(arm().degrees_of_freedom(), problem.variables());
 }

@@ -104,17 +104,17 @@ fn hessian_scales_with_squared_weights() {
         let y = unbounded.start(&START).unwrap();
         unbounded.hessian(&y).unwrap() / (weight * weight)
     };
-    let whole = hessian(1.0);
+    let reference = hessian(1.0);
     for weight in [1e-6, 1e3] {
-        let off = (hessian(weight) - &whole).amax();
-        assert!(off < 1e-13 * whole.amax(), "{weight}: {off:e}");
+        let off = (hessian(weight) - &reference).amax();
+        assert!(off < 1e-13 * reference.amax(), "{weight}: {off:e}");
     }
 }
 
 #[test]
 fn checkpoint_of_another_problem_is_rejected() {
     let folder = std::env::temp_dir().join(format!("kinopt-other-{}", std::process::id()));
-    let kept = || {
+    let checkpoint = || {
         let path = folder.to_str().unwrap();
         FileCheckpoint::new(path, "search", CheckpointingFrequency::Always)
     };
@@ -123,7 +123,7 @@ fn checkpoint_of_another_problem_is_rejected() {
     let start = bounded.start(&START).unwrap();
     let stopped = Executor::new(bounded, ExecutorMethod::new(GaussNewton::default()))
         .configure(|state| state.param(start))
-        .checkpointing(kept())
+        .checkpointing(checkpoint())
         .add_observer(Interruption(1), ObserverMode::Always)
         .run();
     assert!(stopped.is_err());
@@ -137,7 +137,7 @@ fn checkpoint_of_another_problem_is_rejected() {
         let start = other.start(&START).unwrap();
         let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
             .configure(|state| state.param(start))
-            .checkpointing(kept())
+            .checkpointing(checkpoint())
             .run();
         let error = resumed.err().unwrap().to_string();
         assert!(error.contains("of another problem"), "{error}");
