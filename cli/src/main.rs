@@ -123,7 +123,7 @@ enum Subcommands {
 }
 
 /// Common names of functions that are options or other subcommands, with the command.
-const ELSEWHERE: [(&str, &str); 5] = [
+const COMMON_NAMES: [(&str, &str); 5] = [
     ("ik", "solve MODEL --target FRAME=POSE"),
     ("track", "solve MODEL --targets FILE --track"),
     ("follow", "solve MODEL --targets FILE --track"),
@@ -167,9 +167,9 @@ fn main() -> ExitCode {
             // Help, version or wrong usage: clap chooses stream and exit code. A closed stream is ignored.
             let _ = error.print();
             if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
-                && let Some((_, way)) = ELSEWHERE.iter().find(|(elsewhere, _)| elsewhere == word)
+                && let Some((_, command_line)) = COMMON_NAMES.iter().find(|(name, _)| name == word)
             {
-                output::message(&format!("`{word}` is `kinopt {way}`"));
+                output::message(&format!("`{word}` is `kinopt {command_line}`"));
             }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }

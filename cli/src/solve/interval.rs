@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn widths_and_ends() {
+    fn interval_widths_and_ends_parse() {
         let at = |axis, low, high| Ok(Interval { axis, low, high });
         assert_eq!(Interval::parse("x=0.01"), at(0, -0.01, 0.01));
         assert_eq!(Interval::parse("z=-0.01..0.03"), at(2, -0.01, 0.03));
