@@ -68,7 +68,7 @@ impl TriangleMesh {
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let made = self
             .positions
-            .get_or_try_init(py, || kept(to_array(py, self.inner.positions(), 3)?));
+            .get_or_try_init(py, || read_only(to_array(py, self.inner.positions(), 3)?));
         Ok(made?.bind(py).clone())
     }
 
@@ -80,7 +80,7 @@ impl TriangleMesh {
         }
         let made = self
             .normals
-            .get_or_try_init(py, || kept(to_array(py, self.inner.normals(), 3)?));
+            .get_or_try_init(py, || read_only(to_array(py, self.inner.normals(), 3)?));
         Ok(Some(made?.bind(py).clone()))
     }
 
@@ -90,7 +90,7 @@ impl TriangleMesh {
         let made = self.triangles.get_or_try_init(py, || {
             let corners: &[u32] = bytemuck::cast_slice(self.inner.triangles());
             let array = PyArray1::from_slice(py, corners);
-            kept(array.reshape([self.inner.triangles().len(), 3])?)
+            read_only(array.reshape([self.inner.triangles().len(), 3])?)
         });
         Ok(made?.bind(py).clone())
     }
@@ -168,7 +168,7 @@ impl TriangleMesh {
 }
 
 /// Read-only array.
-fn kept<T: numpy::Element>(array: Bound<'_, PyArray2<T>>) -> PyResult<Py<PyArray2<T>>> {
+fn read_only<T: numpy::Element>(array: Bound<'_, PyArray2<T>>) -> PyResult<Py<PyArray2<T>>> {
     array
         .getattr("flags")?
         .setattr("writeable", false)

@@ -10,7 +10,7 @@ use super::bones_and_poses::{Armature, Pose};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{finite_quaternion, finite_vector, given, shaped, vector};
+use crate::transforms::{finite_quaternion, finite_vector, quaternion_argument, shaped, vector};
 
 /// Two-bone limb with an end that reaches a target: thigh and shin, or upper arm and forearm. Bones between the two
 /// rotate with the upper one.
@@ -178,7 +178,7 @@ impl LimbGoal {
         ] {
             arrays::finite(value.into(), what)?;
         }
-        let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
+        let rotation = quaternion_argument(rotation_xyzw, rotation_wxyz, "rotations")?;
         let end = match (hold, rotation) {
             (Some(_), Some(_)) => {
                 return Err(invalid("hold and a rotation are given: use one of them"));

@@ -107,14 +107,14 @@ impl Arm {
 
     /// Returns the arm that searches for several solutions.
     fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
-        let mut kept = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, arm)) = &*kept {
+        let mut cached = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, arm)) = &*cached {
             if *known == search {
                 return Ok(Arc::clone(arm));
             }
         }
         let arm = Arc::new(self.inner.with_search(search).or_raise()?);
-        *kept = Some((search, Arc::clone(&arm)));
+        *cached = Some((search, Arc::clone(&arm)));
         Ok(arm)
     }
 
@@ -484,7 +484,7 @@ impl Arm {
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
-        let numbers = |given: Option<&Bound<'_, PyAny>>, name: &'static str| match given {
+        let numbers = |value: Option<&Bound<'_, PyAny>>, name: &'static str| match value {
             Some(numbers) => PyResult::Ok(Some(arrays::vector(numbers, name)?.to_vec())),
             None => Ok(None),
         };

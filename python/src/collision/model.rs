@@ -39,7 +39,7 @@ impl From<collision::CollisionModel> for CollisionModel {
 }
 
 /// Largest number of convex pieces of a mesh.
-const PIECES: usize = 16;
+const MAX_PIECES: usize = 16;
 
 /// Options for the collision shapes of a robot.
 pub(crate) struct Taking {
@@ -76,7 +76,7 @@ impl CollisionModel {
         let meshes = match taking.meshes.as_str() {
             "hull" => MeshUse::Hull,
             "parts" => MeshUse::Parts,
-            "pieces" => MeshUse::Pieces(PIECES),
+            "pieces" => MeshUse::Pieces(MAX_PIECES),
             "triangles" => MeshUse::Triangles,
             other => {
                 return Err(invalid(format!(
@@ -142,13 +142,13 @@ impl CollisionModel {
     #[getter]
     fn shapes(&self) -> Vec<Obstacle> {
         let frames = self.inner.model().frames();
-        let shapes = self.inner.objects().iter().map(|own| {
-            let (shape, place) = (own.shape.clone(), own.link_from_shape);
-            let link = frames[own.link.index()].name.clone();
+        let shapes = self.inner.objects().iter().map(|object| {
+            let (shape, link_from_shape) = (object.shape.clone(), object.link_from_shape);
+            let link = frames[object.link.index()].name.clone();
             Obstacle(collision::Obstacle::new(
-                own.name.as_str(),
+                object.name.as_str(),
                 shape,
-                place,
+                link_from_shape,
                 Some(link),
             ))
         });

@@ -105,7 +105,7 @@ impl Problem {
         let options = PyDict::new(py);
         options.set_item("parameters", parameters)?;
         // Copies arguments that the caller may change later.
-        let given = [
+        let entries = [
             ("bounds", bounds),
             ("tolerance", tolerance),
             ("world", world),
@@ -114,7 +114,7 @@ impl Problem {
             ("weights", weights),
             ("joint_origins", joint_origins),
         ];
-        for (name, value) in given {
+        for (name, value) in entries {
             if let Some(value) = value {
                 let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
                 options.set_item(name, copy)?;
@@ -156,20 +156,20 @@ impl Problem {
         level: Option<&Bound<'_, PyAny>>,
         weight: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<usize> {
-        let own = PyDict::new(py);
+        let overrides = PyDict::new(py);
         for (name, value) in [("level", level), ("weight", weight)] {
             if let Some(value) = value {
-                own.set_item(name, value)?;
+                overrides.set_item(name, value)?;
             }
         }
         task::check(task)?;
-        let task = match own.is_empty() {
+        let task = match overrides.is_empty() {
             true => task.clone(),
-            false => task.call_method1("_with", (own,))?,
+            false => task.call_method1("_with", (overrides,))?,
         };
         loop {
-            let before = self.given(py);
-            let tasks = before.bind(py);
+            let previous = self.task_tuple(py);
+            let tasks = previous.bind(py);
             let number = tasks.len();
             let tasks = tasks
                 .as_sequence()
@@ -179,7 +179,7 @@ impl Problem {
             let stated = Stated::new(model, &tasks, options, self.checker.as_ref())?;
             let mut current = self.lock();
             // Another thread may have added a task in the meantime.
-            if current.tasks.is(&before) {
+            if current.tasks.is(&previous) {
                 let tasks = tasks.unbind();
                 let last = std::mem::replace(&mut *current, Current { tasks, stated });
                 drop(current);
@@ -199,7 +199,7 @@ impl Problem {
     /// The tasks as given.
     #[getter]
     fn tasks<'py>(&self, py: Python<'py>) -> Bound<'py, PyList> {
-        self.given(py).bind(py).to_list()
+        self.task_tuple(py).bind(py).to_list()
     }
 
     /// Names of the tasks, for targets and reports.
@@ -305,11 +305,11 @@ impl Problem {
     ) -> PyResult<Py<PyAny>> {
         let options = self.options.bind(py).copy()?;
         let all = PyDict::new(py);
-        for own in [
+        for origins in [
             options.get_item("joint_origins")?.as_ref(),
             Some(joint_origins),
         ] {
-            for (joint, origin) in items(own, "joint_origins")? {
+            for (joint, origin) in items(origins, "joint_origins")? {
                 all.set_item(joint, origin)?;
             }
         }
@@ -346,8 +346,8 @@ impl Problem {
                 "the problem has no collision avoidance: create it with world, margin or collision_model",
             ));
         };
-        let found = py.detach(|| checker.collisions(&q)).or_raise()?;
-        Ok(found.into_iter().map(Collision::from).collect())
+        let collisions = py.detach(|| checker.collisions(&q)).or_raise()?;
+        Ok(collisions.into_iter().map(Collision::from).collect())
     }
 
     /// Weighted residual r at `x`, shape (rows,). `x` is the variables, shape (variables,), or a configuration, shape
@@ -430,7 +430,10 @@ impl Problem {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = PyTuple::new(py, [self.model.bind(py), self.given(py).bind(py).as_any()])?;
+        let arguments = PyTuple::new(
+            py,
+            [self.model.bind(py), self.task_tuple(py).bind(py).as_any()],
+        )?;
         pickling::by_keywords::<Self>(py, &arguments, self.options.bind(py))
     }
 
@@ -454,12 +457,12 @@ impl Problem {
 
     fn with_options(&self, options: &Bound<'_, PyDict>) -> PyResult<Py<PyAny>> {
         let py = options.py();
-        let arguments = (self.model.bind(py), self.given(py));
+        let arguments = (self.model.bind(py), self.task_tuple(py));
         let problem = py.get_type::<Self>().call(arguments, Some(options))?;
         Ok(problem.unbind())
     }
 
-    fn given(&self, py: Python<'_>) -> Py<PyTuple> {
+    fn task_tuple(&self, py: Python<'_>) -> Py<PyTuple> {
         self.lock().tasks.clone_ref(py)
     }
 
@@ -502,9 +505,9 @@ pub(crate) fn named<T: Copy>(
     name: &str,
     known: &[(&'static str, T)],
 ) -> PyResult<T> {
-    let found = known.iter().find(|(own, _)| *own == name);
-    let names = known.iter().map(|(own, _)| *own);
-    found
+    let entry = known.iter().find(|(word, _)| *word == name);
+    let names = known.iter().map(|(word, _)| *word);
+    entry
         .map(|(_, value)| *value)
         .ok_or_else(|| kinopt::model::UnknownName::new(kind, name, names))
         .or_raise()

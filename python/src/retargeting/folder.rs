@@ -37,11 +37,11 @@ pub(super) fn folder_begun(
 ) -> PyResult<Vec<Begun>> {
     let robot = target_of(target)?;
     let up = reading.up.as_deref().map(up_axis).transpose()?;
-    let mut how = options.read(up.unwrap_or_default());
-    how.shapes = foot_shapes_of(target);
+    let mut retarget_options = options.read(up.unwrap_or_default());
+    retarget_options.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
     let world = options.world(target.py())?;
-    let asked = FolderQuestion::new(&robot, how)
+    let request = FolderQuestion::new(&robot, retarget_options)
         .with_map(map.as_ref())
         .with_skeleton(skeleton)
         .with_joints(reading.joints.as_deref())
@@ -52,18 +52,22 @@ pub(super) fn folder_begun(
         .with_keep_clear(options.margin()?)
         .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
-    let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
-    let begun = found.begin(&asked, overwrite).map_err(|error| {
+    let movements = MovementFolder::find(&source, &into, "npz").or_raise()?;
+    let begun = movements.begin(&request, overwrite).map_err(|error| {
         let hint = match &error {
             FolderError::OtherQuestion { .. } => ": give another folder, or overwrite=True",
             _ => "",
         };
         raise(error.kind(), format!("{error}{hint}"))
     })?;
-    let told = begun
-        .into_iter()
-        .map(|own| (own.source.into(), own.out.into(), own.done_before));
-    Ok(told.collect())
+    let begun_rows = begun.into_iter().map(|movement| {
+        (
+            movement.source.into(),
+            movement.out.into(),
+            movement.done_before,
+        )
+    });
+    Ok(begun_rows.collect())
 }
 
 /// Temporary path of an output file during writing.

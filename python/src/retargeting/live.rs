@@ -53,13 +53,13 @@ impl Live {
         positions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = arrays::rows(positions, "positions", 3)?;
-        let places: Vec<Vector3<f64>> = rows
+        let points: Vec<Vector3<f64>> = rows
             .chunks_exact(3)
             .map(|at| Vector3::new(at[0], at[1], at[2]))
             .collect();
         let q = py.detach(|| {
             let mut follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
-            follower.step(&places).map(<[f64]>::to_vec)
+            follower.step(&points).map(<[f64]>::to_vec)
         });
         Ok(arrays::list(py, &q.or_raise()?))
     }

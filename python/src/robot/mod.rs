@@ -72,8 +72,8 @@ impl Robot {
 
     /// Returns the collision shapes of its feet, computed once.
     pub(crate) fn foot_shapes(&self) -> FootShapes {
-        let found = || FootShapes::of_files(&self.inner);
-        self.foot_shapes.get_or_init(found).clone()
+        let read_shapes = || FootShapes::of_files(&self.inner);
+        self.foot_shapes.get_or_init(read_shapes).clone()
     }
 
     fn pinocchio_order(&self) -> PyResult<CoordinateOrder> {
@@ -420,8 +420,8 @@ impl Robot {
         places: Option<[Bound<'_, PyAny>; 2]>,
     ) -> PyResult<Self> {
         let mut source = self.source.clone();
-        let own = NamedLoop::new(name, frames, kind, places)?;
-        source.loops.added.push(own);
+        let named_loop = NamedLoop::new(name, frames, kind, places)?;
+        source.loops.added.push(named_loop);
         Self::build(source)
     }
 

@@ -15,7 +15,7 @@ use crate::robot::Robot;
 use crate::solution::Solution;
 
 /// Default iterations of a frame, as in the library.
-const STEPS: usize = 40;
+const FRAME_ITERATIONS: usize = 40;
 
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse.
 ///
@@ -95,15 +95,15 @@ impl Drag {
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
         let stated = problem.get().stated()?;
-        let own = &stated.inner;
+        let inner_problem = &stated.inner;
         let new = py.detach(|| {
-            let drag = kinopt::ik::Drag::new(own.clone(), &start).or_raise();
+            let drag = kinopt::ik::Drag::new(inner_problem.clone(), &start).or_raise();
             raised().and(drag)
         });
         let mut drag = new?;
         if let Some(solver) = solver {
             let method = solver.get().optimiser("a drag")?;
-            let frame = Stopping::default().with_max_iterations(STEPS);
+            let frame = Stopping::default().with_max_iterations(FRAME_ITERATIONS);
             let frame = solver.get().limits.stopping(frame);
             drag = drag.with_solver(method.clone(), frame).or_raise()?;
         }
@@ -114,13 +114,13 @@ impl Drag {
             let restarts = Restarts::default().with_attempts(attempts);
             drag = drag.with_search(restarts.with_seed(seed)).or_raise()?;
         }
-        let given = [velocity_limits, acceleration_limits, jerk_limits];
+        let rate_limits = [velocity_limits, acceleration_limits, jerk_limits];
         match time_step {
             Some(time_step) => {
-                let limits = motion_limits(py, problem, own, given)?;
+                let limits = motion_limits(py, problem, inner_problem, rate_limits)?;
                 drag = drag.with_motion_limits(time_step, &limits).or_raise()?;
             }
-            None if given.iter().any(Option::is_some) => {
+            None if rate_limits.iter().any(Option::is_some) => {
                 return Err(invalid("limits of rates need a time_step"));
             }
             None => {}
@@ -243,9 +243,9 @@ impl Drag {
     #[getter]
     fn jump(&self, py: Python<'_>) -> Option<DragJump> {
         self.look(py, |drag| {
-            drag.jump().map(|leap| DragJump {
-                joint: leap.joint.to_owned(),
-                distance: leap.distance,
+            drag.jump().map(|jump| DragJump {
+                joint: jump.joint.to_owned(),
+                distance: jump.distance,
             })
         })
     }
@@ -259,23 +259,23 @@ impl Drag {
 fn motion_limits(
     py: Python<'_>,
     problem: &Bound<'_, Problem>,
-    own: &kinopt::Problem,
-    given: [Option<&Bound<'_, PyAny>>; 3],
+    inner_problem: &kinopt::Problem,
+    rate_limits: [Option<&Bound<'_, PyAny>>; 3],
 ) -> PyResult<MotionLimits> {
     let model = problem.get().model(py);
     let mut limits = match model.bind(py).cast::<Robot>() {
         Ok(robot) => robot.get().inner.motion_limits(),
-        Err(_) => MotionLimits::unlimited(own.configuration_len()),
+        Err(_) => MotionLimits::unlimited(inner_problem.configuration_len()),
     };
     let names = ["velocity_limits", "acceleration_limits", "jerk_limits"];
-    let own = [
+    let limits_of_rates = [
         &mut limits.velocity,
         &mut limits.acceleration,
         &mut limits.jerk,
     ];
-    for ((own, given), name) in own.into_iter().zip(given).zip(names) {
-        if let Some(given) = given {
-            *own = arrays::vector(given, name)?.to_vec();
+    for ((limit, value), name) in limits_of_rates.into_iter().zip(rate_limits).zip(names) {
+        if let Some(value) = value {
+            *limit = arrays::vector(value, name)?.to_vec();
         }
     }
     Ok(limits)

@@ -97,10 +97,10 @@ impl KeyedCurve {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         match &self.inner {
             Values::Numbers(curve) => {
-                sampled(times, &[], |time, room| room[0] = number(curve, time))
+                sampled(times, &[], |time, buffer| buffer[0] = number(curve, time))
             }
-            Values::Vectors(curve) => sampled(times, &[3], |time, room| {
-                room.copy_from_slice(&vector(curve, time).to_array());
+            Values::Vectors(curve) => sampled(times, &[3], |time, buffer| {
+                buffer.copy_from_slice(&vector(curve, time).to_array());
             }),
         }
     }
@@ -313,11 +313,11 @@ impl KeyedCurve {
     }
 
     fn __repr__(&self) -> String {
-        let (keys, of) = match &self.inner {
+        let (keys, kind) = match &self.inner {
             Values::Numbers(curve) => (curve.times().len(), "numbers"),
             Values::Vectors(curve) => (curve.times().len(), "vectors"),
         };
-        format!("KeyedCurve({keys} keys of {of})")
+        format!("KeyedCurve({keys} keys of {kind})")
     }
 }
 
