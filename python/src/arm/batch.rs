@@ -93,7 +93,7 @@ impl<'py> Starts<'py> {
         }
     }
 
-    /// Starts of a range of targets; a common start is repeated in `memory`.
+    /// Starts of a range of targets; a common start is repeated in `buffer`.
     fn of<'a>(&'a self, first: usize, count: usize, buffer: &'a mut Vec<f64>) -> &'a [f64] {
         match self {
             Self::Each(rows) => {
