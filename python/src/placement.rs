@@ -66,9 +66,9 @@ fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
 fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
     let last = [m[12], m[13], m[14], m[15] - 1.0];
     // Negated test: NaN fails it.
-    let fine = last.iter().all(|value| value.abs() <= LAST_ROW_TOLERANCE);
+    let is_valid = last.iter().all(|value| value.abs() <= LAST_ROW_TOLERANCE);
     let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
-    fine.then(|| {
+    is_valid.then(|| {
         Placement::new(
             Matrix3::from_columns(column(0), column(1), column(2)),
             column(3),

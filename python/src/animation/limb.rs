@@ -29,11 +29,11 @@ pub(crate) struct Limb {
     pub(crate) inner: TwoBones,
     pub(crate) armature: Arc<Bones>,
     /// Arguments of the constructor.
-    made: Made,
+    arguments: LimbArguments,
 }
 
 #[derive(Clone)]
-struct Made {
+struct LimbArguments {
     upper: String,
     lower: String,
     end: End,
@@ -75,7 +75,7 @@ impl Limb {
         if let Some(axis) = hinge {
             inner = inner.with_hinge(axis).or_raise()?;
         }
-        let made = Made {
+        let arguments = LimbArguments {
             upper,
             lower,
             end,
@@ -85,7 +85,7 @@ impl Limb {
         Ok(Self {
             inner,
             armature,
-            made,
+            arguments,
         })
     }
 
@@ -100,13 +100,13 @@ impl Limb {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let Made {
+        let LimbArguments {
             upper,
             lower,
             end,
             hinge,
             softening,
-        } = self.made.clone();
+        } = self.arguments.clone();
         let end = match end {
             End::Bone(bone) => bone.into_pyobject(py)?.into_any(),
             End::Point(point) => point.into_pyobject(py)?.into_any(),
@@ -129,7 +129,10 @@ impl Limb {
     }
 
     fn __repr__(&self) -> String {
-        format!("Limb({:?}, {:?})", self.made.upper, self.made.lower)
+        format!(
+            "Limb({:?}, {:?})",
+            self.arguments.upper, self.arguments.lower
+        )
     }
 }
 

@@ -182,7 +182,7 @@ fn solve_all(
         .map_err(|error| invalid(error.to_string()))?;
     let mut placements: Vec<Placement<f64>> = Vec::new();
     let mut outcomes = Vec::new();
-    let mut memory = Vec::new();
+    let mut start_buffer = Vec::new();
     let pieces = targets
         .numbers()
         .chunks(16 * piece)
@@ -194,13 +194,13 @@ fn solve_all(
         placement::read_all(numbers, "target", first, &mut placements)?;
         outcomes.clear();
         outcomes.resize(placements.len(), PoseOutcome::default());
-        let starts = starts.of(first, placements.len(), &mut memory);
-        let answered = py.detach(|| match &pool {
+        let starts = starts.of(first, placements.len(), &mut start_buffer);
+        let result = py.detach(|| match &pool {
             Some(pool) => pool
                 .install(|| arm.solve_batch_into_parallel(&placements, starts, q, &mut outcomes)),
             None => arm.solve_batch_into(&placements, starts, q, &mut outcomes),
         });
-        answered
+        result
             .map_err(|error| counted_from(first, error))
             .or_raise()?;
         batch.write(py, first, &outcomes);

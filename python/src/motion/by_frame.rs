@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::invalid;
-use crate::problem::{self, Adds, AnyTask, Stated, Target};
+use crate::problem::{self, AnyTask, CompiledProblem, Target, TaskBuilder};
 
 /// Adds tasks with their targets and weights by sample.
 pub(super) struct ByFrame<'a, 'm, 'py> {
@@ -31,11 +31,11 @@ pub(super) struct TaskEntry<'py> {
 pub(super) fn of_tasks<'py>(
     options: &Bound<'py, PyDict>,
     name: &str,
-    stated: &Stated,
+    compiled: &CompiledProblem,
 ) -> PyResult<Vec<TaskEntry<'py>>> {
     let mut entries: Vec<TaskEntry<'py>> = Vec::new();
     for (key, values) in problem::items(options.get_item(name)?.as_ref(), name)? {
-        let task = stated.task(&key)?;
+        let task = compiled.task(&key)?;
         let what = format!("{name} of {}", key.str()?);
         if entries.iter().any(|entry| entry.task == task) {
             return Err(invalid(format!("{name} has two for task {task}")));
@@ -45,7 +45,7 @@ pub(super) fn of_tasks<'py>(
     Ok(entries)
 }
 
-impl Adds for ByFrame<'_, '_, '_> {
+impl TaskBuilder for ByFrame<'_, '_, '_> {
     fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>> {
         let task_number = self.task;
         let index_of =

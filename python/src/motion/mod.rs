@@ -17,7 +17,7 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
-use crate::problem::{self, ParameterMap, Stated, limits_of, raised};
+use crate::problem::{self, CompiledProblem, ParameterMap, limits_of, raised};
 use crate::robot::Robot;
 
 /// All samples of a trajectory of one model as one bounded least-squares problem.
@@ -238,7 +238,7 @@ fn build(
     }
     of_frame.set_item("derivatives", "analytic")?;
     of_frame.set_item("preferences", "traded")?;
-    let stated = Stated::new(python_model, tasks, &of_frame, None)?.map_err(invalid)?;
+    let compiled = CompiledProblem::new(python_model, tasks, &of_frame, None)?.map_err(invalid)?;
     let mut builder = trajectory::MotionProblem::builder(&inner_model, frames, time_step);
     let map = options.get_item("parameters")?;
     let robot = python_model.cast::<Robot>().ok();
@@ -252,8 +252,8 @@ fn build(
         builder.bound(joint.as_str(), limits_of(&limits, "bounds")?);
     }
     let mut by_frame = ByFrame {
-        targets: of_tasks(options, "targets", &stated)?,
-        weights: of_tasks(options, "weights", &stated)?,
+        targets: of_tasks(options, "targets", &compiled)?,
+        weights: of_tasks(options, "weights", &compiled)?,
         builder: &mut builder,
         task: 0,
         frames,

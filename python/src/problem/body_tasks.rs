@@ -8,14 +8,14 @@ use kinopt::task::{
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 
-use super::task::{AnyTask, TaskArguments, Visit};
+use super::task::{AnyTask, ResidualVisitor, TaskArguments};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::masses::masses_of;
 use crate::placement;
 
 /// Reads the residual of a task of a kind.
-pub(super) fn residual<V: Visit>(
+pub(super) fn residual<V: ResidualVisitor>(
     arguments: &TaskArguments<'_, '_>,
     kind: &str,
     visitor: V,

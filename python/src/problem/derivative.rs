@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::task::items;
-use super::{Problem, Stated, raised};
+use super::{CompiledProblem, Problem, raised};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
@@ -29,7 +29,7 @@ use crate::pickling;
 pub(crate) struct SolutionDerivative {
     /// The problem at the time of the solve.
     problem: Py<Problem>,
-    stated: Arc<Stated>,
+    compiled: Arc<CompiledProblem>,
     model: Arc<kinopt::Model>,
     q: Vec<f64>,
     python_targets: Option<Py<PyAny>>,
@@ -46,7 +46,7 @@ impl SolutionDerivative {
         py: Python<'_>,
         what: impl FnOnce(&mut Derivative<'_>) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let instance = self.stated.instance(&self.targets)?;
+        let instance = self.compiled.instance(&self.targets)?;
         py.detach(|| {
             // A residual of the caller interrupted the factorisation, so it starts again.
             let mut workspace = self.workspace.lock().unwrap_or_else(|poisoned| {
@@ -66,7 +66,7 @@ impl SolutionDerivative {
 
     /// Key of a task in dicts: its name, or its index if several tasks have that name.
     fn key<'py>(&self, py: Python<'py>, task: usize) -> PyResult<Bound<'py, PyAny>> {
-        let problem = &self.stated.inner;
+        let problem = &self.compiled.inner;
         let name = problem.task_name(task).unwrap_or_default();
         let same = (0..problem.tasks()).filter(|&other| problem.task_name(other) == Some(name));
         Ok(match same.count() {
@@ -86,9 +86,9 @@ impl SolutionDerivative {
         targets: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = problem.py();
-        let stated = problem.get().stated()?;
-        let q = arrays::vector_of(q, "q", stated.inner.configuration_len())?.to_vec();
-        let moves = stated.moves(targets)?;
+        let compiled = problem.get().compiled()?;
+        let q = arrays::vector_of(q, "q", compiled.inner.configuration_len())?.to_vec();
+        let moves = compiled.moves(targets)?;
         let python_targets = match targets {
             Some(targets) => {
                 let copy = py.import("copy")?.call_method1("deepcopy", (targets,))?;
@@ -99,10 +99,10 @@ impl SolutionDerivative {
         let mut derivative = Self {
             model: model_of(problem.get().model.bind(py))?,
             problem: Py::new(py, problem.get().as_it_is(py))?,
-            stated: stated.clone(),
+            compiled: compiled.clone(),
             q,
             python_targets,
-            targets: stated.targets_with(moves.iter().map(|(_, aim)| aim))?,
+            targets: compiled.targets_with(moves.iter().map(|(_, aim)| aim))?,
             differentiability: Differentiability::Unique,
             workspace: Mutex::default(),
         };
@@ -135,7 +135,7 @@ impl SolutionDerivative {
     /// Raises `UnknownNameError` and `InvalidValueError` for an unknown task.
     fn by_target<'py>(&self, task: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let py = task.py();
-        let task = self.stated.task(task)?;
+        let task = self.compiled.task(task)?;
         let matrix = self.with(py, |derivative| derivative.by_target(task).or_raise())?;
         let (rows, columns) = matrix.shape();
         let numbers = matrix.transpose();
@@ -155,7 +155,7 @@ impl SolutionDerivative {
         weights: Option<&Bound<'py, PyAny>>,
         joint_origins: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let problem = &self.stated;
+        let problem = &self.compiled;
         let mut rates = ParameterVector::new(&problem.inner);
         for (task, value) in problem.targets_by_task(targets)? {
             let name = problem.inner.task_name(task).unwrap_or_default();
@@ -218,7 +218,7 @@ impl SolutionDerivative {
             Ok(gradient)
         })?;
         let by_task = PyDict::new(py);
-        for task in 0..self.stated.inner.tasks() {
+        for task in 0..self.compiled.inner.tasks() {
             let slopes = gradient.target(task);
             if !slopes.is_empty() {
                 by_task.set_item(self.key(py, task)?, arrays::list(py, slopes))?;

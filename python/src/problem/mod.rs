@@ -2,11 +2,11 @@
 
 mod body_tasks;
 mod camera;
+mod compiled;
 mod derivative;
 mod frozen;
 mod parameters;
 mod python_residual;
-mod stated;
 mod target;
 mod task;
 
@@ -27,13 +27,13 @@ use crate::pickling;
 use crate::solution::Collision;
 use crate::world::World;
 pub(crate) use camera::Camera;
+pub(crate) use compiled::CompiledProblem;
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
-pub(crate) use stated::Stated;
 pub(crate) use target::Target;
-pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
+pub(crate) use task::{Aimed, AnyTask, Move, TaskBuilder, add, items, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
@@ -75,7 +75,7 @@ pub(crate) struct Problem {
 struct Current {
     tasks: Py<PyTuple>,
     /// Compiled tasks, or the message of a problem without tasks.
-    stated: Result<Arc<Stated>, String>,
+    compiled: Result<Arc<CompiledProblem>, String>,
 }
 
 #[pymethods]
@@ -132,14 +132,14 @@ impl Problem {
         };
         let tasks = PyTuple::new(py, tasks)?;
         let checker = Obstacles::of(&options)?.checker(model)?;
-        let stated = Stated::new(model, &tasks, &options, checker.as_ref())?;
+        let compiled = CompiledProblem::new(model, &tasks, &options, checker.as_ref())?;
         Ok(Self {
             model: model.clone().unbind(),
             options: options.unbind(),
             checker,
             current: Mutex::new(Current {
                 tasks: tasks.unbind(),
-                stated,
+                compiled,
             }),
         })
     }
@@ -176,12 +176,12 @@ impl Problem {
                 .concat(PyTuple::new(py, [&task])?.as_sequence())?
                 .to_tuple()?;
             let (model, options) = (self.model.bind(py), self.options.bind(py));
-            let stated = Stated::new(model, &tasks, options, self.checker.as_ref())?;
+            let compiled = CompiledProblem::new(model, &tasks, options, self.checker.as_ref())?;
             let mut current = self.lock();
             // Another thread may have added a task in the meantime.
             if current.tasks.is(&previous) {
                 let tasks = tasks.unbind();
-                let last = std::mem::replace(&mut *current, Current { tasks, stated });
+                let last = std::mem::replace(&mut *current, Current { tasks, compiled });
                 drop(current);
                 // Dropping it may call Python, so the lock is released first.
                 drop(last);
@@ -205,8 +205,8 @@ impl Problem {
     /// Names of the tasks, for targets and reports.
     #[getter]
     fn task_names(&self) -> Vec<String> {
-        match self.stated() {
-            Ok(stated) => stated.task_names().map(str::to_owned).collect(),
+        match self.compiled() {
+            Ok(compiled) => compiled.task_names().map(str::to_owned).collect(),
             Err(_) => Vec::new(),
         }
     }
@@ -214,37 +214,37 @@ impl Problem {
     /// Number of solver variables.
     #[getter]
     fn variables(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.variables())
+        Ok(self.compiled()?.inner.variables())
     }
 
     /// Number of residual rows.
     #[getter]
     fn rows(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.rows())
+        Ok(self.compiled()?.inner.rows())
     }
 
     /// Length of a configuration.
     #[getter]
     fn configuration_len(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.configuration_len())
+        Ok(self.compiled()?.inner.configuration_len())
     }
 
     /// Lower bounds of the variables, shape (variables,), radians or metres.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, self.stated()?.inner.lower()))
+        Ok(arrays::list(py, self.compiled()?.inner.lower()))
     }
 
     /// Upper bounds of the variables, shape (variables,), radians or metres.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, self.stated()?.inner.upper()))
+        Ok(arrays::list(py, self.compiled()?.inner.upper()))
     }
 
     /// Reach of the model, metres.
     #[getter]
     fn reach(&self) -> PyResult<f64> {
-        Ok(self.stated()?.inner.reach())
+        Ok(self.compiled()?.inner.reach())
     }
 
     /// Derivative mode.
@@ -281,7 +281,7 @@ impl Problem {
     /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `scale` of the tasks.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, &self.stated()?.inner.weights()))
+        Ok(arrays::list(py, &self.compiled()?.inner.weights()))
     }
 
     /// The problem with other `weights`, shape (rows of `Solution.rows`,).
@@ -363,7 +363,7 @@ impl Problem {
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let r = self
-            .stated()?
+            .compiled()?
             .evaluate(py, x, targets, |problem, x, rows, _| {
                 let mut r = vec![0.0; rows];
                 problem.residual(x, &mut r);
@@ -383,14 +383,14 @@ impl Problem {
         x: &Bound<'py, PyAny>,
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let stated = self.stated()?;
-        let jacobian = stated.evaluate(py, x, targets, |problem, x, rows, variables| {
+        let compiled = self.compiled()?;
+        let jacobian = compiled.evaluate(py, x, targets, |problem, x, rows, variables| {
             let mut jacobian = DMatrix::zeros(rows, variables);
             problem.jacobian(x, &mut jacobian);
             jacobian.transpose()
         })?;
         arrays::list(py, jacobian.as_slice())
-            .reshape([stated.inner.rows(), stated.inner.variables()])
+            .reshape([compiled.inner.rows(), compiled.inner.variables()])
     }
 
     /// Gradient of half the squared residual with respect to the variables at `x`, as for `residual`, by reverse mode
@@ -404,15 +404,15 @@ impl Problem {
         x: &Bound<'py, PyAny>,
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let gradient = self
-            .stated()?
-            .evaluate(py, x, targets, |problem, x, rows, variables| {
-                let mut jacobian = DMatrix::zeros(rows, variables);
-                let (mut r, mut gradient) = (vec![0.0; rows], vec![0.0; variables]);
-                problem.residual(x, &mut r);
-                problem.gradient(x, &r, &mut gradient, &mut jacobian);
-                gradient
-            })?;
+        let gradient =
+            self.compiled()?
+                .evaluate(py, x, targets, |problem, x, rows, variables| {
+                    let mut jacobian = DMatrix::zeros(rows, variables);
+                    let (mut r, mut gradient) = (vec![0.0; rows], vec![0.0; variables]);
+                    problem.residual(x, &mut r);
+                    problem.gradient(x, &r, &mut gradient, &mut jacobian);
+                    gradient
+                })?;
         Ok(arrays::list(py, &gradient))
     }
 
@@ -438,11 +438,11 @@ impl Problem {
     }
 
     fn __repr__(&self) -> String {
-        match self.stated() {
-            Ok(stated) => format!(
+        match self.compiled() {
+            Ok(compiled) => format!(
                 "Problem({} variables, {} rows, tasks {:?})",
-                stated.inner.variables(),
-                stated.inner.rows(),
+                compiled.inner.variables(),
+                compiled.inner.rows(),
                 self.task_names()
             ),
             Err(_) => "Problem(no tasks)".to_owned(),
@@ -475,15 +475,15 @@ impl Problem {
             checker: self.checker.clone(),
             current: Mutex::new(Current {
                 tasks: current.tasks.clone_ref(py),
-                stated: current.stated.clone(),
+                compiled: current.compiled.clone(),
             }),
         }
     }
 
     /// Returns the compiled problem. Raises `InvalidValueError` without tasks.
-    pub(crate) fn stated(&self) -> PyResult<Arc<Stated>> {
-        let stated = self.lock().stated.clone();
-        stated.map_err(invalid)
+    pub(crate) fn compiled(&self) -> PyResult<Arc<CompiledProblem>> {
+        let compiled = self.lock().compiled.clone();
+        compiled.map_err(invalid)
     }
 }
 

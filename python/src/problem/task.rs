@@ -65,19 +65,19 @@ impl<R: Target> AnyTask for TaskId<R> {
 }
 
 /// Object that accepts tasks.
-pub(crate) trait Adds {
+pub(crate) trait TaskBuilder {
     /// Adds a task with the given residual.
     fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
-impl Adds for ProblemBuilder<'_> {
+impl TaskBuilder for ProblemBuilder<'_> {
     fn add_task<R: Target>(&mut self, task: Task<R>, _: R) -> PyResult<Box<dyn AnyTask>> {
         Ok(Box::new(self.add(task)))
     }
 }
 
-/// Adds a task of `kinopt.tasks` to a problem on `model`, the model of `whole`.
-pub(crate) fn add<B: Adds>(
+/// Adds a task of `kinopt.tasks` to a problem on `model`, the model of `python_model`.
+pub(crate) fn add<B: TaskBuilder>(
     task: &Bound<'_, PyAny>,
     python_model: &Bound<'_, PyAny>,
     model: &Model,
@@ -85,7 +85,7 @@ pub(crate) fn add<B: Adds>(
 ) -> PyResult<Box<dyn AnyTask>> {
     let options = TaskOptions::of(task)?;
     let kind = check(task)?;
-    let add = Add { builder, options };
+    let add = TaskVisitor { builder, options };
     match kind.as_str() {
         "bounded" => {
             let lower = arrays::number(&task.getattr("lower")?, "lower")?;
@@ -122,16 +122,16 @@ pub(super) fn check(task: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 /// Generic function of a residual.
-pub(super) trait Visit {
+pub(super) trait ResidualVisitor {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
-struct Add<'a, B> {
+struct TaskVisitor<'a, B> {
     builder: &'a mut B,
     options: TaskOptions,
 }
 
-impl<B: Adds> Visit for Add<'_, B> {
+impl<B: TaskBuilder> ResidualVisitor for TaskVisitor<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
         let initial = residual.clone();
         self.builder.add_task(self.options.task(residual), initial)
@@ -141,10 +141,10 @@ impl<B: Adds> Visit for Add<'_, B> {
 struct BoundedVisitor<'a, B> {
     lower: f64,
     upper: f64,
-    add: Add<'a, B>,
+    add: TaskVisitor<'a, B>,
 }
 
-impl<B: Adds> Visit for BoundedVisitor<'_, B> {
+impl<B: TaskBuilder> ResidualVisitor for BoundedVisitor<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
         self.add
             .visit(Bounded::between(residual, self.lower, self.upper))
@@ -152,7 +152,10 @@ impl<B: Adds> Visit for BoundedVisitor<'_, B> {
 }
 
 /// Converts the residual of a task that wraps no other task.
-fn residual<V: Visit>(arguments: &TaskArguments<'_, '_>, visitor: V) -> PyResult<Box<dyn AnyTask>> {
+fn residual<V: ResidualVisitor>(
+    arguments: &TaskArguments<'_, '_>,
+    visitor: V,
+) -> PyResult<Box<dyn AnyTask>> {
     let TaskArguments { task, model, .. } = *arguments;
     let kind: String = task.getattr("_kind")?.extract()?;
     match kind.as_str() {

@@ -34,7 +34,7 @@ pub(crate) struct FigureTarget {
 impl FigureTarget {
     /// Converts a rig, skeleton, scene or capture; `None` for a robot or a model.
     pub(super) fn of(target: &Bound<'_, PyAny>, up: Option<UpAxis>) -> PyResult<Option<Self>> {
-        let made = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
+        let wrap = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
             Ok(Some(Self {
                 source: target.clone().unbind(),
                 inner: inner.or_raise()?,
@@ -43,11 +43,11 @@ impl FigureTarget {
         };
         let of_bones = |bones: &kinopt::Skeleton| {
             let inner = retarget::FigureTarget::new(bones, up.unwrap_or(UpAxis::Z));
-            made(inner, &Bones::of_skeleton(bones))
+            wrap(inner, &Bones::of_skeleton(bones))
         };
         let of_file = |bones: &Bones, turning| {
             let up = up.unwrap_or(UpAxis::Y);
-            made(
+            wrap(
                 retarget::FigureTarget::of_armature(bones, &turning, up),
                 bones,
             )

@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use kinopt::motion::retarget::folder::{self, FolderError, FolderQuestion, MovementFolder};
 use pyo3::prelude::*;
 
-use super::question::{Options, foot_shapes_of, read_map, target_of};
+use super::request::{Options, foot_shapes_of, read_map, target_of};
 use super::up_axis;
 use crate::error::{Fault, OrRaise, raise};
 
 /// Options of reading files and of solving trajectories as a whole.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(super) struct Reading {
+pub(super) struct ReadOptions {
     joints: Option<Vec<String>>,
     fps: Option<f64>,
     up: Option<String>,
@@ -22,7 +22,7 @@ pub(super) struct Reading {
 }
 
 /// Input file, output file, and true if it was done before.
-type Begun = (OsString, OsString, bool);
+type BegunFile = (OsString, OsString, bool);
 
 /// Starts or continues a folder of `.npz` outputs for the capture files of another folder.
 #[pyfunction]
@@ -31,10 +31,10 @@ pub(super) fn folder_begun(
     target: &Bound<'_, PyAny>,
     map: Option<&str>,
     skeleton: Option<&str>,
-    reading: Reading,
+    reading: ReadOptions,
     options: Options,
     overwrite: bool,
-) -> PyResult<Vec<Begun>> {
+) -> PyResult<Vec<BegunFile>> {
     let robot = target_of(target)?;
     let up = reading.up.as_deref().map(up_axis).transpose()?;
     let mut retarget_options = options.read(up.unwrap_or_default());

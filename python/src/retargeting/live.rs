@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question, raised};
+use super::request::{Options, RetargetRequest, raised};
 use crate::arrays;
 use crate::error::OrRaise;
 
@@ -31,11 +31,11 @@ impl Live {
         map: &str,
         options: Options,
     ) -> PyResult<Self> {
-        let question = Question::read(capture, target, map, &options)?;
-        let follower = py.detach(|| question.fitted()?.live());
+        let request = RetargetRequest::read(capture, target, map, &options)?;
+        let follower = py.detach(|| request.fitted()?.live());
         Ok(Self {
             follower: Mutex::new(follower.map_err(raised)?),
-            names: question.names(),
+            names: request.names(),
         })
     }
 

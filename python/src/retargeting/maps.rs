@@ -4,7 +4,7 @@ use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{raised, read_map, target_of};
+use super::request::{raised, read_map, target_of};
 use crate::error::OrRaise;
 
 /// A guessed map: JSON, the known skeleton, the known body, and notes.

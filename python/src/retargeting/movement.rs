@@ -12,7 +12,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question, raised};
+use super::request::{Options, RetargetRequest, raised};
 use crate::arrays;
 use crate::error::invalid;
 
@@ -103,9 +103,9 @@ pub(super) fn capture_retargeted<'py>(
     options: Options,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<MovementParts<'py>> {
-    let question = Question::read(capture, target, map, &options)?;
+    let request = RetargetRequest::read(capture, target, map, &options)?;
     let retargeted = while_listening(py, progress, |cancelled, done| {
-        let retargeting = question.fitted()?.with_cancellation(cancelled);
+        let retargeting = request.fitted()?.with_cancellation(cancelled);
         let frames = retargeting.frames();
         done.frames.store(frames, Ordering::Relaxed);
         let retargeted = match whole {
@@ -134,7 +134,7 @@ pub(super) fn capture_retargeted<'py>(
     let (retargeted, errors, limits, driving, stride, up, has_fixed_base) = retargeted;
     let driven = driving
         .iter()
-        .map(|&joint| question.capture.names()[joint].clone());
+        .map(|&joint| request.capture.names()[joint].clone());
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
             (MotionBound::Speed, Side::Lower) => "speed down",
@@ -156,7 +156,7 @@ pub(super) fn capture_retargeted<'py>(
     let contact_points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     Ok((
         arrays::list(py, &retargeted.q).reshape([frames, retargeted.configuration_len])?,
-        question.names(),
+        request.names(),
         contacts
             .reshape([frames, retargeted.contact_frames.len()])?
             .into_any(),

@@ -30,11 +30,11 @@ pub(crate) struct RigPosing {
 impl RigPosing {
     pub(super) fn make(rig: &Bound<'_, Rig>, method: SkinningMethod) -> PyResult<Self> {
         let owned = Arc::clone(&rig.get().inner);
-        let made = rig
+        let posing = rig
             .py()
             .detach(|| kinopt::io::rig::RigPosing::new(owned, method));
         Ok(Self {
-            posings: Pool::new(made.or_raise()?),
+            posings: Pool::new(posing.or_raise()?),
             rig: rig.clone().unbind(),
             method,
         })

@@ -124,7 +124,7 @@ impl Source {
     }
 
     /// Model of the file without changes.
-    pub(super) fn stated(&self) -> PyResult<kinopt::Model> {
+    pub(super) fn file_model(&self) -> PyResult<kinopt::Model> {
         let reader = match self.lenient {
             true => Robot::reader().lenient(),
             false => Robot::reader(),

@@ -29,9 +29,9 @@ pub(crate) struct ScenePosing {
 impl ScenePosing {
     pub(super) fn make(scene: &Bound<'_, Scene>, method: SkinningMethod) -> PyResult<Self> {
         let owned = Arc::clone(&scene.get().inner);
-        let made = scene.py().detach(|| gltf::ScenePosing::new(owned, method));
+        let posing = scene.py().detach(|| gltf::ScenePosing::new(owned, method));
         Ok(Self {
-            posings: Pool::new(made.or_raise()?),
+            posings: Pool::new(posing.or_raise()?),
             scene: scene.clone().unbind(),
             method,
         })

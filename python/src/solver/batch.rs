@@ -18,7 +18,7 @@ use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::problem::{Move, Problem, Stated, raised};
+use crate::problem::{CompiledProblem, Move, Problem, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
@@ -180,7 +180,7 @@ type BatchArrays<'a, 'py> = (
 
 impl Queries {
     fn read(
-        (python_problem, problem): (&Problem, &Stated),
+        (python_problem, problem): (&Problem, &CompiledProblem),
         (starts, targets, max_move): BatchArrays<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
@@ -240,7 +240,7 @@ impl Queries {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Engine, &Stated),
+        (engine, problem): (&Engine, &CompiledProblem),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
@@ -265,7 +265,7 @@ pub(super) fn solve(
 ) -> PyResult<Solutions> {
     let py = problem.py();
     let python_problem = problem.get();
-    let problem = &*python_problem.stated()?;
+    let problem = &*python_problem.compiled()?;
     let queries = Queries::read((python_problem, problem), arguments)?;
     let threads = threads::count(threads, queries.count)?;
     let progress = Progress::new(py, progress, queries.count)?;
@@ -280,7 +280,7 @@ pub(super) fn solve(
 
 fn one_by_one(
     queries: &Queries,
-    engine_and_problem: (&Engine, &Stated),
+    engine_and_problem: (&Engine, &CompiledProblem),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
     let total = queries.count;
@@ -305,7 +305,7 @@ fn one_by_one(
 /// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
     queries: &Queries,
-    engine_and_problem: (&Engine, &Stated),
+    engine_and_problem: (&Engine, &CompiledProblem),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use super::Solver;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::problem::{Aimed, Problem, Stated, raised};
+use crate::problem::{Aimed, CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
 
@@ -40,7 +40,7 @@ const FRAME_ITERATIONS: usize = 40;
 pub(crate) struct Drag {
     problem: Py<Problem>,
     /// Tasks of the problem at the start of the drag.
-    stated: Arc<Stated>,
+    compiled: Arc<CompiledProblem>,
     /// Locked only without the GIL, because frames may call back into Python.
     inner: Mutex<kinopt::ik::Drag>,
 }
@@ -62,7 +62,7 @@ impl Drag {
         targets: Option<&Bound<'_, PyAny>>,
         on: impl FnOnce(&mut kinopt::ik::Drag) + Send,
     ) -> PyResult<Solution> {
-        let moves = self.stated.moves(targets)?;
+        let moves = self.compiled.moves(targets)?;
         let solution = py.detach(|| {
             let mut drag = self.lock();
             for (_, aim) in &moves {
@@ -94,8 +94,8 @@ impl Drag {
         jerk_limits: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
-        let stated = problem.get().stated()?;
-        let inner_problem = &stated.inner;
+        let compiled = problem.get().compiled()?;
+        let inner_problem = &compiled.inner;
         let new = py.detach(|| {
             let drag = kinopt::ik::Drag::new(inner_problem.clone(), &start).or_raise();
             raised().and(drag)
@@ -127,7 +127,7 @@ impl Drag {
         }
         Ok(Self {
             problem: problem.clone().unbind(),
-            stated,
+            compiled,
             inner: Mutex::new(drag),
         })
     }
@@ -143,7 +143,7 @@ impl Drag {
     /// Raises `UnknownNameError` for an unknown task, `InvalidValueError` for targets of another shape and for numbers
     /// that are not finite.
     fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
-        let moves = self.stated.moves(Some(targets))?;
+        let moves = self.compiled.moves(Some(targets))?;
         py.detach(|| {
             let mut drag = self.lock();
             let mut moves = moves.iter();

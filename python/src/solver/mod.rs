@@ -155,7 +155,7 @@ impl Solver {
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solution> {
         let python_problem = problem.get();
-        let problem = python_problem.stated()?;
+        let problem = python_problem.compiled()?;
         let start = arrays::vector(start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;

@@ -120,7 +120,7 @@ pub(super) fn raised(error: RetargetError) -> PyErr {
 }
 
 /// A capture, a target, the map between them and the options.
-pub(super) struct Question {
+pub(super) struct RetargetRequest {
     pub(super) capture: Arc<retarget::Capture>,
     robot: Arc<Robot>,
     map: BodyMap,
@@ -128,7 +128,7 @@ pub(super) struct Question {
     checker: Option<Checker>,
 }
 
-impl Question {
+impl RetargetRequest {
     /// Reads a problem with a map in JSON.
     pub(super) fn read(
         capture: &Bound<'_, Capture>,

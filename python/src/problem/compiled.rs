@@ -23,14 +23,14 @@ use crate::robot::Robot;
 pub(crate) type Moves = Vec<(usize, Move)>;
 
 /// Snapshot of a problem at the start of a solve.
-pub(crate) struct Stated {
+pub(crate) struct CompiledProblem {
     pub(crate) inner: kinopt::Problem,
     ids: Vec<Box<dyn AnyTask>>,
     model: Arc<kinopt::Model>,
     pub(crate) workspaces: Pool<Workspace>,
 }
 
-impl Stated {
+impl CompiledProblem {
     /// Validates and compiles the tasks, with the options and the collision checker of a `Problem`. Without tasks,
     /// returns the error of the library.
     pub(crate) fn new(
