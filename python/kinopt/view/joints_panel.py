@@ -41,8 +41,9 @@ class JointsPanel:
             self._buttons = gui.add_button_group("", ("Rest", "Random"))
             groups: dict[str, list[tuple[int, str]]] = {}
             for index, name in slider_joints:
-                group = page.body.group(name) if len(slider_joints) > MAX_UNGROUPED_JOINTS else ""
-                groups.setdefault(group, []).append((index, name))
+                groups.setdefault(
+                    page.body.group(name) if len(slider_joints) > MAX_UNGROUPED_JOINTS else "", []
+                ).append((index, name))
             for group, joints in groups.items():
                 if not group:
                     self._add(joints, kinds, size)

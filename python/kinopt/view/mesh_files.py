@@ -40,8 +40,9 @@ class MeshFiles:
 
     def find(self, file: str) -> Path | None:
         """Path of a mesh named `package://…`, `file://…`, or by a path; None if it is missing."""
-        candidates = self._candidates(file)
-        return next((path for path in candidates if self._is_allowed(path) and path.is_file()), None)
+        return next(
+            (path for path in self._candidates(file) if self._is_allowed(path) and path.is_file()), None
+        )
 
     def _is_allowed(self, candidate: Path) -> bool:
         if not self._confine:
