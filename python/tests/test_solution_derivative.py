@@ -166,7 +166,7 @@ def test_posture_gradients_are_by_configuration(length):
         [tasks.Point("flange", point, name="hand"), tasks.Posture(posture, name="rest", role="goal")],
     )
     solver = kinopt.Solver(gradient_tolerance=1e-13, step_tolerance=1e-13)
-    own, _ = _solving.question(problem, {"rest": posture}, solver, "raise")
+    own, _ = _solving.make_query(problem, {"rest": posture}, solver, "raise")
     start = body.normalise(posture)
     slope = np.linspace(-1, 1, 13)
 

@@ -1,7 +1,7 @@
 // Parts of the page without a browser: dropped folders, files that stay, handles held during playback.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { besideNew, dropped } from "../src/files.js";
+import { dropped, mergeFiles } from "../src/files.js";
 import { HeldOverClip } from "../src/held_over_clip.js";
 import { Playback } from "../src/playback.js";
 
@@ -25,9 +25,9 @@ test("a folder is dropped with its contents", async () => {
 
 test("a new capture keeps the robot, a new robot the capture", () => {
     const before = { "nao.urdf": 1, "torso.stl": 2, "steps.bvh": 3 };
-    assert.deepEqual(besideNew(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
-    assert.deepEqual(besideNew(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
-    assert.deepEqual(besideNew(before, { "fox.glb": 6 }), { "fox.glb": 6 });
+    assert.deepEqual(mergeFiles(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
+    assert.deepEqual(mergeFiles(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
+    assert.deepEqual(mergeFiles(before, { "fox.glb": 6 }), { "fox.glb": 6 });
 });
 
 test("a released handle returns to the clip without a jump", () => {
