@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, Limb, LimbError, LimbGoal};
 use support::armatures::{bone, rotation, vector};
-use support::limbs::{END, arm, bent, largest_turn, limb, places, reachable, turn};
+use support::limbs::{END, arm, bent, joint_positions, largest_turn, limb, reachable, turn};
 use support::random::Random;
 
 #[test]
@@ -14,7 +14,7 @@ fn elbow_never_flips_at_the_upper_bone() {
     let mut random = Random::new(96);
     for _ in 0..50 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let radius = (before.end - before.root).length();
         let way = (before.end - before.root) / radius;
         // Circle through the end and the line of the upper bone, and slightly off that line.
@@ -44,7 +44,7 @@ fn straight_limb_without_a_pole_does_not_roll() {
         let lower = armature.bone("lower").unwrap();
         pose.set_local(lower, armature.rest().local(lower).unwrap())
             .unwrap();
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let way = (before.end - before.root).normalize();
         // Next to the end, at equal distance from the root: the shortest rotation to it is 0.02 rad.
         let across = vector(&mut random, 1.0).reject_from(way).normalize();
@@ -75,10 +75,10 @@ fn stretched_limb_bends_about_its_hinge() {
         let noise = [0.0, -0.02][case % 2];
         turn(&armature, &mut pose, "lower", Quat::from_rotation_z(noise));
         let limb = limb(&armature).with_hinge(Vec3A::Z * 3.0).unwrap();
-        let goal = LimbGoal::at(reachable(&mut random, &places(&armature, &pose)));
+        let goal = LimbGoal::at(reachable(&mut random, &joint_positions(&armature, &pose)));
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
-        assert!((places(&armature, &posed).end - goal.target).length() < 2e-5);
+        assert!((joint_positions(&armature, &posed).end - goal.target).length() < 2e-5);
         let elbow = posed
             .local(armature.bone("lower").unwrap())
             .unwrap()
@@ -132,7 +132,7 @@ fn twist_rotates_the_limb_about_its_target_line() {
     let mut random = Random::new(99);
     for case in 0..100 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let plain = LimbGoal {
             pole: (case % 2 == 0).then(|| before.root + vector(&mut random, 1.0)),
             ..LimbGoal::at(reachable(&mut random, &before))
@@ -141,7 +141,7 @@ fn twist_rotates_the_limb_about_its_target_line() {
         let reached = |goal: &LimbGoal| {
             let mut posed = pose.clone();
             limb.reach(&armature, &mut posed, goal).unwrap();
-            places(&armature, &posed)
+            joint_positions(&armature, &posed)
         };
         let untwisted = reached(&plain);
         let twisted = reached(&LimbGoal { twist, ..plain });
@@ -174,14 +174,14 @@ fn softened_limb_never_gets_straight() {
     let armature = arm();
     let mut random = Random::new(100);
     let pose = bent(&armature, &mut random);
-    let before = places(&armature, &pose);
+    let before = joint_positions(&armature, &pose);
     let direction = rotation(&mut random, 3.0) * Vec3A::X;
     let length = 0.55;
     let distance = |limb: &Limb, asked: f32| {
         let mut posed = pose.clone();
         let goal = LimbGoal::at(before.root + direction * asked);
         limb.reach(&armature, &mut posed, &goal).unwrap();
-        let end = places(&armature, &posed).end - before.root;
+        let end = joint_positions(&armature, &posed).end - before.root;
         assert!(end.normalize().dot(direction) > 1.0 - 1e-6);
         end.length()
     };

@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, EndRotation, Limb, LimbError, LimbGoal, Pose};
 use support::armatures::{apart, model_by_ancestors, rotation};
-use support::limbs::{arm, bent, limb, places, reachable, turn};
+use support::limbs::{arm, bent, joint_positions, limb, reachable, turn};
 use support::random::Random;
 
 fn to_hand(armature: &Armature) -> Limb {
@@ -32,7 +32,7 @@ fn cases() -> impl Iterator<Item = (Armature, Pose, LimbGoal, Quat)> {
         let armature = arm();
         let mut pose = bent(&armature, &mut random);
         turn(&armature, &mut pose, "hand", rotation(&mut random, 1.5));
-        let target = reachable(&mut random, &places(&armature, &pose));
+        let target = reachable(&mut random, &joint_positions(&armature, &pose));
         let goal = LimbGoal {
             weight: random.within(0.0, 1.0) as f32,
             ..LimbGoal::at(target)

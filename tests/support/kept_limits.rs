@@ -52,17 +52,17 @@ pub enum Role {
 pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
     let mut at = 0;
     for (joint, rule) in rules.iter().enumerate() {
-        let own = &q[at..at + rule.coordinates()];
+        let joint_values = &q[at..at + rule.coordinates()];
         let held = |role: &Role| matches!(role, Role::Held(first, _) if *first == at);
         let fault = match rule {
             Rule::Number(limits) => {
-                let within = limits.lower <= own[0] && own[0] <= limits.upper;
-                (!within).then(|| format!("{:?} is outside {limits:?}", own[0]))
+                let within = limits.lower <= joint_values[0] && joint_values[0] <= limits.upper;
+                (!within).then(|| format!("{:?} is outside {limits:?}", joint_values[0]))
             }
             // The limits of a locked ball are not checked.
-            Rule::Ball(cone) => length_fault(own).or_else(|| {
+            Rule::Ball(cone) => length_fault(joint_values).or_else(|| {
                 let cone = cone.as_ref().filter(|_| !roles.iter().any(held));
-                cone.and_then(|cone| cone.fault(own))
+                cone.and_then(|cone| cone.fault(joint_values))
             }),
         };
         if let Some(fault) = fault {
@@ -72,12 +72,14 @@ pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
     }
     assert_eq!(at, q.len());
     roles.iter().find_map(|role| {
-        let (first, wanted) = match role {
+        let (first, expected) = match role {
             Role::Held(first, values) => (*first, values.clone()),
-            Role::Follows(own, master, ratio, offset) => (*own, vec![ratio * q[*master] + offset]),
+            Role::Follows(mimic, source, ratio, offset) => {
+                (*mimic, vec![ratio * q[*source] + offset])
+            }
         };
-        let pairs = wanted.iter().zip(&q[first..]);
-        let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let pairs = expected.iter().zip(&q[first..]);
+        let off = pairs.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()));
         (off > 1e-13).then(|| format!("number {first} is {off:e} from where it is tied to"))
     })
 }
@@ -145,20 +147,21 @@ impl Cone {
 }
 
 /// First joint that moved further between two configurations than `most` allows, by number of the configuration.
-pub fn moved_too_far(rules: &[Rule], most: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
+pub fn moved_too_far(rules: &[Rule], max_step: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
     let mut at = 0;
     rules.iter().enumerate().find_map(|(joint, rule)| {
-        let own = at..at + rule.coordinates();
-        at = own.end;
+        let range = at..at + rule.coordinates();
+        at = range.end;
         let moved = match rule {
-            Rule::Number(_) => (to[own.start] - from[own.start]).abs(),
-            Rule::Ball(_) => angle_between(&from[own.clone()], &to[own.clone()]),
+            Rule::Number(_) => (to[range.start] - from[range.start]).abs(),
+            Rule::Ball(_) => angle_between(&from[range.clone()], &to[range.clone()]),
         };
-        let size = from[own.start].abs().max(1.0);
-        let most = most[own.start];
-        let is_within = moved <= most + 1e-12 * size;
-        (!is_within)
-            .then(|| format!("joint {joint} of the configuration moved by {moved:?}, not {most:?}"))
+        let size = from[range.start].abs().max(1.0);
+        let max_step = max_step[range.start];
+        let is_within = moved <= max_step + 1e-12 * size;
+        (!is_within).then(|| {
+            format!("joint {joint} of the configuration moved by {moved:?}, not {max_step:?}")
+        })
     })
 }
 

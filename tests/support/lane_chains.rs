@@ -115,8 +115,8 @@ pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -
                     r.within(-1.0, 1.0),
                 )
             };
-            let turn = vector(&mut random) * 1.5;
-            let way = vector(&mut random) * length + nalgebra::Vector3::z() * length;
+            let rotation = vector(&mut random) * 1.5;
+            let translation = vector(&mut random) * length + nalgebra::Vector3::z() * length;
             let axis: [f64; 3] = (vector(&mut random) * 2.0).into();
             let slides = i % 3 == 1 && i / 3 < slides;
             let (lower, upper) = if slides {
@@ -127,7 +127,7 @@ pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -
                 (random.within(-3.0, -1.5), random.within(1.5, 3.0))
             };
             ChainJoint {
-                parent_from_joint: placement(Isometry3::new(way, turn)),
+                parent_from_joint: placement(Isometry3::new(translation, rotation)),
                 axis: axis.into(),
                 kind: if slides {
                     JointKind::Prismatic

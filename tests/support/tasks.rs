@@ -110,8 +110,8 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let at = tree.frames_at(q);
     let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
     let (frame, other_frame) = (tree.frames[slot], tree.frames[other]);
-    let here = at[slot];
-    let near = here.translation.vector + random.vector(0.7);
+    let frame_pose = at[slot];
+    let near = frame_pose.translation.vector + random.vector(0.7);
     let offset = random.vector(0.4);
     let mut all = Vec::new();
 
@@ -124,8 +124,8 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         "point with an offset",
         move || Point::new(frame, near).at(offset),
         move |at, _| {
-            let place = at[slot] * na::Point3::from(offset);
-            (place.coords - near).as_slice().to_vec()
+            let point = at[slot] * na::Point3::from(offset);
+            (point.coords - near).as_slice().to_vec()
         },
     ));
 
@@ -144,7 +144,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let (focal, centre) = ([500.0, 480.0], [320.0, 240.0]);
     let camera_rotation = random.rotation();
     // 3 m in front of the frame.
-    let camera_at = here.translation.vector - camera_rotation * na::Vector3::z() * 3.0;
+    let camera_at = frame_pose.translation.vector - camera_rotation * na::Vector3::z() * 3.0;
     let world_from_camera = rigid(camera_rotation, camera_at);
     all.push(sum_case(
         "pixel",
@@ -176,7 +176,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         ),
     ];
     for (name, angle, smooth) in misses {
-        let target = na::Rotation3::from_axis_angle(&axis, -angle) * here.rotation;
+        let target = na::Rotation3::from_axis_angle(&axis, -angle) * frame_pose.rotation;
         let mut case = sum_case(
             name,
             move || Orientation::new(frame, target.into_inner()),
@@ -202,10 +202,10 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let gaze = random.vector(1.0);
     let sights = [
         ("look-at", random.vector(2.0)),
-        ("look-at on target", { here.rotation * gaze * 3.0 }),
+        ("look-at on target", { frame_pose.rotation * gaze * 3.0 }),
     ];
     for (name, towards) in sights {
-        let watched = here.translation.vector + towards;
+        let watched = frame_pose.translation.vector + towards;
         all.push(sum_case(
             name,
             move || LookAt::new(frame, gaze, watched),

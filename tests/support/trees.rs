@@ -42,7 +42,7 @@ impl RandomTree {
     pub fn placed(seed: u64, joints: usize, world_from_base: Rigid) -> Self {
         let mut random = Random::new(seed);
         let mut builder = Model::builder(format!("tree {seed}"));
-        let mut own = Self {
+        let mut tree = Self {
             model: Model::builder("").build().unwrap(),
             parts: Vec::new(),
             joints: Vec::new(),
@@ -75,27 +75,27 @@ impl RandomTree {
                 _ => Limits::new(0.0, 0.0),
             };
             let unnormalised = axis.into_inner() * [1.0, 4.0, 0.25][random.below(3)];
-            own.joints.push(builder.joint(Joint::new(
+            tree.joints.push(builder.joint(Joint::new(
                 format!("joint {index}"),
-                parent.map(|p| own.joints[p]),
+                parent.map(|p| tree.joints[p]),
                 placement(&offset),
                 kind,
                 unnormalised,
                 limits,
             )));
-            own.parts.push(Part {
+            tree.parts.push(Part {
                 parent,
                 parent_from_joint: offset,
                 kind,
                 axis,
             });
             let hung = (Some(index), random.rigid(0.3));
-            own.hang(&mut builder, format!("frame {index}"), hung);
+            tree.hang(&mut builder, format!("frame {index}"), hung);
         }
         let fixed = (None, world_from_base * random.rigid(1.0));
-        own.hang(&mut builder, "anchor".to_owned(), fixed);
-        own.model = builder.build().unwrap();
-        own
+        tree.hang(&mut builder, "anchor".to_owned(), fixed);
+        tree.model = builder.build().unwrap();
+        tree
     }
 
     fn hang(
