@@ -19,7 +19,7 @@ fn centre(q: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for (link, at, mass) in masses {
         let frame = &placed["frames"][link];
-        let (place, turn) = (numbers(&frame["position"]), numbers(&frame["quaternion"]));
+        let (position, turn) = (numbers(&frame["position"]), numbers(&frame["quaternion"]));
         // v + 2 w (u × v) + 2 u × (u × v)
         let u = [turn[1], turn[2], turn[3]];
         let cross = |a: [f64; 3], b: [f64; 3]| {
@@ -33,7 +33,7 @@ fn centre(q: &[f64]) -> [f64; 3] {
         let twice = cross(u, once);
         for k in 0..3 {
             let along = at[k] + 2.0 * (turn[0] * once[k] + twice[k]);
-            sum[k] += mass / 27.8 * (place[k] + along);
+            sum[k] += mass / 27.8 * (position[k] + along);
         }
     }
     sum
@@ -61,8 +61,8 @@ fn centre_of_mass_reaches_its_target() {
         (x + 0.02).abs() < 2e-6 && (z - 0.66).abs() < 2e-6,
         "{x} {z}"
     );
-    let far = answer!("solve {LEANING} --center-of-mass 3,0");
-    assert_eq!(far["reached"], false);
+    let unreachable = answer!("solve {LEANING} --center-of-mass 3,0");
+    assert_eq!(unreachable["reached"], false);
 }
 
 #[test]
@@ -80,9 +80,9 @@ fn balanced_body_stays_over_its_feet() {
     assert_eq!(task(&answer, "balance")["reached"], true);
     assert!(x < 0.08 + 2e-6 && y < 0.18 + 2e-6, "{x} {y}");
     // A start in balance is already a solution.
-    let still = answer!("solve {LEANING} {sole}");
-    assert_eq!(still["reached"], true);
-    assert_eq!(numbers(&still["q"]), [0.0; 4]);
+    let start_balanced = answer!("solve {LEANING} {sole}");
+    assert_eq!(start_balanced["reached"], true);
+    assert_eq!(numbers(&start_balanced["q"]), [0.0; 4]);
     let text = text!("solve {LEANING} {sole}");
     says!(text => "balance");
 }
@@ -102,16 +102,16 @@ fn rig_balances_by_the_volume_of_its_mesh() {
 #[test]
 fn support_includes_all_links_fixed_to_the_feet() {
     let nao = "../models/aldebaran_nao.urdf";
-    let stands = format!(
+    let standing_command = format!(
         "solve {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
     );
     let robot = kinopt::robot::Robot::read(nao).unwrap();
     let robot = robot
         .with_base_joint(kinopt::robot::BaseJoint::FREE)
         .unwrap();
-    let ahead = |asked: &str| {
-        let answer = answer!("{stands} {asked}");
-        assert_eq!(answer["reached"], true, "{asked}");
+    let ahead = |options: &str| {
+        let answer = answer!("{standing_command} {options}");
+        assert_eq!(answer["reached"], true, "{options}");
         let (model, masses) = (robot.model(), robot.masses().unwrap());
         let centre = kinopt::kinematics::centre_of_mass(model, &masses, &numbers(&answer["q"]));
         centre.unwrap().x

@@ -26,8 +26,8 @@ fn solution_on_another_branch_is_reported() {
     let arm = model("robot-arm/robot-arm.json");
     let another = answer!("solve {arm} {PLACE} {BENT}");
     has!(another, {"reached": true, "way": "another"});
-    let own = answer!("solve {arm} {PLACE} {BENT} --restarts=0");
-    has!(own, {"reached": false, "way": "own", "attempts": 1});
+    let solution = answer!("solve {arm} {PLACE} {BENT} --restarts=0");
+    has!(solution, {"reached": false, "way": "own", "attempts": 1});
     says!(text!("solve {arm} {PLACE} {BENT}") => "branch of the start did not reach");
     assert!(!text!("solve {arm} {PLACE} {BENT} --restarts=0").contains("branch of the start"));
 }
@@ -35,8 +35,8 @@ fn solution_on_another_branch_is_reported() {
 #[test]
 fn missed_target_stays_on_its_branch_by_default() {
     let arm = model("robot-arm/robot-arm.json");
-    let far = "--target=gripper=-0.9,-4.8,0.14";
-    let solve = |more: &str| answer!("solve {arm} {far} {BENT} {more}");
+    let unreachable = "--target=gripper=-0.9,-4.8,0.14";
+    let solve = |more: &str| answer!("solve {arm} {unreachable} {BENT} {more}");
     let (alone, default) = (solve("--restarts=0"), solve(""));
     has!(default, {"reached": false, "way": "own", "q": alone["q"]});
     assert!(count(&default["attempts"]) > 1);
@@ -72,9 +72,9 @@ fn path_steps_settle_like_single_targets() {
     let at = |k: f64| [0.0014 * k, 0.7824 - 0.0309 * k, 0.9086 + 0.0275 * k];
     let targets: Vec<_> = (0..5).map(|k| at(f64::from(k))).collect();
     let file = folder.text("targets.json", json!({ "targets": targets }));
-    for way in ["--track", ""] {
-        let all = answer!("solve {humanoid} --tip=left_hand --targets {file} {way}");
-        assert_eq!(all["summary"]["solved"], 5, "{way}");
+    for options in ["--track", ""] {
+        let all = answer!("solve {humanoid} --tip=left_hand --targets {file} {options}");
+        assert_eq!(all["summary"]["solved"], 5, "{options}");
     }
 }
 

@@ -95,8 +95,8 @@ fn fk_is_relative_to_its_base() {
         for one in bones {
             assert!(part(one, "quaternion")[0] >= 0.0, "{base} {one}");
             for other in bones {
-                let place = part(other, "position");
-                let ends = ["tail", "tip"].map(|end| distance(&part(one, end), &place));
+                let position = part(other, "position");
+                let ends = ["tail", "tip"].map(|end| distance(&part(one, end), &position));
                 apart.extend(ends);
             }
         }
@@ -104,8 +104,8 @@ fn fk_is_relative_to_its_base() {
     };
     let world = apart("");
     for bone in bones {
-        let own = apart(&format!("--base={bone}"));
-        assert!(distance(&own, &world) < 1e-12, "{bone}");
+        let relative = apart(&format!("--base={bone}"));
+        assert!(distance(&relative, &world) < 1e-12, "{bone}");
     }
 }
 

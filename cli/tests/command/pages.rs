@@ -79,8 +79,8 @@ fn commands_of_all_pages_succeed() {
 fn commands_of_body_pages_reach_targets() {
     let folder = Folder::new("bodies");
     let pages = pages();
-    let page = |wanted: &str| {
-        let found = pages.iter().find(|(name, _)| name == wanted);
+    let page = |page_name: &str| {
+        let found = pages.iter().find(|(name, _)| name == page_name);
         found.map(|(_, page)| page).unwrap()
     };
     let bodies = ["whole-bodies", "balance", "ball-joints"].map(page);

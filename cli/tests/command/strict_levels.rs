@@ -29,8 +29,8 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     }
     assert_eq!(level(&answer, "target left_hand"), 2);
     assert!(miss(&answer, "target left_hand") > 0.5);
-    let told = text!("solve {NAO} {FAR} --attempts 1");
-    says!(told => "Level 2 gives way");
+    let text = text!("solve {NAO} {FAR} --attempts 1");
+    says!(text => "Level 2 gives way");
 
     let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --no-priorities --attempts 1");
     assert_eq!(level(&traded, "target left_hand"), 0);
@@ -100,8 +100,8 @@ fn commands_of_the_page_miss_only_the_far_hand() {
         let words = line.strip_prefix("kinopt ").unwrap();
         let answer = answer!("{}", words.replace("models/", "../models/"));
         for task in list(&answer["tasks"]) {
-            let far = task["name"] == "target left_hand";
-            assert_eq!(task["reached"], !far, "{task}");
+            let is_unreachable = task["name"] == "target left_hand";
+            assert_eq!(task["reached"], !is_unreachable, "{task}");
         }
     }
 }
