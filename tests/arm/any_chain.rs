@@ -82,13 +82,13 @@ impl Case<'_> {
             let mut random = Random(21);
             for _ in 0..count {
                 let truth = random.configuration(&arm);
-                let wanted = self.base_from_tool(&arm, &truth);
+                let target = self.base_from_tool(&arm, &truth);
                 let start = random.configuration(&arm);
-                let all = arm.solve_all(placement(&wanted), &start).unwrap();
+                let all = arm.solve_all(placement(&target), &start).unwrap();
                 assert!(!all.is_empty(), "{search:?} {truth:?} {start:?}");
                 for solution in &all {
                     let found = self.base_from_tool(&arm, &solution.q);
-                    let (metres, radians) = apart(&found, &wanted);
+                    let (metres, radians) = apart(&found, &target);
                     assert!(
                         solution.reached && metres <= 1e-6 && radians <= 1e-6,
                         "{search:?} {metres:e} {radians:e} {truth:?} {start:?} {}",
@@ -96,9 +96,13 @@ impl Case<'_> {
                     );
                     assert!(within_limits(&arm, &solution.q));
                 }
-                if let Search::Distinct { distance: far, .. } = search {
+                if let Search::Distinct {
+                    distance: min_distance,
+                    ..
+                } = search
+                {
                     for (i, a) in all.iter().enumerate() {
-                        assert!(all[..i].iter().all(|b| distance(&a.q, &b.q) > far));
+                        assert!(all[..i].iter().all(|b| distance(&a.q, &b.q) > min_distance));
                     }
                 }
             }
@@ -337,11 +341,13 @@ fn ids_and_world_equal_names() {
     }
     // An id of a larger model is reported like an unknown name.
     let larger = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    let far = larger.model().frame_ids().last().unwrap();
-    let error = Arm::new(&robot, Base::World, far).unwrap_err().to_string();
+    let foreign_frame = larger.model().frame_ids().last().unwrap();
+    let error = Arm::new(&robot, Base::World, foreign_frame)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("camera"), "{error}");
-    let far = larger.model().joint_ids().last().unwrap();
-    let builder = Arm::builder(&robot, Base::World, "hand").with_only([far], &[]);
+    let foreign_frame = larger.model().joint_ids().last().unwrap();
+    let builder = Arm::builder(&robot, Base::World, "hand").with_only([foreign_frame], &[]);
     let error = builder.joints().unwrap_err().to_string();
     assert!(error.contains("shoulder"), "{error}");
 }

@@ -319,20 +319,24 @@ fn reachable_goal_bounds_are_found() {
     let goal = PoseBounds::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, base, tip).with_goal(goal);
     let arm = arm.build().unwrap();
-    let (mut random, mut asked) = (Random(52), 0);
-    while asked < 40 {
+    let (mut random, mut count) = (Random(52), 0);
+    while count < 40 {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let length = target.translation.norm();
         let reached = target.translation;
         target.translation = target.translation * (1.4 / length);
         // The stretched arm is 1.37 m long; bounds are in the target's axes.
         let back = target.rotation.transpose() * (reached - target.translation);
-        if back.to_array().iter().any(|off| off.abs() > 0.35) {
+        if back
+            .to_array()
+            .iter()
+            .any(|component| component.abs() > 0.35)
+        {
             continue;
         }
-        asked += 1;
+        count += 1;
         let start = random.configuration(&arm);
         let solution = arm.solve(target, &start).unwrap();
-        assert!(solution.reached, "{asked}: {}", solution.explain());
+        assert!(solution.reached, "{count}: {}", solution.explain());
     }
 }

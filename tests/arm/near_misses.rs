@@ -32,9 +32,9 @@ fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64
     let mut q = start.to_vec();
     let error = |q: &[f64]| {
         let tool = arm.base_from_tool(q).unwrap();
-        let off = tool.translation - target.translation;
+        let offset = tool.translation - target.translation;
         let turn = rotation_log(&(tool.rotation * target.rotation.transpose()));
-        let ([a, b, c], [d, e, f]) = (off.to_array(), (turn * RADIAN).to_array());
+        let ([a, b, c], [d, e, f]) = (offset.to_array(), (turn * RADIAN).to_array());
         Vector6::from([a, b, c, d, e, f])
     };
     for _ in 0..STEPS {
@@ -55,8 +55,8 @@ fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64
         let normal: Matrix6<f64> = &matrix * matrix.transpose() + Matrix6::identity() * r.norm();
         let step = -(matrix.transpose() * normal.try_inverse().unwrap() * r);
         let share = (STEP / step.amax().max(1e-300)).min(1.0);
-        for ((q, by), limit) in q.iter_mut().zip(step.iter()).zip(&limits) {
-            *q = limit.clamp(*q + share * by);
+        for ((q, change), limit) in q.iter_mut().zip(step.iter()).zip(&limits) {
+            *q = limit.clamp(*q + share * change);
         }
     }
     let left = error(&q).norm();
@@ -81,13 +81,13 @@ fn long_steps_do_not_pass_the_near_minimum() {
         for case in 0..cases(400, 140) {
             let start = random.configuration(&arm);
             let mut unit = || 2.0 * random.unit() - 1.0;
-            let (by, turn) = (
+            let (offset, turn) = (
                 [(); 3].map(|()| 0.04 * unit()),
                 [(); 3].map(|()| 0.1 * unit()),
             );
             let tool = arm.base_from_tool(&start).unwrap();
             let turned = rotation_exp(Vector3::from(turn)) * tool.rotation;
-            let target = Placement::new(turned, tool.translation + Vector3::from(by));
+            let target = Placement::new(turned, tool.translation + Vector3::from(offset));
             let solution = arm.solve(target, &start).unwrap();
             assert!(within_limits(&arm, &solution.q));
             if solution.reached {
@@ -95,10 +95,10 @@ fn long_steps_do_not_pass_the_near_minimum() {
             }
             // Reported errors are those of the returned configuration.
             let at = arm.base_from_tool(&solution.q).unwrap();
-            let off = (at.translation - target.translation).norm();
+            let distance = (at.translation - target.translation).norm();
             let turned = rotation_log(&(at.rotation * target.rotation.transpose())).norm();
             let reported = [solution.position_error(), solution.orientation_error()];
-            for (reported, found) in reported.into_iter().zip([off, turned]) {
+            for (reported, found) in reported.into_iter().zip([distance, turned]) {
                 assert!(
                     (reported.unwrap() - found).abs() < 1e-9,
                     "{name} {case}: {reported:?} {found}"

@@ -45,14 +45,14 @@ fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
 fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
     let arm = builder.clone().build().unwrap();
     let n = arm.joint_count();
-    let asked = questions(&arm, count);
-    let (goals, starts) = &asked;
-    let singles = alone(&arm, &asked);
+    let queries = questions(&arm, count);
+    let (goals, starts) = &queries;
+    let singles = alone(&arm, &queries);
     let together = arm.solve_batch(goals, starts).unwrap();
     assert!(!together[1].reached && !singles[1].reached);
     // Repeated, and with a separate arm.
     let again = builder.clone().build().unwrap();
-    assert_eq!(bits(&alone(&again, &asked)), bits(&singles));
+    assert_eq!(bits(&alone(&again, &queries)), bits(&singles));
     assert_eq!(
         bits(&again.solve_batch(goals, starts).unwrap()),
         bits(&together)
@@ -187,19 +187,19 @@ fn reused_solution_keeps_nothing() {
             .with_goal(PoseBounds::position()),
     ];
     let arms = arms.map(|arm| arm.build().unwrap());
-    let mut asked = Vec::new();
+    let mut queries = Vec::new();
     for arm in &arms {
         let (goals, starts) = questions(arm, 3);
         for (goal, start) in goals.into_iter().zip(starts.chunks(7)) {
             let reported = arm.solve(goal, start).unwrap();
-            asked.push((arm, goal, start.to_vec(), format!("{reported:?}")));
+            queries.push((arm, goal, start.to_vec(), format!("{reported:?}")));
         }
         // A target at the arm's base, blocked by limits.
         let start = vec![0.1; 7];
         let turned = arm.base_from_tool(&start).unwrap().rotation;
         let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
         let reported = arm.solve(low, &start).unwrap();
-        asked.push((arm, low, start, format!("{reported:?}")));
+        queries.push((arm, low, start, format!("{reported:?}")));
     }
     // A solver's solution whose soft task displaced its required task.
     let model = robot.model();
@@ -211,13 +211,13 @@ fn reused_solution_keeps_nothing() {
     let pulled = Solver::default().solve_once(&pulled, &model.neutral());
     let pulled = pulled.unwrap();
     assert!(pulled.pulling_preferences().next().is_some());
-    for (other, goal, start, expected) in &asked {
+    for (other, goal, start, expected) in &queries {
         let mut solution = pulled.clone();
         other.solve_into(goal, start, &mut solution).unwrap();
         assert_eq!(format!("{solution:?}"), *expected);
     }
-    for (arm, goal, start, _) in &asked {
-        for (other, goal_of_other, start_of_other, expected) in &asked {
+    for (arm, goal, start, _) in &queries {
+        for (other, goal_of_other, start_of_other, expected) in &queries {
             let mut solution = Solution::default();
             arm.solve_into(goal, start, &mut solution).unwrap();
             other

@@ -27,13 +27,13 @@ fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStat
     let step = servo.step(*target).unwrap();
     assert!(within_limits(arm, step.q));
     for ((a, b), limit) in before.iter().zip(step.q).zip(limits) {
-        let most = if limit.is_finite() { limit * TICK } else { 0.1 };
-        assert!((b - a).abs() <= most, "{a} {b} {limit}");
+        let max_step = if limit.is_finite() { limit * TICK } else { 0.1 };
+        assert!((b - a).abs() <= max_step, "{a} {b} {limit}");
     }
     let found = arm.base_from_tool(step.q).unwrap();
-    let off = (found.translation - target.translation).norm();
-    assert!((step.position_error - off).abs() < 1e-9 * (1.0 + off));
-    assert!(!step.reached() || off <= 1e-6);
+    let distance = (found.translation - target.translation).norm();
+    assert!((step.position_error - distance).abs() < 1e-9 * (1.0 + distance));
+    assert!(!step.reached() || distance <= 1e-6);
     (step.status, step.velocity.to_vec())
 }
 
@@ -64,14 +64,22 @@ fn lines_out_of_reach_and_back_keep_limits() {
     for name in robots() {
         let arm = arm(name);
         for line in lines(&arm, &mut Random(91), cases(10, 1)) {
-            let off = out_and_back(&arm, name, &line, 1.0);
+            let start_distance = out_and_back(&arm, name, &line, 1.0);
             // At the stretched configuration a redundant arm's branches meet at a pose that may move faster than its
             // joints. Faster arms return.
-            if arm.joint_count() > 6 && off.is_some_and(|off| off >= BACK) {
-                let off = out_and_back(&arm, name, &line, 10.0);
-                assert!(off.is_none_or(|off| off < BACK), "{name}: {off:?}");
+            if arm.joint_count() > 6
+                && start_distance.is_some_and(|start_distance| start_distance >= BACK)
+            {
+                let start_distance = out_and_back(&arm, name, &line, 10.0);
+                assert!(
+                    start_distance.is_none_or(|start_distance| start_distance < BACK),
+                    "{name}: {start_distance:?}"
+                );
             } else {
-                assert!(off.is_none_or(|off| off < BACK), "{name}: {off:?}");
+                assert!(
+                    start_distance.is_none_or(|start_distance| start_distance < BACK),
+                    "{name}: {start_distance:?}"
+                );
             }
         }
     }
@@ -103,15 +111,18 @@ fn stretched_arm_returns_on_its_side() {
         let arm = arm(name);
         let first = arm.base_from_tool(start).unwrap();
         let at = |metres: f64| {
-            let by = Vector3::from(direction) * metres;
-            Placement::new(first.rotation, first.translation + by)
+            let offset = Vector3::from(direction) * metres;
+            Placement::new(first.rotation, first.translation + offset)
         };
         let line = Line {
             start: start.to_vec(),
             out: (0..200).map(|k| at(STEP * f64::from(k))).collect(),
         };
-        let off = out_and_back(&arm, name, &line, 1.0);
-        assert!(off.is_some_and(|off| off < BACK), "{name}: {off:?}");
+        let start_distance = out_and_back(&arm, name, &line, 1.0);
+        assert!(
+            start_distance.is_some_and(|start_distance| start_distance < BACK),
+            "{name}: {start_distance:?}"
+        );
     }
 }
 
@@ -134,12 +145,12 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     assert!(widest < 1e-3, "{name}: {widest} {status:?}");
     // A long way around may continue from the end of the short one.
     held |= held_by_limits(arm, servo.q()) || status == ServoStatus::OnTarget;
-    for (target, there) in out.iter().zip(&path).rev() {
+    for (target, outbound_q) in out.iter().zip(&path).rev() {
         tick(arm, &mut servo, target);
         held |= held_by_limits(arm, servo.q());
         // Near the edge the elbow and the null space may lag, but no joint is on another branch.
         if !held && arm.joint_count() <= 6 {
-            assert!(distance(servo.q(), there) < 0.3, "{name}");
+            assert!(distance(servo.q(), outbound_q) < 0.3, "{name}");
         }
     }
     let (status, widest) = chatter(arm, &mut servo, &out[0]);
@@ -209,8 +220,8 @@ fn flat_minimum_is_reached_in_bounded_cycles() {
         let mut random = Random(seed + 1);
         let start = random.configuration(&arm);
         let first = arm.base_from_tool(&random.configuration(&arm)).unwrap();
-        let far = [0.9, 1.2, 2.0][(seed % 3) as usize] / first.translation.norm();
-        let target = Placement::new(first.rotation, first.translation * far);
+        let scale = [0.9, 1.2, 2.0][(seed % 3) as usize] / first.translation.norm();
+        let target = Placement::new(first.rotation, first.translation * scale);
         let mut servo = arm.servo(&start, 10.0 * TICK).unwrap();
         let moves = [ServoStatus::Settling, ServoStatus::SpeedLimited];
         let ends = |_: &usize| !moves.contains(&servo.step(target).unwrap().status);
@@ -262,14 +273,21 @@ fn active_limits_are_reported() {
     let arm = arm("franka_panda");
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let mut servo = arm.servo(&start, TICK).unwrap();
-    let far = arm
+    let unreachable = arm
         .base_from_tool(&[1.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
         .unwrap();
-    let step = servo.step(far).unwrap();
+    let step = servo.step(unreachable).unwrap();
     assert_eq!(step.status, ServoStatus::SpeedLimited);
     let held: Vec<_> = step.held().collect();
-    assert!(held.iter().any(|(_, by)| matches!(by, HeldBy::Speed(_))));
-    assert!(!held.iter().any(|(_, by)| matches!(by, HeldBy::Limit(_))));
+    assert!(
+        held.iter()
+            .any(|(_, cause)| matches!(cause, HeldBy::Speed(_)))
+    );
+    assert!(
+        !held
+            .iter()
+            .any(|(_, cause)| matches!(cause, HeldBy::Limit(_)))
+    );
     // The last joint beyond its limit: the servo ends there and reports it.
     let arm = self::arm("universal_ur5e");
     let upper = arm.limits().last().unwrap().upper;
@@ -283,11 +301,11 @@ fn active_limits_are_reported() {
         let step = servo.step(target).unwrap();
         last = step
             .held()
-            .map(|(name, by)| (name.to_owned(), by))
+            .map(|(name, cause)| (name.to_owned(), cause))
             .collect();
     }
-    let at_limit = |(name, by): &(String, HeldBy)| {
-        name == "joint6" && *by == HeldBy::Limit(kinopt::ik::Side::Upper)
+    let at_limit = |(name, cause): &(String, HeldBy)| {
+        name == "joint6" && *cause == HeldBy::Limit(kinopt::ik::Side::Upper)
     };
     assert!(last.iter().any(at_limit), "{last:?}");
 }
@@ -328,8 +346,8 @@ fn prismatic_jumps_and_velocities_are_in_metres() {
 fn invalid_servo_options_are_named() {
     let arm = arm("universal_ur5e");
     let start = [0.1; 6];
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = arm.servo(&start, bad).unwrap_err().to_string();
+    for time_step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = arm.servo(&start, time_step).unwrap_err().to_string();
         assert!(error.contains("time step"), "{error}");
     }
     assert!(arm.servo(&[0.0; 5], TICK).is_err());

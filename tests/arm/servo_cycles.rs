@@ -34,8 +34,8 @@ fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
     arm.build().unwrap()
 }
 
-fn at(place: [f64; 3]) -> Placement<f64> {
-    Placement::translation(place.into())
+fn at(position: [f64; 3]) -> Placement<f64> {
+    Placement::translation(position.into())
 }
 
 /// Joint values after a path whose null space may move joints inward: −1 is the lower limit, 1 the upper.
@@ -86,10 +86,14 @@ fn servo_approaches_its_posture() {
     let mut posture = start;
     posture[2] += 0.8;
     posture[0] -= 0.6;
-    let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
+    let squared_distance =
+        |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
     let plain = ends(0.0, None, &start, true);
     let drawn = ends(4.0, Some(&posture), &start, true);
-    assert!(off(&drawn) < off(&plain) - 1e-3, "{drawn:?} {plain:?}");
+    assert!(
+        squared_distance(&drawn) < squared_distance(&plain) - 1e-3,
+        "{drawn:?} {plain:?}"
+    );
 }
 
 #[test]
@@ -168,9 +172,9 @@ fn servo_is_unit_invariant() {
     for k in 0..150 {
         let turn = 0.04 * f64::from(k);
         // Within reach, then beyond it.
-        let place = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
-        servo.step(at(place)).unwrap();
-        other.step(at(place.map(|x| 1e3 * x))).unwrap();
+        let position = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
+        servo.step(at(position)).unwrap();
+        other.step(at(position.map(|x| 1e3 * x))).unwrap();
         for (a, b) in scaled(servo.q()).iter().zip(other.q()) {
             assert!((a - b).abs() < 1e-6 * a.abs().max(1.0), "{k}: {a} {b}");
         }
@@ -182,8 +186,12 @@ fn servo_is_unit_invariant() {
 fn path_follower_keeps_move_limits() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
-    let most = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
-    let arm = arm.with_atlas(false).with_max_move(&most).build().unwrap();
+    let max_move = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
+    let arm = arm
+        .with_atlas(false)
+        .with_max_move(&max_move)
+        .build()
+        .unwrap();
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut target = arm.base_from_tool(&start).unwrap();
     let mut follower = arm.follower(&start).unwrap();
@@ -192,8 +200,8 @@ fn path_follower_keeps_move_limits() {
         target.translation.z += 0.01;
         let before = follower.q().to_vec();
         follower.advance(target, &mut solution).unwrap();
-        for ((before, after), most) in before.iter().zip(follower.q()).zip(most) {
-            assert!((after - before).abs() <= most, "{before} {after}");
+        for ((before, after), max_move) in before.iter().zip(follower.q()).zip(max_move) {
+            assert!((after - before).abs() <= max_move, "{before} {after}");
         }
     }
 }
@@ -224,7 +232,7 @@ fn redundant_arm_near_limits_comes_to_rest() {
         }
     }
     assert!(
-        solution.reached && last.iter().all(|most| *most < 1e-6),
+        solution.reached && last.iter().all(|step| *step < 1e-6),
         "{last:?}"
     );
 }
@@ -297,10 +305,10 @@ fn damping_is_restored_after_a_rest() {
     rested.step(at([0.70002, 0.6, 0.0])).unwrap();
     let mut fresh = servo(rested.q());
     let target = at([0.70004, 0.6, 0.0]);
-    let wanted = fresh.step(target).unwrap().q.to_vec();
+    let goal = fresh.step(target).unwrap().q.to_vec();
     let step = rested.step(target).unwrap();
-    let apart = wanted.iter().zip(step.q).map(|(a, b)| (a - b).abs());
-    assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {wanted:?}", step.q);
+    let apart = goal.iter().zip(step.q).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {goal:?}", step.q);
 }
 
 /// A joint with velocity limit 0 does not keep the others from their initial posture.
@@ -322,7 +330,7 @@ fn null_space_motion_with_a_zero_velocity_joint() {
         assert_eq!(q[0], start[0]);
         farthest = farthest.max((q[1] - start[1]).abs());
     }
-    let off = servo.q().iter().zip(&start).map(|(a, b)| (a - b).abs());
-    let off = off.fold(0.0, f64::max);
-    assert!(farthest > 0.1 && off < 1e-4, "{farthest} {off}");
+    let distance = servo.q().iter().zip(&start).map(|(a, b)| (a - b).abs());
+    let distance = distance.fold(0.0, f64::max);
+    assert!(farthest > 0.1 && distance < 1e-4, "{farthest} {distance}");
 }

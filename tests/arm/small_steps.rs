@@ -92,8 +92,8 @@ fn tool_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
     let mut aside = || 2.0 * random.unit() - 1.0;
     let aside = Vector3::new(aside(), aside(), aside());
     let metres = 2e-3 + 3e-3 * random.unit();
-    let by = aside * (metres / aside.norm());
-    Placement::new(here.rotation, here.translation + by)
+    let offset = aside * (metres / aside.norm());
+    Placement::new(here.rotation, here.translation + offset)
 }
 
 #[test]
@@ -197,8 +197,8 @@ fn nearest_random_targets_beat_the_first_attempt() {
         let mut reached = 0;
         for case in 0..cases(60, 12) {
             let start = random.configuration(&searches.start);
-            let there = random.configuration(&searches.start);
-            let target = searches.start.base_from_tool(&there).unwrap();
+            let target_q = random.configuration(&searches.start);
+            let target = searches.start.base_from_tool(&target_q).unwrap();
             let first = searches.first_attempt.solve(target, &start).unwrap();
             if first.reached {
                 reached += 1;
