@@ -380,8 +380,8 @@ fn rig_keyframes_match_its_angles() {
                     .to_array()
                     .map(|x| x as f32);
                 let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
-                let off = (model.transform_point3a(along) - Vec3A::from(tip)).length();
-                assert!(off < 1e-4, "{off}");
+                let deviation = (model.transform_point3a(along) - Vec3A::from(tip)).length();
+                assert!(deviation < 1e-4, "{deviation}");
             }
         }
     }

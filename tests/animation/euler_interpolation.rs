@@ -151,10 +151,10 @@ fn curves_pass_all_keys_and_match_vector_curves() {
             for part in 0..=100 {
                 let time = keys[0].0 + (keys[5].0 - keys[0].0) * f64::from(part) / 100.0;
                 let (ours, theirs) = (DVec3::from(at(&clip, time)), curve.at(time));
-                let off = (ours - theirs).length();
+                let deviation = (ours - theirs).length();
                 assert!(
-                    off < 1e-12 * (1.0 + theirs.length()),
-                    "{between:?}: {off:e}"
+                    deviation < 1e-12 * (1.0 + theirs.length()),
+                    "{between:?}: {deviation:e}"
                 );
             }
         }

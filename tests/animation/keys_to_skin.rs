@@ -166,8 +166,8 @@ fn pipeline_matches_double_precision() {
                     let moved = world[bone] * bind[bone].inverse();
                     moved.transform_point3(shaped) * influence.weight
                 });
-                let off = (got.as_dvec3() - sum.sum::<DVec3>()).length();
-                assert!(off < 1e-5 * size, "{off} of {size} at {time} s");
+                let deviation = (got.as_dvec3() - sum.sum::<DVec3>()).length();
+                assert!(deviation < 1e-5 * size, "{deviation} of {size} at {time} s");
             }
         }
     }

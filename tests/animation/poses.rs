@@ -210,8 +210,11 @@ fn points_fixed_to_a_bone_move_with_it() {
         let own = support::armatures::vector(&mut random, 0.5);
         let expected = posed[bone].transform_point3a(own);
         let at_rest = rest[bone].transform_point3a(own);
-        let off = (skin[bone].transform_point3a(at_rest) - expected).length();
-        assert!(off < 1e-4 * (1.0 + expected.length()), "{bone}: {off}");
+        let deviation = (skin[bone].transform_point3a(at_rest) - expected).length();
+        assert!(
+            deviation < 1e-4 * (1.0 + expected.length()),
+            "{bone}: {deviation}"
+        );
     }
 }
 

@@ -373,8 +373,8 @@ fn tip_distance_includes_the_bones_scale() {
             .set_goal(bone, wanted.to_array().map(f64::from), 1.0)
             .unwrap();
         assert!(layer.apply(&mut moved).unwrap().unwrap().reached, "{seed}");
-        let off = (tip(&armature, &rig, &moved, bone) - wanted).length();
-        assert!(off < 2e-5, "{seed}: {off}");
+        let deviation = (tip(&armature, &rig, &moved, bone) - wanted).length();
+        assert!(deviation < 2e-5, "{seed}: {deviation}");
     }
 }
 

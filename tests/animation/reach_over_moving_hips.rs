@@ -152,8 +152,11 @@ fn captured_walk_is_reached_in_place() {
         layer.set_goal(hand, target(wanted), 1.0).unwrap();
         reached += usize::from(layer.apply(&mut pose).unwrap().unwrap().reached);
         let shown = tip(armature, &skeleton, &pose, hand);
-        let off = f64::from((shown - wanted).length()) / size;
-        assert!(off < 1e-5, "frame {frame}: {off} of the figure's size");
+        let deviation = f64::from((shown - wanted).length()) / size;
+        assert!(
+            deviation < 1e-5,
+            "frame {frame}: {deviation} of the figure's size"
+        );
     }
     assert_eq!(reached, 40);
 }

@@ -284,8 +284,8 @@ fn rotation_hermite_has_no_kink_at_uneven_times() {
             let arriving = per_second(before, first.at(1.0 - u), first.at(1.0), u);
             let leaving = per_second(after, second.at(0.0), second.at(u), u);
             for rate in [arriving, leaving] {
-                let off = (rate - rates[key]).length() / rates[key].length().max(1.0);
-                assert!(off < 0.03, "{off}");
+                let deviation = (rate - rates[key]).length() / rates[key].length().max(1.0);
+                assert!(deviation < 0.03, "{deviation}");
             }
         }
     }

@@ -157,8 +157,11 @@ fn reach_layer_brings_the_scaled_armature_there() {
         let reached = layer.apply(&mut pose).unwrap().unwrap().reached;
         let placed = places(armature, &pose);
         for hand in hands.map(BoneId::index) {
-            let off = placed[hand].translation.distance(wanted[hand].translation);
-            assert!(off < 1e-5, "{case}: bone {hand} is off by {off}");
+            let deviation = placed[hand].translation.distance(wanted[hand].translation);
+            assert!(
+                deviation < 1e-5,
+                "{case}: bone {hand} is off by {deviation}"
+            );
         }
         assert!(reached, "{case}");
     });
@@ -188,8 +191,11 @@ fn drag_brings_the_scaled_armature_there() {
             drag.move_joints(skeleton.model()).unwrap();
             frames += 1;
         }
-        let off = places(armature, &pose)[4].translation.distance(target);
-        assert!(off < 1e-5, "{case}: {off} after {frames} frames");
+        let deviation = places(armature, &pose)[4].translation.distance(target);
+        assert!(
+            deviation < 1e-5,
+            "{case}: {deviation} after {frames} frames"
+        );
     });
 }
 
@@ -228,8 +234,8 @@ fn limb_brings_the_scaled_armature_there() {
         let mut pose = armature.rest().clone();
         limb.reach(armature, &mut pose, &LimbGoal::at(target))
             .unwrap();
-        let off = places(armature, &pose)[4].translation.distance(target);
-        assert!(off < 1e-5, "{case}: {off}");
+        let deviation = places(armature, &pose)[4].translation.distance(target);
+        assert!(deviation < 1e-5, "{case}: {deviation}");
     });
 }
 
@@ -249,10 +255,10 @@ fn aim_points_the_axis_that_the_pose_shows() {
         let placed = places(armature, &pose)[4];
         let from = placed.transform_point3a(offset);
         let along = placed.transform_vector3a(Vec3A::Z).normalize();
-        let off = (target - from).reject_from_normalized(along).length();
+        let deviation = (target - from).reject_from_normalized(along).length();
         assert!(
-            off < 2e-5 && along.dot(target - from) > 0.0,
-            "{case}: {off}"
+            deviation < 2e-5 && along.dot(target - from) > 0.0,
+            "{case}: {deviation}"
         );
     });
 }
@@ -282,8 +288,8 @@ fn clip_ik_brings_the_scaled_armature_there() {
                 .clip
                 .sample(time, hold, &mut cursor, &mut pose)
                 .unwrap();
-            let off = places(armature, &pose)[4].translation.distance(target);
-            assert!(off < 1e-5, "{case}: {off} at {time} s");
+            let deviation = places(armature, &pose)[4].translation.distance(target);
+            assert!(deviation < 1e-5, "{case}: {deviation} at {time} s");
             assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
         }
     });

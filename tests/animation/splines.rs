@@ -58,8 +58,8 @@ fn any_knots_equal_the_pyramid_algorithm() {
         for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
             let t = knots.of(&p);
             for u in [0.0, 0.1, 0.5, 0.9, 1.0] {
-                let off = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
-                assert!(off < 1e-12, "{knots:?} {off}");
+                let deviation = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
+                assert!(deviation < 1e-12, "{knots:?} {deviation}");
             }
         }
     }
@@ -334,7 +334,7 @@ fn knots_are_powers_of_distances() {
     assert_eq!(Knots::Uniform.of(&points), [0.0, 1.0, 2.0]);
     assert_eq!(Knots::Chordal.of(&points), [0.0, 4.0, 13.0]);
     let centripetal = Knots::Centripetal.of(&points);
-    let off = |(knot, wanted): (&f64, f64)| (knot - wanted).abs();
-    let off = centripetal.iter().zip([0.0, 2.0, 5.0]).map(off);
-    assert!(off.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
+    let deviation_of = |(knot, wanted): (&f64, f64)| (knot - wanted).abs();
+    let deviation_of = centripetal.iter().zip([0.0, 2.0, 5.0]).map(deviation_of);
+    assert!(deviation_of.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
 }

@@ -264,8 +264,8 @@ fn written_angles_are_continuous() {
         }
         let [first, last] = [&frames[0], &frames[90]];
         let on = (3..6).map(|channel| (last[channel] - first[channel]).abs());
-        let most = on.fold(0.0, f64::max);
-        assert!((most - 1080.0).abs() < 1e-3, "about {axis}: {most}");
+        let largest = on.fold(0.0, f64::max);
+        assert!((largest - 1080.0).abs() < 1e-3, "about {axis}: {largest}");
     }
 }
 
@@ -297,7 +297,10 @@ fn written_angles_pass_gimbal_lock() {
         for (line, x) in lines.zip(&bends) {
             let words: Vec<f32> = line.split(' ').map(|w| w.parse().unwrap()).collect();
             let off = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
-            assert!(off.iter().all(|off| off.abs() < 1e-3), "{line}, not {x}");
+            assert!(
+                off.iter().all(|deviation| deviation.abs() < 1e-3),
+                "{line}, not {x}"
+            );
         }
         let capture = read(&text);
         let locked = frame(&capture, 9)[0];

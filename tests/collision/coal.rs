@@ -58,10 +58,10 @@ fn distances_equal_those_of_coal() {
         };
         let shapes = [pair.shapes[0].shape(), pair.shapes[1].shape()];
         let found = separation(&shapes[0], &place(0), &shapes[1], &place(1));
-        let off = found.distance - pair.distance;
+        let deviation = found.distance - pair.distance;
         assert!(
-            off.abs() < 1e-10,
-            "pair {i}, {:?}: {off:e} off {}",
+            deviation.abs() < 1e-10,
+            "pair {i}, {:?}: {deviation:e} off {}",
             pair.shapes,
             pair.distance
         );

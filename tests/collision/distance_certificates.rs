@@ -76,8 +76,12 @@ fn distances_and_depths_are_certified() {
             what()
         );
         for (solid, at, point) in [(&a, &at_a, found.on_first), (&b, &at_b, found.on_second)] {
-            let off = solid.shape().signed_distance(at.inverse().apply(point));
-            assert!(off.abs() < 1e-9, "a point {off} off its shape; {}", what());
+            let deviation = solid.shape().signed_distance(at.inverse().apply(point));
+            assert!(
+                deviation.abs() < 1e-9,
+                "a point {deviation} off its shape; {}",
+                what()
+            );
         }
         if found.distance < 0.0 {
             for _ in 0..60 {

@@ -198,8 +198,8 @@ fn mesh_equals_hull_and_cloud_equals_points() {
             assert!(two.distance <= 1e-12 && two.distance >= one.distance - 1e-12);
         }
         for place in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
-            let off = hull.signed_distance(place) - mesh.signed_distance(place);
-            assert!(off.abs() < 1e-12, "{off}");
+            let deviation = hull.signed_distance(place) - mesh.signed_distance(place);
+            assert!(deviation.abs() < 1e-12, "{deviation}");
         }
         let cloud = Shape::points(points.clone(), 0.02).unwrap();
         let far = separation(&cloud, &a, &other, &b).distance;

@@ -58,9 +58,9 @@ fn base_on_its_floor_blocks_no_motion() {
     let position = Vector3::new(0.3, 0.35, 0.6);
     ball.add_sphere("ball", 0.1, position).unwrap();
     for (among, blocked) in [(World::new(), false), (ball, true)] {
-        let shares = [false, true].map(|stands| {
+        let shares = [false, true].map(|in_contact| {
             let mut world = among.clone();
-            if stands {
+            if in_contact {
                 world.add_plane("floor", Vector3::zero()).unwrap();
             }
             let checker = alone.clone().with_world(&world).unwrap();

@@ -65,8 +65,11 @@ fn hull_distance_equals_that_of_all_vertices() {
             (&shape_a, &at_a, found.on_first),
             (&shape_b, &at_b, found.on_second),
         ] {
-            let off = shape.signed_distance(at.inverse().apply(point));
-            assert!(off.abs() < 1e-9, "pair {i}: a point {off} off its shape");
+            let deviation = shape.signed_distance(at.inverse().apply(point));
+            assert!(
+                deviation.abs() < 1e-9,
+                "pair {i}: a point {deviation} off its shape"
+            );
         }
         // No other direction separates farther.
         for step in 0..60 {

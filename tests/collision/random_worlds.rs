@@ -223,10 +223,10 @@ fn slender_boxes_are_measured_or_rejected() {
                     let at = Vector3::new(0.01, along, 0.5 * thin + 0.1 + gap);
                     let found = separation(&plate, &Placement::identity(), &ball, &at.into());
                     let resolved = 1e-9 + 4.0 * f64::EPSILON * long;
-                    let off = found.distance - gap;
+                    let deviation = found.distance - gap;
                     assert!(
-                        off.abs() < resolved,
-                        "{long:e} {thin:e} {gap} {along}: {off:e}"
+                        deviation.abs() < resolved,
+                        "{long:e} {thin:e} {gap} {along}: {deviation:e}"
                     );
                 }
             }

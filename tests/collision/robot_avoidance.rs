@@ -397,11 +397,11 @@ fn clearance_derivative_matches_differences() {
         assert!((&exact - &dual).amax() < 1e-12);
         // Differences straddle a kink if the nearest pair changes: few rows do.
         for row in 0..rows {
-            let off = (exact.row(row) - differences.row(row)).amax();
-            checked += usize::from(exact.row(row).amax() > 0.0 && off < 1e-6);
+            let deviation = (exact.row(row) - differences.row(row)).amax();
+            checked += usize::from(exact.row(row).amax() > 0.0 && deviation < 1e-6);
             assert!(
-                off < 1e-4 || exact.row(row).amax() > 0.0,
-                "row {row}: {off}"
+                deviation < 1e-4 || exact.row(row).amax() > 0.0,
+                "row {row}: {deviation}"
             );
         }
     }

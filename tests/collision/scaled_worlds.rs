@@ -51,10 +51,10 @@ fn distances_scale_with_the_world() {
                     &scaled_b.shape,
                     &scaled_b.placement,
                 );
-                let off = after.distance - times * before.distance;
+                let deviation = after.distance - times * before.distance;
                 assert!(
-                    before.distance > 0.1 && off.abs() < 1e-9,
-                    "{} {}: {off:e}",
+                    before.distance > 0.1 && deviation.abs() < 1e-9,
+                    "{} {}: {deviation:e}",
                     a.name,
                     b.name
                 );

@@ -77,10 +77,10 @@ fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &
             };
             let point = object.link_from_shape.apply(a + (b - a) * share);
             let out = |ball: &kinopt::collision::Ball| (point - ball.centre).norm() - ball.radius;
-            let least = group.spheres.iter().map(out).fold(f64::INFINITY, f64::min);
+            let smallest = group.spheres.iter().map(out).fold(f64::INFINITY, f64::min);
             assert!(
-                least <= 1e-12,
-                "{}: {point:?} is {least:e} outside",
+                smallest <= 1e-12,
+                "{}: {point:?} is {smallest:e} outside",
                 group.name
             );
             assert!(out(&group.bound) <= 1e-12);

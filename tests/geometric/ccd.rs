@@ -454,8 +454,8 @@ fn tool_equals_a_frame_at_the_tip() {
         });
         let [a, b] =
             [&by_tool, &by_frame].map(|problem| ccd.solve(problem, &model.neutral()).unwrap().q);
-        let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-        let off = off.fold(0.0, f64::max);
-        assert!(off < 1e-9, "{seed}: {off:e}");
+        let deviation = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+        let deviation = deviation.fold(0.0, f64::max);
+        assert!(deviation < 1e-9, "{seed}: {deviation:e}");
     }
 }

@@ -95,8 +95,11 @@ fn jacobian_equals_screw_exponentials() {
             let jacobian = frame_jacobian(&tree.model, id, &q).unwrap();
             let expected = by_exponentials(&tree, frame, &q);
             assert_eq!(jacobian.shape(), expected.shape());
-            let off = (&jacobian - &expected).amax();
-            assert!(off < 1e-13, "seed {seed}, frame {frame}: {off:e}");
+            let deviation = (&jacobian - &expected).amax();
+            assert!(
+                deviation < 1e-13,
+                "seed {seed}, frame {frame}: {deviation:e}"
+            );
         }
     }
 }
@@ -114,8 +117,8 @@ fn distant_origin_costs_no_precision() {
         let q = near.configuration(&mut Random::new(seed));
         for (&id, &other) in near.frames.iter().zip(&far.frames) {
             let here = frame_jacobian(&near.model, id, &q).unwrap();
-            let off = (frame_jacobian(&far.model, other, &q).unwrap() - here).amax();
-            assert!(off < 1e-13, "seed {seed}: {off:e}");
+            let deviation = (frame_jacobian(&far.model, other, &q).unwrap() - here).amax();
+            assert!(deviation < 1e-13, "seed {seed}: {deviation:e}");
         }
     }
 }

@@ -54,8 +54,8 @@ fn jacobian_matches_differences_of_the_recursion() {
             let mut scratch = problem.scratch();
             let mut jacobian = DMatrix::from_element(15, angles, f64::NAN);
             Evaluation::new(&problem, &mut scratch).jacobian(&q, &mut jacobian);
-            let off = (&jacobian - &quotient).amax();
-            assert!(off < 1e-6, "{route:?}: off by {off:e}");
+            let deviation = (&jacobian - &quotient).amax();
+            assert!(deviation < 1e-6, "{route:?}: off by {deviation:e}");
         }
     }
 }

@@ -30,7 +30,7 @@ fn planar_joint_works_for_any_normal() {
             y.norm() - 1.0,
         ];
         assert!(
-            right.iter().all(|off| off.abs() < 1e-14),
+            right.iter().all(|deviation| deviation.abs() < 1e-14),
             "{normal:?}: {right:?}"
         );
         assert!((x.cross(y) - up).norm() < 1e-14);

@@ -182,9 +182,9 @@ fn nearer_assembly_is_unit_invariant() {
         let (sin, cos) = crank.sin_cos();
         let half = (0.64 - (0.3 * sin - 0.2).powi(2)).sqrt();
         let ends = [0.3 * cos + half, 0.3 * cos - half];
-        let off = ends.map(|end| (small[2] - end).abs());
-        assert!(off[0].min(off[1]) < 1e-5, "{case}: {small:?}");
-        ahead += usize::from(off[0] < off[1]);
+        let deviation = ends.map(|end| (small[2] - end).abs());
+        assert!(deviation[0].min(deviation[1]) < 1e-5, "{case}: {small:?}");
+        ahead += usize::from(deviation[0] < deviation[1]);
         let scaled = [large[0], large[1], large[2] / MM];
         for (one, other) in small.iter().zip(scaled) {
             assert!((one - other).abs() < 1e-5, "{case}: {small:?} {scaled:?}");

@@ -50,7 +50,7 @@ fn box_reaches_poses_that_both_hands_allow() {
     for seed in 0..25 {
         let drawn = closure.random_configuration(seed).unwrap();
         let off = closure_error(model, &drawn);
-        assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+        assert!(off.iter().all(|deviation| *deviation < 1.1e-9), "{off:?}");
         let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
         let mut problem = Problem::builder(model);
         problem.add(Pose::new(left, target).with_tool(grips()[0]));
@@ -59,12 +59,12 @@ fn box_reaches_poses_that_both_hands_allow() {
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
         let off = closure_error(model, &solution.q);
         if solution.reached {
-            assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+            assert!(off.iter().all(|deviation| *deviation < 1.1e-9), "{off:?}");
             reached += 1;
         } else {
             assert_eq!(
                 solution.loops_closed(),
-                off.iter().all(|off| *off <= 1e-9),
+                off.iter().all(|deviation| *deviation <= 1e-9),
                 "{off:?}"
             );
         }

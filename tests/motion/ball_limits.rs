@@ -376,8 +376,8 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
     for speed in [1.001 * least, 1.5 * least] {
         let solved = between(speed, &ends).unwrap();
         for (frame, end) in [(0, &ends[0]), (12, &ends[1])] {
-            let off = angle(between_frames(&solved, frame, end));
-            assert!(off < 1e-15, "{off}");
+            let deviation = angle(between_frames(&solved, frame, end));
+            assert!(deviation < 1e-15, "{deviation}");
         }
         assert!(fastest(&solved, 0) <= speed * STEP);
     }

@@ -62,10 +62,10 @@ fn hand_reaches_in_its_span_and_nothing_else_changes() {
         .solve(&walk)
         .unwrap();
     for time in [1.1, 1.2, 1.3] {
-        let off = at(&armature, &edited.clip, "hand", time)
+        let deviation = at(&armature, &edited.clip, "hand", time)
             .as_dvec3()
             .distance(target);
-        assert!(off < 1e-3, "{time} s: {off}");
+        assert!(deviation < 1e-3, "{time} s: {deviation}");
     }
     for step in 0..=200 {
         let time = f64::from(step) / 100.0;
@@ -183,16 +183,16 @@ fn time_of_the_largest_error_is_reported() {
         .solve(&stand)
         .unwrap();
     let led = &edited.led[0];
-    let off = |frame: u32| {
+    let deviation_of = |frame: u32| {
         let time = f64::from(frame) / 60.0;
         let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
         found.distance(curve.at(time))
     };
     let worst = (0..=120)
-        .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .max_by(|a, b| deviation_of(*a).total_cmp(&deviation_of(*b)))
         .unwrap();
     assert!(
-        led.miss > 1e-4 && (led.miss - off(worst)).abs() < 1e-4,
+        led.miss > 1e-4 && (led.miss - deviation_of(worst)).abs() < 1e-4,
         "{led:?}"
     );
     assert!(
@@ -288,7 +288,7 @@ fn tip_of_a_rig_fades_from_its_clip_position() {
         (0.7, 0.5),
         (0.8, 0.0),
     ] {
-        let off = tip(&edited.clip, time).distance(own.lerp(target, share));
-        assert!(off < 1e-4, "{time}: {off}");
+        let deviation = tip(&edited.clip, time).distance(own.lerp(target, share));
+        assert!(deviation < 1e-4, "{time}: {deviation}");
     }
 }

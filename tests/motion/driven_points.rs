@@ -28,10 +28,10 @@ fn driven_points_move_as_frames_at_these_points() {
     // Errors are measured at the points.
     let [errors, of_frames] = [(&points, &by_points), (&frames, &by_frames)]
         .map(|(retargeting, found)| retargeting.errors(found).unwrap());
-    let off = errors.iter().zip(&of_frames).map(|(a, b)| (a - b).abs());
-    assert!(off.fold(0.0, f64::max) < 1e-6);
+    let deviation = errors.iter().zip(&of_frames).map(|(a, b)| (a - b).abs());
+    assert!(deviation.fold(0.0, f64::max) < 1e-6);
     check_limits(&robot, &by_points);
     let ends = by_points.q.iter().zip(&by_frames.q);
-    let off = ends.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(off < 1e-6, "{off}");
+    let deviation = ends.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(deviation < 1e-6, "{deviation}");
 }

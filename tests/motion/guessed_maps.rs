@@ -351,7 +351,7 @@ fn legs(numbers: &[f64]) -> Capture {
 
 #[test]
 fn limbs_of_implausible_length_are_noted() {
-    let stands = [
+    let in_contact = [
         [0.0, 0.0, 1.0],
         [0.0, 0.1, 0.9],
         [0.0, 0.1, 0.5],
@@ -360,8 +360,8 @@ fn limbs_of_implausible_length_are_noted() {
         [0.0, -0.1, 0.7],
         [0.0, -0.1, 0.1],
     ];
-    let mut numbers = stands.concat();
-    let mut second = stands;
+    let mut numbers = in_contact.concat();
+    let mut second = in_contact;
     second[5][2] = 0.8;
     numbers.extend(second.concat());
     let guess = BodyMap::guess(&legs(&numbers), &model(&HUMANOID)).unwrap();

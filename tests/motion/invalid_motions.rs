@@ -185,8 +185,8 @@ fn lowest_of_several_velocity_limits_counts() {
             .map(|frame| solved.frame(frame).unwrap()[0])
             .collect();
         let most = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let most = most.fold(0.0, f64::max);
-        assert!((most - 0.005).abs() < 1e-6, "{speeds:?}: {most}");
+        let largest = most.fold(0.0, f64::max);
+        assert!((largest - 0.005).abs() < 1e-6, "{speeds:?}: {largest}");
     }
 }
 

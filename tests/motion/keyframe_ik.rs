@@ -100,12 +100,12 @@ fn hand_follows_by_keys_within_the_span_alone() {
         .solve(&clip)
         .unwrap();
     // The hand follows, between keys as well; it did not before.
-    let off = |clip: &EulerClip| {
+    let deviation_of = |clip: &EulerClip| {
         let times = all_times().filter(|time| (1.5..=2.7).contains(time));
-        let off = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
-        off.fold(0.0, f64::max)
+        let deviation = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
+        deviation.fold(0.0, f64::max)
     };
-    let (before, after) = (off(&clip), off(&edited.clip));
+    let (before, after) = (deviation_of(&clip), deviation_of(&edited.clip));
     assert!(before > 0.05 && after < 0.02, "{before} {after}");
     assert!(
         (edited.led[0].miss - after).abs() < 0.02,
@@ -187,14 +187,14 @@ fn no_small_change_of_keys_lowers_the_cost() {
     // a key.
     let cost = |of: &EulerClip| {
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-        let off =
+        let deviation =
             moments.map(|time| tip(skeleton, of, hand, time).distance_squared(curve.at(time)));
-        let off: f64 = off.sum();
+        let deviation: f64 = deviation.sum();
         let pairs = of.tracks().iter().zip(clip.tracks());
         let keys = pairs.flat_map(|(new, old)| new.keys.iter().zip(&old.keys));
         let moved =
             keys.flat_map(|(new, old)| [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).powi(2)));
-        off + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
+        deviation + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
     };
     let least = cost(&edited.clip);
     assert!(least < 0.05 * cost(&clip));
@@ -325,10 +325,10 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let off = hand_distance(&rig, &edited.clip, &wanted, all);
+    let deviation = hand_distance(&rig, &edited.clip, &wanted, all);
     assert!(
-        off < 0.01 && edited.led[0].miss < 0.01,
-        "{off} {:?}",
+        deviation < 0.01 && edited.led[0].miss < 0.01,
+        "{deviation} {:?}",
         edited.led
     );
 
@@ -361,10 +361,10 @@ fn track_beyond_its_limit_is_moved_within_it() {
         (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
         "{reported:?} {worst}"
     );
-    let off = hand_distance(&rig, &edited.clip, &wanted, SPAN);
+    let deviation = hand_distance(&rig, &edited.clip, &wanted, SPAN);
     assert!(
-        off < 0.02 && edited.led[0].miss < 0.02,
-        "{off} {:?}",
+        deviation < 0.02 && edited.led[0].miss < 0.02,
+        "{deviation} {:?}",
         edited.led
     );
 }
@@ -432,11 +432,11 @@ fn single_key_track_keeps_its_limit() {
     let bend = angles(skeleton, &edited.clip, 0.0)[3 * forearm.index() + 1];
     assert!(limits.lower <= bend && bend < limits.lower + 0.1, "{bend}");
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
-    let off = off.fold(0.0, f64::max);
+    let deviation = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
+    let deviation = deviation.fold(0.0, f64::max);
     assert!(
-        (edited.led[0].miss - off).abs() < 1e-9,
-        "{:?} {off}",
+        (edited.led[0].miss - deviation).abs() < 1e-9,
+        "{:?} {deviation}",
         edited.led
     );
 }
@@ -463,12 +463,13 @@ fn locked_angle_keeps_its_value_in_the_clip() {
         .solve(&clip)
         .unwrap();
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
-    let off = off.fold(0.0, f64::max);
+    let deviation =
+        times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
+    let deviation = deviation.fold(0.0, f64::max);
     let reported = edited.led[0].miss;
     assert!(
-        off < 0.02 && (reported - off).abs() < 1e-9,
-        "{reported} {off}"
+        deviation < 0.02 && (reported - deviation).abs() < 1e-9,
+        "{reported} {deviation}"
     );
 }
 

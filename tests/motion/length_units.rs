@@ -41,8 +41,8 @@ fn in_metres(q: &[f64], width: usize, lengths: usize, unit: f64) -> Vec<f64> {
 fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
     assert_eq!(expected.len(), found.len(), "{what}");
     let pairs = expected.iter().zip(found);
-    let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(off < ALIKE, "{what}: {off}");
+    let deviation = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(deviation < ALIKE, "{what}: {deviation}");
 }
 
 /// Captured steps, retargeted to the humanoid in a unit.

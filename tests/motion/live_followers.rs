@@ -86,19 +86,19 @@ fn frame_with_missing_positions_changes_nothing() {
         let mut follower = retargeting.follower().unwrap();
         for frame in 0..capture.frames() {
             let places = retargeting.targets(frame).unwrap();
-            let stands = [4..10, 8..13].map(|span| f64::from(u8::from(span.contains(&frame))));
-            let stands = [0.0, stands[0], stands[1]];
+            let in_contact = [4..10, 8..13].map(|span| f64::from(u8::from(span.contains(&frame))));
+            let in_contact = [0.0, in_contact[0], in_contact[1]];
             let mut interrupted = follower.clone();
             for k in 0..3 {
                 let mut lost = places.to_vec();
                 lost[k].y = f64::NAN;
-                let kept = interrupted.advance(&lost, &stands).unwrap();
+                let kept = interrupted.advance(&lost, &in_contact).unwrap();
                 assert_eq!(kept, follower.q(), "frame {frame}");
             }
             let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
             assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
-            let uninterrupted = follower.advance(places, &stands).unwrap();
-            let after = interrupted.advance(places, &stands).unwrap();
+            let uninterrupted = follower.advance(places, &in_contact).unwrap();
+            let after = interrupted.advance(places, &in_contact).unwrap();
             assert_eq!(uninterrupted, after, "frame {frame}");
         }
     }
@@ -115,13 +115,13 @@ fn contact_firmness_is_clamped() {
         let mut follower = retargeting.follower().unwrap();
         let mut rows = Vec::new();
         for frame in 0..capture.frames() {
-            let stands = if frame < 10 {
+            let in_contact = if frame < 10 {
                 [none, none, all]
             } else {
                 [none, all, none]
             };
             let places = retargeting.targets(frame).unwrap();
-            rows.extend_from_slice(follower.advance(places, &stands).unwrap());
+            rows.extend_from_slice(follower.advance(places, &in_contact).unwrap());
         }
         rows
     };
@@ -162,7 +162,7 @@ fn limits_and_errors_are_reported_correctly() {
         let at = model.coordinate(id).unwrap();
         let value = |frame: usize| found.q[frame * found.configuration_len + at];
         for frame in met.frames {
-            let off = match met.bound {
+            let deviation = match met.bound {
                 MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - most[at],
                 _ => {
                     let limits = model.joints()[id.index()].limits;
@@ -171,7 +171,11 @@ fn limits_and_errors_are_reported_correctly() {
                         .min((value(frame) - limits.upper).abs())
                 }
             };
-            assert!(off.abs() < 1e-8, "{} in frame {frame}: {off}", met.joint);
+            assert!(
+                deviation.abs() < 1e-8,
+                "{} in frame {frame}: {deviation}",
+                met.joint
+            );
         }
     }
 }
@@ -320,8 +324,8 @@ fn limb_on_a_mimic_joint_follows_equally() {
     let alone = hands(None);
     for ratio in [0.05, -0.5, 2.0, -20.0] {
         for (frame, (actual, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
-            let off = (*actual - *alone).norm();
-            assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
+            let deviation = (*actual - *alone).norm();
+            assert!(deviation < 2e-8, "{ratio}, frame {frame}: {deviation}");
         }
     }
 }
@@ -341,20 +345,24 @@ fn reported_slip_is_the_largest() {
         .map(|name| model.frame(name).unwrap())
         .collect();
     let mut stood: Vec<Option<Vector3<f64>>> = vec![None; feet.len()];
-    let mut most = 0.0_f64;
+    let mut largest = 0.0_f64;
     for frame in 0..found.frames() {
         let q = &found.q[frame * found.configuration_len..][..found.configuration_len];
         let placed = kinematics.place(q).unwrap();
         for (k, foot) in feet.iter().enumerate() {
             let at = placed[foot.index()].translation;
             match found.contacts[frame * feet.len() + k] {
-                true => most = most.max((at - *stood[k].get_or_insert(at)).norm()),
+                true => largest = largest.max((at - *stood[k].get_or_insert(at)).norm()),
                 false => stood[k] = None,
             }
         }
     }
-    assert!(found.lost_contacts.is_empty() && most > 0.0);
-    assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
+    assert!(found.lost_contacts.is_empty() && largest > 0.0);
+    assert!(
+        (found.slip - largest).abs() <= 1e-9,
+        "{} {largest}",
+        found.slip
+    );
 }
 
 /// Driving joints and driven frames are reported, and y is rotated to z as the up axis.

@@ -56,7 +56,7 @@ fn sliding_feet_do_not_stop_the_robot() {
         let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
         let found = fitted.per_frame().unwrap();
         check_limits(&robot, &found);
-        assert!(found.contacts.iter().all(|stands| !stands));
+        assert!(found.contacts.iter().all(|in_contact| !in_contact));
         assert!(found.mean_error < 0.07, "{} m", found.mean_error);
         assert!(
             found.ground_penetration < 8e-4,

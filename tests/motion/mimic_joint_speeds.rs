@@ -37,8 +37,11 @@ fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
             let [before, after] = [frame - 1, frame].map(|frame| solved.frame(frame).unwrap());
             (after[1] - before[1]).abs()
         });
-        let most = steps.fold(0.0, f64::max);
-        assert!(most <= 0.05 + 1e-12 && most > 0.049, "{ratio}: {most}");
+        let largest = steps.fold(0.0, f64::max);
+        assert!(
+            largest <= 0.05 + 1e-12 && largest > 0.049,
+            "{ratio}: {largest}"
+        );
         let last = solved.frame(79).unwrap();
         assert!((last[0] - 1.0).abs() < 1e-3, "{ratio}: {last:?}");
     }

@@ -270,18 +270,18 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         let solver = solver.with_start(&start).with_end(&end);
         let solution = solver.solve(&path).unwrap();
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
-        let off = |share: f64| {
+        let deviation_of = |share: f64| {
             let [x, y] = [0, 1].map(|k| start[k] + share * (end[k] - start[k]));
             let (sin, cos) = (turn * share).sin_cos();
             let along = (cos * x + sin * y).abs() - 0.4;
             along.max(0.0).hypot(cos * y - sin * x)
         };
-        let most = (0..=1000).map(|k| off(f64::from(k) / 1000.0));
-        let most = most.fold(0.0, f64::max);
+        let most = (0..=1000).map(|k| deviation_of(f64::from(k) / 1000.0));
+        let largest = most.fold(0.0, f64::max);
         let reported = solution.largest_deviation.metres;
         assert!(
-            most > 0.01 && most <= reported && reported < 1.05 * most + 1e-6,
-            "{most} {reported}"
+            largest > 0.01 && largest <= reported && reported < 1.05 * largest + 1e-6,
+            "{largest} {reported}"
         );
     }
 }

@@ -292,9 +292,9 @@ fn change_of_tools_is_not_interpolated() {
             let at = [&arm, &other][usize::from(point >= 6)]
                 .base_from_tool(row)
                 .unwrap();
-            let off = (at.translation - aim.translation).norm();
+            let deviation = (at.translation - aim.translation).norm();
             let missed = solution.missed.iter().any(|missed| missed.index == point);
-            assert!(missed || off < 1e-5, "{case}, {point}: {off} m");
+            assert!(missed || deviation < 1e-5, "{case}, {point}: {deviation} m");
         }
         let breaks = solution
             .reconfigurations

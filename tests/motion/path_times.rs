@@ -198,13 +198,15 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     // Shares of a joint's velocity limit for steps of one second.
     let shares = |row: &[f64], next: &[f64]| {
         let moves = row.iter().zip(next).zip(arm.velocity_limits());
-        moves.fold(0.0_f64, |most, ((a, b), speed)| {
-            most.max((a - b).abs() / speed)
+        moves.fold(0.0_f64, |largest, ((a, b), speed)| {
+            largest.max((a - b).abs() / speed)
         })
     };
     let rows: Vec<&[f64]> = plain.rows().collect();
-    let most = (rows.windows(2)).fold(0.0_f64, |most, pair| most.max(shares(pair[0], pair[1])));
-    let step = 2.0 * most;
+    let largest = (rows.windows(2)).fold(0.0_f64, |largest, pair| {
+        largest.max(shares(pair[0], pair[1]))
+    });
+    let step = 2.0 * largest;
     let times: Vec<f64> = (0..=150).map(|k| step * f64::from(k)).collect();
     let timed = path.with_times(times).unwrap();
     let solution = solver.with_times_kept(true).solve(&timed).unwrap();

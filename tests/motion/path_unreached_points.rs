@@ -217,8 +217,11 @@ fn shortened_path_still_reaches_its_points() {
         let missed: Vec<usize> = reported.missed.iter().map(|missed| missed.index).collect();
         for (k, (q, point)) in reported.rows().zip(&points).enumerate() {
             let at = arm.base_from_tool(q).unwrap();
-            let off = (at.translation - point.translation).norm();
-            assert!(missed.contains(&k) || off < 1.1e-6, "point {k}: {off}");
+            let deviation = (at.translation - point.translation).norm();
+            assert!(
+                missed.contains(&k) || deviation < 1.1e-6,
+                "point {k}: {deviation}"
+            );
         }
     }
 }

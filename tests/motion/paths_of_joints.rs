@@ -210,8 +210,11 @@ fn chains_with_mimic_joints_are_solved() {
         for (row, (q, point)) in reported.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q), "{number}");
             let missed = reported.missed.iter().any(|missed| missed.index == row);
-            let off = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
-            assert!(missed || off < 1.1e-6, "chain {number}, row {row}: {off} m");
+            let deviation = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
+            assert!(
+                missed || deviation < 1.1e-6,
+                "chain {number}, row {row}: {deviation} m"
+            );
         }
     }
     assert!(tried > 6 && whole == tried, "{whole} of {tried}");

@@ -210,8 +210,8 @@ fn ankle_frame_on_the_foot_is_in_contact() {
     standing.sort();
     assert_eq!(standing, feet);
     for (k, name) in found.contact_frames.iter().enumerate() {
-        let stands = found.contacts.chunks(4).filter(|contacts| contacts[k]);
-        assert!(stands.count() > FRAMES / 2, "{name}");
+        let in_contact = found.contacts.chunks(4).filter(|contacts| contacts[k]);
+        assert!(in_contact.count() > FRAMES / 2, "{name}");
     }
     assert!(found.slip < 1e-3, "{} m", found.slip);
 }
@@ -278,8 +278,8 @@ fn released_foot_returns_smoothly() {
             });
             let places: Vec<_> = places.collect();
             let held = |k: usize| f64::from(is_foot(k) && (10..60).contains(&frame));
-            let stands: Vec<f64> = (0..places.len()).map(held).collect();
-            let q = follower.advance(&places, &stands).unwrap();
+            let in_contact: Vec<f64> = (0..places.len()).map(held).collect();
+            let q = follower.advance(&places, &in_contact).unwrap();
             course.push(kinematics.place(q).unwrap()[toe.index()].translation.x);
         }
         course
@@ -289,7 +289,7 @@ fn released_foot_returns_smoothly() {
     let apart: Vec<f64> = gone.iter().zip(&stayed).map(|(a, b)| a - b).collect();
     assert!(apart[59] < 0.01 && apart[119] > 0.03, "{apart:?}");
     let most = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
-    let most = most.fold(0.0, f64::max);
+    let largest = most.fold(0.0, f64::max);
     // At most 1.7 times the mean over the 16 frames of a release.
-    assert!(most < 1.7 * 0.04 / 16.0, "{most} m in a frame");
+    assert!(largest < 1.7 * 0.04 / 16.0, "{largest} m in a frame");
 }

@@ -35,7 +35,7 @@ fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
 
 fn deepest(heights: &[[[f64; 4]; 2]]) -> f64 {
     let all = heights.iter().flatten().flatten();
-    -all.fold(f64::INFINITY, |least, height| least.min(*height))
+    -all.fold(f64::INFINITY, |smallest, height| smallest.min(*height))
 }
 
 /// Leaning subject, so that a foot known by a line only would roll onto its edge.
@@ -83,8 +83,12 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
             found.mean_error
         );
         let mut standing = 0;
-        for (heights, stands) in heights.iter().zip(found.contacts.chunks(2)) {
-            for (foot, _) in heights.iter().zip(stands).filter(|(_, stands)| **stands) {
+        for (heights, in_contact) in heights.iter().zip(found.contacts.chunks(2)) {
+            for (foot, _) in heights
+                .iter()
+                .zip(in_contact)
+                .filter(|(_, in_contact)| **in_contact)
+            {
                 standing += 1;
                 assert!(foot.iter().all(|height| height.abs() < 8e-3), "{foot:?}");
             }
@@ -169,10 +173,10 @@ fn contacts_of_a_foot_are_independent() {
                 *at + by
             });
             let places: Vec<_> = places.collect();
-            let stands: Vec<f64> = (0..places.len())
+            let in_contact: Vec<f64> = (0..places.len())
                 .map(|k| f64::from(on_ground && is(k, "foot")))
                 .collect();
-            let q = follower.advance(&places, &stands).unwrap();
+            let q = follower.advance(&places, &in_contact).unwrap();
             if frame >= 250 {
                 rows.push(q.to_vec());
             }
@@ -181,8 +185,8 @@ fn contacts_of_a_foot_are_independent() {
     };
     let (deep, level) = (second_stance(0.3), second_stance(0.0));
     let moves = deep.iter().flatten().zip(level.iter().flatten());
-    let most = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(most < 1e-5, "{most} rad");
+    let largest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-5, "{largest} rad");
 }
 
 /// A small ball under each corner, and a larger one next to it that is 1.4 cm lower although its centre is higher.
@@ -290,9 +294,9 @@ fn heavier_weight_lands_a_foot_flatter() {
         let found = retargeting.per_frame().unwrap();
         let names = &found.contact_frames;
         let left = names.iter().position(|name| name == "left_foot").unwrap();
-        let stands = |frame: usize| found.contacts[frame * names.len() + left];
+        let in_contact = |frame: usize| found.contacts[frame * names.len() + left];
         let landing = (1..found.frames())
-            .find(|&k| stands(k) && !stands(k - 1))
+            .find(|&k| in_contact(k) && !in_contact(k - 1))
             .unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let mut tilt = |frame: usize| {
@@ -347,13 +351,13 @@ fn ellipsoid_is_equal_under_swapped_axes() {
         let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
         retargeting.unwrap().per_frame().unwrap()
     });
-    let off = found[0]
+    let deviation = found[0]
         .q
         .iter()
         .zip(&found[1].q)
         .map(|(a, b)| (a - b).abs());
-    let off = off.fold(0.0, f64::max);
-    assert!(off < 1e-6, "{off}");
+    let deviation = deviation.fold(0.0, f64::max);
+    assert!(deviation < 1e-6, "{deviation}");
     assert!(
         found.iter().all(|found| found.ground_penetration < 0.01),
         "{} m",

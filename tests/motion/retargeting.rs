@@ -110,10 +110,10 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
         assert!(found.slip < most, "{} m", found.slip);
         assert!(found.mean_error < 0.03, "{} m", found.mean_error);
         // The right foot is in contact all the time, the left one before and after its step.
-        let stands = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
-        assert!((0..90).all(|frame| stands(frame)[1]));
+        let in_contact = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
+        assert!((0..90).all(|frame| in_contact(frame)[1]));
         assert_eq!(
-            [10, 45, 80].map(|frame| stands(frame)[0]),
+            [10, 45, 80].map(|frame| in_contact(frame)[0]),
             [true, false, true]
         );
     }

@@ -164,17 +164,17 @@ fn limits_of_a_skeleton_are_kept() {
     let bridge = EulerPoseMap::new(&skeleton);
     let limits: Vec<_> = skeleton.model().limits().collect();
     let outside = |edited: &Clip| {
-        let mut most = 0.0_f64;
+        let mut largest = 0.0_f64;
         for time in [0.0, 0.2, 0.5] {
             let mut q = vec![0.0; limits.len()];
             bridge
                 .angles_of(&pose(&armature, edited, time), &mut q)
                 .unwrap();
             for (angle, limits) in q.iter().zip(&limits) {
-                most = most.max((limits.lower - angle).max(angle - limits.upper));
+                largest = largest.max((limits.lower - angle).max(angle - limits.upper));
             }
         }
-        most
+        largest
     };
     let reach = || Reach::to(hand, DVec3::new(0.6, 0.9, 0.3)).unwrap();
     let free = ClipIk::new(&armature)

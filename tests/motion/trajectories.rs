@@ -42,15 +42,15 @@ fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory {
 /// Largest shares of the limits that a trajectory uses: velocity, acceleration and jerk.
 fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64; 3]) -> [f64; 3] {
     let step = trajectory.duration() / f64::from(SAMPLES);
-    let mut most = [0.0_f64; 3];
+    let mut largest = [0.0_f64; 3];
     let mut last = trajectory.at(0.0);
     for k in 1..=SAMPLES {
         let point = trajectory.at(step * f64::from(k));
         for joint in 0..trajectory.joint_count() {
-            most[0] = most[0].max(point.velocity[joint].abs() / velocity);
-            most[1] = most[1].max(point.acceleration[joint].abs() / acceleration);
+            largest[0] = largest[0].max(point.velocity[joint].abs() / velocity);
+            largest[1] = largest[1].max(point.acceleration[joint].abs() / acceleration);
             let change = (point.acceleration[joint] - last.acceleration[joint]) / step;
-            most[2] = most[2].max(change.abs() / jerk);
+            largest[2] = largest[2].max(change.abs() / jerk);
             // Velocities are those of the joint values.
             let moved = (point.q[joint] - last.q[joint]) / step;
             let mean = 0.5 * (point.velocity[joint] + last.velocity[joint]);
@@ -60,7 +60,7 @@ fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64;
         }
         last = point;
     }
-    most
+    largest
 }
 
 #[test]

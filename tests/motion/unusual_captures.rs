@@ -171,12 +171,12 @@ fn rotated_subject_gives_the_rotated_robot() {
         .chunks_exact(width)
         .zip(turned.q.chunks_exact(width))
     {
-        let off = unrotated[7..]
+        let deviation = unrotated[7..]
             .iter()
             .zip(&other[7..])
             .map(|(a, b)| (a - b).abs());
         // The tolerance covers the three steps per frame, which differ between the two.
-        assert!(off.fold(0.0, f64::max) < 1e-3);
+        assert!(deviation.fold(0.0, f64::max) < 1e-3);
         assert!((unrotated[0] - other[1]).abs() < 1e-4 && (unrotated[1] + other[0]).abs() < 1e-4);
     }
 }

@@ -76,11 +76,14 @@ fn windows_continue_from_the_kept_frames() {
         let solver = MotionSolver::default().with_tolerance(1e-12);
         let whole = solver.solve(&motion, &[0.0]).unwrap();
         let expected = least(&[], 0, FRAMES, order, weight);
-        let off = |ours: &[f64], theirs: &[f64]| {
+        let deviation_of = |ours: &[f64], theirs: &[f64]| {
             let apart = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs());
             apart.fold(0.0, f64::max)
         };
-        assert!(off(whole.q(), expected.as_slice()) < 1e-6, "order {order}");
+        assert!(
+            deviation_of(whole.q(), expected.as_slice()) < 1e-6,
+            "order {order}"
+        );
 
         let mut expected = vec![0.0; FRAMES];
         let mut begin = 0;
@@ -91,11 +94,11 @@ fn windows_continue_from_the_kept_frames() {
             begin = if end == FRAMES { end } else { begin + frames };
         }
         // Without an effect of the seams it would be another motion.
-        assert!(off(&expected, whole.q()) > 1e-3, "order {order}");
+        assert!(deviation_of(&expected, whole.q()) > 1e-3, "order {order}");
         let cut = solver.with_windows(Some(Windows::new(frames, ahead)));
         let cut = cut.solve(&motion, &[0.0]).unwrap();
         assert_eq!(cut.termination(), MotionTermination::Stationary);
-        let off = off(cut.q(), &expected);
-        assert!(off < 1e-6, "order {order}: off by {off}");
+        let deviation_of = deviation_of(cut.q(), &expected);
+        assert!(deviation_of < 1e-6, "order {order}: off by {deviation_of}");
     }
 }

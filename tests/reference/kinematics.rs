@@ -145,10 +145,10 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
     for (row, theirs) in theirs.iter().enumerate() {
         assert_eq!(theirs.len(), ours.ncols(), "{what}");
         for (column, wanted) in theirs.iter().enumerate() {
-            let off = (ours[(row, column)] - wanted).abs();
+            let deviation = (ours[(row, column)] - wanted).abs();
             assert!(
-                off <= JACOBIAN_WITHIN,
-                "{what}, row {row}, column {column}: off by {off:e}"
+                deviation <= JACOBIAN_WITHIN,
+                "{what}, row {row}, column {column}: off by {deviation:e}"
             );
         }
     }
@@ -204,8 +204,12 @@ fn placements_of_rigs_equal_the_recursion() {
                 };
                 let pairs = columns(&ours).into_iter().zip(columns(&theirs));
                 for (ours, theirs) in pairs.flat_map(|(a, b)| a.into_iter().zip(b)) {
-                    let off = (ours - theirs).abs();
-                    assert!(off <= PLACED_WITHIN, "{}, {name}: off by {off:e}", rig.file);
+                    let deviation = (ours - theirs).abs();
+                    assert!(
+                        deviation <= PLACED_WITHIN,
+                        "{}, {name}: off by {deviation:e}",
+                        rig.file
+                    );
                 }
             }
         }
@@ -290,10 +294,10 @@ fn cost_derivatives_of_rigs_equal_casadi() {
             for (column, theirs) in case.hessian.iter().enumerate() {
                 let ours = reaching.hessian_column(&case.x, column);
                 for (ours, theirs) in ours.iter().zip(theirs) {
-                    let off = (ours - theirs).abs();
+                    let deviation = (ours - theirs).abs();
                     assert!(
-                        off <= JACOBIAN_WITHIN,
-                        "{}, column {column}: off by {off:e}",
+                        deviation <= JACOBIAN_WITHIN,
+                        "{}, column {column}: off by {deviation:e}",
                         rig.file
                     );
                 }

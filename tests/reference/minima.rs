@@ -118,16 +118,16 @@ fn costs_and_kkt_residuals_equal_the_references() {
         let problem = problem(statement, &models[&statement.model]);
         for (tool, result) in &statement.answers {
             let here = measure(&problem, &result.x);
-            let off = (here.cost - result.cost).abs() / result.cost.max(1e-6);
+            let deviation = (here.cost - result.cost).abs() / result.cost.max(1e-6);
             assert!(
-                off < 1e-12,
-                "{}, {tool}: cost off by {off:e}",
+                deviation < 1e-12,
+                "{}, {tool}: cost off by {deviation:e}",
                 statement.name
             );
-            let off = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
+            let deviation = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
             assert!(
-                off < 1e-10,
-                "{}, {tool}: kkt off by {off:e}",
+                deviation < 1e-10,
+                "{}, {tool}: kkt off by {deviation:e}",
                 statement.name
             );
         }

@@ -234,8 +234,8 @@ fn halves_at_zero_and_minus_zero_are_joined() {
     for (vertex, position) in positions.iter().enumerate() {
         let copies = [vertex, vertex + count as usize];
         for copy in copies {
-            let off = (row(&weights, copy) - row(&expected, vertex)).amax();
-            assert!(off < 1e-9, "{position}: {off}");
+            let deviation = (row(&weights, copy) - row(&expected, vertex)).amax();
+            assert!(deviation < 1e-9, "{position}: {deviation}");
         }
         seam += usize::from(position.x == 0.0);
     }

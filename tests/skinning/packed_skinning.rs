@@ -26,7 +26,8 @@ fn close(a: &Vertices, b: &Vertices) {
         assert!((*a - *b).length() < 1e-3, "tangent {vertex}: {a} {b}");
     }
     // Nearly all of them agree to rounding.
-    let near = |pairs: &mut dyn Iterator<Item = f32>| pairs.filter(|off| *off < 3e-6).count();
+    let near =
+        |pairs: &mut dyn Iterator<Item = f32>| pairs.filter(|deviation| *deviation < 3e-6).count();
     let normals = &mut a
         .normals
         .iter()

@@ -76,16 +76,16 @@ impl Standing {
     }
 
     fn hold_feet(&self, builder: &mut ProblemBuilder<'_>) {
-        for (foot, stands) in self.feet {
-            builder.add(Pose::new(foot, stands));
+        for (foot, in_contact) in self.feet {
+            builder.add(Pose::new(foot, in_contact));
         }
     }
 
     /// Corners of the soles in the ground plane.
     fn corners(&self) -> Vec<[f64; 2]> {
-        let soles = self.feet.iter().flat_map(|(_, stands)| {
+        let soles = self.feet.iter().flat_map(|(_, in_contact)| {
             SOLE.map(|corner| {
-                let Vector3 { x, y, .. } = stands.apply(corner.into());
+                let Vector3 { x, y, .. } = in_contact.apply(corner.into());
                 [x, y]
             })
         });

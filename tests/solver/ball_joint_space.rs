@@ -73,17 +73,17 @@ fn steps_and_differences_are_inverse() {
         step.fill_with(|| random.within(-1e-3, 1e-3));
         space.integrate(&x, &step, &mut to);
         space.difference(&to, &x, &mut back);
-        let off = |a: &[f64], b: &[f64]| {
+        let deviation_of = |a: &[f64], b: &[f64]| {
             let both = a.iter().zip(b);
-            both.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+            both.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
         };
         assert!(
-            off(&back, &step) < 1e-12,
+            deviation_of(&back, &step) < 1e-12,
             "round {round}: {back:?} {step:?}"
         );
         let longest = step
             .iter()
-            .fold(0.0_f64, |most, value| most.max(value.abs()));
+            .fold(0.0_f64, |largest, value| largest.max(value.abs()));
         assert!((space.distance(&to, &x, &mut back) - longest).abs() < 1e-12);
 
         for k in 0..n {
@@ -93,7 +93,7 @@ fn steps_and_differences_are_inverse() {
             step.fill(0.0);
             step[k] = taken;
             space.integrate(&x, &step, &mut to);
-            assert!(off(&alone, &to) < 1e-15, "round {round}, {k}");
+            assert!(deviation_of(&alone, &to) < 1e-15, "round {round}, {k}");
             space.return_one(&x, k, &mut alone);
             assert_eq!(alone, x, "round {round}, {k}");
 
@@ -151,7 +151,7 @@ fn half_a_turn_is_not_an_edge() {
         for k in 0..3 {
             assert!((beyond[k] - (PI + over - TAU) * axis[k]).abs() < 1e-12);
         }
-        let longest = (0..3).fold(0.0_f64, |most, k| most.max(axis[k].abs()));
+        let longest = (0..3).fold(0.0_f64, |largest, k| largest.max(axis[k].abs()));
         let moved = space.distance(&beyond, &x, &mut back);
         let expected = longest * (short + over);
         assert!((moved - expected).abs() < 1e-12, "{moved} {expected}");

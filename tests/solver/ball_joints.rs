@@ -141,8 +141,11 @@ fn derivative_routes_agree_at_special_rotations() {
                 (&analytic - &dual).amax() < 1e-11 * size,
                 "seed {seed}, case {case}"
             );
-            let off = (&analytic - &central).amax();
-            assert!(off < 1e-7 * size, "seed {seed}, case {case}: {off:e}");
+            let deviation = (&analytic - &central).amax();
+            assert!(
+                deviation < 1e-7 * size,
+                "seed {seed}, case {case}: {deviation:e}"
+            );
 
             let mut scratch = problem.scratch();
             let mut evaluation = Evaluation::new(&problem, &mut scratch);

@@ -33,7 +33,9 @@ fn box_space_steps_projects_and_holds() {
         assert_eq!(to, half);
         space.integrate(&x, &step, &mut to);
         space.difference(&to, &x, &mut back);
-        let largest = step.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
+        let largest = step
+            .iter()
+            .fold(0.0_f64, |largest, step| largest.max(step.abs()));
         assert!(back.iter().zip(&step).all(|(a, b)| (a - b).abs() < 1e-15));
         assert!((space.distance(&to, &x, &mut back) - largest).abs() < 1e-15);
         let mut inside = to.clone();

@@ -401,9 +401,9 @@ fn satisfied_task_keeps_other_weight_derivatives() {
         let mut velocity = [0.0; 4];
         derivative.velocity(&rates, &mut velocity).unwrap();
         let forward: f64 = slope.iter().zip(velocity).map(|(s, v)| s * v).sum();
-        let off = (forward - gradient.weights()[weight]).abs();
+        let deviation = (forward - gradient.weights()[weight]).abs();
         assert!(
-            off < 1e-9,
+            deviation < 1e-9,
             "weight {weight}: {forward} {:?}",
             gradient.weights()
         );

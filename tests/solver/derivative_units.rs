@@ -41,8 +41,8 @@ fn nearly_stretched_arm_has_a_derivative() {
     for length in [1e-4, 1e-2, 1.0, 1e3] {
         let (differentiability, by_target) = of(&nearly, length);
         assert_eq!(differentiability, Differentiability::Unique, "{length}");
-        let off = (by_target - &expected).amax() / expected.amax();
-        assert!(off < 1e-9, "{length}: {off:e}");
+        let deviation = (by_target - &expected).amax() / expected.amax();
+        assert!(deviation < 1e-9, "{length}: {deviation:e}");
         let singular = NoDerivative::Singular { directions: 1 };
         let (differentiability, _) = of(&fully, length);
         assert_eq!(
@@ -121,8 +121,8 @@ fn soft_task_derivative_in_any_unit() {
     let expected = of(1.0, 1);
     for length in [1e-6, 1.0, 1e3] {
         for times in [1, 2] {
-            let off = (of(length, times) - &expected).amax();
-            assert!(off < 1e-6, "{length}, {times} times: {off:e}");
+            let deviation = (of(length, times) - &expected).amax();
+            assert!(deviation < 1e-6, "{length}, {times} times: {deviation:e}");
         }
     }
 }

@@ -131,8 +131,8 @@ impl<'a> Rates<'a> {
                 norm(&values[..3]) / LINEAR[rate],
                 norm(&values[3..6]) / ANGULAR[rate],
             ];
-            let most = joints.chain(base).fold(0.0, f64::max);
-            self.largest[rate] = self.largest[rate].max(most);
+            let largest = joints.chain(base).fold(0.0, f64::max);
+            self.largest[rate] = self.largest[rate].max(largest);
         }
         self.before = [velocity, acceleration];
     }

@@ -87,10 +87,10 @@ fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
 }
 
 fn all_at(ends: &[f64], wanted: f64, what: &str) {
-    let off = ends
+    let deviation = ends
         .iter()
-        .fold(0.0_f64, |most, x| most.max((x - wanted).abs()));
-    assert!(off < 2e-6, "{what}: {ends:?}, not {wanted}");
+        .fold(0.0_f64, |largest, x| largest.max((x - wanted).abs()));
+    assert!(deviation < 2e-6, "{what}: {ends:?}, not {wanted}");
 }
 
 #[test]

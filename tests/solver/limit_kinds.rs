@@ -117,7 +117,7 @@ fn start(body: &Body, random: &mut Random) -> Vec<f64> {
 
 /// Move limits: zero, tiny, one step, or larger than the ranges.
 fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
-    let mut most = Vec::new();
+    let mut largest = Vec::new();
     let size = [1e-6, 0.01, 0.3, 2.0][random.below(4)];
     for rule in &body.rules {
         let bound = match random.below(8) {
@@ -125,9 +125,9 @@ fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
             1 => f64::INFINITY,
             _ => random.within(0.0, size),
         };
-        most.resize(most.len() + rule.coordinates(), bound);
+        largest.resize(largest.len() + rule.coordinates(), bound);
     }
-    most
+    largest
 }
 
 /// Mostly few iterations, so that searches end anywhere; one in 40 runs to its end.

@@ -69,9 +69,9 @@ impl Scene {
         let furthest = moves.map(|(a, b)| (a - b).abs());
         let placed = self.kinematics.place(self.drag.q()).unwrap();
         let off = self.pinned.iter().zip(placed);
-        let off = off.map(|((_, place), now)| (now.translation - *place).norm());
+        let deviation = off.map(|((_, place), now)| (now.translation - *place).norm());
         self.most[0] = furthest.fold(self.most[0], f64::max);
-        self.most[1] = off.fold(self.most[1], f64::max);
+        self.most[1] = deviation.fold(self.most[1], f64::max);
     }
 
     /// Advances until the drag rests, with a stationary target. Returns the number of frames.

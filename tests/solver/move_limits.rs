@@ -67,10 +67,10 @@ fn move_limited_ball_follows_the_geodesic() {
             assert!(!solution.reached);
             // On the geodesic, at the limited angle.
             let nearest = start * rotation.powf(most / rotation.angle());
-            let off = nearest.angle_to(&unit(&solution.q));
+            let deviation = nearest.angle_to(&unit(&solution.q));
             assert!(
-                off < 1e-6,
-                "case {case}: {off:e} off\n{}",
+                deviation < 1e-6,
+                "case {case}: {deviation:e} off\n{}",
                 solution.explain()
             );
             let moved = angle_between(&from, &solution.q);
@@ -100,8 +100,12 @@ fn total_angle_limit_is_equal_for_all_axes() {
             let start = model.random_configuration(random.bits());
             let solution = Solver::default().solve_once(&problem, &start).unwrap();
             let nearest = na::UnitQuaternion::from_axis_angle(&axis, most);
-            let off = nearest.angle_to(&unit(&solution.q));
-            assert!(off < 1e-6, "{off:e} off\n{}", solution.explain());
+            let deviation = nearest.angle_to(&unit(&solution.q));
+            assert!(
+                deviation < 1e-6,
+                "{deviation:e} off\n{}",
+                solution.explain()
+            );
             assert!(model.is_within_limits(&solution.q));
             let held: Vec<_> = solution.active_limits().collect();
             assert_eq!((held[0].joint, held[0].value), ("shoulder", most));
@@ -283,8 +287,11 @@ fn derivatives_agree_at_a_move_limit() {
         });
         let size = jacobians[0].amax().max(1.0);
         for (route, jacobian) in Derivatives::ALL.iter().zip(&jacobians) {
-            let off = (jacobian - &jacobians[0]).amax();
-            assert!(off < 1e-6 * size, "seed {seed}, {route:?}: {off:e}");
+            let deviation = (jacobian - &jacobians[0]).amax();
+            assert!(
+                deviation < 1e-6 * size,
+                "seed {seed}, {route:?}: {deviation:e}"
+            );
         }
     }
 }

@@ -152,11 +152,11 @@ fn look(seed: u64, seen: &mut Seen) {
             }
             shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
         }
-        let off = (&reported - &shown).amax() / size;
-        seen.worst = seen.worst.max(off);
+        let deviation = (&reported - &shown).amax() / size;
+        seen.worst = seen.worst.max(deviation);
         assert!(
-            off < 1e-6,
-            "seed {seed} {change:?}: off by {off:e}\n{reported}{shown}"
+            deviation < 1e-6,
+            "seed {seed} {change:?}: off by {deviation:e}\n{reported}{shown}"
         );
     }
 }

@@ -37,11 +37,11 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
         let mut edge = 0;
         for room in &rooms {
             let least = depths[edge..edge + room.edges()].iter().copied();
-            let least = least.fold(f64::INFINITY, f64::min);
+            let smallest = least.fold(f64::INFINITY, f64::min);
             edge += room.edges();
             let vanishes = values[room.rows()].iter().all(|value| *value == 0.0);
-            if least.abs() > 1e-9 {
-                assert_eq!(vanishes, least > 0.0, "{values:?} {depths:?} at {q:?}");
+            if smallest.abs() > 1e-9 {
+                assert_eq!(vanishes, smallest > 0.0, "{values:?} {depths:?} at {q:?}");
                 met[usize::from(!vanishes)] += 1;
             }
         }

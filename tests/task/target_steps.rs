@@ -29,14 +29,17 @@ fn same_at<R: Residual>(
     task.evaluate(frames, joints, &mut own);
     task.evaluate_moved(frames, joints, step, &mut by_step);
     moved.evaluate(frames, joints, &mut by_setter);
-    let off = |a: &[f64], b: &[f64]| {
+    let deviation_of = |a: &[f64], b: &[f64]| {
         let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
         pairs.fold(0.0, f64::max)
     };
     let kind = task.kind();
-    assert!(off(&own, &by_step) > 1e-6, "{kind}: {own:?} {by_step:?}");
     assert!(
-        off(&by_step, &by_setter) < 1e-12,
+        deviation_of(&own, &by_step) > 1e-6,
+        "{kind}: {own:?} {by_step:?}"
+    );
+    assert!(
+        deviation_of(&by_step, &by_setter) < 1e-12,
         "{kind}: {by_step:?} {by_setter:?}"
     );
 }

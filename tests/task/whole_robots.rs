@@ -232,22 +232,31 @@ fn derivative_routes_agree_on_floating_bases() {
                 let analytic = jacobian(&problem, Derivatives::Analytic, &x);
                 let dual = jacobian(&problem, Derivatives::Dual, &x);
                 let size = dual.amax().max(1.0);
-                let off = (&analytic - &dual).amax() / size;
-                assert!(off < 1e-11, "{name}, seed {seed}, case {case}: {off:e}");
+                let deviation = (&analytic - &dual).amax() / size;
+                assert!(
+                    deviation < 1e-11,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 if name.starts_with("manipulability") && case == 0 {
                     // It has a kink at singularities, such as the neutral configuration.
                     continue;
                 }
                 let central = jacobian(&problem, Derivatives::CentralDifference, &x);
-                let off = (&central - &dual).amax() / size;
-                assert!(off < 1e-7, "{name}, seed {seed}, case {case}: {off:e}");
+                let deviation = (&central - &dual).amax() / size;
+                assert!(
+                    deviation < 1e-7,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 // The long steps cross edges of inequalities.
                 let is_smooth = !name.contains("room");
-                let off = match is_smooth {
+                let deviation = match is_smooth {
                     true => (by_differences(&problem, &x) - &dual).amax() / size,
                     false => 0.0,
                 };
-                assert!(off < 1e-8, "{name}, seed {seed}, case {case}: {off:e}");
+                assert!(
+                    deviation < 1e-8,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 for route in [Derivatives::Analytic, Derivatives::Dual] {
                     let problem = problem.clone().with_derivatives(route);
                     let mut scratch = problem.scratch();
@@ -259,10 +268,11 @@ fn derivative_routes_agree_on_floating_bases() {
                     evaluation.gradient(&x, &residual, &mut gradient, &mut room);
                     let wanted = dual.transpose() * nalgebra::DVector::from_vec(residual);
                     let scale = wanted.amax().max(1.0);
-                    let off = (nalgebra::DVector::from_vec(gradient) - &wanted).amax() / scale;
+                    let deviation =
+                        (nalgebra::DVector::from_vec(gradient) - &wanted).amax() / scale;
                     assert!(
-                        off < 1e-11,
-                        "{name}, seed {seed}, case {case}, {route:?}: {off:e}"
+                        deviation < 1e-11,
+                        "{name}, seed {seed}, case {case}, {route:?}: {deviation:e}"
                     );
                 }
             }
@@ -434,9 +444,9 @@ fn custom_residual_may_be_one_sided() {
             if is_free {
                 assert!((at - place).norm() < 1e-3, "seed {seed}: {at:?} {place:?}");
             } else {
-                let off = (at - place * (2.0 / 3.0)).norm();
+                let deviation = (at - place * (2.0 / 3.0)).norm();
                 assert!(
-                    (1.999..2.000_002).contains(&at.norm()) && off < 0.2,
+                    (1.999..2.000_002).contains(&at.norm()) && deviation < 0.2,
                     "seed {seed}: {at:?}"
                 );
             }

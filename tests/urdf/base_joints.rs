@@ -217,8 +217,8 @@ fn floating_planar_and_spherical_joints_are_read() {
         let arm = robot.model().frame("arm").unwrap();
         let q = [&q[..], &[0.0, 0.0]].concat();
         let placed = frames(&robot, &q)[arm.index()].to_homogeneous();
-        let off = (placed - (at * joint_from_arm).to_homogeneous()).amax();
-        assert!(off < 1e-14, "{kind}: {off:e}");
+        let deviation = (placed - (at * joint_from_arm).to_homogeneous()).amax();
+        assert!(deviation < 1e-14, "{kind}: {deviation:e}");
     }
     let last = with_type("floating").model().joints()[3].clone();
     assert_eq!(

@@ -37,8 +37,8 @@ fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
 }
 
 fn assert_same(got: &Pose, wanted: &Pose) {
-    let off = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
-    assert!(off < 1e-14, "off by {off:e}\n{got}\n{wanted}");
+    let deviation = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
+    assert!(deviation < 1e-14, "off by {deviation:e}\n{got}\n{wanted}");
 }
 
 const LIMIT: &str = "<limit lower='-2' upper='2' velocity='1'/>";

@@ -66,8 +66,12 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
     for (frame, placement) in robot.model().frames().iter().zip(placed) {
         let wanted = expected(case.links[&frame.name]);
         for (got, wanted) in entries(placement).into_iter().zip(entries(&wanted)) {
-            let off = (got - wanted).abs();
-            assert!(off <= WITHIN, "{file}, link {}: off by {off:e}", frame.name);
+            let deviation = (got - wanted).abs();
+            assert!(
+                deviation <= WITHIN,
+                "{file}, link {}: off by {deviation:e}",
+                frame.name
+            );
         }
     }
 }

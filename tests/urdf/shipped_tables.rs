@@ -56,8 +56,12 @@ fn assert_frame(robot: &Robot, frame: &str, q: &[f64], wanted: &Pose) {
     let id = robot.model().frame(frame).unwrap();
     let mut kinematics = ForwardKinematics::of_frames(robot.model(), &[id]).unwrap();
     let got: Pose = (&kinematics.place(q).unwrap()[0]).into();
-    let off = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
-    assert!(off < 1e-12, "{}, {frame}: off by {off:e}", robot.name());
+    let deviation = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
+    assert!(
+        deviation < 1e-12,
+        "{}, {frame}: off by {deviation:e}",
+        robot.name()
+    );
 }
 
 fn assert_limits(robot: &Robot, wanted: &[(f64, f64)]) {
