@@ -74,22 +74,22 @@ fn up_axis_is_upright_then_twisted() {
             continue;
         }
         let target = before.translation + direction(&mut random);
-        let asked = direction(&mut random);
+        let up_direction = direction(&mut random);
         let aim = Aim::new(&armature, hand, forward)
             .unwrap()
             .with_up(up)
             .unwrap();
         let goal = AimGoal {
-            up: Some(asked * 5.0),
+            up: Some(up_direction * 5.0),
             ..AimGoal::at(target)
         };
         let (_, after) = turned(&aim, &armature, &pose, &goal).unwrap();
         let way = (target - before.translation).normalize();
         assert!(after.transform_vector3a(forward).cross(way).length() < 1e-5);
         let across = |v: Vec3A| v.reject_from(way).normalize();
-        if asked.cross(way).length() > 0.05 {
+        if up_direction.cross(way).length() > 0.05 {
             let is = across(after.transform_vector3a(up));
-            assert!(is.dot(across(asked)) > 1.0 - 1e-5);
+            assert!(is.dot(across(up_direction)) > 1.0 - 1e-5);
         }
         let twist = random.within(-3.0, 3.0) as f32;
         let goal = AimGoal { twist, ..goal };

@@ -234,6 +234,6 @@ fn invalid_samples_are_errors() {
 #[test]
 fn tracks_without_keys_are_reported() {
     let clip = clip(3, &[(2, &[]), (0, &[(0.0, [0.1, 0.2, 0.3])]), (1, &[])]);
-    let told: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
-    assert_eq!((clip.tracks().len(), told), (1, vec![2, 1]));
+    let keyless: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
+    assert_eq!((clip.tracks().len(), keyless), (1, vec![2, 1]));
 }

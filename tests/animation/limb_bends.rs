@@ -177,9 +177,9 @@ fn softened_limb_never_gets_straight() {
     let before = joint_positions(&armature, &pose);
     let direction = rotation(&mut random, 3.0) * Vec3A::X;
     let length = 0.55;
-    let distance = |limb: &Limb, asked: f32| {
+    let distance = |limb: &Limb, target_distance: f32| {
         let mut posed = pose.clone();
-        let goal = LimbGoal::at(before.root + direction * asked);
+        let goal = LimbGoal::at(before.root + direction * target_distance);
         limb.reach(&armature, &mut posed, &goal).unwrap();
         let end = joint_positions(&armature, &posed).end - before.root;
         assert!(end.normalize().dot(direction) > 1.0 - 1e-6);

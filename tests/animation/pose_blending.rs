@@ -276,13 +276,16 @@ fn mask_rejects_weights_outside_0_to_1() {
     let bone = armature.bone_at(2).unwrap();
     let mask = || BoneMask::all(&armature);
     for share in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
-        let told = [
+        let results = [
             mask().with_bone(bone, share),
             mask().with_subtree(&armature, bone, share),
             mask().with_morph_target(0, share),
         ];
-        for told in told {
-            assert!(matches!(told, Err(MaskError::BadShare { .. })), "{told:?}");
+        for result in results {
+            assert!(
+                matches!(result, Err(MaskError::BadShare { .. })),
+                "{result:?}"
+            );
         }
     }
     for share in [0.0, 1.0] {

@@ -382,7 +382,7 @@ fn tip_distance_includes_the_bones_scale() {
 /// unreachable.
 #[test]
 fn longer_bones_extend_the_reported_reach() {
-    let mut told = 0;
+    let mut count = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
         let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
@@ -399,12 +399,12 @@ fn longer_bones_extend_the_reported_reach() {
         layer.set_goal(bone, behind.map(f64::from), 1.0).unwrap();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
         if !solution.reached {
-            told += 1;
+            count += 1;
             let words = solution.explain();
             assert!(!words.contains("Out of reach"), "{seed}: {words}");
         }
     }
-    assert!(told > 0);
+    assert!(count > 0);
 }
 
 /// A pose with longer bones is another problem, although its rotations are equal.

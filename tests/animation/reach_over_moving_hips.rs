@@ -59,7 +59,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         let kept = tip(&armature, skeleton, &pose, tips[1]);
         layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
         let mut posed = pose.clone();
-        let told: Vec<f64> = {
+        let reported: Vec<f64> = {
             let solution = layer.apply(&mut posed).unwrap().unwrap();
             reached += usize::from(solution.reached);
             let reports = solution.tasks().take(2);
@@ -67,10 +67,10 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         };
         let shown = [(tips[0], wanted), (tips[1], kept)]
             .map(|(bone, at)| (tip(&armature, skeleton, &posed, bone) - at).length());
-        for (told, shown) in told.iter().zip(shown) {
+        for (reported, shown) in reported.iter().zip(shown) {
             assert!(
-                (told - f64::from(shown)).abs() < 1e-5,
-                "seed {seed}: {told} {shown}"
+                (reported - f64::from(shown)).abs() < 1e-5,
+                "seed {seed}: {reported} {shown}"
             );
         }
         // A pinned hand keeps its rotation.
@@ -82,7 +82,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
                 own.matrix3.z_axis.normalize(),
             ))
         };
-        if told.iter().all(|error| *error < 1e-5) {
+        if reported.iter().all(|error| *error < 1e-5) {
             assert!(apart(turned(&pose), turned(&posed)) < 1e-3);
         }
         assert_eq!(posed.translations(), pose.translations());
@@ -109,10 +109,13 @@ fn moving_hips_alone_change_the_problem() {
     let mut local = pose.local(root).unwrap();
     local.translation += Vec3A::new(0.2, -0.1, 0.1);
     pose.set_local(root, local).unwrap();
-    let told = layer.apply(&mut pose).unwrap().unwrap();
-    let told = told.tasks().next().unwrap().rows[0].error;
+    let solution = layer.apply(&mut pose).unwrap().unwrap();
+    let reported = solution.tasks().next().unwrap().rows[0].error;
     let shown = (tip(&armature, skeleton, &pose, tips[0]) - wanted).length();
-    assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
+    assert!(
+        (reported - f64::from(shown)).abs() < 1e-5,
+        "{reported} {shown}"
+    );
 }
 
 /// Captured walks whose hips travel several metres.

@@ -50,10 +50,10 @@ fn placed(armature: &Armature, pose: &Pose, turn: Quat, to: Vec3) -> Pose {
     let mut places = Vec::new();
     armature.local_to_model(pose, &mut places).unwrap();
     let above = places[armature.parent(bone).unwrap().index()];
-    let (_, in_contact, _) = above.to_scale_rotation_translation();
+    let (_, parent_rotation, _) = above.to_scale_rotation_translation();
     let mut local = pose.local(bone).unwrap();
     local.translation = above.inverse().transform_point3a(to.into());
-    local.rotation = (in_contact.inverse() * turn).normalize();
+    local.rotation = (parent_rotation.inverse() * turn).normalize();
     let mut posed = pose.clone();
     posed.set_local(bone, local).unwrap();
     posed

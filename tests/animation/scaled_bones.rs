@@ -212,10 +212,13 @@ fn reach_layer_that_misses_reports_the_armature() {
         layer.set_goal(hand, goal, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
-        let told = solution.tasks().next().unwrap().rows[0].error;
+        let reported = solution.tasks().next().unwrap().rows[0].error;
         let shown = f64::from(places(armature, &pose)[4].translation.distance(target));
         assert!(!solution.reached, "{case}");
-        assert!((told - shown).abs() < 1e-5, "{case}: {told} {shown}");
+        assert!(
+            (reported - shown).abs() < 1e-5,
+            "{case}: {reported} {shown}"
+        );
     });
 }
 
@@ -300,9 +303,9 @@ fn scale_notes_name_bones_with_children() {
     let random = &mut Random::new(80);
     let scaled = armature([[1.0, 1.001, 1.0], [1.0, -1.0, 1.0]], random);
     let notes = scaled.scale_notes();
-    let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = notes.iter().map(ToString::to_string).collect();
     assert_eq!(
-        told,
+        messages,
         [
             "bone `bone 0`: its scale (1, 1.001, 1) shears the bones that rotate below it",
             "bone `bone 3`: its scale (1, -1, 1) mirrors the bones that rotate below it",

@@ -464,13 +464,13 @@ fn written_file_equals_the_returned_text() {
             .unwrap();
         pose.clone()
     });
-    let told = kinopt::io::bvh::poses_to_text(armature, &poses, 20.0).unwrap();
+    let text = kinopt::io::bvh::poses_to_text(armature, &poses, 20.0).unwrap();
     let file = std::env::temp_dir().join(format!("kinopt-poses-{}.bvh", std::process::id()));
     kinopt::io::bvh::write_poses(armature, &poses, 20.0, &file).unwrap();
     let written = std::fs::read_to_string(&file).unwrap();
     std::fs::remove_file(&file).unwrap();
-    assert_eq!(written, told);
-    let again = kinopt::io::bvh::from_bytes(told.as_bytes(), "three.bvh").unwrap();
+    assert_eq!(written, text);
+    let again = kinopt::io::bvh::from_bytes(text.as_bytes(), "three.bvh").unwrap();
     assert_eq!((again.frames, again.frame_time), (3, 0.05));
 }
 

@@ -106,7 +106,7 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
 fn reached_solutions_are_collision_free() {
     let mut random = Random::new(14);
     let mut panda = panda(Search::Start);
-    let (mut asked, mut reached) = (0, 0);
+    let (mut count, mut reached) = (0, 0);
     for margin in [0.0, 0.01] {
         for _ in 0..cases(500, 30) {
             panda = panda.among(&cluttered(&mut random), margin);
@@ -114,7 +114,7 @@ fn reached_solutions_are_collision_free() {
             let target = panda.arm.base_from_tool(&goal).unwrap();
             let solution = panda.arm.solve(target, &start).unwrap();
             let touched = panda.arm.collisions(&solution.q).unwrap();
-            asked += 1;
+            count += 1;
             if solution.reached {
                 reached += 1;
                 assert!(touched.is_empty(), "{touched:?}");
@@ -131,7 +131,7 @@ fn reached_solutions_are_collision_free() {
             }
         }
     }
-    assert!(reached * 100 >= asked * 97, "{reached} of {asked}");
+    assert!(reached * 100 >= count * 97, "{reached} of {count}");
 }
 
 /// For joints with two turns, no result is a whole turn farther from the start than necessary.

@@ -25,8 +25,8 @@ fn elbow_fits_between_two_spheres() {
     let plain = Arm::builder(&robot, "base", "flange").with_search(Search::Start);
     let plain = plain.build().unwrap();
     let mut random = Random::new(21);
-    let (mut asked, mut reached) = (0, 0);
-    while asked < cases(200, 25) {
+    let (mut count, mut reached) = (0, 0);
+    while count < cases(200, 25) {
         let [goal, start] = [(); 2].map(|()| drawn(&plain, &mut random));
         let mut q = rest.clone();
         plain.configuration(&goal, &mut q).unwrap();
@@ -75,7 +75,7 @@ fn elbow_fits_between_two_spheres() {
         let arm = arm.with_checker(&among, &rest).unwrap();
         let target = arm.base_from_tool(&goal).unwrap();
         let solution = arm.solve(target, &start).unwrap();
-        asked += 1;
+        count += 1;
         reached += usize::from(solution.reached);
         assert_eq!(
             solution.reached,
@@ -83,5 +83,5 @@ fn elbow_fits_between_two_spheres() {
         );
         assert!(solution.reached || solution.goals_reached());
     }
-    assert!(10 * reached >= 9 * asked, "{reached} of {asked}");
+    assert!(10 * reached >= 9 * count, "{reached} of {count}");
 }

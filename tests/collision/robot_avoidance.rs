@@ -254,7 +254,7 @@ fn reached_solutions_are_collision_free() {
     let hand = nao.at("left_hand").translation;
     let mut random = Random::new(14);
     let mut workspace = Workspace::new();
-    let (mut asked, mut reached, mut led, mut blocked) = (0, 0, 0, 0);
+    let (mut count, mut reached, mut led, mut blocked) = (0, 0, 0, 0);
     for _ in 0..cases(60, 25) {
         let mut world = World::new();
         let at = hand
@@ -285,7 +285,7 @@ fn reached_solutions_are_collision_free() {
             if !anyway.reached {
                 continue;
             }
-            asked += 1;
+            count += 1;
             let touched = checker.collisions(&solution.q).unwrap();
             assert_eq!(solution.collisions(), touched);
             assert_eq!(
@@ -310,8 +310,8 @@ fn reached_solutions_are_collision_free() {
     }
     // Some targets are inside the crate.
     assert!(
-        led > 0 && blocked > 0 && reached * 2 > asked,
-        "{asked} {reached} {led} {blocked}"
+        led > 0 && blocked > 0 && reached * 2 > count,
+        "{count} {reached} {led} {blocked}"
     );
 }
 
@@ -583,7 +583,7 @@ fn earlier_contacts_leave_no_state() {
     let point = tasks.add(Point::new(hand, [0.0; 3]));
     tasks.keep_clear(&checker);
     let problem = tasks.build().unwrap();
-    let asked = (0..10).map(|k| {
+    let target_lists = (0..10).map(|k| {
         let mut targets = problem.targets();
         // The last is out of reach.
         let reach = if k == 9 { 6.0 } else { 2.6 };
@@ -592,14 +592,14 @@ fn earlier_contacts_leave_no_state() {
         target.set_target([reach * cos, reach * sin, 0.0]);
         targets
     });
-    let asked: Vec<_> = asked.collect();
-    let asked = || {
-        asked
+    let target_lists: Vec<_> = target_lists.collect();
+    let queries = || {
+        target_lists
             .iter()
             .map(|targets| problem.with_targets(targets).unwrap())
     };
     let start = [0.6, 0.2, 0.1, 0.1];
-    let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
+    let fresh = queries().map(|question| solver.solve_once(question, &start).unwrap());
     let fresh: Vec<_> = fresh.collect();
     assert!(fresh.iter().filter(|reported| reported.reached).count() > 4);
     assert!(
@@ -607,8 +607,8 @@ fn earlier_contacts_leave_no_state() {
             .iter()
             .any(|reported| !reported.collisions().is_empty())
     );
-    for question in asked() {
-        for (other, expected) in asked().zip(&fresh) {
+    for question in queries() {
+        for (other, expected) in queries().zip(&fresh) {
             let mut workspace = Workspace::new();
             solver.solve(question, &start, &mut workspace).unwrap();
             let reported = solver.solve(other, &start, &mut workspace).unwrap();

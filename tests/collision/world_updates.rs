@@ -113,7 +113,7 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
 
 /// Reports of a checker and an arm at random configurations.
 fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
-    let mut told = String::new();
+    let mut text = String::new();
     let mut workspace = checker.workspace();
     let mut from = vec![0.0; checker.model().model().configuration_len()];
     let mut several = Vec::new();
@@ -129,18 +129,18 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         let collisions = checker.collisions(&to).unwrap();
         let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
         let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
-        told += &format!("{collisions:?} {nearest:?} {motion:?}\n");
+        text += &format!("{collisions:?} {nearest:?} {motion:?}\n");
         from = to;
         if index % 4 == 0 {
             let target = arm.base_from_tool(&q).unwrap();
             let solution = arm.solve(target, &drawn(arm, random)).unwrap();
             let touched = solution.collisions();
-            told += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
+            text += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
         }
     }
     let mut clear = [false; 8];
     arm.clear_by_spheres(&several, &mut clear).unwrap();
-    told + &format!("{clear:?}")
+    text + &format!("{clear:?}")
 }
 
 /// Starts with `count` obstacles and makes `rounds` of edits.
@@ -165,8 +165,8 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
     let (mut added, mut branch) = (0, world.clone());
     for round in 0..rounds {
         let mut fork = Random::new(1000 + round as u64);
-        let asked = || Random::new(round as u64);
-        let before = report(&checker, &arm, &mut asked());
+        let new_random = || Random::new(round as u64);
+        let before = report(&checker, &arm, &mut new_random());
         let known = (checker.clone(), arm.clone());
         for _ in 0..1 + random.below(CHANGES) {
             change(&mut world, &mut added, &mut random);
@@ -179,13 +179,13 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         arm = arm.with_world(&world, None).unwrap();
         let fresh = plain.clone().with_world(&rebuilt(&world)).unwrap();
         let fresh_arm = known.1.clone().with_checker(&fresh, &rest).unwrap();
-        let expected = report(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut new_random());
         assert!(
-            report(&checker, &arm, &mut asked()) == expected,
+            report(&checker, &arm, &mut new_random()) == expected,
             "round {round}"
         );
         assert!(
-            report(&known.0, &known.1, &mut asked()) == before,
+            report(&known.0, &known.1, &mut new_random()) == before,
             "round {round}"
         );
         // A copy from some rounds ago, with the same new names for other obstacles.
@@ -197,9 +197,9 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         let arm_there = arm.with_world(&branch, None).unwrap();
         let fresh = plain.clone().with_world(&rebuilt(&branch)).unwrap();
         let fresh_arm = known.1.with_checker(&fresh, &rest).unwrap();
-        let expected = report(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut new_random());
         assert!(
-            report(&there, &arm_there, &mut asked()) == expected,
+            report(&there, &arm_there, &mut new_random()) == expected,
             "round {round}"
         );
         if random.below(3) == 0 {
@@ -235,14 +235,14 @@ fn add_big(world: &mut World) {
 }
 
 /// An arm without a world, and random configurations.
-struct Asked {
+struct CheckedArm {
     plain: Checker,
     rest: Vec<f64>,
     arm: Arm,
     q: Vec<f64>,
 }
 
-impl Asked {
+impl CheckedArm {
     fn new() -> Self {
         let robot = robot("franka_panda");
         let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
@@ -277,7 +277,7 @@ impl Asked {
 /// Up to 512 obstacles are checked one by one, more through a tree.
 #[test]
 fn removal_holds_across_list_and_tree() {
-    let asked = Asked::new();
+    let case = CheckedArm::new();
     for (before, after) in [(513, 510), (510, 514), (520, 519), (20, 22)] {
         let mut world = World::new();
         add_big(&mut world);
@@ -288,7 +288,7 @@ fn removal_holds_across_list_and_tree() {
             world.remove(&format!("small {index}")).unwrap();
         }
         (before..after).for_each(|index| add_small(&mut world, index));
-        asked.goes_along(&known, &world);
+        case.goes_along(&known, &world);
     }
 }
 
@@ -301,9 +301,9 @@ fn edits_of_a_diverged_copy_have_no_effect() {
     one.remove("small 3").unwrap();
     add_big(&mut one);
     add_small(&mut other, 4);
-    let asked = Asked::new();
-    asked.goes_along(&one, &other);
-    asked.goes_along(&other, &one);
+    let case = CheckedArm::new();
+    case.goes_along(&one, &other);
+    case.goes_along(&other, &one);
 }
 
 #[test]

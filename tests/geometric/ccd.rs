@@ -144,7 +144,7 @@ fn tips_of_shipped_rigs_are_reached() {
     for (name, tips) in [("robot-arm", 1), ("humanoid", 5)] {
         let rig = rig(name);
         let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
-        let (mut reached, mut asked) = (0, 0);
+        let (mut reached, mut count) = (0, 0);
         for seed in 0..60 {
             let pose = skeleton.pose(&model.random_configuration(seed)).unwrap();
             let bone = rig.constrained[seed as usize % tips];
@@ -165,9 +165,9 @@ fn tips_of_shipped_rigs_are_reached() {
             assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.reached, missed <= 1e-6);
             assert!(within_limits(model, &solution));
-            (reached, asked) = (reached + usize::from(solution.reached), asked + 1);
+            (reached, count) = (reached + usize::from(solution.reached), count + 1);
         }
-        assert!(10 * reached >= 9 * asked, "{name}: {reached} of {asked}");
+        assert!(10 * reached >= 9 * count, "{name}: {reached} of {count}");
     }
 }
 
@@ -386,13 +386,13 @@ fn prismatic_joint_moves_to_the_weighted_mean() {
         ["one", "other"].map(|name| builder.frame(name, Some(slide), Placement::identity()));
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    let asked = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
-    for (frame, place, weight) in asked {
+    let goals = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
+    for (frame, place, weight) in goals {
         tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).scale(weight));
     }
     let problem = tasks.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
-    let sum = |of: fn((f64, f64)) -> f64| -> f64 { asked.iter().map(|a| of((a.1, a.2))).sum() };
+    let sum = |of: fn((f64, f64)) -> f64| -> f64 { goals.iter().map(|a| of((a.1, a.2))).sum() };
     let wanted =
         sum(|(place, weight)| weight * weight * place) / sum(|(_, weight)| weight * weight);
     assert!(

@@ -281,11 +281,11 @@ fn weights_with_half_the_sum_are_noted() {
         r#""nodes":[{{"mesh":0,"skin":0}},{{"name":"a"}}],"skins":[{{"joints":[1]}}],
         "meshes":[{{"name":"skin","primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}}}}]}}]"#
     ));
-    let told = scene.notes.iter().find_map(|note| match note {
+    let reported = scene.notes.iter().find_map(|note| match note {
         Note::Weights { repair, merged, .. } => Some((repair.rescaled, *merged)),
         _ => None,
     });
-    assert_eq!(told, Some((3, 0)));
+    assert_eq!(reported, Some((3, 0)));
 }
 
 /// Bytes as fractions: the lowest signed byte represents −1 as well (section 3.6.2.2). The last entry of an interleaved

@@ -149,14 +149,17 @@ fn ball_joint_keeps_velocity_limits_like_a_revolute() {
     let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
     let held: Vec<_> = held.map(|limit| (limit.joint, limit.bound)).collect();
     assert!(
-        !held.is_empty() && held.iter().all(|own| *own == ("hip", MotionBound::Speed)),
+        !held.is_empty()
+            && held
+                .iter()
+                .all(|limit| *limit == ("hip", MotionBound::Speed)),
         "{held:?}"
     );
 }
 
 /// A free joint that follows positions and orientations.
 fn free_body(
-    place: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
+    target_at: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
     limit: impl Fn(&mut MotionProblemBuilder),
 ) -> (Model, MotionProblem) {
     let mut builder = Model::builder("body");
@@ -164,8 +167,8 @@ fn free_body(
     let frame = builder.frame("body", Some(base), Placement::identity());
     let model = builder.build().unwrap();
     let mut motion = MotionProblem::builder(&model, FRAMES, STEP);
-    let follow = motion.add(Pose::new(frame, place(0)));
-    motion.follow(follow, move |frame, pose| pose.set_target(place(frame)));
+    let follow = motion.add(Pose::new(frame, target_at(0)));
+    motion.follow(follow, move |frame, pose| pose.set_target(target_at(frame)));
     motion.rate_cost(RateCost::acceleration(1e-3));
     limit(&mut motion);
     let motion = motion.build().unwrap();

@@ -89,8 +89,8 @@ pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
 /// Position of a bone in the model at a time.
 pub(crate) fn at(armature: &Armature, clip: &Clip, bone: &str, time: f64) -> Vec3A {
     let pose = pose(armature, clip, time);
-    let place = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
-    place.unwrap().translation
+    let placement = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
+    placement.unwrap().translation
 }
 
 pub(crate) fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
@@ -125,12 +125,12 @@ fn planted_feet_slide_by_less_than_2_mm() {
         assert!(stance.slide < 1e-4);
         // Between keys as well.
         let moments = (0..=500).map(|k| from + (to - from) * f64::from(k) / 500.0);
-        let place = |clip: &Clip, time| at(&armature, clip, name, time);
+        let position_at = |clip: &Clip, time| at(&armature, clip, name, time);
         let slide = |clip: &Clip| {
-            let first = place(clip, from);
+            let first = position_at(clip, from);
             let all = moments
                 .clone()
-                .map(|time| place(clip, time).distance(first));
+                .map(|time| position_at(clip, time).distance(first));
             all.fold(0.0, f32::max)
         };
         (before, after) = (before.max(slide(&walk)), after.max(slide(&edited.clip)));

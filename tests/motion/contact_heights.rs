@@ -56,11 +56,11 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
         // Its support is as high as the subject is lifted; elsewhere it is the ground.
         let driven = retargeting.driven();
         let frame = robot.model().frame("left_toe").unwrap();
-        let place = driven
+        let index = driven
             .iter()
             .position(|candidate| *candidate == frame)
             .unwrap();
-        let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[place].z);
+        let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[index].z);
         let up = 0.3 * retargeting.stride();
         assert!(
             (heights[1] - heights[0] - up).abs() < 0.01,
@@ -147,8 +147,8 @@ fn contact_counts_from_the_shortest_duration() {
         let detection = ContactDetection::default().with_height(0.35);
         let solver = planted(&armature).with_detection(detection.with_shortest(shortest));
         let edited = solver.with_keys_per_second(30.0).solve(&clip).unwrap();
-        let own = edited.stances.into_iter().filter(|own| own.bone == foot);
-        own.map(|own| own.span).collect::<Vec<_>>()
+        let stances = edited.stances.into_iter().filter(|own| own.bone == foot);
+        stances.map(|stances| stances.span).collect::<Vec<_>>()
     };
     let all = stances(0.1);
     assert_eq!(all.len(), 2);

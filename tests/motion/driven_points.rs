@@ -24,7 +24,8 @@ fn driven_points_move_as_frames_at_these_points() {
     let options = RetargetOptions::default();
     let [points, frames] = [by_points, by_frames]
         .map(|map| Retargeting::new(&robot, &map, &capture, options.clone()).unwrap());
-    let [by_points, by_frames] = [&points, &frames].map(|own| own.per_frame().unwrap());
+    let [by_points, by_frames] =
+        [&points, &frames].map(|retargeting| retargeting.per_frame().unwrap());
     // Errors are measured at the points.
     let [errors, of_frames] = [(&points, &by_points), (&frames, &by_frames)]
         .map(|(retargeting, found)| retargeting.errors(found).unwrap());

@@ -87,9 +87,9 @@ fn figure_of_a_rig_with_z_up_is_upright() {
 fn up_axis_of_a_figure_is_found_from_its_feet() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
-    for (said, in_contact) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
+    for (stated_axis, upright_axis) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
         let turning = read.turning_bones();
-        let figure = FigureTarget::of_armature(&read.armature, &turning, said).unwrap();
+        let figure = FigureTarget::of_armature(&read.armature, &turning, stated_axis).unwrap();
         let mut map = BodyMap::guess(&capture, figure.robot().model())
             .unwrap()
             .map;
@@ -98,7 +98,7 @@ fn up_axis_of_a_figure_is_found_from_its_feet() {
             let fitted = Retargeting::new(figure.robot(), map, &capture, options.clone());
             fitted.unwrap().model_stands_along()
         };
-        assert_eq!(along(&map), Some(in_contact));
+        assert_eq!(along(&map), Some(upright_axis));
         // Without contacts there is nothing to decide by.
         map.contacts = Some(Vec::new());
         assert_eq!(along(&map), None);

@@ -23,9 +23,9 @@ fn nao() -> Robot {
 }
 
 /// Hips that sway over two feet, and jump sideways at a frame.
-fn sway(frames: usize, leap: usize) -> Capture {
+fn sway(frames: usize, jump_frame: usize) -> Capture {
     let places = (0..frames).flat_map(|frame| {
-        let leapt = if frame < leap { 0.0 } else { 0.3 };
+        let leapt = if frame < jump_frame { 0.0 } else { 0.3 };
         let aside = leapt + 0.05 * (frame as f64 * 0.2).sin();
         [0.0, aside, 0.9, 0.0, 0.15, 0.0, 0.0, -0.15, 0.0]
     });
@@ -92,11 +92,11 @@ fn frame_with_missing_positions_changes_nothing() {
             for k in 0..3 {
                 let mut lost = places.to_vec();
                 lost[k].y = f64::NAN;
-                let kept = interrupted.advance(&lost, &in_contact).unwrap();
-                assert_eq!(kept, follower.q(), "frame {frame}");
+                let held_q = interrupted.advance(&lost, &in_contact).unwrap();
+                assert_eq!(held_q, follower.q(), "frame {frame}");
             }
-            let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
-            assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
+            let held_q = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
+            assert_eq!(held_q.unwrap(), follower.q(), "frame {frame}");
             let uninterrupted = follower.advance(places, &in_contact).unwrap();
             let after = interrupted.advance(places, &in_contact).unwrap();
             assert_eq!(uninterrupted, after, "frame {frame}");

@@ -157,8 +157,8 @@ fn spline_deviation_is_bounded_from_its_curve() {
     assert!(solution.is_whole());
     let rows: Vec<&[f64]> = solution.rows().collect();
     let mut farthest = 0.0_f64;
-    for (place, point) in fine.points().iter().enumerate() {
-        let (row, share) = (place / 20, (place % 20) as f64 / 20.0);
+    for (index, point) in fine.points().iter().enumerate() {
+        let (row, share) = (index / 20, (index % 20) as f64 / 20.0);
         let (from, to) = (rows[row], rows[(row + 1).min(36)]);
         let q: Vec<f64> = from
             .iter()

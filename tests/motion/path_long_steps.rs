@@ -76,17 +76,17 @@ fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, Str
 fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
     let arm = arm(name);
     let (mut within_reach, mut left) = (0, 0);
-    for (case, way) in segments(&arm, cases) {
-        let few = way.solved(&arm, steps);
+    for (case, segment) in segments(&arm, cases) {
+        let few = segment.solved(&arm, steps);
         if !few.missed.is_empty() {
             continue;
         }
         within_reach += 1;
         if !few.reconfigurations.is_empty() {
-            left += usize::from(way.solved(&arm, 210).is_whole());
+            left += usize::from(segment.solved(&arm, 210).is_whole());
         }
         // Every step without a reported reconfiguration is continuous.
-        let (points, rows) = (way.points(steps), few.rows().collect::<Vec<_>>());
+        let (points, rows) = (segment.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
             let reported = few
@@ -129,10 +129,10 @@ fn closed_paths_of_few_points_stay_on_their_branch() {
     for name in ["franka_panda", "universal_ur5e"] {
         let arm = arm(name);
         let mut left = 0;
-        for (_, way) in segments(&arm, &cases) {
-            let few = way.solved_as_ring(&arm, 1);
+        for (_, segment) in segments(&arm, &cases) {
+            let few = segment.solved_as_ring(&arm, 1);
             if few.missed.is_empty() && !few.reconfigurations.is_empty() {
-                left += usize::from(way.solved_as_ring(&arm, 105).is_whole());
+                left += usize::from(segment.solved_as_ring(&arm, 105).is_whole());
             }
         }
         assert!(left * 200 <= cases.len(), "{name}: {left}");

@@ -191,8 +191,8 @@ fn joint_continues_from_the_nearest_turn_after_jump() {
     let angles: Vec<f64> = up.chain(down).collect();
     let mut points: Vec<_> = angles.iter().map(|angle| turned(*angle)).collect();
     // The second tool begins with the arm rotated about its base.
-    let elsewhere = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
-    points.extend([arm.base_from_tool(&elsewhere).unwrap(); 10]);
+    let other_q = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
+    points.extend([arm.base_from_tool(&other_q).unwrap(); 10]);
     let changes = points.len() - 10;
     let tools: Vec<usize> = (0..points.len())
         .map(|k| usize::from(k >= changes))
@@ -320,7 +320,7 @@ fn change_of_tools_is_not_interpolated() {
 #[test]
 fn nearly_equal_branches_are_chosen_again() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
-    let (middle, way) = (
+    let (middle, displacement) = (
         Vector3::new(0.0312, 0.113, 0.1166),
         Vector3::new(-0.3624, -1.0638, 0.4206),
     );
@@ -331,7 +331,7 @@ fn nearly_equal_branches_are_chosen_again() {
     let point = |k: u32| {
         let share = f64::from(k) / 200.0 - 0.5;
         let turned = rotation_exp(turn) * rotation_exp(spin * share);
-        Placement::new(turned, middle + way * share)
+        Placement::new(turned, middle + displacement * share)
     };
     let path = CartesianPath::new((0..=100).map(point).collect::<Vec<_>>()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();

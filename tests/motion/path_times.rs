@@ -92,8 +92,8 @@ fn step_too_fast_for_its_time_is_reported() {
         });
         let path = CartesianPath::new(points.clone()).unwrap();
         let path = path.with_times(times.collect::<Vec<_>>()).unwrap();
-        let solve = |kept: bool| {
-            let solver = PathSolver::new(&arm).with_times_kept(kept);
+        let solve = |keep_times: bool| {
+            let solver = PathSolver::new(&arm).with_times_kept(keep_times);
             solver.solve(&path).unwrap()
         };
         assert!(solve(false).is_whole());

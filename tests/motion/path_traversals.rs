@@ -207,9 +207,9 @@ fn given_ends_are_kept() {
     assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert_eq!((rows[0], rows[60]), (&start[..], &end[..]));
-    let elsewhere = PathSolver::new(&arm).with_start(&end).solve(&path);
+    let from_end = PathSolver::new(&arm).with_start(&end).solve(&path);
     assert!(matches!(
-        elsewhere,
+        from_end,
         Err(PathError::End { which: "start", .. })
     ));
 }

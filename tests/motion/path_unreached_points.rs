@@ -144,13 +144,13 @@ fn points_reachable_from_a_neighbour_are_reached() {
                 assert!(jumps <= 1, "{name}, {case}: {jumps} leaps over {stretch:?}");
             }
             for row in (0..rows.len()).filter(|&row| missed(row)) {
-                for beside in [row.wrapping_sub(1), row + 1] {
-                    if beside < rows.len() && !missed(beside) {
+                for neighbour in [row.wrapping_sub(1), row + 1] {
+                    if neighbour < rows.len() && !missed(neighbour) {
                         bordering += 1;
-                        let tried = arm.solve(points[row], rows[beside]).unwrap();
+                        let tried = arm.solve(points[row], rows[neighbour]).unwrap();
                         assert!(
                             !tried.goals_reached(),
-                            "{name}, {case}: point {row} is reached from {beside}"
+                            "{name}, {case}: point {row} is reached from {neighbour}"
                         );
                     }
                 }
@@ -165,7 +165,7 @@ fn points_reachable_from_a_neighbour_are_reached() {
 #[test]
 fn shortened_path_still_reaches_its_points() {
     let whole = robot("franka_panda");
-    for (q, low, high, way, turn) in [
+    for (q, low, high, displacement, turn) in [
         (
             [
                 0.261878, 1.238528, -1.773319, -0.473370, 2.438892, 1.791326, -0.811011,
@@ -209,7 +209,10 @@ fn shortened_path_still_reaches_its_points() {
         let points = (0..25).map(|k| {
             let share = f64::from(k) / 24.0;
             let turned = rotation_exp(Vector3::from(turn) * share) * begin.rotation;
-            Placement::new(turned, begin.translation + Vector3::from(way) * share)
+            Placement::new(
+                turned,
+                begin.translation + Vector3::from(displacement) * share,
+            )
         });
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();

@@ -24,10 +24,10 @@ pub(crate) const MAP: &str = r#"{
 pub(crate) fn legs(feet: &str) -> Robot {
     let mut text = String::from(r#"<robot name="legs"><link name="pelvis"/>"#);
     let mut joint = |name: &str, kind: &str, parent: &str, child: &str, at: &str, more: &str| {
-        let own = if child.ends_with("_foot") { feet } else { "" };
+        let geometry = if child.ends_with("_foot") { feet } else { "" };
         write!(
             text,
-            r#"<link name="{child}">{own}</link><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+            r#"<link name="{child}">{geometry}</link><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
                <origin xyz="{at}"/>{more}</joint>"#
         )
         .unwrap();
@@ -123,13 +123,13 @@ pub(crate) fn person() -> Vec<f64> {
             let lift = 0.6 * step * (1.0 - step);
             let ankle = Vector3::new(0.3 * step, 1.2 * y, 0.09 + lift);
             // Knee of two bones, forward.
-            let way = ankle - hip;
-            let half = 0.5 * way.norm();
+            let leg = ankle - hip;
+            let half = 0.5 * leg.norm();
             let (upper, lower) = (0.42, 0.45);
             let along = half + (upper * upper - lower * lower) / (4.0 * half);
             let ahead = (upper * upper - along * along).max(0.0).sqrt();
-            let forward = Vector3::new(1.0, 0.0, 0.0) - way * (way.x / (4.0 * half * half));
-            let knee = hip + way * (along / (2.0 * half)) + forward * (ahead / forward.norm());
+            let forward = Vector3::new(1.0, 0.0, 0.0) - leg * (leg.x / (4.0 * half * half));
+            let knee = hip + leg * (along / (2.0 * half)) + forward * (ahead / forward.norm());
             let toe = ankle + Vector3::new(0.17, 0.2 * y, -0.06);
             for at in [hip, knee, ankle, toe] {
                 numbers.extend(at.to_array());
@@ -225,7 +225,10 @@ fn target_limbs_have_the_model_lengths() {
     let driven = retargeting.driven();
     let index = |name: &str| {
         let frame = robot.model().frame(name).unwrap();
-        driven.iter().position(|own| *own == frame).unwrap()
+        driven
+            .iter()
+            .position(|driven_frame| *driven_frame == frame)
+            .unwrap()
     };
     // Legs of 0.6 m instead of 0.87 m; feet do not count.
     assert!(

@@ -114,12 +114,12 @@ fn reversed_clip_gives_the_reversed_result() {
                 .solve(clip)
                 .unwrap()
         };
-        let [there, back] = [&walk, &back].map(solve);
-        assert_eq!(there.stances.len(), back.stances.len());
+        let [forward, backward] = [&walk, &back].map(solve);
+        assert_eq!(forward.stances.len(), backward.stances.len());
         for time in &moments {
             for foot in ["foot.l", "foot.r"] {
-                let one = at(&armature, &there.clip, foot, *time);
-                let other = at(&armature, &back.clip, foot, 2.0 - time);
+                let one = at(&armature, &forward.clip, foot, *time);
+                let other = at(&armature, &backward.clip, foot, 2.0 - time);
                 let deviation = one.distance(other);
                 assert!(
                     deviation < 2e-4,

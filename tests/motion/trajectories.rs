@@ -174,10 +174,10 @@ fn blended_corners_stay_within_the_tolerance() {
 /// A reversed path comes to its last row before the reversal, whatever the tolerance.
 #[test]
 fn reversals_are_reached_and_stopped_at() {
-    let there = (0..=20).map(|k| 0.02 * f64::from(k));
-    let q: Vec<f64> = there
+    let outbound = (0..=20).map(|k| 0.02 * f64::from(k));
+    let q: Vec<f64> = outbound
         .clone()
-        .chain(there.rev().skip(1))
+        .chain(outbound.rev().skip(1))
         .flat_map(|q| [q, 0.5 * q])
         .collect();
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.05);

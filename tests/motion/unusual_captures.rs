@@ -45,11 +45,11 @@ fn person(frame: usize) -> [Vector3<f64>; 9] {
     .map(Vector3::from)
 }
 
-fn capture(frames: usize, place: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
+fn capture(frames: usize, position_at: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
     let places = (0..frames).flat_map(|frame| {
         let positions = person(frame).into_iter().enumerate();
         positions
-            .flat_map(|(joint, at)| place(joint, at).to_array())
+            .flat_map(|(joint, at)| position_at(joint, at).to_array())
             .collect::<Vec<_>>()
     });
     let numbers: Vec<f64> = places.collect();
@@ -254,11 +254,11 @@ fn capture_without_frames_is_an_error() {
     let none = captured("Frames: 0 Frame Time: 0.1");
     let again = serde_json::to_string(&none.clip).unwrap();
     let again: Clip = serde_json::from_str(&again).unwrap();
-    let (own, lifted) = (&none.armature, none.armature.clone());
+    let (rest_armature, lifted) = (&none.armature, none.armature.clone());
     for clip in [
         &none.clip,
         &again,
-        &none.clip.at_rest_in(own, &lifted).unwrap(),
+        &none.clip.at_rest_in(rest_armature, &lifted).unwrap(),
     ] {
         assert!(clip.is_empty() && clip.span() == [0.0, 0.0]);
         let refused = Capture::of_clip(&none.armature, clip, 30.0);

@@ -76,16 +76,16 @@ impl Standing {
     }
 
     fn hold_feet(&self, builder: &mut ProblemBuilder<'_>) {
-        for (foot, in_contact) in self.feet {
-            builder.add(Pose::new(foot, in_contact));
+        for (foot, foot_pose) in self.feet {
+            builder.add(Pose::new(foot, foot_pose));
         }
     }
 
     /// Corners of the soles in the ground plane.
     fn corners(&self) -> Vec<[f64; 2]> {
-        let soles = self.feet.iter().flat_map(|(_, in_contact)| {
+        let soles = self.feet.iter().flat_map(|(_, foot_pose)| {
             SOLE.map(|corner| {
-                let Vector3 { x, y, .. } = in_contact.apply(corner.into());
+                let Vector3 { x, y, .. } = foot_pose.apply(corner.into());
                 [x, y]
             })
         });

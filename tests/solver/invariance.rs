@@ -46,12 +46,12 @@ fn problem(rig: &RandomRig, unit: f64, seed: u64) -> Problem {
         let target = rig.tip(&transforms, tip);
         builder.add(Point::new(rig.skeleton.tip(tip), target));
     }
-    let in_contact = |k: usize| -> Placement<f64> {
+    let target_pose = |k: usize| -> Placement<f64> {
         let bone = rig.tips[k].index();
         placement(&(transforms[bone] * rig.rests[bone]))
     };
-    builder.add(Pose::new(rig.skeleton.tail(rig.tips[3]), in_contact(3)));
-    let turned = in_contact(4).rotation;
+    builder.add(Pose::new(rig.skeleton.tail(rig.tips[3]), target_pose(3)));
+    let turned = target_pose(4).rotation;
     builder.add(Orientation::new(rig.skeleton.tail(rig.tips[4]), turned));
     builder.build().unwrap()
 }

@@ -226,7 +226,7 @@ fn stalled_search_has_no_influence() {
         .with_step_tolerance(0.0)
         .with_max_iterations(400);
     let places = [[4.0, 1.0, 0.0], [1.2, 0.9, 0.0], [-3.0, 2.0, 0.0]];
-    let asked = places.map(|place| {
+    let target_lists = places.map(|place| {
         let mut targets = problem.targets();
         targets.get_mut(task).unwrap().set_target(place);
         targets
@@ -235,13 +235,13 @@ fn stalled_search_has_no_influence() {
     for solver in solvers() {
         let once = solver.with_restarts(Restarts::none());
         let once = once.with_stopping(stopping);
-        let fresh = asked.each_ref().map(|targets| {
+        let fresh = target_lists.each_ref().map(|targets| {
             let question = problem.with_targets(targets).unwrap();
             bits(&once.solve_once(question, &start).unwrap())
         });
         let mut workspace = Workspace::new();
         for k in [0, 1, 2, 0, 2, 1] {
-            let question = problem.with_targets(&asked[k]).unwrap();
+            let question = problem.with_targets(&target_lists[k]).unwrap();
             let again = bits(once.solve(question, &start, &mut workspace).unwrap());
             assert_eq!(again, fresh[k], "{} {k}", once.method());
         }

@@ -44,9 +44,9 @@ fn assert_reuse_equals_new(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) 
         }
         let mut targets = problem.targets();
         targets.get_mut(pose).unwrap().set_target(target);
-        let asked = || problem.with_targets(&targets).unwrap();
-        let fresh = solver.solve_once(asked(), &start).unwrap();
-        let again = solver.solve(asked(), &start, &mut kept).unwrap();
+        let query = || problem.with_targets(&targets).unwrap();
+        let fresh = solver.solve_once(query(), &start).unwrap();
+        let again = solver.solve(query(), &start, &mut kept).unwrap();
         assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "{turn}");
         reported[usize::from(fresh.reached)] += 1;
     }
@@ -175,11 +175,11 @@ fn reused_derivative_workspace() {
         }
         let mut targets = problem.targets();
         targets.get_mut(*pose).unwrap().set_target(target);
-        let asked = problem.with_targets(&targets).unwrap();
-        let solution = Solver::default().solve_once(asked, &q).unwrap();
+        let query = problem.with_targets(&targets).unwrap();
+        let solution = Solver::default().solve_once(query, &q).unwrap();
         let mut new = DerivativeWorkspace::default();
         let reported = [&mut kept, &mut new].map(|memory| {
-            let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
+            let mut derivative = SolutionDerivative::new(query, &solution.q, memory).unwrap();
             let by_target = derivative.by_target(0).unwrap();
             (derivative.differentiability().clone(), by_target)
         });
@@ -197,12 +197,12 @@ fn resumed_derivative_equals_the_factorised() {
     let mut targets = whole.targets();
     let target = placement_of(model, tool, &q);
     targets.get_mut(pose).unwrap().set_target(target);
-    let asked = whole.with_targets(&targets).unwrap();
+    let query = whole.with_targets(&targets).unwrap();
     let mut memory = DerivativeWorkspace::default();
-    assert!(SolutionDerivative::resume(asked, &mut memory).is_none());
-    let first = SolutionDerivative::new(asked, &q, &mut memory);
+    assert!(SolutionDerivative::resume(query, &mut memory).is_none());
+    let first = SolutionDerivative::new(query, &q, &mut memory);
     let first = first.unwrap().by_target(0).unwrap();
-    let mut on = SolutionDerivative::resume(asked, &mut memory).unwrap();
+    let mut on = SolutionDerivative::resume(query, &mut memory).unwrap();
     assert_eq!(on.by_target(0).unwrap(), first);
     let mut planar = Problem::builder(model);
     planar.add(Point::new(frame(ELBOW), [0.1, 0.2, 0.3]));

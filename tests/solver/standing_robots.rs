@@ -286,12 +286,13 @@ fn conflicting_levels_come_to_rest() {
     let robot = support::arms::robot("aldebaran_nao");
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let (model, masses) = (robot.model(), robot.masses().unwrap());
-    let [pulled, in_contact] = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
+    let [pulled, support_foot] = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
     let mut tasks = Problem::builder(model);
     tasks.parameters(robot.map().clone());
-    let at = placed(model, in_contact, &NAO_ON_ONE_FOOT);
-    tasks.add(Pose::new(in_contact, at));
-    let balance = SupportPolygon::new(&masses).with_points_on(in_contact, robot.sole(in_contact));
+    let at = placed(model, support_foot, &NAO_ON_ONE_FOOT);
+    tasks.add(Pose::new(support_foot, at));
+    let balance =
+        SupportPolygon::new(&masses).with_points_on(support_foot, robot.sole(support_foot));
     tasks.add(Task::new(balance).at_level(1));
     let mut raised = placed(model, pulled, &NAO_ON_ONE_FOOT);
     raised.rotation = placed(model, pulled, &model.neutral()).rotation;
