@@ -149,9 +149,9 @@ fn rest_pose_can_be_replaced() {
     }
     let skeleton = posed.skeleton("one", |_| FREE).unwrap();
     let placed = skeleton.pose(&vec![0.0; skeleton.angles()]).unwrap();
-    for (bone, place) in skeleton.bone_ids().zip(&expected) {
-        let apart =
-            place.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
+    for (bone, placement) in skeleton.bone_ids().zip(&expected) {
+        let apart = placement.translation.as_dvec3()
+            - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
         assert!(apart.length() < 1e-5);
     }
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
@@ -177,8 +177,8 @@ fn bones_rotate_freely_or_are_locked() {
         .collect();
     let skeleton = armature.turning_skeleton("turning", &turning).unwrap();
     for bone in armature.bone_ids() {
-        let own = skeleton.bone(&armature.names()[bone.index()]).unwrap();
-        for limits in skeleton.bones()[own.index()].limits {
+        let skeleton_bone = skeleton.bone(&armature.names()[bone.index()]).unwrap();
+        for limits in skeleton.bones()[skeleton_bone.index()].limits {
             let free = limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY;
             assert_eq!(
                 (free, limits.is_locked()),

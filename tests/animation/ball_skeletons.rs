@@ -52,10 +52,10 @@ fn placed(armature: &Armature, pose: &Pose) -> Vec<(DAffine3, DQuat)> {
         let local = pose.local(bone).unwrap();
         let rotation = local.rotation.as_dquat().normalize();
         let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
-        let own = DAffine3::from_scale_rotation_translation(scale, rotation, at);
+        let local = DAffine3::from_scale_rotation_translation(scale, rotation, at);
         let above = armature.parent(bone).map(|parent| placed[parent.index()]);
         let (above, turned) = above.unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY));
-        placed.push((above * own, turned * rotation));
+        placed.push((above * local, turned * rotation));
     }
     placed
 }
@@ -103,13 +103,13 @@ fn kinematics_equal_the_armatures_matrices() {
             assert_eq!(q.len(), figure.model().configuration_len());
             let ours = figure.pose(&q).unwrap();
             for (bone, (affine, rotation)) in armature.bone_ids().zip(placed(&armature, &pose)) {
-                let own = ours.model_from_bone[bone.index()];
-                let at = DVec3::from(own.translation.to_array());
+                let placement = ours.model_from_bone[bone.index()];
+                let at = DVec3::from(placement.translation.to_array());
                 assert!(
                     (affine.translation - at).length() < 1e-12 * 20.0,
                     "{bone:?}"
                 );
-                for (axis, ours) in DVec3::AXES.into_iter().zip(axes(&own)) {
+                for (axis, ours) in DVec3::AXES.into_iter().zip(axes(&placement)) {
                     assert!((rotation * axis - ours).length() < 1e-12, "{bone:?}");
                 }
             }

@@ -71,22 +71,22 @@ fn random_clip(armature: &Armature, random: &mut Random) -> (Clip, Vec<(usize, C
     let mut channels = Vec::new();
     let shared = times(random);
     for index in 0..armature.bones() {
-        let of = |random: &mut Random| match random.below(2) {
+        let times_of = |random: &mut Random| match random.below(2) {
             0 => shared.clone(),
             _ => times(random),
         };
         if random.below(4) > 0 {
-            let times = of(random);
+            let times = times_of(random);
             channels.push((
                 index,
                 Channel::Translation(vectors(random, &times, Vec3A::ZERO)),
             ));
         }
         if random.below(4) > 0 {
-            let times = of(random);
+            let times = times_of(random);
             channels.push((index, Channel::Scale(vectors(random, &times, Vec3A::ONE))));
         }
-        let times = of(random);
+        let times = times_of(random);
         match random.below(6) {
             0 => {}
             1 => {
@@ -171,13 +171,13 @@ fn loops_and_ping_pong_repeat() {
         pose
     };
     for share in [0.1, 0.35, 0.8] {
-        let own = at(share * length, Playback::Hold);
+        let held = at(share * length, Playback::Hold);
         for cycle in [-3.0, -1.0, 0.0, 1.0, 7.0] {
             let looped = at((cycle + share) * length, Playback::Loop);
-            assert!(difference(&own, &looped) < 1e-3);
-            let there = at((2.0 * cycle + share) * length, Playback::PingPong);
+            assert!(difference(&held, &looped) < 1e-3);
+            let forward = at((2.0 * cycle + share) * length, Playback::PingPong);
             let back = at((2.0 * cycle - share) * length, Playback::PingPong);
-            assert!(difference(&own, &there) < 1e-3 && difference(&own, &back) < 1e-3);
+            assert!(difference(&held, &forward) < 1e-3 && difference(&held, &back) < 1e-3);
         }
     }
     let start = at(0.0, Playback::Hold);
@@ -573,7 +573,7 @@ fn channels_are_sorted_by_bone() {
         assert_eq!(channels.len(), added);
         let order: Vec<_> = channels
             .iter()
-            .map(|(bone, own)| (*bone, matches!(own, Channel::Rotation(_))))
+            .map(|(bone, channel)| (*bone, matches!(channel, Channel::Rotation(_))))
             .collect();
         assert!(order.is_sorted(), "{order:?}");
     }

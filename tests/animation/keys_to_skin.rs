@@ -27,8 +27,8 @@ struct Keys {
 impl Keys {
     fn random(random: &mut Random) -> Self {
         let times = vec![0.0, 0.3, 1.1, 1.5, 2.75];
-        let each = |random: &mut Random, of: &mut dyn FnMut(&mut Random) -> f32| {
-            times.iter().map(|_| of(random)).collect::<Vec<f32>>()
+        let each = |random: &mut Random, sample: &mut dyn FnMut(&mut Random) -> f32| {
+            times.iter().map(|_| sample(random)).collect::<Vec<f32>>()
         };
         let morphs = (0..2).map(|_| each(random, &mut |random| random.unit() as f32));
         let morphs = morphs.collect();

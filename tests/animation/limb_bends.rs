@@ -16,16 +16,18 @@ fn elbow_never_flips_at_the_upper_bone() {
         let pose = bent(&armature, &mut random);
         let before = joint_positions(&armature, &pose);
         let radius = (before.end - before.root).length();
-        let way = (before.end - before.root) / radius;
+        let direction = (before.end - before.root) / radius;
         // Circle through the end and the line of the upper bone, and slightly off that line.
-        let aside = (before.mid - before.root).reject_from(way).normalize();
+        let aside = (before.mid - before.root)
+            .reject_from(direction)
+            .normalize();
         let aside = (aside + vector(&mut random, 0.05))
-            .reject_from(way)
+            .reject_from(direction)
             .normalize();
         let mut last = pose.clone();
         for step in 0..150 {
             let (sin, cos) = (0.02 * step as f32).sin_cos();
-            let goal = LimbGoal::at(before.root + (way * cos + aside * sin) * radius);
+            let goal = LimbGoal::at(before.root + (direction * cos + aside * sin) * radius);
             let mut posed = pose.clone();
             limb.reach(&armature, &mut posed, &goal).unwrap();
             assert!(largest_turn(&last, &posed) < 0.05, "step {step}");
@@ -45,11 +47,11 @@ fn straight_limb_without_a_pole_does_not_roll() {
         pose.set_local(lower, armature.rest().local(lower).unwrap())
             .unwrap();
         let before = joint_positions(&armature, &pose);
-        let way = (before.end - before.root).normalize();
+        let direction = (before.end - before.root).normalize();
         // Next to the end, at equal distance from the root: the shortest rotation to it is 0.02 rad.
-        let across = vector(&mut random, 1.0).reject_from(way).normalize();
+        let across = vector(&mut random, 1.0).reject_from(direction).normalize();
         let goal =
-            LimbGoal::at(before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
+            LimbGoal::at(before.root + (direction * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
         assert!(largest_turn(&pose, &posed) < 0.03);
@@ -145,8 +147,8 @@ fn twist_rotates_the_limb_about_its_target_line() {
         };
         let untwisted = reached(&plain);
         let twisted = reached(&LimbGoal { twist, ..plain });
-        let way = (plain.target - before.root).normalize();
-        let about = Quat::from_axis_angle(way.into(), twist);
+        let limb_direction = (plain.target - before.root).normalize();
+        let about = Quat::from_axis_angle(limb_direction.into(), twist);
         let elbow = before.root + about * (untwisted.mid - before.root);
         assert!((twisted.mid - elbow).length() < 1e-4);
         assert!((twisted.end - plain.target).length() < 2e-5);
@@ -157,8 +159,8 @@ fn twist_rotates_the_limb_about_its_target_line() {
         };
         let [untwisted_half, twisted_half] =
             [0.0, twist].map(|twist| reached(&LimbGoal { twist, ..half }));
-        let way = (untwisted_half.end - before.root).normalize();
-        let about = Quat::from_axis_angle(way.into(), 0.5 * twist);
+        let half_direction = (untwisted_half.end - before.root).normalize();
+        let about = Quat::from_axis_angle(half_direction.into(), 0.5 * twist);
         let elbow = before.root + about * (untwisted_half.mid - before.root);
         assert!((twisted_half.mid - elbow).length() < 1e-4);
         let ignored = reached(&LimbGoal {

@@ -85,15 +85,15 @@ fn held_end_keeps_its_rotation() {
 fn end_goal_rotates_by_its_weight() {
     for (armature, pose, goal, wanted) in cases() {
         let followed = hand(&armature, &reached(&armature, &pose, &goal));
-        let way = apart(followed, wanted);
+        let angle = apart(followed, wanted);
         for weight in [0.25, 0.5, 1.0] {
             // The negative quaternion, or one of another length, is the same rotation.
             let rotation = wanted * if weight == 0.5 { -3.0 } else { 1.0 };
             let end = EndRotation::Goal { rotation, weight };
             let posed = reached(&armature, &pose, &LimbGoal { end, ..goal });
             let turned = hand(&armature, &posed);
-            assert!((apart(followed, turned) - weight * way).abs() < 1e-4);
-            assert!((apart(turned, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            assert!((apart(followed, turned) - weight * angle).abs() < 1e-4);
+            assert!((apart(turned, wanted) - (1.0 - weight) * angle).abs() < 1e-4);
             // With a position weight of zero, the hand rotates and the arm does not move.
             let still = LimbGoal {
                 end: EndRotation::Goal {

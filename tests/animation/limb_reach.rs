@@ -164,8 +164,11 @@ fn bend_follows_by_the_shortest_rotation() {
         let goal = LimbGoal::at(target);
         limb.reach(&armature, &mut posed, &goal).unwrap();
         let after = joint_positions(&armature, &posed);
-        let across = |own: &JointPositions| (own.mid - own.root).cross(own.end - own.root);
-        let [old, new] = [&before, &after].map(|own| (own.end - own.root).normalize());
+        let across = |positions: &JointPositions| {
+            (positions.mid - positions.root).cross(positions.end - positions.root)
+        };
+        let [old, new] =
+            [&before, &after].map(|positions| (positions.end - positions.root).normalize());
         if old.dot(new) < -0.9 || across(&after).length() < 1e-3 {
             continue;
         }

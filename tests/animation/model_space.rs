@@ -67,14 +67,14 @@ fn placed_bone_has_the_given_placement() {
 
         // A bone placed at its current placement is unchanged.
         let mut again = before.clone();
-        let there = armature.model_from_bone(&before, bone).unwrap();
+        let placement = armature.model_from_bone(&before, bone).unwrap();
         assert!(near(
-            &there,
+            &placement,
             &placed(&armature, &before)[bone.index()],
             2e-5
         ));
         armature
-            .set_model_from_bone(&mut again, bone, there)
+            .set_model_from_bone(&mut again, bone, placement)
             .unwrap();
         let same = again.local(bone).unwrap().to_affine();
         assert!(near(&same, &before.local(bone).unwrap().to_affine(), 2e-5));

@@ -207,9 +207,9 @@ fn points_fixed_to_a_bone_move_with_it() {
     let rest = model_by_ancestors(&armature, armature.rest());
     let posed = model_by_ancestors(&armature, &pose);
     for bone in 0..30 {
-        let own = support::armatures::vector(&mut random, 0.5);
-        let expected = posed[bone].transform_point3a(own);
-        let at_rest = rest[bone].transform_point3a(own);
+        let point = support::armatures::vector(&mut random, 0.5);
+        let expected = posed[bone].transform_point3a(point);
+        let at_rest = rest[bone].transform_point3a(point);
         let deviation = (skin[bone].transform_point3a(at_rest) - expected).length();
         assert!(
             deviation < 1e-4 * (1.0 + expected.length()),

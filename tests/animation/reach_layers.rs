@@ -95,7 +95,7 @@ fn angles_are_chosen_within_limits() {
         });
         let skeleton = builder.build().unwrap();
         let bridge = EulerPoseMap::new(&skeleton);
-        let q = limits.map(|own| random.within(own.lower, own.upper));
+        let q = limits.map(|limits| random.within(limits.lower, limits.upper));
         let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
         bridge.pose_of(&q, &mut pose).unwrap();
         let mut back = [0.0; 3];
@@ -130,9 +130,9 @@ fn reach_layer_moves_tips_by_their_weights() {
         };
         let clip = within(&mut random, 0.4, 0.6);
         let goal = within(&mut random, 0.35, 0.65);
-        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        let (mut pose, mut goal_pose) = (armature.rest().clone(), armature.rest().clone());
         bridge.pose_of(&clip, &mut pose).unwrap();
-        bridge.pose_of(&goal, &mut there).unwrap();
+        bridge.pose_of(&goal, &mut goal_pose).unwrap();
         let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
         let mut untouched = pose.clone();
         assert!(layer.apply(&mut untouched).unwrap().is_none());
@@ -140,7 +140,7 @@ fn reach_layer_moves_tips_by_their_weights() {
 
         let weights = [1.0, 0.5];
         let wanted = [0, 1].map(|k| {
-            let [from, to] = [&pose, &there].map(|pose| tip(&armature, &rig, pose, tips[k]));
+            let [from, to] = [&pose, &goal_pose].map(|pose| tip(&armature, &rig, pose, tips[k]));
             let target = skeleton
                 .pose(&goal)
                 .unwrap()
@@ -191,12 +191,12 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
                 .map(|l| l.lower + (l.upper - l.lower) * random.within(low, high))
                 .collect()
         };
-        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        let (mut pose, mut goal_pose) = (armature.rest().clone(), armature.rest().clone());
         bridge
             .pose_of(&within(&mut random, 0.45, 0.55), &mut pose)
             .unwrap();
         bridge
-            .pose_of(&within(&mut random, 0.4, 0.6), &mut there)
+            .pose_of(&within(&mut random, 0.4, 0.6), &mut goal_pose)
             .unwrap();
         let turned = |pose: &Pose, bone: BoneId| {
             Quat::from_mat3a(&model_by_ancestors(&armature, pose)[bone.index()].matrix3)
@@ -205,7 +205,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
         let mut layer = ReachLayer::holding(skeleton, tips, tips, Solver::default()).unwrap();
         for (case, weight) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let mut posed = pose.clone();
-            let target = tip(&armature, &rig, &there, moves);
+            let target = tip(&armature, &rig, &goal_pose, moves);
             let from = tip(&armature, &rig, &pose, moves);
             let near = (from + (target - from) * weight).to_array().map(f64::from);
             // With weight 0 a small displacement, and pinned.
@@ -215,7 +215,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
                 near
             };
             layer.set_goal(moves, near, 1.0).unwrap();
-            let wanted = turned(&there, moves);
+            let wanted = turned(&goal_pose, moves);
             layer
                 .set_rotation(moves, wanted * -2.0, f64::from(weight))
                 .unwrap();
@@ -224,9 +224,9 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
             }
             reached[case] += 1;
             let [was, is] = [&pose, &posed].map(|pose| turned(pose, moves));
-            let way = apart(was, wanted);
-            assert!((apart(was, is) - weight * way).abs() < 1e-4);
-            assert!((apart(is, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            let angle = apart(was, wanted);
+            assert!((apart(was, is) - weight * angle).abs() < 1e-4);
+            assert!((apart(is, wanted) - (1.0 - weight) * angle).abs() < 1e-4);
             // The other end is pinned at its placement.
             assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
         }
@@ -267,8 +267,8 @@ fn weights_are_clamped_to_0_and_1() {
     };
     let mut pose = armature.rest().clone();
     bridge.pose_of(&inward(0.5), &mut pose).unwrap();
-    let there = skeleton.pose(&inward(0.52)).unwrap();
-    let target = there.tip(skeleton, bone).unwrap();
+    let goal_pose = skeleton.pose(&inward(0.52)).unwrap();
+    let target = goal_pose.tip(skeleton, bone).unwrap();
     let mut layer = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default()).unwrap();
     let mut applied = |goal: f64, turn: f64| {
         layer.set_goal(bone, target, goal).unwrap();

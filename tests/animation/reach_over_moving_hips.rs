@@ -18,8 +18,8 @@ fn tip(armature: &Armature, skeleton: &Skeleton, pose: &Pose, bone: BoneId) -> V
     model_by_ancestors(armature, pose)[bone.index()].transform_point3a(along)
 }
 
-fn target(of: Vec3A) -> kinopt::spatial::Vector3<f64> {
-    of.to_array().map(f64::from).into()
+fn target(position: Vec3A) -> kinopt::spatial::Vector3<f64> {
+    position.to_array().map(f64::from).into()
 }
 
 /// Moves every bone in its parent and scales it uniformly.
@@ -50,13 +50,13 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         let (clip, goal) = (within(0.4, 0.6), within(0.35, 0.65));
         let mut pose = armature.rest().clone();
         move_and_scale(&mut pose, &armature, &mut random);
-        let mut there = pose.clone();
+        let mut goal_pose = pose.clone();
         bridge.pose_of(&clip, &mut pose).unwrap();
-        bridge.pose_of(&goal, &mut there).unwrap();
+        bridge.pose_of(&goal, &mut goal_pose).unwrap();
 
         let mut layer = ReachLayer::holding(skeleton, tips, &tips[1..], Solver::default()).unwrap();
-        let wanted = tip(&armature, skeleton, &there, tips[0]);
-        let kept = tip(&armature, skeleton, &pose, tips[1]);
+        let wanted = tip(&armature, skeleton, &goal_pose, tips[0]);
+        let unchanged = tip(&armature, skeleton, &pose, tips[1]);
         layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
         let mut posed = pose.clone();
         let reported: Vec<f64> = {
@@ -65,7 +65,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
             let reports = solution.tasks().take(2);
             reports.map(|task| task.rows[0].error).collect()
         };
-        let shown = [(tips[0], wanted), (tips[1], kept)]
+        let shown = [(tips[0], wanted), (tips[1], unchanged)]
             .map(|(bone, at)| (tip(&armature, skeleton, &posed, bone) - at).length());
         for (reported, shown) in reported.iter().zip(shown) {
             assert!(
@@ -75,11 +75,11 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         }
         // A pinned hand keeps its rotation.
         let turned = |pose: &Pose| {
-            let own = model_by_ancestors(&armature, pose)[tips[1].index()];
+            let placement = model_by_ancestors(&armature, pose)[tips[1].index()];
             Quat::from_mat3a(&glam::Mat3A::from_cols(
-                own.matrix3.x_axis.normalize(),
-                own.matrix3.y_axis.normalize(),
-                own.matrix3.z_axis.normalize(),
+                placement.matrix3.x_axis.normalize(),
+                placement.matrix3.y_axis.normalize(),
+                placement.matrix3.z_axis.normalize(),
             ))
         };
         if reported.iter().all(|error| *error < 1e-5) {

@@ -101,18 +101,18 @@ fn euler_angle_lines_are_uneven_and_longer() {
         let angles = std::array::from_fn(|k| from[k] + t * rate[k]);
         (order.to_quaternion(angles).as_quat(), angles[1])
     };
-    let (mut way, mut speeds) = (0.0, Vec::new());
+    let (mut total_angle, mut speeds) = (0.0, Vec::new());
     for step in 0..100 {
         let t = f64::from(step) / 100.0;
         let turned = apart(at(t).0, at(t + 0.01).0);
         let [z, y, x] = rate;
         let speed = (z * z + y * y + x * x - 2.0 * z * x * at(t + 0.005).1.sin()).sqrt();
         assert!((f64::from(turned) - 0.01 * speed).abs() < 2e-5);
-        way += turned;
+        total_angle += turned;
         speeds.push(speed);
     }
     let direct = apart(at(0.0).0, at(1.0).0);
-    assert!(way > 1.2 * direct, "{way} for {direct}");
+    assert!(total_angle > 1.2 * direct, "{total_angle} for {direct}");
     assert!(speeds[0] > 2.0 * speeds[99], "{speeds:?}");
 }
 
@@ -429,8 +429,8 @@ fn key_signs_do_not_change_the_curve() {
             }
         }
         let turned = [a, b, first[2]];
-        for (own, mean) in mean_rates(&times, &turned).iter().zip(&means) {
-            assert!((*own - *mean).length() < 1e-5);
+        for (mean_rate, mean) in mean_rates(&times, &turned).iter().zip(&means) {
+            assert!((*mean_rate - *mean).length() < 1e-5);
         }
     }
 }

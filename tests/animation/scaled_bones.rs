@@ -62,9 +62,9 @@ fn turned(armature: &Armature, most: f64, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature.bone_ids() {
         let [x, y, z] = [0; 3].map(|_| random.within(-most, most) as f32);
-        let own = pose.local(bone).unwrap().rotation;
+        let rotation = pose.local(bone).unwrap().rotation;
         let turn = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);
-        pose.set_rotation(bone, own * turn).unwrap();
+        pose.set_rotation(bone, rotation * turn).unwrap();
     }
     pose
 }
@@ -121,10 +121,10 @@ fn mirrored_skeleton_turns_as_its_armature() {
             angles.angles_of(&pose, &mut q).unwrap();
             turns.configuration_of(&pose, &mut balls).unwrap();
             let placed = [skeleton.pose(&q).unwrap(), figure.pose(&balls).unwrap()];
-            for (bone, own) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+            for (bone, placement) in skeleton.bone_ids().zip(places(&armature, &pose)) {
                 for placed in &placed {
                     let tail = glam::DVec3::from(placed.tail(bone).unwrap().to_array());
-                    let apart = tail.distance(own.translation.as_dvec3());
+                    let apart = tail.distance(placement.translation.as_dvec3());
                     assert!(apart < 1e-5, "{scales:?}: {apart}");
                 }
             }
@@ -133,8 +133,8 @@ fn mirrored_skeleton_turns_as_its_armature() {
             turns.pose_of(&balls, &mut by_turns).unwrap();
             for back in [by_angles, by_turns] {
                 let pairs = back.rotations().iter().zip(pose.rotations());
-                for (back, own) in pairs {
-                    assert!(back.dot(*own).abs() > 1.0 - 1e-5, "{scales:?}");
+                for (back, original) in pairs {
+                    assert!(back.dot(*original).abs() > 1.0 - 1e-5, "{scales:?}");
                 }
             }
         }
@@ -230,8 +230,8 @@ fn limb_brings_the_scaled_armature_there() {
         let mut moved = armature.rest().clone();
         for bone in [upper, lower] {
             let turn = Quat::from_rotation_z(random.within(-0.7, 0.7) as f32);
-            let own = moved.local(bone).unwrap().rotation;
-            moved.set_rotation(bone, own * turn).unwrap();
+            let rotation = moved.local(bone).unwrap().rotation;
+            moved.set_rotation(bone, rotation * turn).unwrap();
         }
         let target = places(armature, &moved)[4].translation;
         let mut pose = armature.rest().clone();
@@ -316,8 +316,8 @@ fn scale_notes_name_bones_with_children() {
     assert_eq!(plain.rest().rotations(), scaled.rest().rotations());
     assert_eq!(plain.rest().translations(), scaled.rest().translations());
     let inverses = plain.rest_from_model();
-    for (own, inverse) in places(&plain, plain.rest()).iter().zip(inverses) {
-        assert!((*own * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
+    for (placement, inverse) in places(&plain, plain.rest()).iter().zip(inverses) {
+        assert!((*placement * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }
 }
 
@@ -328,12 +328,12 @@ fn model_rotation_of_a_mirrored_bone_is_the_one_set() {
     let armature = armature(SCALES[4], random);
     for index in 0..armature.bones() {
         let mut pose = turned(&armature, 1.0, random);
-        let own = bone(&armature, index);
+        let bone = bone(&armature, index);
         let before = places(&armature, &pose)[index].matrix3;
         let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.9);
-        let rotation = armature.model_rotation(&pose, own).unwrap();
+        let rotation = armature.model_rotation(&pose, bone).unwrap();
         armature
-            .set_model_rotation(&mut pose, own, turn * rotation)
+            .set_model_rotation(&mut pose, bone, turn * rotation)
             .unwrap();
         let after = places(&armature, &pose)[index].matrix3;
         let expected = glam::Mat3A::from_quat(turn) * before;

@@ -76,10 +76,10 @@ fn path_through_points_equals_its_segments() {
             assert!((ours - expected).abs() < 1e-14);
         }
         for i in 1..7 {
-            let own = [p[i - 1], p[i], p[i + 1], p[i + 2]];
+            let points = [p[i - 1], p[i], p[i + 1], p[i + 2]];
             let at = [t[i - 1], t[i], t[i + 1], t[i + 2]];
             for u in [0.0, 0.2, 0.5, 0.9] {
-                let expected = catmull_rom_at_knots(own, at, u);
+                let expected = catmull_rom_at_knots(points, at, u);
                 let got = path.at(lerp(t[i], t[i + 1], u));
                 assert!((got - expected).length() < 1e-12, "{knots:?} {i} {u}");
             }

@@ -185,13 +185,13 @@ fn met_conditions_pass_several_states_at_once() {
 
 #[test]
 fn cycle_of_transitions_ends() {
-    let ring = |way: &str| {
+    let ring = |mode: &str| {
         format!(
             r#"{{
           "parameters": {{"on": true}},
           "initial": "a",
           "states": [{{"name": "a", "clip": "stand"}}, {{"name": "b", "clip": "walk"}}, {{"name": "c", "clip": "jump"}}],
-          "transitions": [{{"from": "a", "to": "b"{way}}}, {{"from": "b", "to": "c"{way}}}, {{"from": "c", "to": "a"{way}}}]
+          "transitions": [{{"from": "a", "to": "b"{mode}}}, {{"from": "b", "to": "c"{mode}}}, {{"from": "c", "to": "a"{mode}}}]
         }}"#
         )
     };

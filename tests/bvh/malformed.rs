@@ -51,7 +51,11 @@ fn read(text: &str) -> Result<MotionCapture, String> {
                 (capture.clip)
                     .sample(seconds, Playback::Hold, &mut cursor, &mut pose)
                     .unwrap();
-                assert!(pose.translations().iter().all(|place| place.is_finite()));
+                assert!(
+                    pose.translations()
+                        .iter()
+                        .all(|translation| translation.is_finite())
+                );
                 assert!(pose.rotations().iter().all(|turn| turn.is_normalized()));
             }
             Ok(capture)
@@ -201,12 +205,12 @@ fn each_end_is_cut_off() {
     for end in frame_ends[0]..frame_ends[1] {
         let cut = read(&GOOD[..end]).unwrap();
         assert_eq!(cut.frames, 1, "cut at {end}");
-        for (own, other) in start(&cut)
+        for (first, other) in start(&cut)
             .rotations()
             .iter()
             .zip(start(&whole).rotations())
         {
-            assert!(end == frame_ends[0] || own.abs_diff_eq(*other, 1e-6));
+            assert!(end == frame_ends[0] || first.abs_diff_eq(*other, 1e-6));
         }
         let note = cut.notes[0].to_string();
         assert!(
@@ -514,7 +518,7 @@ fn line_numbers_are_independent_of_line_endings() {
         assert!(
             places
                 .iter()
-                .all(|place| *place == Place::Line(line_of(&word))),
+                .all(|location| *location == Place::Line(line_of(&word))),
             "{places:?}"
         );
     }

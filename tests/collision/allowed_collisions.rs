@@ -230,7 +230,7 @@ fn attached_object_may_touch_its_container() {
     // Set before the second object exists.
     for names in [["can", "bin"], ["bin", "can"]] {
         let mut world = World::new();
-        for (place, name) in names.into_iter().enumerate() {
+        for (index, name) in names.into_iter().enumerate() {
             match name {
                 "can" => {
                     world.add_sphere("can", 0.04, Vector3::zero()).unwrap();
@@ -240,7 +240,7 @@ fn attached_object_may_touch_its_container() {
                     .add_box("bin", [0.2, 0.2, 0.04], hand.apply(held))
                     .unwrap(),
             }
-            if place == 0 {
+            if index == 0 {
                 world.allow_collision(name, names[1]).unwrap();
             }
         }
@@ -388,18 +388,19 @@ fn permission_of_two_obstacles_is_mutual() {
     for name in ["can", "table"] {
         world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
     }
-    let of = |world: &World, name: &str| world.obstacle(name).unwrap().allowed_collisions.clone();
+    let allowed_of =
+        |world: &World, name: &str| world.obstacle(name).unwrap().allowed_collisions.clone();
     world.allow_collision("can", "table").unwrap();
     world.allow_collision("table", "can").unwrap();
     assert_eq!(
-        (of(&world, "can"), of(&world, "table")),
+        (allowed_of(&world, "can"), allowed_of(&world, "table")),
         (vec!["table".to_owned()], vec!["can".to_owned()])
     );
     let mut without = world.clone();
     without.remove("table").unwrap();
-    assert!(of(&without, "can").is_empty());
+    assert!(allowed_of(&without, "can").is_empty());
     world.forbid_collision("table", "can").unwrap();
-    assert!(of(&world, "can").is_empty() && of(&world, "table").is_empty());
+    assert!(allowed_of(&world, "can").is_empty() && allowed_of(&world, "table").is_empty());
 }
 
 #[test]

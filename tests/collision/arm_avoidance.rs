@@ -84,13 +84,13 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
         };
         let around = random.within(-3.1, 3.1);
         let far = random.within(0.35, 0.8);
-        let place = Vector3::new(
+        let position = Vector3::new(
             far * around.cos(),
             far * around.sin(),
             random.within(0.1, 1.0),
         );
         let turn = [(); 3].map(|()| random.within(-2.0, 2.0));
-        let at = Placement::new(rotation_exp(turn.into()), place);
+        let at = Placement::new(rotation_exp(turn.into()), position);
         world
             .add(&format!("thing {index}"), shape.unwrap(), at)
             .unwrap();
@@ -460,15 +460,18 @@ fn earlier_problems_do_not_reduce_checks() {
 
 #[test]
 fn non_finite_joint_values_are_rejected() {
-    let kept = panda(Search::Start).among(&World::new(), 0.0);
+    let unobstructed = panda(Search::Start).among(&World::new(), 0.0);
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut q = vec![0.0; 7];
         q[3] = wrong;
-        let error = kept.arm.collisions(&q).unwrap_err().to_string();
+        let error = unobstructed.arm.collisions(&q).unwrap_err().to_string();
         assert!(error.contains("joint4"), "{error}");
-        let mut q_model = kept.q_model.clone();
+        let mut q_model = unobstructed.q_model.clone();
         q_model[3] = wrong;
-        let error = kept.arm.joint_values(&q_model, &mut q[..]).unwrap_err();
+        let error = unobstructed
+            .arm
+            .joint_values(&q_model, &mut q[..])
+            .unwrap_err();
         assert!(error.to_string().contains("joint4"), "{error}");
     }
 }

@@ -103,16 +103,16 @@ fn nearest_of_several_shapes_is_reported() {
         let at = |(link, at, radius): &(usize, Vector3<f64>, f64)| {
             (*at + Vector3::new(1.0 + *link as f64, 0.0, 0.0), *radius)
         };
-        let of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
+        let balls_of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
         for pair in &found {
             let link = |name: &str| {
                 ["a", "b", "c"]
                     .iter()
                     .position(|link_name| *link_name == name)
             };
-            let first: Vec<_> = of(link(&pair.first).unwrap()).collect();
+            let first: Vec<_> = balls_of(link(&pair.first).unwrap()).collect();
             let second: Vec<_> = match link(&pair.second) {
-                Some(link) => of(link).collect(),
+                Some(link) => balls_of(link).collect(),
                 None => vec![(middle, 0.1)],
             };
             let apart = first
@@ -343,15 +343,15 @@ fn far_motion_at_either_end_is_stopped() {
 #[test]
 fn motion_into_the_margin_is_stopped() {
     let mut builder = Model::builder("two slides");
-    let (x, here, room) = (
+    let (x, here, limits) = (
         Vector3::UNITS[0],
         Placement::identity(),
         Limits::new(0.0, 9.0),
     );
-    let one = builder.prismatic("one", None, here, x, room);
+    let one = builder.prismatic("one", None, here, x, limits);
     let one = builder.frame("one", Some(one), here);
     let far = Placement::translation(Vector3::new(2.0, 0.0, 0.0));
-    let other = builder.prismatic("other", None, far, -x, room);
+    let other = builder.prismatic("other", None, far, -x, limits);
     let other = builder.frame("other", Some(other), here);
     let model = builder.build().unwrap();
     let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());

@@ -12,19 +12,19 @@ fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64
     let mut random = Random::new(seed);
     (0..count).map(move |i| {
         let solids = [Solid::random(&mut random), Solid::random(&mut random)];
-        let place = |size: f64, random: &mut Random| {
+        let random_pose = |size: f64, random: &mut Random| {
             Placement::new(
                 na::Matrix3::from(random.rotation()).into(),
                 random.vector(size).into(),
             )
         };
-        let first = place(1.0, &mut random);
+        let first = random_pose(1.0, &mut random);
         let second = match i % 8 {
             0 => first,
             1 => first * Placement::translation(Vector3::new(0.3, 0.0, 0.0)),
             2 => first * Placement::translation(Vector3::new(0.0, 0.0, 1.2)),
             3 => Placement::translation(first.translation),
-            _ => place(1.5, &mut random),
+            _ => random_pose(1.5, &mut random),
         };
         let [a, b] = solids;
         [(a, first), (b, second)]

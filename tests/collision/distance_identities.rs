@@ -53,8 +53,8 @@ fn origin_and_order_do_not_matter() {
         let back = separation(&shapes[1], &b, &shapes[0], &a);
         close(&found, &back, "the order");
         let moved = placed(&mut random, 1.0);
-        let there = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
-        close(&found, &there, "the origin");
+        let moved_result = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
+        close(&found, &moved_result, "the origin");
     }
 }
 
@@ -197,8 +197,8 @@ fn mesh_equals_hull_and_cloud_equals_points() {
         } else {
             assert!(two.distance <= 1e-12 && two.distance >= one.distance - 1e-12);
         }
-        for place in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
-            let deviation = hull.signed_distance(place) - mesh.signed_distance(place);
+        for point in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
+            let deviation = hull.signed_distance(point) - mesh.signed_distance(point);
             assert!(deviation.abs() < 1e-12, "{deviation}");
         }
         let cloud = Shape::points(points.clone(), 0.02).unwrap();

@@ -60,12 +60,12 @@ fn attached_objects_are_no_ground() {
     world
         .add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)
         .unwrap();
-    let beside = Vector3::new(-1.0, 0.0, 5.0);
+    let off_the_ground = Vector3::new(-1.0, 0.0, 5.0);
     let over = Vector3::new(0.5, 0.1, 5.0);
     let top = |world: &World, at| world.height_at(at, up).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
     world.attach("crate", "hand", placement).unwrap();
-    for at in [over, beside] {
+    for at in [over, off_the_ground] {
         assert!(top(&world, at).abs() < TO, "{at:?}");
     }
     world.detach("crate", placement).unwrap();

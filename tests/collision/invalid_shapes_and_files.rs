@@ -127,8 +127,10 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
             let off = random.vector(1.0);
             Vector3::new(off.x, off.y, off.z) * by
         };
-        let own = faces[..keep].iter().flatten();
-        let loose: Vec<_> = own.map(|&i| corners[i as usize] * size + off()).collect();
+        let indices = faces[..keep].iter().flatten();
+        let loose: Vec<_> = indices
+            .map(|&i| corners[i as usize] * size + off())
+            .collect();
         let triangles = (0..keep as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();

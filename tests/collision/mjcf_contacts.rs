@@ -100,8 +100,8 @@ fn plane_survives_copies_or_is_noted() {
     // A body with two planes, or with a plane and other shapes, is written once per pair.
     let ramp = r#"<geom name="ramp" type="plane" size="0 0 .1" pos="0 0 -1"/>"#;
     let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
-    for beside in [ramp, slab] {
-        let two = robot(&format!("{FLOOR}{beside}"), [""; 3], "");
+    for neighbour in [ramp, slab] {
+        let two = robot(&format!("{FLOOR}{neighbour}"), [""; 3], "");
         let model = CollisionModel::of(&two).unwrap();
         let text = model.with_ignored("c", "world").unwrap().to_srdf();
         let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
@@ -110,8 +110,8 @@ fn plane_survives_copies_or_is_noted() {
     // Static bodies are not written.
     let stand = r#"<body name="stand" pos="1 0 .5"><geom type="box" size=".1 .1 .1"/></body>"#;
     let exclude = r#"<contact><exclude body1="world" body2="stand"/></contact>"#;
-    let beside = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
-    let text = CollisionModel::of(&beside).unwrap().to_srdf();
+    let standing = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
+    let text = CollisionModel::of(&standing).unwrap().to_srdf();
     assert!(!text.contains("stand"), "{text}");
     // A plane on a moving base would be a moving half-space.
     let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
@@ -261,7 +261,7 @@ fn attached_object_shares_disabled_plane_pairs() {
     assert_eq!(links_in_contact(model.clone()), ["b", "c", "held"]);
     let passing = model.with_ignored("c", "world").unwrap();
     assert_eq!(links_in_contact(passing.clone()), ["b"]);
-    let kept = passing.with_checked("world", "c").unwrap();
-    assert!(kept.is_checked("c", "world").unwrap());
-    assert_eq!(links_in_contact(kept), ["b", "c", "held"]);
+    let rechecked = passing.with_checked("world", "c").unwrap();
+    assert!(rechecked.is_checked("c", "world").unwrap());
+    assert_eq!(links_in_contact(rechecked), ["b", "c", "held"]);
 }

@@ -40,7 +40,7 @@ fn elbow_fits_between_two_spheres() {
             continue;
         }
         let away = away * (1.0 / away.norm());
-        let beside = |sign: f64| {
+        let ball_position = |sign: f64| {
             let ball = |far: f64| {
                 let mut world = World::new();
                 let at = elbow + away * (sign * far);
@@ -65,9 +65,9 @@ fn elbow_fits_between_two_spheres() {
         };
         let mut world = World::new();
         for (name, sign) in [("left", -1.0), ("right", 1.0)] {
-            let place: Vector3<f64> = beside(sign);
+            let position: Vector3<f64> = ball_position(sign);
             world
-                .add_sphere(name, BALL, Placement::translation(place))
+                .add_sphere(name, BALL, Placement::translation(position))
                 .unwrap();
         }
         let among = checker.clone().with_world(&world).unwrap();

@@ -142,12 +142,12 @@ fn drag_onto_a_table_slides_along_it() {
                 .unwrap();
             assert_eq!(motion.blocked_by, None, "frame {step}");
             let at = kinematics.place(drag.q()).unwrap()[left.index()].translation;
-            let beside = at - target;
+            let offset = at - target;
             assert!(
-                beside.x.abs() < 1e-3 && beside.y.abs() < 1e-3,
-                "{step} {beside:?}"
+                offset.x.abs() < 1e-3 && offset.y.abs() < 1e-3,
+                "{step} {offset:?}"
             );
-            assert!(beside.z > -1e-6);
+            assert!(offset.z > -1e-6);
         }
         // The hand lies on the table, at most 1 mm beyond the margin.
         let nearest = checker
@@ -254,7 +254,7 @@ fn reached_solutions_are_collision_free() {
     let hand = nao.at("left_hand").translation;
     let mut random = Random::new(14);
     let mut workspace = Workspace::new();
-    let (mut count, mut reached, mut led, mut blocked) = (0, 0, 0, 0);
+    let (mut count, mut reached, mut guided, mut blocked) = (0, 0, 0, 0);
     for _ in 0..cases(60, 25) {
         let mut world = World::new();
         let at = hand
@@ -297,7 +297,7 @@ fn reached_solutions_are_collision_free() {
             assert!(solution.goals_reached(), "{}", solution.explain());
             reached += usize::from(solution.reached);
             blocked += usize::from(!solution.reached);
-            led +=
+            guided +=
                 usize::from(solution.reached && !checker.collisions(&anyway.q).unwrap().is_empty());
             // Equal with new memory.
             let question = problem.with_targets(&targets).unwrap();
@@ -310,8 +310,8 @@ fn reached_solutions_are_collision_free() {
     }
     // Some targets are inside the crate.
     assert!(
-        led > 0 && blocked > 0 && reached * 2 > count,
-        "{count} {reached} {led} {blocked}"
+        guided > 0 && blocked > 0 && reached * 2 > count,
+        "{count} {reached} {guided} {blocked}"
     );
 }
 
@@ -682,7 +682,7 @@ fn changed_clearance_equals_a_new_one() {
     assert_eq!(residual(set.clone()), large);
     assert_ne!(small, large);
     set.set_checker(&far);
-    let there = residual(Clearance::new(&far, 0.3));
-    assert_eq!(residual(set), there);
-    assert_ne!(there, large);
+    let expected = residual(Clearance::new(&far, 0.3));
+    assert_eq!(residual(set), expected);
+    assert_ne!(expected, large);
 }

@@ -30,8 +30,10 @@ fn one_of_each() -> World {
         Shape::points(corners(0.5).to_vec(), 0.05),
     ];
     for (k, shape) in shapes.into_iter().enumerate() {
-        let place = at(3.0 * (k % 3) as f64, 3.0 * (k / 3) as f64);
-        world.add(&format!("{k}"), shape.unwrap(), place).unwrap();
+        let placement = at(3.0 * (k % 3) as f64, 3.0 * (k / 3) as f64);
+        world
+            .add(&format!("{k}"), shape.unwrap(), placement)
+            .unwrap();
     }
     world
 }

@@ -161,9 +161,11 @@ fn bounding_box_and_sphere_are_tight() {
                     reached[1][axis] = reached[1][axis].min(high[axis]);
                 }
             }
-            let room = reached.as_flattened().iter();
+            let differences = reached.as_flattened().iter();
             assert!(
-                room.into_iter().all(|room| room.abs() < 1e-12),
+                differences
+                    .into_iter()
+                    .all(|difference| difference.abs() < 1e-12),
                 "{reached:?}"
             );
         }

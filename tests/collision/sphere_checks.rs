@@ -21,11 +21,11 @@ fn clear_by_spheres_is_collision_free() {
     let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
     let mut clear = vec![false; count];
     panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
-    for (place, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
+    for (index, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
         // Neighbouring lanes have no influence.
         let mut alone = [false];
         panda.arm.clear_by_spheres(q, &mut alone).unwrap();
-        assert_eq!(alone, [*clear], "{place}");
+        assert_eq!(alone, [*clear], "{index}");
         assert!(!clear || panda.arm.collisions(q).unwrap().is_empty());
     }
     assert!(clear.iter().any(|clear| *clear));

@@ -85,10 +85,10 @@ fn free_track_is_as_complete_as_a_plain_one() {
             continue;
         }
         seen += 1;
-        let kept = clear.track(&poses, &path[0]).unwrap();
-        let ways: Vec<&[f64]> = kept.solutions.iter().map(|s| &*s.q).collect();
+        let track = clear.track(&poses, &path[0]).unwrap();
+        let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
         assert!(is_free(&clear, &ways), "{seed}");
-        if !is_whole(&kept) {
+        if !is_whole(&track) {
             fallen.push(seed);
         }
     }
@@ -104,17 +104,26 @@ fn far_first_target_is_solved_without_contact() {
     let begin = plain.base_from_tool(&start).unwrap();
     let by = Vector3::new(0.0, 0.3, 0.0);
     let target = Placement::new(begin.rotation, begin.translation + by);
-    let led = plain.track(&[target], &start).unwrap();
-    assert!(led.solutions[0].reached && distance(&start, &led.solutions[0].q) > 0.2);
+    let in_collision = plain.track(&[target], &start).unwrap();
+    assert!(
+        in_collision.solutions[0].reached && distance(&start, &in_collision.solutions[0].q) > 0.2
+    );
     let mut q = robot.model().neutral();
-    plain.configuration(&led.solutions[0].q, &mut q).unwrap();
+    plain
+        .configuration(&in_collision.solutions[0].q, &mut q)
+        .unwrap();
     let mut frames = kinopt::kinematics::ForwardKinematics::<f64>::new(robot.model());
     let elbow = robot.model().frame("link4").unwrap();
     let elbow = frames.place(&q).unwrap()[elbow.index()].translation;
     let mut world = World::new();
     world.add_sphere("ball", 0.05, elbow).unwrap();
     let clear = clear.with_world(&world, None).unwrap();
-    assert!(!clear.collisions(&led.solutions[0].q).unwrap().is_empty());
+    assert!(
+        !clear
+            .collisions(&in_collision.solutions[0].q)
+            .unwrap()
+            .is_empty()
+    );
     let track = clear.track(&[target], &start).unwrap();
     let solution = &track.solutions[0];
     assert!(clear.collisions(&solution.q).unwrap().is_empty() == solution.reached);

@@ -72,7 +72,10 @@ fn rebuilt(world: &World) -> World {
 fn change(world: &mut World, added: &mut usize, random: &mut Random) {
     let any = |world: &World, random: &mut Random| {
         let at = random.below(world.len().max(1));
-        world.obstacles().nth(at).map(|own| own.name.clone())
+        world
+            .obstacles()
+            .nth(at)
+            .map(|obstacle| obstacle.name.clone())
     };
     let Some(name) = any(world, random) else {
         return;
@@ -88,17 +91,19 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
         11 => {
             let let_touch = world
                 .obstacles()
-                .find(|own| !own.allowed_collisions.is_empty());
-            if let Some(own) = let_touch.cloned() {
+                .find(|obstacle| !obstacle.allowed_collisions.is_empty());
+            if let Some(obstacle) = let_touch.cloned() {
                 world
-                    .forbid_collision(&own.allowed_collisions[0], &own.name)
+                    .forbid_collision(&obstacle.allowed_collisions[0], &obstacle.name)
                     .unwrap();
             }
         }
         0 | 1 => {
             *added += 1;
-            let (shape, place) = (shape(random), random_placement(random));
-            world.add(&format!("added {added}"), shape, place).unwrap();
+            let (shape, placement) = (shape(random), random_placement(random));
+            world
+                .add(&format!("added {added}"), shape, placement)
+                .unwrap();
         }
         2 | 3 => world.remove(&name).unwrap(),
         4 if random.below(4) == 0 && !attached => {
@@ -154,9 +159,9 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         .add_plane("floor", Vector3::new(0.0, 0.0, -0.5))
         .unwrap();
     for index in 0..count {
-        let (shape, place) = (shape(&mut random), random_placement(&mut random));
+        let (shape, placement) = (shape(&mut random), random_placement(&mut random));
         world
-            .add(&format!("obstacle {index}"), shape, place)
+            .add(&format!("obstacle {index}"), shape, placement)
             .unwrap();
     }
     let mut checker = plain.clone().with_world(&world).unwrap();
@@ -193,13 +198,13 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         for _ in 0..3 {
             change(&mut branch, &mut of_fork, &mut fork);
         }
-        let there = checker.clone().with_world(&branch).unwrap();
+        let branched = checker.clone().with_world(&branch).unwrap();
         let arm_there = arm.with_world(&branch, None).unwrap();
         let fresh = plain.clone().with_world(&rebuilt(&branch)).unwrap();
         let fresh_arm = known.1.with_checker(&fresh, &rest).unwrap();
         let expected = report(&fresh, &fresh_arm, &mut new_random());
         assert!(
-            report(&there, &arm_there, &mut new_random()) == expected,
+            report(&branched, &arm_there, &mut new_random()) == expected,
             "round {round}"
         );
         if random.below(3) == 0 {
@@ -230,8 +235,8 @@ fn add_small(world: &mut World, index: usize) {
 }
 
 fn add_big(world: &mut World) {
-    let beside = Vector3::new(0.3, 0.0, 0.6);
-    world.add_sphere("big", 0.25, beside).unwrap();
+    let position = Vector3::new(0.3, 0.0, 0.6);
+    world.add_sphere("big", 0.25, position).unwrap();
 }
 
 /// An arm without a world, and random configurations.
