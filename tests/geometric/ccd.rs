@@ -303,10 +303,10 @@ fn overflowing_start_is_not_the_last_attempt() {
 fn positions_and_directions_are_weighted() {
     let (lever, weight) = (0.7, 0.4);
     let model = planar_arm(&[lever], None);
-    let (place, direction) = (0.5_f64, -0.3_f64);
+    let (angle, direction) = (0.5_f64, -0.3_f64);
     let target = Placement::new(
         kinopt::spatial::Matrix3::identity().rotated_about_z(direction.sin_cos()),
-        [lever * place.cos(), lever * place.sin(), 0.0].into(),
+        [lever * angle.cos(), lever * angle.sin(), 0.0].into(),
     );
     let mut builder = Problem::builder(&model);
     let pose = Task::new(Pose::new(model.frame("tip").unwrap(), target));
@@ -314,7 +314,9 @@ fn positions_and_directions_are_weighted() {
     builder.add(pose.weight(Quantity::Radians, weight));
     let problem = builder.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
-    let sum = |of: fn(f64) -> f64| lever * lever * of(place) + weight * weight * of(direction);
+    let sum = |component: fn(f64) -> f64| {
+        lever * lever * component(angle) + weight * weight * component(direction)
+    };
     let wanted = sum(f64::sin).atan2(sum(f64::cos));
     assert!(
         (solution.q[0] - wanted).abs() < 1e-12,
@@ -387,14 +389,14 @@ fn prismatic_joint_moves_to_the_weighted_mean() {
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
     let goals = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
-    for (frame, place, weight) in goals {
-        tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).scale(weight));
+    for (frame, position, weight) in goals {
+        tasks.add(Task::new(Point::new(frame, [position, 0.0, 0.0])).scale(weight));
     }
     let problem = tasks.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
-    let sum = |of: fn((f64, f64)) -> f64| -> f64 { goals.iter().map(|a| of((a.1, a.2))).sum() };
+    let sum = |term: fn((f64, f64)) -> f64| -> f64 { goals.iter().map(|a| term((a.1, a.2))).sum() };
     let wanted =
-        sum(|(place, weight)| weight * weight * place) / sum(|(_, weight)| weight * weight);
+        sum(|(position, weight)| weight * weight * position) / sum(|(_, weight)| weight * weight);
     assert!(
         (solution.q[0] - wanted).abs() < 1e-12,
         "{:?} {wanted}",

@@ -356,8 +356,8 @@ fn placed_skeleton_bends_equally() {
         few.solve(&problem, &skeleton.model().neutral()).unwrap().q
     };
     let here = bent(&rig.skeleton, Vector3::zero());
-    let there = bent(&rig.skeleton.placed(placement).unwrap(), away);
-    for (a, b) in here.iter().zip(&there) {
+    let placed_q = bent(&rig.skeleton.placed(placement).unwrap(), away);
+    for (a, b) in here.iter().zip(&placed_q) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
 }

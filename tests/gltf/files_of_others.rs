@@ -143,7 +143,7 @@ fn step_linear_and_cubic_clips_are_sampled() {
         let clip = scene
             .clips
             .iter()
-            .position(|own| own.name() == clip)
+            .position(|candidate| candidate.name() == clip)
             .unwrap();
         let bone = scene.armature.bone(node).unwrap();
         at(&scene, clip, time).local(bone).unwrap().translation.y

@@ -132,9 +132,9 @@ fn skin_follows_joints_from_the_bind_pose() {
         );
         // As given, although it is not the inverse of the rest pose.
         let skin = scene.meshes[0].skin.as_ref().unwrap();
-        let kept = skin.joint_from_mesh[1];
+        let inverse_bind = skin.joint_from_mesh[1];
         let bound = two.bound[1].as_mat4();
-        assert_eq!(glam::Mat4::from(kept), bound);
+        assert_eq!(glam::Mat4::from(inverse_bind), bound);
         let error = scene.clip("walk").unwrap_err().to_string();
         assert!(
             error.contains("`walk`") && error.contains("bend"),
@@ -302,8 +302,14 @@ fn cubic_splines_equal_the_specification() {
         let scaled = pose.scales()[0].to_array().map(f64::from);
         assert!(DVec3::from(scaled).distance(wanted.into()) < 2e-6);
         for target in 0..2 {
-            let of = |row: usize| [f64::from(weights[2 * row + target][0])];
-            let [wanted] = cubic_spline(time, span, [of(1), of(4)], of(2), of(3));
+            let weight_of = |row: usize| [f64::from(weights[2 * row + target][0])];
+            let [wanted] = cubic_spline(
+                time,
+                span,
+                [weight_of(1), weight_of(4)],
+                weight_of(2),
+                weight_of(3),
+            );
             assert!((f64::from(pose.morph_weights()[target]) - wanted).abs() < 1e-6);
         }
     }

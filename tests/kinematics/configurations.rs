@@ -128,13 +128,13 @@ fn jacobian_is_the_derivative_along_velocities() {
             let jacobian = frame_jacobian(model, frame, &q).unwrap();
             assert_eq!(jacobian.ncols(), model.degrees_of_freedom());
             for column in 0..model.degrees_of_freedom() {
-                let mut there = |h: f64| {
+                let mut moved_frames = |h: f64| {
                     let mut v = vec![0.0; model.degrees_of_freedom()];
                     v[column] = h;
                     model.integrate(&q, &v, &mut q_moved).unwrap();
                     figure.frames_at(&q_moved)[k]
                 };
-                let (ahead, behind) = (there(H), there(-H));
+                let (ahead, behind) = (moved_frames(H), moved_frames(-H));
                 let linear = (ahead.translation.vector - behind.translation.vector) / (2.0 * H);
                 let turned = (ahead.rotation * behind.rotation.inverse()).into_inner();
                 let skew = (turned - turned.transpose()) / 2.0;
@@ -306,7 +306,7 @@ fn impossible_ball_limits_are_rejected() {
         assert!(matches!(&error, ModelError::BadBallLimits { joint, .. } if joint == "shoulder"));
     }
     let mut builder = Model::builder("ball");
-    let room = BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.6);
-    builder.ball("shoulder", None, Placement::identity(), z, Some(room));
+    let limits = BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.6);
+    builder.ball("shoulder", None, Placement::identity(), z, Some(limits));
     assert!(builder.build().is_ok());
 }

@@ -45,8 +45,8 @@ fn jacobian_matches_differences_of_the_recursion() {
         for j in 0..angles {
             let mut moved = q.clone();
             moved[j] += H;
-            for (i, (there, here)) in tips(&moved).iter().zip(&here).enumerate() {
-                quotient[(i, j)] = (there - here) / H;
+            for (i, (moved_tip, tip)) in tips(&moved).iter().zip(&here).enumerate() {
+                quotient[(i, j)] = (moved_tip - tip) / H;
             }
         }
         for route in Derivatives::ALL {

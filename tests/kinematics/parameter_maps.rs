@@ -117,7 +117,7 @@ fn mimic_bounds_never_widen_the_source_joint() {
     let map = map.with_narrowed(joints[0], Limits::new(-0.3, 0.4));
     let map = map.with_coupled(joints[1], joints[0], 2.0, 0.0);
     let map = map.build().unwrap();
-    for (bound, room) in [
+    for (bound, expected) in [
         (Limits::new(-0.9, 1.5), (-0.3, 0.4)),
         (Limits::new(-0.4, 1.5), (-0.2, 0.4)),
         (Limits::new(-0.9, 0.2), (-0.3, 0.1)),
@@ -127,6 +127,10 @@ fn mimic_bounds_never_widen_the_source_joint() {
         tasks.bound(joints[1], bound);
         tasks.add(Posture::new(&model, &[0.0; 2]));
         let problem = tasks.build().unwrap();
-        assert_eq!((problem.lower()[0], problem.upper()[0]), room, "{bound:?}");
+        assert_eq!(
+            (problem.lower()[0], problem.upper()[0]),
+            expected,
+            "{bound:?}"
+        );
     }
 }

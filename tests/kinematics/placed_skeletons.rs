@@ -98,16 +98,16 @@ fn placed_skeleton_solves_equally() {
                 .solve_once(&builder.build().unwrap(), &start)
                 .unwrap()
         };
-        let there = solve(&placed, &root);
+        let placed_solution = solve(&placed, &root);
         let here = solve(&rig.skeleton, &Rigid::identity());
-        assert_eq!(here.reached, there.reached, "rig {seed}");
+        assert_eq!(here.reached, placed_solution.reached, "rig {seed}");
         assert!(
-            (here.cost - there.cost).abs() <= 1e-9 * (1.0 + here.cost),
+            (here.cost - placed_solution.cost).abs() <= 1e-9 * (1.0 + here.cost),
             "rig {seed}"
         );
         // Checked by the recursion: positions of the tips relative to the root.
-        let posed = rig.transforms(&there.q);
-        if there.reached {
+        let posed = rig.transforms(&placed_solution.q);
+        if placed_solution.reached {
             for &tip in &rig.tips {
                 let missed = rig.tip(&posed, tip) - rig.tip(&transforms, tip);
                 assert!(missed.norm() < 1e-5, "rig {seed}: {}", missed.norm());

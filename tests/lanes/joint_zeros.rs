@@ -11,8 +11,8 @@ use support::sample::cases;
 fn with_shifted_zeros(chain: &Chain, by: [f64; 2]) -> Chain {
     let mut joints = chain.joints().to_vec();
     let last = joints.len() - 1;
-    for (place, by) in [0, last].into_iter().zip(by) {
-        let joint = &mut joints[place];
+    for (index, by) in [0, last].into_iter().zip(by) {
+        let joint = &mut joints[index];
         let back = Matrix3::rotation(joint.axis, (-by).sin_cos());
         let back = Placement::new(back, Vector3::zero());
         joint.parent_from_joint = joint.parent_from_joint * back;

@@ -39,8 +39,8 @@ fn options_in(by: f64) -> LaneOptions {
 
 /// q and outcomes in the original unit: single queries, both searches, and batches; reached and not.
 fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
-    let there = chain_in(chain, by);
-    let solver = PoseSolver::new(&there, options_in(by)).unwrap();
+    let scaled_chain = chain_in(chain, by);
+    let solver = PoseSolver::new(&scaled_chain, options_in(by)).unwrap();
     let n = solver.joints();
     let units: Vec<f64> = chain
         .joints()
@@ -180,9 +180,9 @@ fn starts_many_turns_away_are_solved() {
 fn half_widths_are_in_the_unit_of_the_chain() {
     for by in [1.0, 1024.0] {
         let chain = chain_in(&ur5(), by);
-        let room = 0.05 * by;
+        let half_width = 0.05 * by;
         let axes = AxisGoal {
-            position_half_widths: [room; 3],
+            position_half_widths: [half_width; 3],
             ..AxisGoal::full_pose()
         };
         let options = options_in(by).with_axes(axes).with_atlas(false);
@@ -196,10 +196,13 @@ fn half_widths_are_in_the_unit_of_the_chain() {
             assert!(outcome.unwrap().reached);
             let off = goal.inverse() * target(&chain, &q);
             for off in off.translation.to_array() {
-                assert!(off.abs() < room + 1.01e-6 * by, "{off} in units of {by}");
+                assert!(
+                    off.abs() < half_width + 1.01e-6 * by,
+                    "{off} in units of {by}"
+                );
                 used = used.max(off.abs());
             }
         }
-        assert!(used > 0.5 * room, "{used} in units of {by}");
+        assert!(used > 0.5 * half_width, "{used} in units of {by}");
     }
 }

@@ -55,8 +55,8 @@ fn pen_reaches_points_of_its_curve() {
             -linkage.crank * crank.sin(),
         );
         let (diagonal, b, c) = (x.hypot(y), linkage.coupler, linkage.rocker);
-        let beside = (b * b + diagonal * diagonal - c * c) / (2.0 * b * diagonal);
-        let coupler = y.atan2(x) + beside.acos() - crank;
+        let cosine = (b * b + diagonal * diagonal - c * c) / (2.0 * b * diagonal);
+        let coupler = y.atan2(x) + cosine.acos() - crank;
         let placed = kinematics.place(&[crank, coupler, 0.0]).unwrap();
         let target = placed[pen.index()].translation;
 

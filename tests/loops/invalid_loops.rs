@@ -64,7 +64,7 @@ fn frames_without_joints_between_must_coincide() {
     let turned = Placement::new(Matrix3::rotation(Z, (0.6, 0.8)), Vector3::zero());
     type Kind = fn(&'static str, [FrameId; 2]) -> Loop;
     let (connect, weld): (Kind, Kind) = (Loop::connect, Loop::weld);
-    for (at, own, fine) in [
+    for (at, make_loop, fine) in [
         (along_x(0.0), weld, true),
         (along_x(1e-6), connect, false),
         (turned, connect, true),
@@ -72,9 +72,9 @@ fn frames_without_joints_between_must_coincide() {
     ] {
         let (mut builder, ends) = two_revolutes(1.0);
         let one = Some(built_joint(&builder, "one"));
-        let beside = builder.frame("beside one's end", one, along_x(1.0));
-        let own = own("stiff", [ends[0], beside]);
-        builder.close(own.at([Placement::identity(), at]));
+        let side_frame = builder.frame("beside one's end", one, along_x(1.0));
+        let stiff_loop = make_loop("stiff", [ends[0], side_frame]);
+        builder.close(stiff_loop.at([Placement::identity(), at]));
         match builder.build() {
             Ok(_) => assert!(fine),
             Err(ModelError::LoopCannotClose { .. }) => assert!(!fine),
@@ -88,7 +88,9 @@ fn invalid_names_frames_and_points_are_named() {
     let built = |loops: &[Loop]| {
         let mut builder = Model::builder("four-bar");
         FourBar::CRANK_ROCKER.add_to(&mut builder, None);
-        loops.iter().for_each(|own| builder.close(own.clone()));
+        loops
+            .iter()
+            .for_each(|closure| builder.close(closure.clone()));
         builder.build().unwrap_err().to_string()
     };
     let frame = |k| FourBar::CRANK_ROCKER.model().frame_ids().nth(k).unwrap();
@@ -102,8 +104,10 @@ fn invalid_names_frames_and_points_are_named() {
     let (mut foreign, _) = two_revolutes(1.0);
     let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
     let beyond = beyond.last().unwrap();
-    let own = Loop::weld("other", [ends[0], beyond]);
-    assert!(built(&[own]).contains("loop `other` connects a frame that is not in this model"));
+    let foreign_loop = Loop::weld("other", [ends[0], beyond]);
+    assert!(
+        built(&[foreign_loop]).contains("loop `other` connects a frame that is not in this model")
+    );
     for bad in [f64::NAN, f64::INFINITY] {
         let places = [along_x(0.0), along_x(bad)];
         let reported = built(&[Loop::connect("nowhere", ends).at(places)]);

@@ -165,9 +165,9 @@ impl Gripper {
         for (side, s) in [("left", -1.0), ("right", 1.0)] {
             // At zero the arms point sideways.
             let turn = Limits::new(-1.4, 1.4);
-            let mut add = |name: &str, on, place| {
+            let mut add = |name: &str, on, placement| {
                 let axis = z * s;
-                builder.revolute(format!("{side} {name}"), on, place, axis, turn)
+                builder.revolute(format!("{side} {name}"), on, placement, axis, turn)
             };
             let crank = add("crank", None, at(s * out, 0.0));
             let second = add("second", None, at(s * out, between));
@@ -179,8 +179,9 @@ impl Gripper {
                 z * s,
                 Limits::new(-3.0, 3.0),
             );
-            let mut frame =
-                |name: &str, on, place| builder.frame(format!("{side} {name}"), Some(on), place);
+            let mut frame = |name: &str, on, placement| {
+                builder.frame(format!("{side} {name}"), Some(on), placement)
+            };
             let holes = [
                 frame("finger hole", finger, at(0.0, between)),
                 frame("second end", second, at(s * arm, 0.0)),

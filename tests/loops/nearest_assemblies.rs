@@ -18,11 +18,11 @@ fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
     let apart = x.hypot(y);
     let (b, c) = (linkage.coupler, linkage.rocker);
     let along = (b * b - c * c + apart * apart) / (2.0 * apart);
-    let beside = (b * b - along * along).sqrt();
+    let height = (b * b - along * along).sqrt();
     [1.0, -1.0].map(|side| {
         let end = [
-            tip[0] + (along * x - side * beside * y) / apart,
-            tip[1] + (along * y + side * beside * x) / apart,
+            tip[0] + (along * x - side * height * y) / apart,
+            tip[1] + (along * y + side * height * x) / apart,
         ];
         let coupler = (end[1] - tip[1]).atan2(end[0] - tip[0]) - crank;
         let rocker = end[1].atan2(end[0] - linkage.ground);
@@ -125,8 +125,8 @@ fn source_joint_moves_its_mimic_joint() {
     for frame in linkage.frames() {
         builder.frame(&frame.name, frame.joint, frame.joint_from_frame);
     }
-    for own in linkage.loops() {
-        builder.close(own.clone());
+    for closure in linkage.loops() {
+        builder.close(closure.clone());
     }
     let model = builder.build().unwrap();
     let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());

@@ -226,11 +226,11 @@ fn damaged_bvh_is_an_error_or_can_be_rewritten() {
             let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
             let again = bvh::from_bytes(text.as_bytes(), "again.bvh").unwrap();
             assert_eq!(again.frames, capture.frames);
-            for (name, place) in armature.names().iter().zip(armature.rest().translations()) {
+            for (name, translation) in armature.names().iter().zip(armature.rest().translations()) {
                 let bone = again.armature.bone(name).unwrap();
                 assert_eq!(
                     again.armature.rest().local(bone).unwrap().translation,
-                    *place
+                    *translation
                 );
             }
         }

@@ -87,8 +87,8 @@ fn numbers(placement: &Placement<f64>) -> [f64; 12] {
     let Vector3 { x, y, z } = *translation;
     let rows = rotation.transpose();
     let mut numbers = [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    for (place, row) in [rows.x, rows.y, rows.z].into_iter().enumerate() {
-        numbers[3 + 3 * place..6 + 3 * place].copy_from_slice(&row.to_array());
+    for (index, row) in [rows.x, rows.y, rows.z].into_iter().enumerate() {
+        numbers[3 + 3 * index..6 + 3 * index].copy_from_slice(&row.to_array());
     }
     numbers
 }

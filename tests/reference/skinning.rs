@@ -100,9 +100,9 @@ fn vertices_of_packed_weights_equal_the_reference() {
             let lbs = PackedLinearBlend::new(&packed, &transforms).unwrap();
             let dqs = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
             let ways: [(&str, &dyn Deformation); 2] = [("lbs", &lbs), ("dqs", &dqs)];
-            for (name, way) in ways {
+            for (name, method) in ways {
                 let mut posed = mesh.positions().to_vec();
-                way.positions(mesh.positions(), &mut posed).unwrap();
+                method.positions(mesh.positions(), &mut posed).unwrap();
                 let off = largest_deviation(entry, &pose[name], &posed);
                 assert!(off < 1e-5 * mesh.size(), "{name}: off by {off}");
                 compared += 1;

@@ -12,11 +12,11 @@ const SHAPES: usize = 4;
 const VERTICES: usize = 30;
 
 fn shape(random: &mut Random) -> Vec<Vec3> {
-    let place = |_| {
+    let position = |_| {
         let [x, y, z] = <[f64; 3]>::from(random.vector(2.0)).map(|v| v as f32);
         Vec3::new(x, y, z)
     };
-    (0..VERTICES).map(place).collect()
+    (0..VERTICES).map(position).collect()
 }
 
 fn named(shapes: &[Vec<Vec3>]) -> BlendShapes {
@@ -29,12 +29,12 @@ fn named(shapes: &[Vec<Vec3>]) -> BlendShapes {
 }
 
 fn weights(random: &mut Random) -> [f32; SHAPES] {
-    let mut own = [0.0; SHAPES];
-    for weight in &mut own[1..] {
+    let mut shape_weights = [0.0; SHAPES];
+    for weight in &mut shape_weights[1..] {
         *weight = random.within(-0.4, 0.9) as f32;
     }
-    own[0] = 1.0 - own[1..].iter().sum::<f32>();
-    own
+    shape_weights[0] = 1.0 - shape_weights[1..].iter().sum::<f32>();
+    shape_weights
 }
 
 #[test]
@@ -72,11 +72,12 @@ fn common_displacement_is_kept() {
         .map(|shape| shape.iter().map(|p| *p + by).collect())
         .collect();
     let w = weights(&mut random);
-    let (mut here, mut there) = (vec![Vec3::ZERO; VERTICES], vec![Vec3::ZERO; VERTICES]);
-    named(&list).blend(&w, &mut here).unwrap();
-    named(&moved).blend(&w, &mut there).unwrap();
-    for (here, there) in here.iter().zip(&there) {
-        assert!((*there - *here - by).length() < 2e-5);
+    let (mut positions, mut moved_positions) =
+        (vec![Vec3::ZERO; VERTICES], vec![Vec3::ZERO; VERTICES]);
+    named(&list).blend(&w, &mut positions).unwrap();
+    named(&moved).blend(&w, &mut moved_positions).unwrap();
+    for (position, moved_position) in positions.iter().zip(&moved_positions) {
+        assert!((*moved_position - *position - by).length() < 2e-5);
     }
 }
 

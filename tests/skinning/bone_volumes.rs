@@ -41,10 +41,10 @@ fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
     TriangleMesh::new((0..8).map(corner).collect(), Vec::new(), triangles).unwrap()
 }
 
-fn weights(of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
+fn weights(weights_of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
     let mut builder = SkinWeights::builder(vertices, 2);
     for vertex in 0..vertices {
-        for (bone, weight) in of(vertex).into_iter().enumerate() {
+        for (bone, weight) in weights_of(vertex).into_iter().enumerate() {
             builder.add(vertex, bone, weight).unwrap();
         }
     }

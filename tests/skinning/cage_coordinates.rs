@@ -104,7 +104,7 @@ fn coordinates_are_unit_invariant() {
     let binding = CageBinding::new(&cage, &points).unwrap();
     // Powers of two, so that positions are exact.
     for unit in [1e-9_f32, 1e9].map(|unit| unit.log2().round().exp2()) {
-        let scaled = |places: &[Vec3]| places.iter().map(|place| *place * unit).collect();
+        let scaled = |places: &[Vec3]| places.iter().map(|position| *position * unit).collect();
         let scaled_cage: Vec<Vec3> = scaled(cage.positions());
         let scaled_cage =
             TriangleMesh::new(scaled_cage, vec![], cage.triangles().to_vec()).unwrap();

@@ -130,10 +130,10 @@ fn mirrored_mesh_has_mirrored_weights() {
 #[test]
 fn weights_do_not_cross_gaps() {
     let finger = closed_tube(4.0, 0.5, 12, 12);
-    let beside = Vec3::new(0.0, 1.01, 0.0);
+    let offset = Vec3::new(0.0, 1.01, 0.0);
     let count = finger.positions().len() as u32;
     let positions = finger.positions().iter().copied();
-    let both = positions.chain(finger.positions().iter().map(|p| *p + beside));
+    let both = positions.chain(finger.positions().iter().map(|p| *p + offset));
     let triangles = finger.triangles().iter().copied();
     let triangles = triangles.chain(finger.triangles().iter().map(|t| t.map(|i| i + count)));
     let mesh = TriangleMesh::new(both.collect(), vec![], triangles.collect()).unwrap();
@@ -219,8 +219,8 @@ fn halves_at_zero_and_minus_zero_are_joined() {
     let count = positions.len() as u32;
     let beyond = |t: &[u32; 3]| t.iter().any(|i| positions[*i as usize].x > 0.0);
     // The second half has separate vertices, so the seam's are duplicated.
-    let own = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
-    let triangles: Vec<[u32; 3]> = whole.triangles().iter().map(own).collect();
+    let split_triangle = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
+    let triangles: Vec<[u32; 3]> = whole.triangles().iter().map(split_triangle).collect();
     let minus = |p: &Vec3| if p.x == 0.0 { p.with_x(-0.0) } else { *p };
     let both = positions.iter().map(minus).chain(positions.iter().copied());
     let halves = TriangleMesh::new(both.collect(), vec![], triangles).unwrap();

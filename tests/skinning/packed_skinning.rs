@@ -200,8 +200,8 @@ fn excess_influences_and_bad_poses_are_rejected() {
     let refused = SkinningError::NotRigid { bone: 5 };
     let mut blend = PackedDualQuaternionBlend::new(&packed, &still).unwrap();
     assert_eq!(blend.set_transforms(&scaled).unwrap_err(), refused);
-    let kept = rest.deformed(&blend);
-    for (posed, rest) in kept.positions.iter().zip(&rest.positions) {
+    let deformed = rest.deformed(&blend);
+    for (posed, rest) in deformed.positions.iter().zip(&rest.positions) {
         assert!((*posed - *rest).length() < 1e-6);
     }
     assert_eq!(

@@ -157,9 +157,9 @@ fn nearest_push(free: &DMatrix<f64>, pushes: &[DVector<f64>], g: &DVector<f64>) 
             .collect();
         let a = DMatrix::from_columns(&columns);
         let z = a.clone().svd(true, true).solve(&-g, 1e-11).unwrap();
-        let own = passive.iter().zip(z.iter().skip(free.ncols()));
-        if let Some((&k, _)) = own.into_iter().find(|(_, z)| **z < -1e-12) {
-            passive.retain(|own| *own != k);
+        let multipliers = passive.iter().zip(z.iter().skip(free.ncols()));
+        if let Some((&k, _)) = multipliers.into_iter().find(|(_, z)| **z < -1e-12) {
+            passive.retain(|candidate| *candidate != k);
             continue;
         }
         let left = a * z + g;

@@ -98,18 +98,18 @@ fn steps_and_differences_are_inverse() {
             assert_eq!(alone, x, "round {round}, {k}");
 
             let (down, up) = space.room(&x, k);
-            for (sign, room) in [(-1.0, down), (1.0, up)] {
+            for (sign, slack) in [(-1.0, down), (1.0, up)] {
                 let taken = space.integrate_one(&x, k, sign * 1e-4, &mut alone);
-                assert_eq!(space.stopped_step(&x, k, taken).is_some(), 1e-4 > room);
+                assert_eq!(space.stopped_step(&x, k, taken).is_some(), 1e-4 > slack);
                 let left = !is_within(&problem, &model, &alone);
-                if room == 0.0 {
+                if slack == 0.0 {
                     assert!(left, "round {round}: {k} goes {sign} from {x:?} and stays");
                     on_edges += 1;
                     // A configuration outside is projected back to its origin or near it.
                     space.project(&mut alone);
                     let moved = space.distance(&alone, &x, &mut back);
                     assert!(moved < 1e-3, "round {round}, {k}: {moved:e}");
-                } else if room == f64::INFINITY && sign < 0.0 {
+                } else if slack == f64::INFINITY && sign < 0.0 {
                     // From an edge straight inward.
                     let curved = left && {
                         space.project(&mut alone);

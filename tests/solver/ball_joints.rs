@@ -152,8 +152,8 @@ fn derivative_routes_agree_at_special_rotations() {
             let mut residual = vec![0.0; evaluation.rows()];
             evaluation.residual(&x, &mut residual);
             let mut gradient = vec![0.0; x.len()];
-            let mut room = DMatrix::zeros(residual.len(), x.len());
-            evaluation.gradient(&x, &residual, &mut gradient, &mut room);
+            let mut buffer = DMatrix::zeros(residual.len(), x.len());
+            evaluation.gradient(&x, &residual, &mut gradient, &mut buffer);
             let product = dual.transpose() * nalgebra::DVector::from_vec(residual);
             let scale = product.amax().max(1.0);
             for (ours, theirs) in gradient.iter().zip(&product) {

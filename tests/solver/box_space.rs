@@ -61,8 +61,8 @@ fn box_space_steps_projects_and_holds() {
             assert_eq!(space.held_at(&x, k, slope[k], 0.1), held);
             assert_eq!(space.holds(&x, k, slope[k], 0.1), held.is_some());
             reported[held.map_or(2, |side| usize::from(side == Side::Upper))] += 1;
-            let there = (x[k] - slope[k] / 2.0).max(lower[k]).min(upper[k]);
-            norm = norm.max((there - x[k]).abs());
+            let minimum = (x[k] - slope[k] / 2.0).max(lower[k]).min(upper[k]);
+            norm = norm.max((minimum - x[k]).abs());
         }
         assert!((space.projected_gradient_norm(&x, &slope, 2.0) - norm).abs() < 1e-15);
         let lost = vec![f64::NAN; n];

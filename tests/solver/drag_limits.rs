@@ -47,16 +47,16 @@ impl Body {
     }
 
     fn limits(&self) -> MotionLimits {
-        let of = |rate: usize| {
+        let limits_of = |rate: usize| {
             let mut limits = vec![JOINT[rate]; self.model().configuration_len()];
             limits[..3].fill(LINEAR[rate]);
             limits[3..7].fill(ANGULAR[rate]);
             limits
         };
         MotionLimits::unlimited(self.model().configuration_len())
-            .with_velocity(of(0))
-            .with_acceleration(of(1))
-            .with_jerk(of(2))
+            .with_velocity(limits_of(0))
+            .with_acceleration(limits_of(1))
+            .with_jerk(limits_of(2))
     }
 
     /// A drag with its feet pinned, and the position of the hand at the start.

@@ -314,8 +314,8 @@ struct Valleys;
 impl Curve for Valleys {
     fn at<S: Scalar>(&self, s: S) -> S {
         let c = S::constant;
-        let beside = s + c(3.0);
-        (s - c(3.0)) * (beside * beside + c(0.1))
+        let shifted = s + c(3.0);
+        (s - c(3.0)) * (shifted * shifted + c(0.1))
     }
 }
 

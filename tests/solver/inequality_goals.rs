@@ -25,8 +25,8 @@ const UP: [f64; 3] = [0.0, 0.0, 1.0];
 fn slide() -> (Model, FrameId) {
     let mut builder = Model::builder("slide");
     let axis = Vector3::UNITS[2];
-    let room = Limits::new(-2.0, 2.0);
-    let slide = builder.prismatic("z", None, Placement::identity(), axis, room);
+    let limits = Limits::new(-2.0, 2.0);
+    let slide = builder.prismatic("z", None, Placement::identity(), axis, limits);
     let frame = builder.frame("t", Some(slide), Placement::identity());
     (builder.build().unwrap(), frame)
 }
@@ -107,8 +107,8 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         }),
         ("goal", &|builder| {
             let target = Placement::translation([0.0, 0.0, 1.25].into());
-            let room = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, target).with_goal(room));
+            let bounds = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
+            builder.add(Pose::new(carried, target).with_goal(bounds));
         }),
     ];
     for (what, goal) in rooms {
@@ -147,8 +147,9 @@ fn nearest(corners: [[f64; 2]; 3], to: [f64; 2]) -> [f64; 2] {
         return to;
     }
     let on_side = |(a, b): ([f64; 2], [f64; 2])| {
-        let (side, way) = ([b[0] - a[0], b[1] - a[1]], [to[0] - a[0], to[1] - a[1]]);
-        let share = (side[0] * way[0] + side[1] * way[1]) / (side[0].powi(2) + side[1].powi(2));
+        let (side, displacement) = ([b[0] - a[0], b[1] - a[1]], [to[0] - a[0], to[1] - a[1]]);
+        let share = (side[0] * displacement[0] + side[1] * displacement[1])
+            / (side[0].powi(2) + side[1].powi(2));
         let share = share.clamp(0.0, 1.0);
         [a[0] + share * side[0], a[1] + share * side[1]]
     };
@@ -274,9 +275,9 @@ fn posture_above_floor_is_stationary() {
 #[test]
 fn inequalities_on_all_axes_hold() {
     let mut builder = Model::builder("slides");
-    let (mut last, room) = (None, Limits::new(-2.0, 2.0));
+    let (mut last, limits) = (None, Limits::new(-2.0, 2.0));
     for (name, axis) in ["x", "y", "z"].iter().zip(Vector3::UNITS) {
-        last = Some(builder.prismatic(*name, last, Placement::identity(), axis, room));
+        last = Some(builder.prismatic(*name, last, Placement::identity(), axis, limits));
     }
     let carried = builder.frame("t", last, Placement::identity());
     let model = builder.build().unwrap();
@@ -287,8 +288,8 @@ fn inequalities_on_all_axes_hold() {
         // With a point on a lower level, and with a soft task.
         for level in [true, false] {
             let mut builder = Problem::builder(&model);
-            let room = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, Placement::identity()).with_goal(room));
+            let bounds = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
+            builder.add(Pose::new(carried, Placement::identity()).with_goal(bounds));
             let far = sign.map(|sign| 1.5 * sign);
             match level {
                 true => {

@@ -128,14 +128,14 @@ fn placed_model_gives_equal_steps() {
         let mut random = Random::new(seed);
         let away = rigid(random.rotation(), random.vector(2.0));
         let here = RandomRig::new(seed);
-        let there = RandomRig::placed(seed, 1.0, away);
+        let placed_rig = RandomRig::placed(seed, 1.0, away);
         let from_here = problem(&here, 1.0, seed);
-        let from_there = problem(&there, 1.0, seed);
+        let from_there = problem(&placed_rig, 1.0, seed);
         for solver in solvers() {
             let solver = solver.with_stopping(Stopping::default().with_max_iterations(10));
             let solver = solver.with_restarts(Restarts::none());
             let a = run(&solver, &here, &from_here);
-            let b = run(&solver, &there, &from_there);
+            let b = run(&solver, &placed_rig, &from_there);
             let label = format!("rig {seed}, {}", solver.method());
             agree(&label, &a, &b);
             for (one, same) in a.0.iter().zip(&b.0) {

@@ -35,14 +35,14 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
     let (frame, other) = (pick(), pick());
     let here = at[frame.index()];
     let aside = vector(random.vector(off));
-    let place = here.translation + aside;
-    let pose = Placement::new(here.rotation, place);
+    let position = here.translation + aside;
+    let pose = Placement::new(here.rotation, position);
     match random.below(16) {
         0..4 => {
             tasks.add(Pose::new(frame, pose));
         }
         4 | 5 => {
-            tasks.add(Point::new(frame, place).at(vector(random.vector(0.2))));
+            tasks.add(Point::new(frame, position).at(vector(random.vector(0.2))));
         }
         6 => {
             tasks.add(Orientation::new(frame, here.rotation));
@@ -54,19 +54,19 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Pose::new(frame, seen).relative_to(other));
         }
         8 => {
-            tasks.add(LookAt::new(frame, direction(random), place));
+            tasks.add(LookAt::new(frame, direction(random), position));
         }
         9 => {
-            tasks.add(Gaze::at(frame, direction(random), place, 0.3));
+            tasks.add(Gaze::at(frame, direction(random), position, 0.3));
         }
         10 => {
             tasks.add(Bounded::new(Pose::new(frame, pose), 0.05));
         }
         11 => {
-            tasks.add(CentreOfMass::new(&body.masses, place));
+            tasks.add(CentreOfMass::new(&body.masses, position));
         }
         12 => {
-            let corners = (0..4).map(|_| place + vector(random.vector(0.2)));
+            let corners = (0..4).map(|_| position + vector(random.vector(0.2)));
             let polygon = SupportPolygon::new(&body.masses).with_points(corners);
             tasks.add(polygon);
         }
@@ -75,7 +75,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             // A frame that too few joints move is rejected.
             match task.validate() {
                 Ok(()) => tasks.add(Task::new(task).preference()).index(),
-                Err(_) => tasks.add(Point::new(frame, place)).index(),
+                Err(_) => tasks.add(Point::new(frame, position)).index(),
             };
         }
         14 => {
@@ -83,8 +83,8 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Smoothness::new(model, &model.neutral(), 0.1));
         }
         _ => {
-            tasks.add(Plane::new(frame, place, direction(random)));
-            tasks.add(Ray::new(other, place + Vector3::UNITS[0], place));
+            tasks.add(Plane::new(frame, position, direction(random)));
+            tasks.add(Ray::new(other, position + Vector3::UNITS[0], position));
             if frame != other {
                 tasks.add(Distance::new(frame, other, random.within(0.0, 1.0)));
             }

@@ -39,11 +39,11 @@ impl Scene {
         let mut tasks = Problem::builder(model);
         let mut dragged = None;
         let mut pinned = Vec::new();
-        for (&tip, &place) in tips.iter().zip(&places) {
-            let task = tasks.add(Point::new(tip, place));
+        for (&tip, &position) in tips.iter().zip(&places) {
+            let task = tasks.add(Point::new(tip, position));
             match tip == rig.skeleton.tip(hand) {
-                true => dragged = Some((task, place)),
-                false => pinned.push((tip, place)),
+                true => dragged = Some((task, position)),
+                false => pinned.push((tip, position)),
             }
         }
         tasks.add(Posture::new(model, &rest));
@@ -69,7 +69,7 @@ impl Scene {
         let furthest = moves.map(|(a, b)| (a - b).abs());
         let placed = self.kinematics.place(self.drag.q()).unwrap();
         let off = self.pinned.iter().zip(placed);
-        let deviation = off.map(|((_, place), now)| (now.translation - *place).norm());
+        let deviation = off.map(|((_, target), now)| (now.translation - *target).norm());
         self.most[0] = furthest.fold(self.most[0], f64::max);
         self.most[1] = deviation.fold(self.most[1], f64::max);
     }
@@ -207,14 +207,18 @@ fn retargeted_drag_drops_its_escape() {
             continue;
         }
         out += 1;
-        let mut led = scene.drag;
-        let mut fresh = Drag::new(led.problem().clone(), led.q()).unwrap();
+        let mut dragged = scene.drag;
+        let mut fresh = Drag::new(dragged.problem().clone(), dragged.q()).unwrap();
         let target = scene.from + Vector3::new(0.0, 0.0, 0.8 * up);
-        for drag in [&mut led, &mut fresh] {
+        for drag in [&mut dragged, &mut fresh] {
             drag.target_mut(scene.hand).unwrap().set_target(target);
         }
         for frame in 0..3 {
-            assert_eq!(led.advance().q, fresh.advance().q, "{seed}, frame {frame}");
+            assert_eq!(
+                dragged.advance().q,
+                fresh.advance().q,
+                "{seed}, frame {frame}"
+            );
         }
     }
     assert!(out > 0);

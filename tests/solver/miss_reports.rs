@@ -21,8 +21,8 @@ fn zero_weight_task_reports_its_error() {
     let model = robot.model();
     let tool = model.frame("flange").unwrap();
     let mut random = Random::new(1);
-    let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
-    let target = placement_of(model, "flange", &there);
+    let [target_q, start] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let target = placement_of(model, "flange", &target_q);
     for (weight, of_place) in [(0.0, 1.0), (1e-300, 2.0), (1e-160, 0.5)] {
         let mut builder = Problem::builder(model);
         builder.parameters(robot.map().clone());

@@ -210,11 +210,11 @@ fn source_joint_keeps_the_tighter_move_limit() {
         tasks.parameters(map.build().unwrap());
         tasks.add(Point::new(hand, [0.0, 1.0, 0.0]));
         let problem = tasks.build().unwrap();
-        for (own, followers, goes) in [(0.03, 0.1, 0.03), (0.1, 0.1, 0.05)] {
+        for (leader_limit, follower_limit, goes) in [(0.03, 0.1, 0.03), (0.1, 0.1, 0.05)] {
             let most = if leader_first {
-                [own, followers]
+                [leader_limit, follower_limit]
             } else {
-                [followers, own]
+                [follower_limit, leader_limit]
             };
             let moves = MoveLimits::new(&problem, &most, &[0.0; 2]).unwrap();
             let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();

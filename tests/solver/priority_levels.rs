@@ -34,12 +34,12 @@ impl Conflict {
         let (model, map) = (robot.model().clone(), robot.map().clone());
         let mut random = Random::new(seed);
         let start = configuration_of(&model, &mut random);
-        let there = configuration_of(&model, &mut random);
-        let elsewhere = configuration_of(&model, &mut random);
-        let of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
-        let position = of(ELBOW, &elsewhere).translation;
+        let target_q = configuration_of(&model, &mut random);
+        let other_q = configuration_of(&model, &mut random);
+        let pose_of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
+        let position = pose_of(ELBOW, &other_q).translation;
         Self {
-            tool: of(tool, &there),
+            tool: pose_of(tool, &target_q),
             elbow: [position.x, position.y, position.z],
             model,
             map,
@@ -143,8 +143,8 @@ fn lower_level_does_not_increase_a_miss() {
         let conflict = Conflict::new(seed);
         let far: Add<'_> = &|builder| {
             let tool = conflict.model.frame(panda().2).unwrap();
-            let place = conflict.tool.translation * 4.0;
-            builder.add(Point::new(tool, [place.x, place.y, place.z]));
+            let target = conflict.tool.translation * 4.0;
+            builder.add(Point::new(tool, [target.x, target.y, target.z]));
         };
         let second: Add<'_> = &|builder| {
             builder.add(Task::new(conflict.elbow()).at_level(1));
@@ -163,8 +163,8 @@ fn lower_level_does_not_increase_a_miss() {
         let (with, without) = (cost(&solution, 0), cost(&by_itself, 0));
         assert!(with <= without * (1.0 + 1e-8), "{seed}: {with} {without}");
         let elbow = |q: &[f64]| {
-            let place = placement_of(&conflict.model, ELBOW, q).translation;
-            (place - Vector3::from(conflict.elbow)).norm()
+            let position = placement_of(&conflict.model, ELBOW, q).translation;
+            (position - Vector3::from(conflict.elbow)).norm()
         };
         gained += usize::from(elbow(&solution.q) < elbow(&by_itself.q) - 1e-6);
         let explanation = solution.explain();
@@ -181,9 +181,9 @@ fn three_levels_do_not_disturb_each_other() {
     for seed in 0..cases(30, 3) as u64 {
         let conflict = Conflict::new(seed);
         let [hand, wrist] = [panda().2, "link6"].map(|name| conflict.model.frame(name).unwrap());
-        let place = conflict.tool.translation;
+        let target = conflict.tool.translation;
         let first: Add<'_> = &|builder| {
-            builder.add(Point::new(hand, [place.x, place.y, place.z]));
+            builder.add(Point::new(hand, [target.x, target.y, target.z]));
         };
         let second: Add<'_> = &|builder| {
             builder.add(Task::new(conflict.elbow()).at_level(1));
@@ -250,9 +250,9 @@ fn compatible_levels_are_all_reached() {
     for seed in 0..cases(40, 4) as u64 {
         let conflict = Conflict::new(seed);
         let mut random = Random::new(seed ^ 0xabc);
-        let there = configuration_of(&conflict.model, &mut random);
-        let place = |frame: &str| placement_of(&conflict.model, frame, &there);
-        let (hand, elbow) = (place(panda().2), place(ELBOW).translation);
+        let target_q = configuration_of(&conflict.model, &mut random);
+        let placement_at = |frame: &str| placement_of(&conflict.model, frame, &target_q);
+        let (hand, elbow) = (placement_at(panda().2), placement_at(ELBOW).translation);
         let problem = conflict.problem(&[&|builder| {
             let hand = hand.translation;
             builder.add(Point::new(
@@ -264,7 +264,7 @@ fn compatible_levels_are_all_reached() {
                 [elbow.x, elbow.y, elbow.z],
             );
             builder.add(Task::new(elbow).at_level(1));
-            builder.add(Posture::new(&conflict.model, &there));
+            builder.add(Posture::new(&conflict.model, &target_q));
         }]);
         let solution = Solver::default()
             .solve_once(&problem, &conflict.start)
@@ -440,7 +440,7 @@ fn relaxed_levels_leave_no_state() {
     let queries = || {
         target_lists
             .iter()
-            .map(|own| problem.with_targets(own).unwrap())
+            .map(|targets| problem.with_targets(targets).unwrap())
     };
     let start = [0.2, 0.3, 0.2, 0.1];
     // Interrupted searches miss levels in the descent from the common minimum.

@@ -17,8 +17,8 @@ const PLACES: [[f64; 3]; 4] = [
     [0.2, 0.0, 0.1],
 ];
 
-fn at(place: [f64; 3]) -> Placement<f64> {
-    Placement::translation(Vector3::from(place))
+fn at(position: [f64; 3]) -> Placement<f64> {
+    Placement::translation(Vector3::from(position))
 }
 
 /// Chain of a ball joint and three revolute joints, with its tip.
@@ -94,7 +94,7 @@ fn changed_joint_origins_equal_a_rebuilt_problem() {
     let (model, joints, tip) = arm(PLACES);
     let mut random = Random::new(7);
     for _ in 0..8 {
-        let places = PLACES.map(|place| place.map(|number| number + 0.1 * random.unit()));
+        let places = PLACES.map(|position| position.map(|number| number + 0.1 * random.unit()));
         let moved = model.clone();
         let moved = moved
             .with_joint_origins(joints.iter().copied().zip(places))

@@ -85,8 +85,8 @@ fn starts_depend_on_seed_and_number_only() {
         assert_ne!(many[k], many[k + 1]);
     }
     // Even attempts are sampled from the whole box, independent of the caller's start.
-    let elsewhere = tree.configuration(&mut Random::new(99));
-    let moved = attempts(&tree.model, 7, 5, &elsewhere);
+    let other_q = tree.configuration(&mut Random::new(99));
+    let moved = attempts(&tree.model, 7, 5, &other_q);
     let bounded: Vec<usize> = (0..start.len())
         .filter(|&c| tree.model.limits().nth(c).unwrap().upper.is_finite())
         .collect();
@@ -223,10 +223,10 @@ fn miss_costs_as_much_as_a_few_attempts() {
         let mut builder = Problem::builder(model);
         let at_ease = rig.skeleton.pose(&model.neutral()).unwrap();
         for (k, &tip) in rig.tips.iter().enumerate() {
-            let place = at_ease.tip(&rig.skeleton, tip).unwrap();
+            let tip_position = at_ease.tip(&rig.skeleton, tip).unwrap();
             let far = if k == 1 { 3.0 } else { 0.0 };
             let aside = kinopt::spatial::Vector3::new(far, 0.5 * far, 0.2 * far);
-            builder.add(Point::new(rig.skeleton.tip(tip), place + aside));
+            builder.add(Point::new(rig.skeleton.tip(tip), tip_position + aside));
         }
         let problem = builder.build().unwrap();
         let evaluations = |solver: &Solver| {

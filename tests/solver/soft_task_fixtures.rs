@@ -110,8 +110,8 @@ pub(crate) fn drag(seed: u64) -> Drag {
     let model = rig.skeleton.model();
     let mut random = Random::new(seed);
     let start = configuration_of(model, &mut random);
-    let there = configuration_of(model, &mut random);
-    let at = rig.transforms(&there);
+    let target_q = configuration_of(model, &mut random);
+    let at = rig.transforms(&target_q);
     Drag {
         map: ParameterMap::free(model),
         rest: model.neutral(),

@@ -30,8 +30,8 @@ fn panda_reaches_with_default_soft_tasks() {
     for (k, kind) in kinds.iter().enumerate() {
         for seed in 0..cases as u64 {
             let mut random = Random::new(seed);
-            let [there, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
-            let target = placement_of(model, tool, &there);
+            let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
+            let target = placement_of(model, tool, &target_q);
             let goal: Add<'_> = &|builder| {
                 builder.add(Pose::new(frame, target));
             };
@@ -103,8 +103,8 @@ fn rows_of_infinite_tolerance_constrain_nothing() {
     let mut left = Vec::new();
     for seed in 0..4 {
         let mut random = Random::new(seed);
-        let [there, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
-        let target = placement_of(model, tool, &there);
+        let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
+        let target = placement_of(model, tool, &target_q);
         let pose: Add<'_> = &|builder| {
             let pose = Task::new(Pose::new(frame, target));
             builder.add(pose.tolerance(Quantity::Radians, f64::INFINITY));
@@ -144,7 +144,7 @@ fn posture_costs_a_drag_few_steps_per_frame() {
         let mut builder = Problem::builder(model);
         let tips = figure.rig.tips.iter().zip(&places);
         let tasks: Vec<_> = tips
-            .map(|(&tip, place)| builder.add(Point::new(skeleton.tip(tip), *place)))
+            .map(|(&tip, position)| builder.add(Point::new(skeleton.tip(tip), *position)))
             .collect();
         if posture {
             builder.add(Posture::new(model, rest));
@@ -171,11 +171,11 @@ fn posture_costs_a_drag_few_steps_per_frame() {
         drag.settle(200);
         assert!(drag.is_at_rest());
         let goal: Add<'_> = &|builder| {
-            for (k, (&tip, place)) in figure.rig.tips.iter().zip(&places).enumerate() {
+            for (k, (&tip, position)) in figure.rig.tips.iter().zip(&places).enumerate() {
                 let turn = 0.05 * f64::from(frames - 1);
                 let sway = nalgebra::Vector3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * 0.05;
                 let sway = if k == 0 { sway } else { sway * 0.0 };
-                builder.add(Point::new(skeleton.tip(tip), place + sway));
+                builder.add(Point::new(skeleton.tip(tip), position + sway));
             }
         };
         let pull: Add<'_> = &|builder| {

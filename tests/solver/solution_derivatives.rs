@@ -212,10 +212,10 @@ fn derivative_by_velocity_is_the_time_step() {
         let tip = builder.frame("tip", Some(hinge), Placement::identity());
         let model = builder.build().unwrap();
         let before = [0.4, -0.7];
-        let place = ForwardKinematics::new(&model).place(&before).unwrap()[tip.index()];
+        let placement = ForwardKinematics::new(&model).place(&before).unwrap()[tip.index()];
         let velocity = (axis * 0.5, axis * -1.5);
         let mut tasks = Problem::builder(&model);
-        tasks.add(FrameVelocity::new(tip, place, dt, velocity));
+        tasks.add(FrameVelocity::new(tip, placement, dt, velocity));
         let problem = tasks.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &before).unwrap();
         assert!(solution.reached);
@@ -238,8 +238,8 @@ fn velocity_gradients_follow_the_manifold() {
     let mut builder = Model::builder("free, ball and hinge");
     let at = Placement::identity();
     let [x, _, z] = Vector3::UNITS;
-    let room = [Limits::new(-1.0, 1.0); 3];
-    let body = builder.free("body", None, at, room);
+    let position_limits = [Limits::new(-1.0, 1.0); 3];
+    let body = builder.free("body", None, at, position_limits);
     let ball = builder.ball("ball", Some(body), at, x, None);
     let limits = Limits::new(-1.0, 1.0);
     let hinge = builder.revolute("hinge", Some(ball), at, z, limits);

@@ -29,12 +29,18 @@ fn person() -> Body {
     let (mut feet, mut knees) = (Vec::new(), Vec::new());
     for (side, y) in [("left", 0.1), ("right", -0.1)] {
         let mut hinge = |part: &str, parent, z, axis, limits| {
-            let place = if part == "hip roll" {
+            let placement = if part == "hip roll" {
                 at(0.0, y, z)
             } else {
                 at(0.0, 0.0, z)
             };
-            builder.revolute(format!("{side} {part}"), Some(parent), place, axis, limits)
+            builder.revolute(
+                format!("{side} {part}"),
+                Some(parent),
+                placement,
+                axis,
+                limits,
+            )
         };
         let roll = hinge("hip roll", pelvis, -0.05, along_x, wide);
         let hip = hinge("hip", roll, 0.0, along_y, wide);
@@ -71,7 +77,7 @@ fn placed(model: &Model, frame: FrameId, q: &[f64]) -> Placement<f64> {
 }
 
 /// Drags the hand along a straight line and returns the final configuration.
-fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<f64> {
+fn dragged(body: &Body, start: &[f64], displacement: Vector3<f64>, upright: bool) -> Vec<f64> {
     let model = &body.model;
     let mut tasks = Problem::builder(model);
     let from = placed(model, body.hand, start).translation;
@@ -86,7 +92,7 @@ fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<
     });
     let mut drag = Drag::new(tasks.build().unwrap(), start).unwrap();
     for step in 1..=30 {
-        let at = from + way * (f64::from(step) / 30.0);
+        let at = from + displacement * (f64::from(step) / 30.0);
         drag.target_mut(hand).unwrap().set_target(at);
         drag.advance();
     }
@@ -172,10 +178,10 @@ fn crouch_height_is_above_the_lower_foot() {
         first
     });
     for part in ["hip roll", "hip", "knee", "ankle", "ankle roll"] {
-        let of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
+        let value_of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
         let mirror = if part.ends_with("roll") { -1.0 } else { 1.0 };
         for (side, other) in [("left", "right"), ("right", "left")] {
-            let [actual, mirrored] = [of(&stances[0], side), of(&stances[1], other)];
+            let [actual, mirrored] = [value_of(&stances[0], side), value_of(&stances[1], other)];
             assert!(
                 (actual - mirror * mirrored).abs() < 1e-5,
                 "{side} {part}: {actual} {mirrored}"

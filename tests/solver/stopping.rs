@@ -251,15 +251,15 @@ fn small_step_is_reported() {
 #[test]
 fn small_step_to_the_target_is_reached() {
     let target = [0.2, 0.7, 0.0];
-    let there = Solver::default().solve_once(&problem(target), &START);
-    let beside: Vec<f64> = there.unwrap().q.iter().map(|q| q + 1e-5).collect();
+    let solution = Solver::default().solve_once(&problem(target), &START);
+    let nearby: Vec<f64> = solution.unwrap().q.iter().map(|q| q + 1e-5).collect();
     let mut reported = 0;
     for solver in solvers() {
         let ended = |tolerance: f64| {
             let stopping = Stopping::default().with_step_tolerance(tolerance);
             let solver = solver.clone().with_stopping(stopping);
             let solver = solver.with_restarts(Restarts::none());
-            solver.solve_once(&problem(target), &beside).unwrap()
+            solver.solve_once(&problem(target), &nearby).unwrap()
         };
         let exact = ended(1e-15);
         if exact.reached && exact.iterations == 1 {

@@ -52,11 +52,12 @@ fn lopsided(skeleton: &Skeleton, q: &[f64]) -> f64 {
         if bone.name.starts_with("right_") {
             return 0.0;
         }
-        let [here, there] = [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
+        let [here, mirror_bone] =
+            [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
         let ends = [pose.tail(here).unwrap(), pose.tip(skeleton, here).unwrap()];
         let others = [
-            pose.tail(there).unwrap(),
-            pose.tip(skeleton, there).unwrap(),
+            pose.tail(mirror_bone).unwrap(),
+            pose.tip(skeleton, mirror_bone).unwrap(),
         ];
         let apart = ends
             .into_iter()
@@ -85,8 +86,8 @@ fn symmetric_hand_targets_settle_symmetrically() {
         ([0.2, 3.0, 1.4], false),
     ] {
         let target = Vector3::from(target);
-        for (hand, place) in hands.into_iter().zip([target, mirrored(target)]) {
-            body.target_mut(hand).unwrap().set_target(place);
+        for (hand, target) in hands.into_iter().zip([target, mirrored(target)]) {
+            body.target_mut(hand).unwrap().set_target(target);
         }
         body.set_configuration(&rest).unwrap();
         let settled = body.settle(200);

@@ -124,8 +124,8 @@ fn bounded_task_leaves_freedom_to_soft_tasks() {
     assert!(solution.reached, "{}", solution.explain());
     assert_eq!(solution.tasks().next().unwrap().name, "hand on the ring");
     // The posture is farther out and pulls the hand to the ring's outer edge.
-    let mut place = kinopt::kinematics::ForwardKinematics::new(&model);
-    let tip = place.place(&solution.q).unwrap()[frame.index()].translation - centre;
+    let mut kinematics = kinopt::kinematics::ForwardKinematics::new(&model);
+    let tip = kinematics.place(&solution.q).unwrap()[frame.index()].translation - centre;
     assert!((0.59..0.6 + 1e-8).contains(&tip.norm()), "{}", tip.norm());
 }
 

@@ -53,11 +53,11 @@ fn task_within_its_interval_costs_nothing() {
     let (model, base, tip) = arm(3.0);
     let q = [0.3, 0.9, -0.4];
     let near = placed(&[0.31, 0.88, -0.35]);
-    let room = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
+    let bounds = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
     let low = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
     let far = planar_tip(&LINKS[1..], &q[1..]).norm();
     for problem in [
-        problem(&model, Pose::new(tip, near).with_goal(room)),
+        problem(&model, Pose::new(tip, near).with_goal(bounds)),
         problem(&model, Bounded::at_least(low, 0.5)),
         problem(
             &model,

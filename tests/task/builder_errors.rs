@@ -517,10 +517,10 @@ fn skeleton_errors_name_the_bone() {
         ]),
         &["`b`", "parent"],
     );
-    let own = rig.skeleton.bone_at(0);
+    let first_bone = rig.skeleton.bone_at(0);
     names(
         build(vec![Bone {
-            parent: own,
+            parent: first_bone,
             ..bone("a")
         }]),
         &["`a`", "parent"],

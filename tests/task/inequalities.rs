@@ -35,11 +35,11 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
         residual.evaluate(&placements, &turned, &mut values);
         residual.slacks(&placements, &turned, &mut depths);
         let mut edge = 0;
-        for room in &rooms {
-            let least = depths[edge..edge + room.edges()].iter().copied();
+        for inequality in &rooms {
+            let least = depths[edge..edge + inequality.edges()].iter().copied();
             let smallest = least.fold(f64::INFINITY, f64::min);
-            edge += room.edges();
-            let vanishes = values[room.rows()].iter().all(|value| *value == 0.0);
+            edge += inequality.edges();
+            let vanishes = values[inequality.rows()].iter().all(|value| *value == 0.0);
             if smallest.abs() > 1e-9 {
                 assert_eq!(vanishes, smallest > 0.0, "{values:?} {depths:?} at {q:?}");
                 met[usize::from(!vanishes)] += 1;

@@ -25,8 +25,8 @@ fn same_at<R: Residual>(
     joints: &[f64],
 ) {
     let rows: usize = task.rows().iter().map(|rows| rows.count).sum();
-    let [mut own, mut by_step, mut by_setter] = [(); 3].map(|()| vec![0.0; rows]);
-    task.evaluate(frames, joints, &mut own);
+    let [mut unmoved, mut by_step, mut by_setter] = [(); 3].map(|()| vec![0.0; rows]);
+    task.evaluate(frames, joints, &mut unmoved);
     task.evaluate_moved(frames, joints, step, &mut by_step);
     moved.evaluate(frames, joints, &mut by_setter);
     let deviation_of = |a: &[f64], b: &[f64]| {
@@ -35,8 +35,8 @@ fn same_at<R: Residual>(
     };
     let kind = task.kind();
     assert!(
-        deviation_of(&own, &by_step) > 1e-6,
-        "{kind}: {own:?} {by_step:?}"
+        deviation_of(&unmoved, &by_step) > 1e-6,
+        "{kind}: {unmoved:?} {by_step:?}"
     );
     assert!(
         deviation_of(&by_step, &by_setter) < 1e-12,
@@ -50,17 +50,21 @@ fn positions_and_directions_move_by_the_step() {
     let frame = builder.frame("eye", None::<JointId>, Placement::identity());
     builder.build().unwrap();
     let (target, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
-    let there = target + Vector3::from(step);
+    let moved_target = target + Vector3::from(step);
     let axis = [1.0, 0.2, 0.0];
     for gaze in [
         Gaze::at(frame, axis, target, 0.1),
         Gaze::along(frame, axis, target, 0.1),
     ] {
         let mut moved = gaze;
-        moved.set_target(there);
+        moved.set_target(moved_target);
         same(&gaze, &moved, &step);
     }
-    same(&Point::new(frame, target), &Point::new(frame, there), &step);
+    same(
+        &Point::new(frame, target),
+        &Point::new(frame, moved_target),
+        &step,
+    );
 }
 
 /// A task that is set equals a task constructed with the value.
@@ -226,20 +230,23 @@ fn targets_of_every_kind_move_by_the_step() {
     }
     let model = builder.build().unwrap();
     let [a, b] = [frames[0], frames[1]];
-    let (place, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
-    let there = place + Vector3::from(step);
+    let (point, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
+    let moved_point = point + Vector3::from(step);
 
     let distance = |by: f64| Distance::new(a, b, 0.4 + by);
     same_with(&distance(0.0), &distance(1e-3), &[1e-3], &[]);
     let through = |through: Vector3<f64>| Ray::new(a, [0.1, 0.2, -3.0], through);
-    let mut ray = through(place);
+    let mut ray = through(point);
     // A line's target is the mouse; its eye moves along.
-    ray.set_line(Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step), there);
-    same_with(&through(place), &ray, &step, &[]);
+    ray.set_line(
+        Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step),
+        moved_point,
+    );
+    same_with(&through(point), &ray, &step, &[]);
     let plane = |at: Vector3<f64>| Plane::new(a, at, [0.2, 0.4, 1.0]);
-    same_with(&plane(place), &plane(there), &step, &[]);
+    same_with(&plane(point), &plane(moved_point), &step, &[]);
     let look = |at: Vector3<f64>| LookAt::new(a, [2.0, 0.3, 0.1], at);
-    same_with(&look(place), &look(there), &step, &[]);
+    same_with(&look(point), &look(moved_point), &step, &[]);
     let camera = Camera::pinhole(
         &Placement::translation([0.0, 0.0, -3.0].into()),
         [500.0, 480.0],
@@ -254,16 +261,16 @@ fn targets_of_every_kind_move_by_the_step() {
     });
     let masses = Masses::new(&model, points).unwrap();
     let centre = |at: Vector3<f64>| CentreOfMass::new(&masses, at).free_along(Axis::Y);
-    same_with(&centre(place), &centre(there), &step, &[]);
+    same_with(&centre(point), &centre(moved_point), &step, &[]);
     let relative = |at: Vector3<f64>| CentreOfMass::new(&masses, at).relative_to(b);
-    same_with(&relative(place), &relative(there), &step, &[]);
+    same_with(&relative(point), &relative(moved_point), &step, &[]);
     let velocity = [1e-3, -2e-3, 3e-3, 2e-3, 1e-3, -1e-3];
     let moving = |by: f64| {
         let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + by * v);
         let (linear, angular) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         FrameVelocity::new(
             frames[2],
-            Placement::translation(place),
+            Placement::translation(point),
             0.1,
             (linear, angular),
         )

@@ -71,11 +71,11 @@ fn target_at_the_frames_origin_is_looked_at() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     let (axis, target) = ([0.0, -2.0, 0.0], [0.5, 2.0, 7.0]);
-    let there = [Placement::translation(Vector3::from(target))];
+    let at_target = [Placement::translation(Vector3::from(target))];
     let mut off = [f64::NAN; 3];
-    LookAt::new(tip, axis, target).evaluate(&there, &[], &mut off);
+    LookAt::new(tip, axis, target).evaluate(&at_target, &[], &mut off);
     assert_eq!(off, [0.0; 3]);
-    Gaze::at(tip, axis, target, 0.1).evaluate(&there, &[], &mut off[..1]);
+    Gaze::at(tip, axis, target, 0.1).evaluate(&at_target, &[], &mut off[..1]);
     assert_eq!(off[0], 0.0);
 }
 

@@ -264,8 +264,8 @@ fn derivative_routes_agree_on_floating_bases() {
                     let mut residual = vec![0.0; problem.rows()];
                     evaluation.residual(&x, &mut residual);
                     let mut gradient = vec![0.0; x.len()];
-                    let mut room = DMatrix::zeros(residual.len(), x.len());
-                    evaluation.gradient(&x, &residual, &mut gradient, &mut room);
+                    let mut buffer = DMatrix::zeros(residual.len(), x.len());
+                    evaluation.gradient(&x, &residual, &mut gradient, &mut buffer);
                     let wanted = dual.transpose() * nalgebra::DVector::from_vec(residual);
                     let scale = wanted.amax().max(1.0);
                     let deviation =
@@ -308,16 +308,17 @@ fn manipulability_is_symmetric_in_base_and_frame() {
             1.0 - residual[0]
         };
         for [base, frame] in [[left, right], [stand, left], [stand, right]] {
-            let of = |base, frame| Manipulability::new(&model, Some(base), frame, 10.0);
-            for [there, back] in [
-                [of(base, frame), of(frame, base)],
-                [of(base, frame), of(frame, base)].map(Manipulability::of_orientation),
+            let manipulability = |base, frame| Manipulability::new(&model, Some(base), frame, 10.0);
+            for [forward, backward] in [
+                [manipulability(base, frame), manipulability(frame, base)],
+                [manipulability(base, frame), manipulability(frame, base)]
+                    .map(Manipulability::of_orientation),
             ] {
-                let [there, back] = [there, back].map(measure);
-                assert!(there > 0.0, "case {case}");
+                let [forward, backward] = [forward, backward].map(measure);
+                assert!(forward > 0.0, "case {case}");
                 assert!(
-                    (there - back).abs() < 1e-9 * there,
-                    "case {case}: {there} {back}"
+                    (forward - backward).abs() < 1e-9 * forward,
+                    "case {case}: {forward} {backward}"
                 );
             }
         }
@@ -429,9 +430,9 @@ fn custom_residual_may_be_one_sided() {
         let mut random = Random::new(seed);
         let [inside, outside] =
             [1.0, 3.0].map(|far| Vector3::from(random.direction().into_inner() * far));
-        for (place, is_free) in [(inside, true), (outside, false)] {
+        for (target, is_free) in [(inside, true), (outside, false)] {
             let mut tasks = Problem::builder(model);
-            tasks.add(Task::new(Point::new(last, place)).preference());
+            tasks.add(Task::new(Point::new(last, target)).preference());
             tasks.add(Bounded::at_most(Depth(last), 0.0));
             let problem = tasks.build().unwrap();
             let solution = Solver::default()
@@ -442,9 +443,12 @@ fn custom_residual_may_be_one_sided() {
             let at = places.place(&solution.q).unwrap()[last.index()].translation;
             // Inside the sphere the point follows the soft task, outside it stops at the sphere.
             if is_free {
-                assert!((at - place).norm() < 1e-3, "seed {seed}: {at:?} {place:?}");
+                assert!(
+                    (at - target).norm() < 1e-3,
+                    "seed {seed}: {at:?} {target:?}"
+                );
             } else {
-                let deviation = (at - place * (2.0 / 3.0)).norm();
+                let deviation = (at - target * (2.0 / 3.0)).norm();
                 assert!(
                     (1.999..2.000_002).contains(&at.norm()) && deviation < 0.2,
                     "seed {seed}: {at:?}"

@@ -23,9 +23,9 @@ fn repairs(robot: &Robot) -> Vec<String> {
 
 #[test]
 fn missing_bounds_are_0_with_a_note() {
-    let place = "2: joint `j`, <limit>:";
-    let lower = format!("{place} `lower` is not given and taken as 0, the default");
-    let upper = format!("{place} `upper` is not given and taken as 0, the default");
+    let location = "2: joint `j`, <limit>:";
+    let lower = format!("{location} `lower` is not given and taken as 0, the default");
+    let upper = format!("{location} `upper` is not given and taken as 0, the default");
     for kind in ["revolute", "prismatic"] {
         for (body, wanted, notes) in [
             ("<limit velocity='1'/>", (0.0, 0.0), vec![&lower, &upper]),
@@ -262,10 +262,10 @@ fn repairs_have_lines_of_the_file() {
 /// A comma within a number may be a decimal comma and is never replaced.
 #[test]
 fn decimal_commas_are_not_separators() {
-    for (xyz, there) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
+    for (xyz, is_valid) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
         let text = text("continuous", &format!("<origin xyz='{xyz}'/>"));
         let read = Robot::reader().lenient().parse(&text, "one.urdf");
-        assert_eq!(read.is_ok(), there, "{xyz}");
+        assert_eq!(read.is_ok(), is_valid, "{xyz}");
     }
 }
 

@@ -252,12 +252,15 @@ fn nao_masses_match_its_documentation() {
         ("torso", 1.0496, [-0.00413, 0.0, 0.04342]),
         ("left_shoulder", 0.07504, [-0.00165, -0.02663, 0.00014]),
     ] {
-        let own = inertial(link);
-        assert!((own.mass - mass).abs() < 1e-4);
-        assert_eq!(own.link_from_inertia.translation.to_array(), at);
+        let expected_inertia = inertial(link);
+        assert!((expected_inertia.mass - mass).abs() < 1e-4);
+        assert_eq!(
+            expected_inertia.link_from_inertia.translation.to_array(),
+            at
+        );
     }
     // Inertia of the torso, published about its origin.
-    let (own, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
+    let (torso, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
     let about_origin = [
         [y * y + z * z, -x * y, -x * z],
         [-x * y, x * x + z * z, -y * z],
@@ -269,7 +272,7 @@ fn nao_masses_match_its_documentation() {
         [0.00015519082081, -2.7079340725e-05, 0.001610300038],
     ];
     for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
-        let moved = own.moments[i][j] + own.mass * about_origin[i][j];
+        let moved = torso.moments[i][j] + torso.mass * about_origin[i][j];
         assert!((moved - published[i][j]).abs() < 2e-7, "{i} {j}: {moved}");
     }
     // Left and right are symmetric; the published inertias are nearly so.

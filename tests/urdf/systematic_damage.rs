@@ -108,9 +108,9 @@ fn each_attribute_is_removed() {
             let read = read(&without(&text, &attribute.whole));
             if is_needed(&attribute) {
                 needed += 1;
-                let place = format!("{name}: {:?} {}", attribute.joint, attribute.name);
-                let error = read.map(|_| place.clone()).unwrap_err();
-                assert!(error.contains(&attribute.name), "{place}: {error}");
+                let location = format!("{name}: {:?} {}", attribute.joint, attribute.name);
+                let error = read.map(|_| location.clone()).unwrap_err();
+                assert!(error.contains(&attribute.name), "{location}: {error}");
             } else if let (Ok(robot), "lower" | "upper") = (&read, attribute.name.as_str()) {
                 let id = robot
                     .model()
