@@ -15,7 +15,7 @@ use support::random::Random;
 
 /// Number of bones. The first one is motionless, like a scene's node above the hips, and so are some further ones.
 const BONES: usize = 14;
-const STILL: [usize; 3] = [0, 6, 13];
+const MOTIONLESS_BONES: [usize; 3] = [0, 6, 13];
 
 fn turn(random: &mut Random, most: f64) -> Quat {
     let [x, y, z] = [most, 0.5 * most, most].map(|most| random.within(-most, most) as f32);
@@ -41,7 +41,9 @@ fn figure(armature: &Armature, cones: &Cones, root: SkeletonRoot) -> BallSkeleto
         true => [Limits::new(0.0, 0.0); 3],
         false => [Limits::UNBOUNDED; 3],
     };
-    let skeleton = armature.skeleton("one", |bone| limits(STILL.contains(&bone.index())));
+    let skeleton = armature.skeleton("one", |bone| {
+        limits(MOTIONLESS_BONES.contains(&bone.index()))
+    });
     BallSkeleton::new(skeleton.unwrap(), cones, root).unwrap()
 }
 
@@ -71,7 +73,7 @@ fn any_pose(armature: &Armature, moved: bool, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature
         .bone_ids()
-        .filter(|bone| !STILL.contains(&bone.index()))
+        .filter(|bone| !MOTIONLESS_BONES.contains(&bone.index()))
     {
         pose.set_rotation(bone, turn(random, 3.0)).unwrap();
         let is_root = armature
@@ -141,7 +143,7 @@ fn neutral_configuration_is_the_rest_pose() {
         let model = figure.model();
         let turning = armature
             .bone_ids()
-            .filter(|bone| !STILL.contains(&bone.index()));
+            .filter(|bone| !MOTIONLESS_BONES.contains(&bone.index()));
         let joints: BTreeSet<_> = turning.flat_map(|bone| figure.joints(bone)).collect();
         let moving: BTreeSet<_> = model.moving_joints().iter().copied().collect();
         assert_eq!(joints, moving);
@@ -263,7 +265,7 @@ fn cone_axis_is_the_bone_by_default() {
 fn cones_of_other_bones_are_rejected() {
     let random = &mut Random::new(34);
     let armature = armature(random);
-    let limits = |bone: kinopt::skeleton::BoneId| match STILL.contains(&bone.index()) {
+    let limits = |bone: kinopt::skeleton::BoneId| match MOTIONLESS_BONES.contains(&bone.index()) {
         true => [Limits::new(0.0, 0.0); 3],
         false => [Limits::UNBOUNDED; 3],
     };

@@ -74,7 +74,7 @@ impl Case<'_> {
     fn all_solved(&self, builder: &ArmBuilder<'_>, searches: &[Search], count: usize) {
         for &search in searches {
             let mut builder = builder.clone().with_search(search);
-            if !ONE.contains(&search) {
+            if !SINGLE_SOLUTION_SEARCHES.contains(&search) {
                 // Building an atlas takes longer than these few solves.
                 builder = builder.with_atlas(false);
             }
@@ -114,8 +114,8 @@ const DISTINCT: Search = Search::Distinct {
     k: 3,
     distance: 0.4,
 };
-const ALL: [Search; 4] = [Search::Start, Search::First, Search::Nearest, DISTINCT];
-const ONE: [Search; 2] = [Search::Start, Search::First];
+const ALL_SEARCHES: [Search; 4] = [Search::Start, Search::First, Search::Nearest, DISTINCT];
+const SINGLE_SOLUTION_SEARCHES: [Search; 2] = [Search::Start, Search::First];
 
 fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
     Case {
@@ -139,7 +139,7 @@ fn mimic_joint_inside_the_chain_is_solved() {
     // -0.7 <= 0.2 - elbow / 2 <= 1.1 narrows the elbow to [-1.8, 1.8].
     let elbow = arm.limits().nth(1).unwrap();
     assert!((elbow.lower + 1.8).abs() < 1e-15 && (elbow.upper - 1.8).abs() < 1e-15);
-    plain(&tree, "mount", "hand").all_solved(&builder, &ALL, 6);
+    plain(&tree, "mount", "hand").all_solved(&builder, &ALL_SEARCHES, 6);
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn source_joint_outside_the_chain_is_solved() {
     let mut free: Vec<_> = arm.joints().collect();
     free.sort_unstable();
     assert_eq!(free, ["elbow", "lift", "pan", "pitch", "roll", "shoulder"]);
-    plain(&tree, "world", "hand").all_solved(&builder, &ONE, 6);
+    plain(&tree, "world", "hand").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 6);
     // In a configuration of the whole robot mimic joints follow their source joints.
     let q = [0.3, 0.4, 0.2, 1.0, 0.1, 0.25];
     let mut all = robot.model().neutral();
@@ -171,9 +171,9 @@ fn base_in_another_branch_is_solved() {
         let robot = Robot::parse(text, "coupled.urdf").unwrap();
         let tree = Tree::parse(text);
         let builder = Arm::builder(&robot, "camera", "hand");
-        plain(&tree, "camera", "hand").all_solved(&builder, &ONE, 4);
+        plain(&tree, "camera", "hand").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 4);
         let builder = Arm::builder(&robot, "palm", "camera");
-        plain(&tree, "palm", "camera").all_solved(&builder, &ONE, 4);
+        plain(&tree, "palm", "camera").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 4);
     }
 }
 
@@ -219,7 +219,7 @@ fn subset_of_the_joints_is_solved() {
         held: &held,
         ..plain(&tree, "base", "flange")
     };
-    case.all_solved(&builder, &ALL, 4);
+    case.all_solved(&builder, &ALL_SEARCHES, 4);
     // Three joints remain: few poses are reachable, and those are solved.
     let mut q = robot.model().neutral();
     let held = [
@@ -241,7 +241,7 @@ fn subset_of_the_joints_is_solved() {
         held: &held,
         ..plain(&tree, "base", "flange")
     };
-    case.all_solved(&builder, &ONE, 8);
+    case.all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 8);
     let mut all = vec![0.0; robot.model().degrees_of_freedom()];
     arm.configuration(&[0.5, -1.0, 0.3], &mut all).unwrap();
     for (name, value) in held
@@ -268,7 +268,7 @@ fn prismatic_chain_is_solved() {
     text.push_str("</robot>");
     let robot = Robot::parse(&text, "gantry.urdf").unwrap();
     let builder = Arm::builder(&robot, "l0", "l3");
-    plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL, 6);
+    plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL_SEARCHES, 6);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use support::arms::robot;
 
 const LINKS: [f64; 3] = [0.5, 0.4, 0.3];
 /// Metres of the prismatic joint that weigh as much as a radian.
-const METRES: f64 = 0.2;
+const METRES_PER_RADIAN: f64 = 0.2;
 
 /// A prismatic joint along x, then three revolute joints in the plane, with position goals.
 fn crane(limit_avoidance: f64) -> Arm {
@@ -32,7 +32,7 @@ fn crane(limit_avoidance: f64) -> Arm {
     let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
     let arm = arm
         .with_goal(PoseBounds::position())
-        .with_metres_per_radian(METRES);
+        .with_metres_per_radian(METRES_PER_RADIAN);
     arm.with_limit_avoidance(limit_avoidance).build().unwrap()
 }
 
@@ -63,14 +63,14 @@ fn null_space_uses_prismatic_weights() {
     // Columns by hand, in radians: the prismatic joint's, then z × (tip − joint).
     let sums = [q[1], q[1] + q[2], q[1] + q[2] + q[3]];
     let mut jacobian = SMatrix::<f64, 2, 4>::zeros();
-    jacobian[(0, 0)] = METRES;
+    jacobian[(0, 0)] = METRES_PER_RADIAN;
     for joint in 0..3 {
         for link in joint..3 {
             jacobian[(0, 1 + joint)] -= LINKS[link] * sums[link].sin();
             jacobian[(1, 1 + joint)] += LINKS[link] * sums[link].cos();
         }
     }
-    let scale = Vector4::new(1.0 / METRES, 1.0, 1.0, 1.0);
+    let scale = Vector4::new(1.0 / METRES_PER_RADIAN, 1.0, 1.0, 1.0);
     let displacement =
         (Vector4::from_column_slice(&q) - Vector4::from(start)).component_mul(&scale);
     let inverse = (jacobian * jacobian.transpose()).try_inverse().unwrap();

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use support::urdf_matrices::{Matrix, Tree, apart, from_quaternion, placement};
 
 /// Largest joint displacement of a step beyond that of the path's own joint, radians.
-const FLIP: f64 = 0.2;
+const MAX_EXTRA_STEP: f64 = 0.2;
 
 #[derive(Deserialize)]
 struct Workload {
@@ -156,7 +156,7 @@ fn reference_path_is_followed_without_a_flip() {
             }
         }
         assert!(
-            largest_excess <= FLIP,
+            largest_excess <= MAX_EXTRA_STEP,
             "a joint moved {largest_excess} rad beyond the path's own"
         );
         eprintln!(

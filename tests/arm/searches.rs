@@ -11,7 +11,7 @@ use support::sample::{cases, few};
 use support::urdf_matrices::{apart, from_placement};
 
 /// Two solutions of one pose to 1e-6 are equally near to the start within this distance, radians.
-const SAME: f64 = 1e-6;
+const DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Redundant arms, and one of six joints.
 const ROBOTS: [(&str, &str, &str); 4] = [
@@ -53,7 +53,7 @@ fn nearest_search_beats_a_hundred_restarts() {
                 let other = restarts.solve(target, &from).unwrap();
                 best = best.min(distance(&other.q, &start));
             }
-            nearest_count += usize::from(distance(&ours.q, &start) <= best + SAME);
+            nearest_count += usize::from(distance(&ours.q, &start) <= best + DISTANCE_TOLERANCE);
         }
         println!("{name}: {nearest_count} of {cases}");
         all += cases;

@@ -9,10 +9,10 @@ use support::arms::{Random, distance, planar_with_hand, robot, within_limits};
 use support::lines::{Line, ROBOTS, STEP, lines, robots};
 use support::sample::cases;
 
-const TICK: f64 = 1e-3;
+const TIME_STEP: f64 = 1e-3;
 /// Largest number of cycles until rest, and number of cycles that are watched then.
-const REST: usize = 5000;
-const WATCHED: usize = 50;
+const MAX_CYCLES_TO_REST: usize = 5000;
+const WATCHED_CYCLES: usize = 50;
 
 fn arm(name: &str) -> Arm {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
@@ -27,7 +27,11 @@ fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStat
     let step = servo.step(*target).unwrap();
     assert!(within_limits(arm, step.q));
     for ((a, b), limit) in before.iter().zip(step.q).zip(limits) {
-        let max_step = if limit.is_finite() { limit * TICK } else { 0.1 };
+        let max_step = if limit.is_finite() {
+            limit * TIME_STEP
+        } else {
+            0.1
+        };
         assert!((b - a).abs() <= max_step, "{a} {b} {limit}");
     }
     let found = arm.base_from_tool(step.q).unwrap();
@@ -42,14 +46,14 @@ fn chatter(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoS
     let mut ticks = Vec::new();
     let mut status = ServoStatus::Settling;
     let mut calm = 0;
-    while ticks.len() < REST && calm < WATCHED {
+    while ticks.len() < MAX_CYCLES_TO_REST && calm < WATCHED_CYCLES {
         let (now, velocity) = tick(arm, servo, target);
         status = now;
         let slow = velocity.iter().all(|v| v.abs() < 2e-4);
         calm = if slow { calm + 1 } else { 0 };
         ticks.push(velocity);
     }
-    let watched = &ticks[ticks.len() - WATCHED..];
+    let watched = &ticks[ticks.len() - WATCHED_CYCLES..];
     let spread = |joint: usize| {
         let values = watched.iter().map(|velocity| velocity[joint]);
         let ends = values.fold((f64::MAX, f64::MIN), |(l, u), v| (l.min(v), u.max(v)));
@@ -68,16 +72,19 @@ fn lines_out_of_reach_and_back_keep_limits() {
             // At the stretched configuration a redundant arm's branches meet at a pose that may move faster than its
             // joints. Faster arms return.
             if arm.joint_count() > 6
-                && start_distance.is_some_and(|start_distance| start_distance >= BACK)
+                && start_distance
+                    .is_some_and(|start_distance| start_distance >= MAX_RETURN_DISTANCE)
             {
                 let start_distance = out_and_back(&arm, name, &line, 10.0);
                 assert!(
-                    start_distance.is_none_or(|start_distance| start_distance < BACK),
+                    start_distance
+                        .is_none_or(|start_distance| start_distance < MAX_RETURN_DISTANCE),
                     "{name}: {start_distance:?}"
                 );
             } else {
                 assert!(
-                    start_distance.is_none_or(|start_distance| start_distance < BACK),
+                    start_distance
+                        .is_none_or(|start_distance| start_distance < MAX_RETURN_DISTANCE),
                     "{name}: {start_distance:?}"
                 );
             }
@@ -120,19 +127,19 @@ fn stretched_arm_returns_on_its_side() {
         };
         let start_distance = out_and_back(&arm, name, &line, 1.0);
         assert!(
-            start_distance.is_some_and(|start_distance| start_distance < BACK),
+            start_distance.is_some_and(|start_distance| start_distance < MAX_RETURN_DISTANCE),
             "{name}: {start_distance:?}"
         );
     }
 }
 
 /// Largest distance of a returned arm from its start, radians.
-const BACK: f64 = 1e-3;
+const MAX_RETURN_DISTANCE: f64 = 1e-3;
 
 /// Distance from the start after a line out and back, with scaled velocity limits; `None` if limits were active.
 fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) -> Option<f64> {
     let speeds: Vec<f64> = arm.velocity_limits().iter().map(|v| v * faster).collect();
-    let servo = arm.servo(start, TICK).unwrap();
+    let servo = arm.servo(start, TIME_STEP).unwrap();
     let mut servo = servo.with_velocity_limits(&speeds).unwrap();
     let mut held = false;
     let mut path = Vec::new();
@@ -171,7 +178,7 @@ fn jumping_targets_keep_limits() {
     for name in ["franka_panda", "universal_ur5e", "adept_cobra_s600"] {
         let arm = arm(name);
         let mut random = Random(92);
-        let mut servo = arm.servo(&random.configuration(&arm), TICK).unwrap();
+        let mut servo = arm.servo(&random.configuration(&arm), TIME_STEP).unwrap();
         for k in 0..cases(40, 4) {
             let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
             if k % 3 == 1 {
@@ -198,7 +205,7 @@ fn closest_pose_is_reached_in_few_cycles() {
     let direction = first.translation * (1.0 / first.translation.norm());
     for over in [1e-5, 3e-5, 1e-4] {
         let target = Placement::new(first.rotation, first.translation + direction * over);
-        let mut servo = arm.servo(&start, TICK).unwrap();
+        let mut servo = arm.servo(&start, TIME_STEP).unwrap();
         let mut ticks = 0;
         let (mut status, mut error) = (ServoStatus::Settling, f64::INFINITY);
         while status != ServoStatus::Nearest && ticks < 200 {
@@ -222,7 +229,7 @@ fn flat_minimum_is_reached_in_bounded_cycles() {
         let first = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let scale = [0.9, 1.2, 2.0][(seed % 3) as usize] / first.translation.norm();
         let target = Placement::new(first.rotation, first.translation * scale);
-        let mut servo = arm.servo(&start, 10.0 * TICK).unwrap();
+        let mut servo = arm.servo(&start, 10.0 * TIME_STEP).unwrap();
         let moves = [ServoStatus::Settling, ServoStatus::SpeedLimited];
         let ends = |_: &usize| !moves.contains(&servo.step(target).unwrap().status);
         let ticks = (1..400).find(ends);
@@ -241,7 +248,7 @@ fn stretched_arm_bends_to_a_reachable_target() {
             let start = [-0.5 * bend, bend, -0.5 * bend];
             for nearer in [1e-3, 0.1, 0.8] {
                 let target = Placement::translation(x * (2.0 - nearer));
-                let mut servo = arm.servo(&start, TICK).unwrap();
+                let mut servo = arm.servo(&start, TIME_STEP).unwrap();
                 let mut ticks = 0;
                 while tick(&arm, &mut servo, &target).0 != ServoStatus::OnTarget {
                     ticks += 1;
@@ -255,7 +262,7 @@ fn stretched_arm_bends_to_a_reachable_target() {
             }
             // Beyond its reach it stays straight.
             let target = Placement::translation(x * 2.1);
-            let mut servo = arm.servo(&start, TICK).unwrap();
+            let mut servo = arm.servo(&start, TIME_STEP).unwrap();
             for _ in 0..50 {
                 tick(&arm, &mut servo, &target);
             }
@@ -272,7 +279,7 @@ fn stretched_arm_bends_to_a_reachable_target() {
 fn active_limits_are_reported() {
     let arm = arm("franka_panda");
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
-    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut servo = arm.servo(&start, TIME_STEP).unwrap();
     let unreachable = arm
         .base_from_tool(&[1.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
         .unwrap();
@@ -295,7 +302,7 @@ fn active_limits_are_reported() {
     let mut target = arm.base_from_tool(&turned).unwrap();
     let spin = kinopt::spatial::Matrix3::identity().rotated_about_z(0.3_f64.sin_cos());
     target.rotation = target.rotation * spin;
-    let mut servo = arm.servo(&turned, TICK).unwrap();
+    let mut servo = arm.servo(&turned, TIME_STEP).unwrap();
     let mut last = Vec::new();
     for _ in 0..150 {
         let step = servo.step(target).unwrap();
@@ -333,7 +340,7 @@ fn prismatic_jumps_and_velocities_are_in_metres() {
     let target = arm.base_from_tool(&from).unwrap();
     assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
     // Without velocity limits a prismatic joint moves at most a tenth of the metres per radian.
-    let mut servo = arm.servo(&from, TICK).unwrap();
+    let mut servo = arm.servo(&from, TIME_STEP).unwrap();
     servo = servo.with_velocity_limits(&[f64::INFINITY; 4]).unwrap();
     from[slide] += 0.05;
     let target = arm.base_from_tool(&from).unwrap();
@@ -350,8 +357,8 @@ fn invalid_servo_options_are_named() {
         let error = arm.servo(&start, time_step).unwrap_err().to_string();
         assert!(error.contains("time step"), "{error}");
     }
-    assert!(arm.servo(&[0.0; 5], TICK).is_err());
-    let servo = || arm.servo(&start, TICK).unwrap();
+    assert!(arm.servo(&[0.0; 5], TIME_STEP).is_err());
+    let servo = || arm.servo(&start, TIME_STEP).unwrap();
     for limits in [&[1.0; 5][..], &[-1.0; 6], &[f64::NAN; 6]] {
         let error = servo().with_velocity_limits(limits).unwrap_err();
         assert!(error.to_string().contains("velocity_limits"), "{error}");

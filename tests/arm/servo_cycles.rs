@@ -9,7 +9,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
-const TICK: f64 = 1e-3;
+const TIME_STEP: f64 = 1e-3;
 
 /// Planar arm with position goals, on a prismatic joint perpendicular to the plane.
 fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
@@ -48,7 +48,7 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
     }
     let arm = arm.build().unwrap();
     let from = arm.base_from_tool(start).unwrap();
-    let mut servo = arm.servo(start, 50.0 * TICK).unwrap();
+    let mut servo = arm.servo(start, 50.0 * TIME_STEP).unwrap();
     let mut follower = arm.follower(start).unwrap();
     let mut solution = Solution::default();
     for k in 0..200 {
@@ -99,7 +99,7 @@ fn servo_approaches_its_posture() {
 #[test]
 fn cycle_reports_velocity_and_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
-    let mut servo = arm.servo(&[0.0, 0.4, 0.9], TICK).unwrap();
+    let mut servo = arm.servo(&[0.0, 0.4, 0.9], TIME_STEP).unwrap();
     servo = servo.with_velocity_limits(&[0.3, 1.0, 1.0]).unwrap();
     let mut rested = 0;
     for tick in 0..3000 {
@@ -107,7 +107,7 @@ fn cycle_reports_velocity_and_rest() {
         let before = servo.q().to_vec();
         let step = servo.step(at([x, 0.9, 0.1])).unwrap();
         for ((before, after), velocity) in before.iter().zip(step.q).zip(step.velocity) {
-            assert!((velocity * TICK - (after - before)).abs() <= 1e-12);
+            assert!((velocity * TIME_STEP - (after - before)).abs() <= 1e-12);
         }
         assert!(!step.reached());
         if step.status == ServoStatus::Nearest {
@@ -146,7 +146,7 @@ fn limits_are_left_inwards() {
         let arm = planar(&[0.6, 0.4], 1.0, 1.0);
         let target = arm.base_from_tool(&[0.1, 0.2 * end, 0.5 * end]).unwrap();
         let start = [0.5 * end, end, end];
-        let mut servo = arm.servo(&start, TICK).unwrap();
+        let mut servo = arm.servo(&start, TIME_STEP).unwrap();
         servo = servo.with_velocity_limits(&[5.0; 3]).unwrap();
         let mut follower = arm.follower(&start).unwrap();
         let mut solution = Solution::default();
@@ -164,8 +164,8 @@ fn servo_is_unit_invariant() {
     let [metres, millimetres] = [1.0, 1000.0].map(|unit| planar(&[0.6, 0.4], 2.5, unit));
     let start = [0.05, 0.4, 0.9];
     let scaled = |q: &[f64]| [1e3 * q[0], q[1], q[2]];
-    let mut servo = metres.servo(&start, TICK).unwrap();
-    let mut other = millimetres.servo(&scaled(&start), TICK).unwrap();
+    let mut servo = metres.servo(&start, TIME_STEP).unwrap();
+    let mut other = millimetres.servo(&scaled(&start), TIME_STEP).unwrap();
     let none = [f64::INFINITY; 3];
     servo = servo.with_velocity_limits(&none).unwrap();
     other = other.with_velocity_limits(&none).unwrap();
@@ -217,7 +217,7 @@ fn redundant_arm_near_limits_comes_to_rest() {
     let mut target = arm.base_from_tool(&start).unwrap();
     target.translation.x -= 0.02;
     let mut follower = arm.follower(&start).unwrap();
-    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut servo = arm.servo(&start, TIME_STEP).unwrap();
     let mut solution = Solution::default();
     let mut last = [0.0_f64; 2];
     for tick in 0..900 {
@@ -227,7 +227,7 @@ fn redundant_arm_near_limits_comes_to_rest() {
         if tick >= 880 {
             let moved = before.iter().zip(follower.q()).map(|(a, b)| (a - b).abs());
             last[0] = moved.fold(last[0], f64::max);
-            let speeds = step.velocity.iter().map(|v| v.abs() * TICK);
+            let speeds = step.velocity.iter().map(|v| v.abs() * TIME_STEP);
             last[1] = speeds.fold(last[1], f64::max);
         }
     }
@@ -276,7 +276,9 @@ fn servo_never_exceeds_its_limits() {
             .base_from_tool(&[0.0, 1.5 * side, 1.4 * side])
             .unwrap();
         target.translation.z = 0.9 * side;
-        let mut servo = arm.servo(&[0.0, 0.1 * side, 0.2 * side], TICK).unwrap();
+        let mut servo = arm
+            .servo(&[0.0, 0.1 * side, 0.2 * side], TIME_STEP)
+            .unwrap();
         servo = servo.with_velocity_limits(&[2.0; 3]).unwrap();
         for _ in 0..1500 {
             let step = servo.step(target).unwrap();
@@ -295,7 +297,11 @@ fn servo_never_exceeds_its_limits() {
 fn damping_is_restored_after_a_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     let servo = |start: &[f64]| {
-        let servo = arm.servo(start, TICK).unwrap().with_damping(0.2).unwrap();
+        let servo = arm
+            .servo(start, TIME_STEP)
+            .unwrap()
+            .with_damping(0.2)
+            .unwrap();
         servo.with_velocity_limits(&[100.0; 3]).unwrap()
     };
     let mut rested = servo(&[0.0, 0.4, 0.9]);
@@ -316,7 +322,7 @@ fn damping_is_restored_after_a_rest() {
 fn null_space_motion_with_a_zero_velocity_joint() {
     let arm = planar(&[0.6, 0.4, 0.3], 2.5, 1.0);
     let start = [0.1, 0.3, 0.9, -0.7];
-    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut servo = arm.servo(&start, TIME_STEP).unwrap();
     servo = servo.with_velocity_limits(&[0.0, 3.0, 3.0, 3.0]).unwrap();
     let from = arm.base_from_tool(&start).unwrap();
     let mut farthest = 0.0_f64;

@@ -12,7 +12,7 @@ use support::lines::{ROBOTS, robots};
 use support::random::Random;
 use support::sample::{cases, few};
 
-const RATES: [f64; 3] = [125.0, 250.0, 1000.0];
+const CYCLE_RATES: [f64; 3] = [125.0, 250.0, 1000.0];
 
 fn arm(name: &str) -> Arm {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
@@ -85,7 +85,7 @@ fn limited<'a>(servo: Servo<'a>, kind: usize) -> Servo<'a> {
 fn trajectories_keep_limits_without_reversals() {
     for name in robots() {
         let arm = arm(name);
-        for (rate, kind) in RATES
+        for (rate, kind) in CYCLE_RATES
             .into_iter()
             .flat_map(|rate| (0..3).map(move |kind| (rate, kind)))
         {
@@ -177,7 +177,7 @@ fn circles_within_limits_are_followed_without_lag() {
     let arm = panda_with_limits();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let first = arm.base_from_tool(&start).unwrap();
-    for (rate, share) in RATES
+    for (rate, share) in CYCLE_RATES
         .into_iter()
         .flat_map(|rate| [(rate, 1.0), (rate, 0.05)])
     {
@@ -242,7 +242,7 @@ fn steps_take_the_shortest_time_without_overshoot() {
         [0.5, -0.8, 0.9, -0.5, -0.7, 0.6],
         [-0.4, -1.0, 1.8, -1.6, -0.9, 1.3],
     ];
-    for (rate, end) in RATES
+    for (rate, end) in CYCLE_RATES
         .into_iter()
         .flat_map(|rate| ends.map(|end| (rate, end)))
     {
@@ -330,12 +330,12 @@ fn straight_lines_are_kept_to_targets_that_jump() {
 }
 
 /// Start of the Panda from which targets at 30 cm lead past singular configurations.
-const BESIDE: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
+const START_NEAR_SINGULARITY: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
 
 #[test]
 fn straight_line_servo_stays_at_a_reached_target() {
     let arm = panda_with_limits();
-    let first = arm.base_from_tool(&BESIDE).unwrap();
+    let first = arm.base_from_tool(&START_NEAR_SINGULARITY).unwrap();
     let mut random = Random::new(17);
     let mut reached = 0;
     for case in 0..cases(100, 12) {
@@ -353,7 +353,7 @@ fn straight_line_servo_stays_at_a_reached_target() {
             first.rotation * rotation_exp(turn),
             first.translation + offset,
         );
-        let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+        let servo = arm.servo(&START_NEAR_SINGULARITY, 1e-3).unwrap();
         let mut servo = servo.with_straight_line(true);
         let (mut arrived, mut worst) = (false, 0.0_f64);
         for _ in 0..2500 {
@@ -373,8 +373,8 @@ fn straight_line_servo_stays_at_a_reached_target() {
 #[test]
 fn straight_line_servo_follows_a_circle_within_limits() {
     let arm = panda_with_limits();
-    let first = arm.base_from_tool(&BESIDE).unwrap();
-    let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+    let first = arm.base_from_tool(&START_NEAR_SINGULARITY).unwrap();
+    let servo = arm.servo(&START_NEAR_SINGULARITY, 1e-3).unwrap();
     let mut servo = servo.with_straight_line(true);
     let (mut phase, mut worst) = (0.0_f64, 0.0_f64);
     for cycle in 0..6000 {

@@ -14,7 +14,7 @@ use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 /// Largest joint displacement that a reachable target is taken from, radians or metres.
 const JOINT_STEP: f64 = 5e-3;
 /// Interval at which `Nearest` and `Distinct` solve as well.
-const COMPARED: usize = 10;
+const COMPARISON_INTERVAL: usize = 10;
 
 /// One arm per search.
 struct Searches {
@@ -124,7 +124,7 @@ fn small_steps_from_limits_return_the_first_attempt() {
         for case in 0..cases {
             let on_limits = on_limits(arm, [1, 3][case % 2], &mut random);
             let name = format!("{model} {tip} {case}");
-            let compares = case % COMPARED < 2;
+            let compares = case % COMPARISON_INTERVAL < 2;
             let target = joint_step(arm, &on_limits, &mut random);
             missed += usize::from(!searches.check(target, &on_limits, compares, &name));
             let target = tool_step(arm, &on_limits, &mut random);

@@ -30,8 +30,8 @@ type Arms = [(Search, Arm); 4];
 
 /// Arms of a robot from base to flange, one per search; built once.
 fn arms(name: &'static str) -> Arc<Arms> {
-    static BUILT: Mutex<BTreeMap<&str, Arc<OnceLock<Arc<Arms>>>>> = Mutex::new(BTreeMap::new());
-    let cell = BUILT.lock().unwrap().entry(name).or_default().clone();
+    static ARM_CACHE: Mutex<BTreeMap<&str, Arc<OnceLock<Arc<Arms>>>>> = Mutex::new(BTreeMap::new());
+    let cell = ARM_CACHE.lock().unwrap().entry(name).or_default().clone();
     let build = |search| {
         let robot = robot(name);
         let builder = Arm::builder(&robot, "base", "flange");

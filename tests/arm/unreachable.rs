@@ -15,9 +15,9 @@ use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 use support::sample::{cases, few};
 
 /// Metres that weigh as much as a radian.
-const WEIGHT: f64 = 0.25;
+const METRES_PER_RADIAN: f64 = 0.25;
 /// Attempts of the SIMD solver, steps of the general solver, and final gradients.
-const MOST_EVALUATIONS: usize = 4000;
+const MAX_EVALUATIONS: usize = 4000;
 
 struct Reach<'a> {
     robot: &'a Robot,
@@ -31,7 +31,7 @@ impl Reach<'_> {
     fn cost(&self, q: &[f64]) -> f64 {
         let at = base_from_tip(self.robot.model(), self.arm, q, self.ends.0, self.ends.1);
         let (metres, radians) = apart(&at, &self.wanted);
-        0.5 * (metres * metres + WEIGHT * WEIGHT * radians * radians)
+        0.5 * (metres * metres + METRES_PER_RADIAN * METRES_PER_RADIAN * radians * radians)
     }
 
     /// Central differences.
@@ -55,7 +55,7 @@ impl Reach<'_> {
             solution.explain()
         );
         assert!(
-            solution.iterations <= MOST_EVALUATIONS,
+            solution.iterations <= MAX_EVALUATIONS,
             "{}",
             solution.iterations
         );
@@ -102,7 +102,9 @@ impl Reach<'_> {
 fn stationary(name: &str, base: &str, tip: &str) {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
-    let arm = arm.with_metres_per_radian(WEIGHT).with_atlas(false);
+    let arm = arm
+        .with_metres_per_radian(METRES_PER_RADIAN)
+        .with_atlas(false);
     let arm = arm.build().unwrap();
     let mut random = Random(17);
     let (mut missed, mut held) = (0, 0);
@@ -160,7 +162,10 @@ fn orientation_beyond_a_limit_names_the_limit() {
     for (name, value) in names.iter().zip(q) {
         builder = builder.with_locked(name, value);
     }
-    let arm = builder.with_metres_per_radian(WEIGHT).build().unwrap();
+    let arm = builder
+        .with_metres_per_radian(METRES_PER_RADIAN)
+        .build()
+        .unwrap();
     let upper = arm.limits().next().unwrap().upper;
     let target = arm.base_from_tool(&[upper + 0.1]).unwrap();
     let solution = arm.solve(target, &[0.0]).unwrap();

@@ -328,7 +328,7 @@ fn meshes_are_found_in_packages_and_folders() {
 }
 
 /// Shapes within this distance count as connected, metres; shapes leave gaps at joints.
-const JOINED: f64 = 0.03;
+const CONNECTION_DISTANCE: f64 = 0.03;
 
 /// Number of connected components of a robot's shapes at a configuration.
 fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
@@ -349,7 +349,7 @@ fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
                     &placed(*b),
                 )
                 .distance
-                    <= JOINED
+                    <= CONNECTION_DISTANCE
             };
             let (touching, others) = left.into_iter().partition(near);
             left = others;

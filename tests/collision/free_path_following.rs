@@ -9,10 +9,10 @@ use support::random::Random;
 use support::sample::cases;
 
 /// Number of obstacles of a constructed case, and of poses along its path.
-const THINGS: usize = 10;
+const OBSTACLES: usize = 10;
 const STEPS: usize = 80;
 /// Largest distance of some obstacle from a constructed path, metres.
-const NEAR: f64 = 0.05;
+const MAX_OBSTACLE_DISTANCE: f64 = 0.05;
 
 struct Panda {
     arm: Arm,
@@ -59,7 +59,9 @@ impl Panda {
     /// True if an obstacle is near a configuration.
     fn is_close(&self, q: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
-        let nearest = self.checker.nearest(&mut workspace, &self.whole(q), NEAR);
+        let nearest = self
+            .checker
+            .nearest(&mut workspace, &self.whole(q), MAX_OBSTACLE_DISTANCE);
         let obstacle = |name: &str| name.starts_with("thing");
         nearest
             .unwrap()
@@ -98,7 +100,7 @@ fn waves(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
 
 fn things(random: &mut Random) -> World {
     let mut world = World::new();
-    for index in 0..THINGS {
+    for index in 0..OBSTACLES {
         let (around, far) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
         let at = Vector3::new(
             far * around.cos(),

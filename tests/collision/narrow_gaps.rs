@@ -12,8 +12,8 @@ use support::sample::cases;
 use crate::arm_avoidance::drawn;
 
 /// Clearance of the arm from both spheres, metres.
-const ROOM: f64 = 3e-4;
-const BALL: f64 = 0.6;
+const CLEARANCE: f64 = 3e-4;
+const BALL_RADIUS: f64 = 0.6;
 
 #[test]
 fn elbow_fits_between_two_spheres() {
@@ -45,7 +45,7 @@ fn elbow_fits_between_two_spheres() {
                 let mut world = World::new();
                 let at = elbow + away * (sign * far);
                 world
-                    .add_sphere("ball", BALL, Placement::translation(at))
+                    .add_sphere("ball", BALL_RADIUS, Placement::translation(at))
                     .unwrap();
                 world
             };
@@ -54,7 +54,7 @@ fn elbow_fits_between_two_spheres() {
             for _ in 0..40 {
                 let middle = 0.5 * (near + far);
                 let among = checker.clone().with_world(&ball(middle)).unwrap();
-                let among = among.with_margin(ROOM).unwrap();
+                let among = among.with_margin(CLEARANCE).unwrap();
                 let reported = among.collisions(&q).unwrap();
                 match reported.iter().any(|pair| pair.second == "ball") {
                     true => near = middle,
@@ -67,7 +67,7 @@ fn elbow_fits_between_two_spheres() {
         for (name, sign) in [("left", -1.0), ("right", 1.0)] {
             let position: Vector3<f64> = ball_position(sign);
             world
-                .add_sphere(name, BALL, Placement::translation(position))
+                .add_sphere(name, BALL_RADIUS, Placement::translation(position))
                 .unwrap();
         }
         let among = checker.clone().with_world(&world).unwrap();

@@ -9,7 +9,7 @@ use support::random::Random;
 use support::sample::cases;
 
 /// Invalid lengths, and valid ones.
-const NO_LENGTHS: [f64; 7] = [
+const INVALID_LENGTHS: [f64; 7] = [
     0.0,
     -0.1,
     f64::NAN,
@@ -18,7 +18,7 @@ const NO_LENGTHS: [f64; 7] = [
     1e-10,
     1e10,
 ];
-const LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
+const VALID_LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
 
 /// Random generator of obstacles that is sometimes invalid, which `bad` records.
 struct Drawn {
@@ -30,9 +30,9 @@ impl Drawn {
     fn length(&mut self) -> f64 {
         if self.random.below(12) == 0 {
             self.bad = true;
-            return NO_LENGTHS[self.random.below(NO_LENGTHS.len())];
+            return INVALID_LENGTHS[self.random.below(INVALID_LENGTHS.len())];
         }
-        LENGTHS[self.random.below(LENGTHS.len())]
+        VALID_LENGTHS[self.random.below(VALID_LENGTHS.len())]
     }
 
     /// Lengths of one shape: a ratio above 10¹² is invalid.

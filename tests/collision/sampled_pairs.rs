@@ -7,7 +7,7 @@ use support::lines::ROBOTS;
 use support::sample::cases;
 
 /// Pairs that collide in more than this fraction of configurations count as always in contact.
-const NEARLY_ALWAYS: f64 = 0.9;
+const MIN_CONTACT_FRACTION: f64 = 0.9;
 
 #[test]
 fn disabled_pair_collides_never_or_always() {
@@ -39,7 +39,7 @@ fn disabled_pair_collides_never_or_always() {
             let share = depths.len() as f64 / count as f64;
             let deepest = depths.iter().copied().fold(0.0, f64::min);
             assert!(
-                share > NEARLY_ALWAYS,
+                share > MIN_CONTACT_FRACTION,
                 "{name}: {pair:?} touch in {share} of all configurations, by up to {deepest} m"
             );
         }

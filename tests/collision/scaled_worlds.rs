@@ -3,7 +3,7 @@
 use kinopt::collision::{Shape, World, WorldError, separation};
 use kinopt::spatial::{Placement, Vector3};
 
-const TIMES: [f64; 3] = [0.7, 1.0, 3.25];
+const SCALES: [f64; 3] = [0.7, 1.0, 3.25];
 
 fn at(x: f64, y: f64) -> Placement<f64> {
     let turn = kinopt::spatial::rotation_exp(Vector3::new(0.3 * x, 0.2, -0.4 * y));
@@ -41,7 +41,7 @@ fn one_of_each() -> World {
 #[test]
 fn distances_scale_with_the_world() {
     let world = one_of_each();
-    for times in TIMES {
+    for times in SCALES {
         let scaled = world.scaled(times).unwrap();
         let pairs: Vec<_> = world.obstacles().zip(scaled.obstacles()).collect();
         for (k, (a, scaled_a)) in pairs.iter().enumerate() {

@@ -11,9 +11,9 @@ use support::sample::cases;
 use crate::arm_avoidance::drawn;
 
 /// Largest number of edits between two comparisons.
-const CHANGES: usize = 40;
+const MAX_CHANGES: usize = 40;
 /// Distance limit of nearest queries, metres.
-const FARTHEST: f64 = 0.1;
+const MAX_QUERY_DISTANCE: f64 = 0.1;
 
 fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     let drawn = random.vector(size);
@@ -132,7 +132,9 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         let mut to = from.clone();
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
-        let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
+        let nearest = checker
+            .nearest(&mut workspace, &to, MAX_QUERY_DISTANCE)
+            .unwrap();
         let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
         text += &format!("{collisions:?} {nearest:?} {motion:?}\n");
         from = to;
@@ -173,7 +175,7 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         let new_random = || Random::new(round as u64);
         let before = report(&checker, &arm, &mut new_random());
         let known = (checker.clone(), arm.clone());
-        for _ in 0..1 + random.below(CHANGES) {
+        for _ in 0..1 + random.below(MAX_CHANGES) {
             change(&mut world, &mut added, &mut random);
             if random.below(3) == 0 {
                 checker = checker.with_world(&world).unwrap();

@@ -11,7 +11,7 @@ use kinopt::model::{
 use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-use crate::mechanisms::{FourBar, TURNS, along_x};
+use crate::mechanisms::{FourBar, ROTATION_LIMITS, along_x};
 
 const Z: Vector3<f64> = Vector3 {
     x: 0.0,
@@ -22,8 +22,8 @@ const Z: Vector3<f64> = Vector3 {
 /// A revolute joint with a tip at 1 m, another at 3 m with an equal tip, and a prismatic joint at the second tip.
 fn two_revolutes(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
     let mut builder = Model::builder("two hinges");
-    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
-    let two = builder.revolute("two", None, along_x(3.0), Z, TURNS);
+    let one = builder.revolute("one", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let two = builder.revolute("two", None, along_x(3.0), Z, ROTATION_LIMITS);
     let slide = builder.prismatic(
         "slide",
         Some(two),
@@ -127,8 +127,8 @@ fn invalid_names_frames_and_points_are_named() {
 #[test]
 fn arms_and_geometric_solvers_reject_loops() {
     let mut builder = Model::builder("four-bar on an arm");
-    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
-    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, ROTATION_LIMITS);
     let hand = builder.frame("hand", Some(elbow), along_x(1.0));
     FourBar::CRANK_ROCKER.add_to(&mut builder, Some(elbow));
     let model = builder.build().unwrap();
@@ -152,8 +152,8 @@ fn arms_and_geometric_solvers_reject_loops() {
 #[test]
 fn arm_that_drives_a_loop_is_rejected() {
     let mut builder = Model::builder("two hinges beside a four-bar");
-    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
-    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, ROTATION_LIMITS);
     builder.frame("hand", Some(elbow), along_x(1.0));
     let [crank, _, _] = FourBar::CRANK_ROCKER.add_to(&mut builder, None);
     let follows = |master| Mimic {
@@ -263,11 +263,11 @@ fn prismatic_joint_bridges_a_gap() {
 /// link's.
 fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
     let mut builder = Model::builder("two hinges and a rail");
-    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
-    let two = builder.revolute("two", None, along_x(apart), Z, TURNS);
+    let one = builder.revolute("one", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let two = builder.revolute("two", None, along_x(apart), Z, ROTATION_LIMITS);
     let x = Vector3::new(1.0, 0.0, 0.0);
     let rail = builder.prismatic("rail", Some(two), along_x(1.0), x, limits);
-    let far = builder.revolute("far", Some(rail), along_x(0.0), Z, TURNS);
+    let far = builder.revolute("far", Some(rail), along_x(0.0), Z, ROTATION_LIMITS);
     let ends = [
         builder.frame("one's end", Some(one), along_x(1.0)),
         builder.frame("far end", Some(far), along_x(0.0)),
@@ -301,7 +301,7 @@ fn always_extended_prismatic_joint_is_a_link() {
 fn weld_rotates_by_joints_of_either_end() {
     for hinge_is_first in [true, false] {
         let mut builder = Model::builder("hinge at a wall");
-        let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+        let hinge = builder.revolute("hinge", None, along_x(0.0), Z, ROTATION_LIMITS);
         let hand = builder.frame("hand", Some(hinge), along_x(1.0));
         let turned = Matrix3::rotation(Z, (0.6, 0.8));
         let at = Placement::new(turned, turned.x);
@@ -319,7 +319,7 @@ fn weld_rotates_by_joints_of_either_end() {
 #[test]
 fn rotated_weld_is_open() {
     let mut builder = Model::builder("hinge in a wall");
-    let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+    let hinge = builder.revolute("hinge", None, along_x(0.0), Z, ROTATION_LIMITS);
     let hand = builder.frame("hand", Some(hinge), along_x(0.0));
     let wall = builder.frame("wall", None, along_x(0.0));
     builder.close(Loop::weld("pin", [hand, wall]));

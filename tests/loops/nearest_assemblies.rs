@@ -9,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 use support::sample::cases;
 
-use crate::mechanisms::{FourBar, TURNS};
+use crate::mechanisms::{FourBar, ROTATION_LIMITS};
 
 /// Coupler and rocker angles for a crank angle, from the two intersections of the circles of their ends.
 fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
@@ -70,7 +70,7 @@ fn endless(linkage: &FourBar) -> Model {
 fn nearer_assembly_is_selected() {
     let linkage = FourBar::CRANK_ROCKER;
     for (model, limits, seed) in [
-        (linkage.model(), TURNS, 1),
+        (linkage.model(), ROTATION_LIMITS, 1),
         (endless(&linkage), Limits::UNBOUNDED, 2),
     ] {
         let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
@@ -147,8 +147,8 @@ fn slider_crank(unit: f64) -> Model {
     let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));
     let [x, y, z] = Vector3::UNITS;
     let mut builder = Model::builder("slider-crank");
-    let crank = builder.revolute("crank", None, along(0.0), z, TURNS);
-    let rod = builder.revolute("rod", Some(crank), along(0.3), z, TURNS);
+    let crank = builder.revolute("crank", None, along(0.0), z, ROTATION_LIMITS);
+    let rod = builder.revolute("rod", Some(crank), along(0.3), z, ROTATION_LIMITS);
     let line = Placement::translation(y * (0.2 * unit));
     let slide = builder.prismatic("slide", None, line, x, Limits::new(-2.0 * unit, 2.0 * unit));
     let ends = [
@@ -163,8 +163,8 @@ fn slider_crank(unit: f64) -> Model {
 /// length.
 #[test]
 fn nearer_assembly_is_unit_invariant() {
-    const MM: f64 = 1000.0;
-    let models = [1.0, MM].map(slider_crank);
+    const MILLIMETRES_PER_METRE: f64 = 1000.0;
+    let models = [1.0, MILLIMETRES_PER_METRE].map(slider_crank);
     let [metres, millimetres] = models.each_ref().map(|model| {
         let dependent = ["rod", "slide"].map(|name| model.joint(name).unwrap());
         LoopClosure::new(ParameterMap::builder(model), &dependent).unwrap()
@@ -175,7 +175,10 @@ fn nearer_assembly_is_unit_invariant() {
     for case in 0..wanted {
         let [crank, rod] = [(); 2].map(|()| random.within(-PI, PI));
         let slide = random.within(-1.2, 1.2);
-        let (mut small, mut large) = ([crank, rod, slide], [crank, rod, slide * MM]);
+        let (mut small, mut large) = (
+            [crank, rod, slide],
+            [crank, rod, slide * MILLIMETRES_PER_METRE],
+        );
         metres.close(&mut small).unwrap();
         millimetres.close(&mut large).unwrap();
         // The two positions of the slider by Pythagoras.
@@ -185,7 +188,7 @@ fn nearer_assembly_is_unit_invariant() {
         let deviation = ends.map(|end| (small[2] - end).abs());
         assert!(deviation[0].min(deviation[1]) < 1e-5, "{case}: {small:?}");
         ahead += usize::from(deviation[0] < deviation[1]);
-        let scaled = [large[0], large[1], large[2] / MM];
+        let scaled = [large[0], large[1], large[2] / MILLIMETRES_PER_METRE];
         for (one, other) in small.iter().zip(scaled) {
             assert!((one - other).abs() < 1e-5, "{case}: {small:?} {scaled:?}");
         }

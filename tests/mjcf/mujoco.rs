@@ -12,7 +12,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use nalgebra::Matrix3;
 use serde::Deserialize;
 
-const WITHIN: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -116,7 +116,7 @@ fn placements_of_bodies_and_sites_equal_mujoco() {
                 );
                 for (actual, expected) in numbers(placement).iter().zip(expected) {
                     assert!(
-                        (actual - expected).abs() < WITHIN,
+                        (actual - expected).abs() < TOLERANCE,
                         "{}: {actual} {expected}",
                         frame.name
                     );
@@ -161,8 +161,8 @@ fn joint_order_and_ranges_equal_mujoco() {
                     assert!(actual.limits.lower.is_infinite() && actual.limits.upper.is_infinite())
                 }
                 Some([lower, upper]) => {
-                    assert!((actual.limits.lower - lower).abs() < WITHIN);
-                    assert!((actual.limits.upper - upper).abs() < WITHIN);
+                    assert!((actual.limits.lower - lower).abs() < TOLERANCE);
+                    assert!((actual.limits.upper - upper).abs() < TOLERANCE);
                 }
             }
         }
@@ -184,10 +184,10 @@ fn masses_equal_mujoco() {
             else {
                 continue;
             };
-            assert!((mass - expected.mass).abs() < WITHIN * mass);
+            assert!((mass - expected.mass).abs() < TOLERANCE * mass);
             let centre = link_from_inertia.translation.to_array();
             for (actual, expected) in centre.iter().zip(expected.centre) {
-                assert!((actual - expected).abs() < WITHIN);
+                assert!((actual - expected).abs() < TOLERANCE);
             }
             // Principal moments: eigenvalues, in any axes.
             let matrix = Matrix3::from_fn(|row, column| moments[row][column]);
@@ -228,7 +228,7 @@ fn loop_anchors_equal_mujoco() {
             };
             for (actual, expected) in [first, second].iter().zip(&expected) {
                 for (actual, expected) in numbers(actual).iter().zip(numbers(expected)) {
-                    assert!((actual - expected).abs() < WITHIN, "{actual} {expected}");
+                    assert!((actual - expected).abs() < TOLERANCE, "{actual} {expected}");
                     compared += 1;
                 }
             }

@@ -8,7 +8,7 @@ use kinopt::task::Point;
 use serde::Deserialize;
 
 /// Relative difference at which two costs are equal.
-const SAME: f64 = 1e-7;
+const COST_TOLERANCE: f64 = 1e-7;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -111,7 +111,7 @@ fn short_clips_reach_the_costs_of_ipopt() {
             "{}",
             message()
         );
-        assert!(off.abs() <= SAME, "{}", message());
+        assert!(off.abs() <= COST_TOLERANCE, "{}", message());
         bound += usize::from(clip.moves_at_their_limit > 0);
         check_limits(&robot, clip, solved.q());
     }

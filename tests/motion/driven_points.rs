@@ -5,7 +5,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
 /// Offset of the subject's hips from the joints of the model's thighs, metres.
-const BESIDE: [f64; 3] = [0.03, 0.02, 0.06];
+const HIP_OFFSET: [f64; 3] = [0.03, 0.02, 0.06];
 
 #[test]
 fn driven_points_move_as_frames_at_these_points() {
@@ -15,7 +15,7 @@ fn driven_points_move_as_frames_at_these_points() {
     let [mut by_points, mut by_frames] = [map.clone(), map];
     for drive in &mut by_points.drives {
         if drive.frame.ends_with("_thigh") {
-            drive.offset = BESIDE.into();
+            drive.offset = HIP_OFFSET.into();
         }
     }
     for drive in &mut by_frames.drives {

@@ -256,11 +256,11 @@ fn invalid_keyframe_ik_is_named() {
     );
 }
 
-const BENT: &str = "right_forearm";
+const BENT_BONE: &str = "right_forearm";
 
 /// The dense keys with a constant bend of the forearm, except where `at` gives another value.
 fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
-    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let forearm = rig.skeleton.bone(BENT_BONE).unwrap();
     let mut tracks = dense(rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
         for (k, key) in track.keys.iter_mut().enumerate() {
@@ -271,7 +271,7 @@ fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
 }
 
 fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
-    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let forearm = rig.skeleton.bone(BENT_BONE).unwrap();
     let track = clip.tracks().iter().find(|track| track.bone == forearm);
     let keys = &track.unwrap().keys;
     keys.iter().map(|key| key.angles[1]).collect()
@@ -307,7 +307,7 @@ fn hand_curve(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
 fn track_beyond_its_limit_is_moved_within_it() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let beyond = bent(&rig, limits.upper + 0.2, |_| None);
     // The hand's curve with the elbow well within its limits.
@@ -373,7 +373,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
 fn key_beyond_its_limit_is_clamped_without_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     for (over, key) in [(0.05, 9), (0.3, 10), (0.05, 15)] {
         let only = |bend: f64| {
@@ -408,7 +408,7 @@ fn key_beyond_its_limit_is_clamped_without_others() {
 fn single_key_track_keeps_its_limit() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let mut tracks = dense(&rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
@@ -445,7 +445,7 @@ fn single_key_track_keeps_its_limit() {
 fn locked_angle_keeps_its_value_in_the_clip() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     assert!(skeleton.bones()[forearm.index()].limits[2].is_locked());
     let mut tracks = dense(&rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
@@ -478,7 +478,7 @@ fn locked_angle_keeps_its_value_in_the_clip() {
 fn clamped_last_key_is_compensated_by_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let clip = bent(&rig, limits.lower + 0.3, |_| None);
     // The elbow would have to bend backwards at the end, where no bone above it helps.

@@ -19,7 +19,7 @@ use crate::clip_ik::{figure, planted, walk};
 /// Centimetres and inches per metre.
 const UNITS: [f64; 2] = [100.0, 39.37007874015748];
 /// Largest difference of an angle in radians, or of a component of a unit quaternion.
-const ALIKE: f64 = 1e-6;
+const ANGLE_TOLERANCE: f64 = 1e-6;
 
 fn scaled(skeleton: &Skeleton, unit: f64) -> Skeleton {
     let bones = skeleton.bones().iter().map(|bone| {
@@ -42,7 +42,7 @@ fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
     assert_eq!(expected.len(), found.len(), "{what}");
     let pairs = expected.iter().zip(found);
     let deviation = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(deviation < ALIKE, "{what}: {deviation}");
+    assert!(deviation < ANGLE_TOLERANCE, "{what}: {deviation}");
 }
 
 /// Captured steps, retargeted to the humanoid in a unit.

@@ -98,7 +98,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
 }
 
 /// Legs known by their ankles only; no toe keeps the feet level.
-const ANKLES: &str = r#"{
+const ANKLE_MAP: &str = r#"{
     "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
     "drives": {
         "chest": "pelvis",
@@ -112,7 +112,7 @@ const ANKLES: &str = r#"{
 #[test]
 fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let robot = legs(SOLE);
-    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let map = BodyMap::from_json(ANKLE_MAP, "legs").unwrap();
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let down = 0.15 * (1.0 - (0.05 * k as f64).cos());
@@ -144,7 +144,7 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
 fn contacts_of_a_foot_are_independent() {
     let robot = legs(SOLE);
     let model = robot.model();
-    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let map = BodyMap::from_json(ANKLE_MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let stood = fitted.targets(0).unwrap();

@@ -24,8 +24,8 @@ use kinopt::task::{Point, Pose, Quantity, Task};
 use nalgebra::DMatrix;
 use serde::Deserialize;
 
-const PLACED_WITHIN: f64 = 1e-12;
-const JACOBIAN_WITHIN: f64 = 1e-10;
+const PLACEMENT_TOLERANCE: f64 = 1e-12;
+const JACOBIAN_TOLERANCE: f64 = 1e-10;
 
 /// Six rows, linear then angular, with one number for each variable.
 type RowBlock = Vec<Vec<f64>>;
@@ -147,7 +147,7 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
         for (column, wanted) in theirs.iter().enumerate() {
             let deviation = (ours[(row, column)] - wanted).abs();
             assert!(
-                deviation <= JACOBIAN_WITHIN,
+                deviation <= JACOBIAN_TOLERANCE,
                 "{what}, row {row}, column {column}: off by {deviation:e}"
             );
         }
@@ -206,7 +206,7 @@ fn placements_of_rigs_equal_the_recursion() {
                 for (ours, theirs) in pairs.flat_map(|(a, b)| a.into_iter().zip(b)) {
                     let deviation = (ours - theirs).abs();
                     assert!(
-                        deviation <= PLACED_WITHIN,
+                        deviation <= PLACEMENT_TOLERANCE,
                         "{}, {name}: off by {deviation:e}",
                         rig.file
                     );
@@ -285,10 +285,14 @@ fn cost_derivatives_of_rigs_equal_casadi() {
         for case in &rig.cases {
             let reaching = Reaching::new(&model, &map, &rig.file, &case.targets);
             let (cost, gradient) = reaching.cost_and_gradient(&case.x);
-            assert!((cost - case.cost).abs() <= PLACED_WITHIN, "{}", rig.file);
+            assert!(
+                (cost - case.cost).abs() <= PLACEMENT_TOLERANCE,
+                "{}",
+                rig.file
+            );
             assert_eq!(gradient.len(), case.gradient.len());
             for (ours, theirs) in gradient.iter().zip(&case.gradient) {
-                assert!((ours - theirs).abs() <= PLACED_WITHIN, "{}", rig.file);
+                assert!((ours - theirs).abs() <= PLACEMENT_TOLERANCE, "{}", rig.file);
             }
             assert_eq!(case.hessian.len(), case.x.len());
             for (column, theirs) in case.hessian.iter().enumerate() {
@@ -296,7 +300,7 @@ fn cost_derivatives_of_rigs_equal_casadi() {
                 for (ours, theirs) in ours.iter().zip(theirs) {
                     let deviation = (ours - theirs).abs();
                     assert!(
-                        deviation <= JACOBIAN_WITHIN,
+                        deviation <= JACOBIAN_TOLERANCE,
                         "{}, column {column}: off by {deviation:e}",
                         rig.file
                     );

@@ -21,11 +21,11 @@ use nalgebra::DMatrix;
 use support::sample::part;
 
 /// Relative to the reference's cost.
-const NO_WORSE: f64 = 1e-9;
+const COST_TOLERANCE: f64 = 1e-9;
 /// Remainder of a zero cost at tolerances of 1e-9 m, in m².
-const NOTHING: f64 = 1e-16;
+const ZERO_COST: f64 = 1e-16;
 /// Cosine between the residual and its first-order change by any free variable.
-const STATIONARY: f64 = 1e-6;
+const MAX_GRADIENT_COSINE: f64 = 1e-6;
 /// The problems are solved in parallel, because they are many.
 const THREADS: usize = 4;
 /// Problems whose solution is a stationary minimum other than the best known.
@@ -146,10 +146,10 @@ fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
     let solution = solve(statement, &problem);
     let here = measure(&problem, &variables(&problem, &solution.q));
     let best = statement.minima[statement.best].cost;
-    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(ZERO_COST);
     assert!(reported, "{}: {} told", statement.name, solution.cost);
-    let moving = !solution.reached && here.cosine > STATIONARY;
-    let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
+    let moving = !solution.reached && here.cosine > MAX_GRADIENT_COSINE;
+    let above = here.cost > best * (1.0 + COST_TOLERANCE) + ZERO_COST;
     Verdict {
         name: &statement.name,
         not_stationary: moving

@@ -16,9 +16,9 @@ use support::random::Random;
 use support::tasks::{Curve, OfJoint};
 
 /// Largest joint displacement in a frame, radians, with rounding.
-const MOST_MOVE: f64 = 0.15 + 1e-12;
+const MAX_MOVE: f64 = 0.15 + 1e-12;
 /// Largest number of evaluations in a frame: its steps, a perturbation's steps and the estimation of curvature.
-const EVALUATIONS: usize = 400;
+const MAX_EVALUATIONS: usize = 400;
 
 /// Drag of a rig's second tip with the other tips pinned.
 fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
@@ -99,11 +99,11 @@ fn drag_beyond_reach_and_back_never_jumps() {
                 .set_target(from + aside * size);
             let solution = drag.advance();
             assert!(
-                furthest(&solution.q, &q) <= MOST_MOVE,
+                furthest(&solution.q, &q) <= MAX_MOVE,
                 "{seed}, frame {frame}"
             );
             assert!(
-                solution.counts.residuals <= EVALUATIONS,
+                solution.counts.residuals <= MAX_EVALUATIONS,
                 "{:?}",
                 solution.counts
             );
@@ -184,7 +184,7 @@ fn jumping_target_is_followed_with_reported_lag() {
     while !drag.advance().reached {
         assert!(drag.is_speed_limited(), "{}", drag.solution().explain());
         assert!(drag.solution().explain().contains("allowed move"));
-        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
         q.copy_from_slice(drag.q());
         frames += 1;
         assert!(frames < 60);
@@ -213,7 +213,7 @@ fn stretched_arm_bends_for_a_returning_target() {
         let x = (2.5 - 0.02 * f64::from(frame)).max(1.5);
         drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
-        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
         // A joint without influence on any task keeps its value.
         assert_eq!(drag.q()[2], 0.7);
         q.copy_from_slice(drag.q());
@@ -243,7 +243,7 @@ fn drag_jumps_only_with_search_and_reports_it() {
         let before = keen.q().to_vec();
         keen.advance();
         let moved = furthest(keen.q(), &before);
-        if moved > MOST_MOVE {
+        if moved > MAX_MOVE {
             let jump = keen.jump().expect("a leap is told");
             assert_eq!(jump.distance, moved);
             jumps += 1;
@@ -430,7 +430,7 @@ fn settled_drag_continues_in_small_steps() {
         body.target_mut(hand).unwrap().set_target(back);
         let before = body.q().to_vec();
         body.advance();
-        assert!(furthest(body.q(), &before) <= MOST_MOVE);
+        assert!(furthest(body.q(), &before) <= MAX_MOVE);
     }
 }
 

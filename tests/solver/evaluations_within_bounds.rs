@@ -92,18 +92,18 @@ impl LeastSquares for Narrow {
 
 #[test]
 fn evaluations_stay_within_problem_bounds() {
-    const ROOM: f64 = 1e-9;
+    const BOUND_WIDTH: f64 = 1e-9;
     // Near the lower and near the upper bound.
     for at in [0.2, 0.8] {
         let mut differences = 0;
         for method in methods() {
             let mut problem = Narrow {
                 lower: [-50.0, -50.0, -50.0, -50.0, 0.2],
-                upper: [50.0, 50.0, 50.0, 50.0, 0.2 + ROOM],
+                upper: [50.0, 50.0, 50.0, 50.0, 0.2 + BOUND_WIDTH],
                 asked: 0,
                 counts: Counts::default(),
             };
-            let start = [25.0, 5.0, -5.0, -1.0, 0.2 + at * ROOM];
+            let start = [25.0, 5.0, -5.0, -1.0, 0.2 + at * BOUND_WIDTH];
             let mut memory = SolverState::default();
             let stopping = Stopping::default();
             minimise(

@@ -216,11 +216,11 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
 
 #[test]
 fn no_result_violates_a_limit() {
-    const QUESTIONS: usize = 4;
+    const QUERIES: usize = 4;
     let mut workspace = Workspace::new();
     let mut tally = Tally::default();
     let wanted = cases(20_000, 600);
-    for seed in 0..wanted / QUESTIONS {
+    for seed in 0..wanted / QUERIES {
         let random = &mut Random::new(seed as u64);
         let body = Body::new(random, 2 + seed % 9);
         for q in [
@@ -231,7 +231,7 @@ fn no_result_violates_a_limit() {
             assert_eq!(fault, None, "seed {seed}");
         }
         if body.map.variables() > 0 {
-            for _ in 0..QUESTIONS {
+            for _ in 0..QUERIES {
                 solve_and_check(&body, random, &mut tally, &mut workspace);
             }
         }

@@ -10,7 +10,7 @@ use kinopt::task::{Pose, Posture, Quantity, Task};
 use kinopt::{Model, Problem, Solver, Workspace};
 use support::random::Random;
 
-const PLACES: [[f64; 3]; 4] = [
+const POSITIONS: [[f64; 3]; 4] = [
     [0.0, 0.0, 0.3],
     [0.0, 0.1, 0.0],
     [0.3, 0.0, 0.0],
@@ -76,7 +76,7 @@ fn assert_equal(a: &Problem, b: &Problem, model: &Model, seed: u64) {
 
 #[test]
 fn changed_weights_equal_a_rebuilt_problem() {
-    let (model, _, tip) = arm(PLACES);
+    let (model, _, tip) = arm(POSITIONS);
     let first = problem(&model, tip, [1.0, 0.3, 0.01]);
     assert_eq!(first.weights(), [1.0, 0.3, 0.01]);
     for weights in [[2.0, 0.1, 1.0], [0.0, 0.5, 0.2], [0.0, 0.0, 1.0]] {
@@ -91,10 +91,10 @@ fn changed_weights_equal_a_rebuilt_problem() {
 
 #[test]
 fn changed_joint_origins_equal_a_rebuilt_problem() {
-    let (model, joints, tip) = arm(PLACES);
+    let (model, joints, tip) = arm(POSITIONS);
     let mut random = Random::new(7);
     for _ in 0..8 {
-        let places = PLACES.map(|position| position.map(|number| number + 0.1 * random.unit()));
+        let places = POSITIONS.map(|position| position.map(|number| number + 0.1 * random.unit()));
         let moved = model.clone();
         let moved = moved
             .with_joint_origins(joints.iter().copied().zip(places))
@@ -113,7 +113,7 @@ fn changed_joint_origins_equal_a_rebuilt_problem() {
 
 #[test]
 fn invalid_weights_and_origins_are_rejected() {
-    let (model, joints, tip) = arm(PLACES);
+    let (model, joints, tip) = arm(POSITIONS);
     let first = problem(&model, tip, [1.0, 0.3, 0.01]);
     let few = first.clone().with_weights(&[1.0]);
     assert!(matches!(
@@ -155,7 +155,7 @@ fn invalid_weights_and_origins_are_rejected() {
 /// The last value of a repeated weight or tolerance applies.
 #[test]
 fn last_weight_and_tolerance_apply() {
-    let (model, _, tip) = arm(PLACES);
+    let (model, _, tip) = arm(POSITIONS);
     let start = model.neutral();
     let solved = |said: &dyn Fn(Task<Pose>) -> Task<Pose>| {
         let mut tasks = Problem::builder(&model);

@@ -15,11 +15,11 @@ use support::sample::part;
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 
-const METRE: f64 = 2.0;
-const RADIAN: f64 = 0.5;
-const PULL: f64 = 0.01;
-const METRES_WITHIN: f64 = 1e-5;
-const RADIANS_WITHIN: f64 = 1e-4;
+const METRE_WEIGHT: f64 = 2.0;
+const RADIAN_WEIGHT: f64 = 0.5;
+const POSTURE_WEIGHT: f64 = 0.01;
+const POSITION_TOLERANCE: f64 = 1e-5;
+const ANGLE_TOLERANCE: f64 = 1e-4;
 
 struct TestCase {
     tree: RandomTree,
@@ -49,16 +49,16 @@ fn random_case(seed: u64, reachable: bool) -> TestCase {
     let mut builder = Problem::builder(&tree.model);
     builder.add(
         Task::new(Pose::new(a, placement(&pose)))
-            .weight(Quantity::Metres, METRE)
-            .weight(Quantity::Radians, RADIAN)
-            .tolerance(Quantity::Metres, METRES_WITHIN)
-            .tolerance(Quantity::Radians, RADIANS_WITHIN),
+            .weight(Quantity::Metres, METRE_WEIGHT)
+            .weight(Quantity::Radians, RADIAN_WEIGHT)
+            .tolerance(Quantity::Metres, POSITION_TOLERANCE)
+            .tolerance(Quantity::Radians, ANGLE_TOLERANCE),
     );
-    builder.add(Task::new(Point::new(b, point)).tolerance(Quantity::Metres, METRES_WITHIN));
+    builder.add(Task::new(Point::new(b, point)).tolerance(Quantity::Metres, POSITION_TOLERANCE));
     if !reachable {
         let rest = vec![0.0; q.len()];
         let pull = Posture::new(&tree.model, &rest);
-        builder.add(Task::new(pull).weight(Quantity::JointUnits, PULL));
+        builder.add(Task::new(pull).weight(Quantity::JointUnits, POSTURE_WEIGHT));
         // The blocking limits are those of the weighted sum.
         builder.preferences(Preferences::Traded);
     }
@@ -87,8 +87,11 @@ fn errors(case: &TestCase, q: &[f64]) -> [f64; 4] {
 
 fn cost(case: &TestCase, q: &[f64], posture: bool) -> f64 {
     let [position, angle, point, pull] = errors(case, q);
-    let pull = if posture { PULL * pull } else { 0.0 };
-    0.5 * ((METRE * position).powi(2) + (RADIAN * angle).powi(2) + point.powi(2) + pull.powi(2))
+    let pull = if posture { POSTURE_WEIGHT * pull } else { 0.0 };
+    0.5 * ((METRE_WEIGHT * position).powi(2)
+        + (RADIAN_WEIGHT * angle).powi(2)
+        + point.powi(2)
+        + pull.powi(2))
 }
 
 fn check(label: &str, case: &TestCase, solution: &Solution, posture: bool) {
@@ -114,11 +117,11 @@ fn check(label: &str, case: &TestCase, solution: &Solution, posture: bool) {
     );
 
     let [position, angle, point, _] = expected;
-    let pose_met = position <= METRES_WITHIN && angle <= RADIANS_WITHIN;
-    let reached = pose_met && point <= METRES_WITHIN;
+    let pose_met = position <= POSITION_TOLERANCE && angle <= ANGLE_TOLERANCE;
+    let reached = pose_met && point <= POSITION_TOLERANCE;
     assert_eq!(solution.reached, reached, "{label}: {expected:?}");
     assert_eq!(tasks[0].reached, pose_met, "{label}");
-    assert_eq!(tasks[1].reached, point <= METRES_WITHIN, "{label}");
+    assert_eq!(tasks[1].reached, point <= POSITION_TOLERANCE, "{label}");
     assert!(
         solution
             .explain()

@@ -324,12 +324,12 @@ fn conflicting_levels_come_to_rest() {
     };
     let mut least = f64::INFINITY;
     // The robot weighs metres and radians differently, so one may improve slightly at the other's cost.
-    const WEIGHED_OTHERWISE: f64 = 1.0 + 1e-5;
+    const COST_RATIO_TOLERANCE: f64 = 1.0 + 1e-5;
     for frame in 0..200 {
         drag.advance();
         let now = missed(&drag);
         assert!(
-            now < least * WEIGHED_OTHERWISE,
+            now < least * COST_RATIO_TOLERANCE,
             "frame {frame}: {now} after {least}"
         );
         least = now;

@@ -104,7 +104,7 @@ fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
             (0 | 1, _) => ControlFlow::Continue(()),
             (_, true) => ControlFlow::Break(()),
             (_, false) => {
-                std::thread::sleep(LIMIT);
+                std::thread::sleep(TIME_LIMIT);
                 ControlFlow::Continue(())
             }
         }
@@ -112,11 +112,11 @@ fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
 }
 
 /// Enough for a first attempt on any machine.
-const LIMIT: Duration = Duration::from_millis(400);
+const TIME_LIMIT: Duration = Duration::from_millis(400);
 
 #[test]
 fn interruption_of_a_later_attempt_is_reported() {
-    let stopping = Stopping::default().with_time_limit(LIMIT);
+    let stopping = Stopping::default().with_time_limit(TIME_LIMIT);
     let far = problem([5.0, 0.0, 0.0]);
     let start = [0.0; 3];
     for (cancels, ended) in [

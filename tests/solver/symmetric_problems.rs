@@ -10,7 +10,7 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Quantity};
 
 /// Largest allowed difference of the two sides, metres, from the tolerance and flat directions.
-const SYMMETRIC: f64 = 1e-3;
+const SYMMETRY_TOLERANCE: f64 = 1e-3;
 
 fn humanoid() -> Rig {
     let models = concat!(
@@ -93,6 +93,6 @@ fn symmetric_hand_targets_settle_symmetrically() {
         let settled = body.settle(200);
         assert_eq!(settled.reached, within, "{target:?}: {}", settled.explain());
         let off = lopsided(skeleton, &settled.q);
-        assert!(off < SYMMETRIC, "{target:?}: {off}");
+        assert!(off < SYMMETRY_TOLERANCE, "{target:?}: {off}");
     }
 }

@@ -12,10 +12,10 @@ use super::random::Random;
 use super::stationary::Cone;
 
 /// Weight of a radian relative to a metre, for any reach.
-const TURN: f64 = 0.5;
+const RADIAN_WEIGHT: f64 = 0.5;
 
 fn turning<R: Residual>(residual: R) -> Task<R> {
-    Task::new(residual).weight(Quantity::Radians, TURN)
+    Task::new(residual).weight(Quantity::Radians, RADIAN_WEIGHT)
 }
 
 /// Adds a task with its weight multiplied by a factor.
@@ -287,7 +287,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
         Change::Weight(_) => {
             // Position and orientation of a pose, each with its own weight.
             let blocks = if kind <= 2 { 2 } else { 1 };
-            let block_rates = [1.0, TURN];
+            let block_rates = [1.0, RADIAN_WEIGHT];
             rates.weights_mut()[..blocks].copy_from_slice(&block_rates[..blocks]);
         }
         Change::Origin(_) => {

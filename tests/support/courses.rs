@@ -62,7 +62,7 @@ enum Shape {
 }
 
 const STEP_PERIOD: f64 = 0.6;
-const REST: f64 = 0.4;
+const PAUSE_TIME: f64 = 0.4;
 const HAND_RATE: f64 = 30.0;
 
 impl Course {
@@ -84,9 +84,9 @@ impl Course {
                 let travel_time = length / speed;
                 let fraction = match time {
                     t if t < travel_time => t / travel_time,
-                    t if t < travel_time + REST => 1.0,
-                    t if t < 2.0 * travel_time + REST => {
-                        1.0 - (t - travel_time - REST) / travel_time
+                    t if t < travel_time + PAUSE_TIME => 1.0,
+                    t if t < 2.0 * travel_time + PAUSE_TIME => {
+                        1.0 - (t - travel_time - PAUSE_TIME) / travel_time
                     }
                     _ => 0.0,
                 };
@@ -221,7 +221,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
         },
     };
     let duration = match &shape {
-        Shape::Line { length, speed, .. } => 2.0 * (length / speed + REST),
+        Shape::Line { length, speed, .. } => 2.0 * (length / speed + PAUSE_TIME),
         Shape::Steps(poses) => poses.len() as f64 * STEP_PERIOD,
         Shape::Circle { .. } | Shape::Hand { .. } => 3.0,
     };

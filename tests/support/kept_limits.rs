@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use kinopt::model::Limits;
 
 /// Tolerance of the norm of a unit quaternion.
-const UNIT: f64 = 1e-12;
+const NORM_TOLERANCE: f64 = 1e-12;
 /// Tolerance of a ball's angles, in radians and relative to its cone.
-const ROUNDING: f64 = 1e-10;
+const ANGLE_TOLERANCE: f64 = 1e-10;
 
 /// Limits of a ball joint.
 #[derive(Clone, Debug)]
@@ -87,7 +87,8 @@ pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
 fn length_fault(q: &[f64]) -> Option<String> {
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     let off = (length - 1.0).abs();
-    (off.is_nan() || off > UNIT).then(|| format!("a quaternion's length is off by {off:e}"))
+    (off.is_nan() || off > NORM_TOLERANCE)
+        .then(|| format!("a quaternion's length is off by {off:e}"))
 }
 
 impl Cone {
@@ -95,7 +96,7 @@ impl Cone {
     /// the twist is the remaining rotation about the axis.
     pub fn fault(&self, q: &[f64]) -> Option<String> {
         let angle = angle_between(&[1.0, 0.0, 0.0, 0.0], q);
-        if angle > self.angle + ROUNDING {
+        if angle > self.angle + ANGLE_TOLERANCE {
             return Some(format!("turned by {angle:?} of {:?}", self.angle));
         }
         let (axis, about) = (self.axis, self.about);
@@ -114,7 +115,7 @@ impl Cone {
         };
         let swing = [about, cross(axis, about)].map(|along| angle * dot(direction, along));
         let share = (swing[0] / self.swing[0]).hypot(swing[1] / self.swing[1]);
-        if share > 1.0 + ROUNDING + blur {
+        if share > 1.0 + ANGLE_TOLERANCE + blur {
             return Some(format!("swung to {share:?} of its cone"));
         }
         // Rodrigues' rotation of the perpendicular axes, as a frame without and with the twist.
@@ -124,7 +125,7 @@ impl Cone {
         let untwisted = [0, 1, 2].map(|k| c * about[k] + s * side[k] + along * direction[k]);
         let twist = dot(tipped, cross(untwisted, turned)).atan2(dot(untwisted, turned));
         let Limits { lower, upper } = self.twist;
-        let slack = ROUNDING + blur;
+        let slack = ANGLE_TOLERANCE + blur;
         let out = [twist, twist - TAU, twist + TAU]
             .iter()
             .all(|twist| *twist < lower - slack || *twist > upper + slack);

@@ -51,7 +51,7 @@ pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
 /// Line from a random configuration; none if the branch does not end within 1.5 m.
 fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
     /// Step of the search for the end of the branch, metres.
-    const COARSE: f64 = 5e-3;
+    const COARSE_STEP: f64 = 5e-3;
     // Length of the line before and after the end of the branch, metres.
     let half_length = if few() { 0.015 } else { 0.03 };
     let q = inner(arm, random);
@@ -64,15 +64,15 @@ fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
     let mut solution = Solution::default();
     let mut follower = arm.follower(&configurations[0]).ok()?;
     for k in 1..300 {
-        let metres = f64::from(k) * COARSE;
+        let metres = f64::from(k) * COARSE_STEP;
         let jump = follower.advance(at(metres), &mut solution).ok()?;
         if solution.reached && jump.is_none() {
             configurations.push(solution.q.clone());
             continue;
         }
-        let steps_back = (half_length / COARSE) as usize;
+        let steps_back = (half_length / COARSE_STEP) as usize;
         let start_index = configurations.len().checked_sub(1 + steps_back)?;
-        let start_distance = start_index as f64 * COARSE;
+        let start_distance = start_index as f64 * COARSE_STEP;
         let steps = (2.0 * half_length / STEP) as usize;
         return Some(Line {
             start: configurations[start_index].clone(),

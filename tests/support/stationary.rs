@@ -95,9 +95,9 @@ pub struct Conditions<'a> {
 }
 
 /// Step of fourth-order differences of residuals.
-const STEP: f64 = 2e-3;
+const RESIDUAL_STEP: f64 = 2e-3;
 /// Step of second-order differences of the conditions, for an approximate matrix.
-const COARSE: f64 = 1e-4;
+const CONDITION_STEP: f64 = 1e-4;
 
 impl Conditions<'_> {
     fn variables(&self, q: &[f64]) -> Vec<f64> {
@@ -155,9 +155,9 @@ impl Conditions<'_> {
         for k in 0..dof {
             for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
                 let mut v = na::DVector::zeros(dof);
-                v[k] = share * STEP;
+                v[k] = share * RESIDUAL_STEP;
                 let (p, h) = self.values(&self.moved(q, &v));
-                let weight = weight / (12.0 * STEP);
+                let weight = weight / (12.0 * RESIDUAL_STEP);
                 by_pulled.column_mut(k).axpy(weight, &p, 1.0);
                 by_held.column_mut(k).axpy(weight, &h, 1.0);
             }
@@ -198,13 +198,13 @@ impl Conditions<'_> {
         let mut matrix = na::DMatrix::zeros(order, order);
         for k in 0..dof {
             let mut v = na::DVector::zeros(dof);
-            v[k] = COARSE;
+            v[k] = CONDITION_STEP;
             let ahead = self.conditions(&self.moved(q, &v), lambda);
-            v[k] = -COARSE;
+            v[k] = -CONDITION_STEP;
             let behind = self.conditions(&self.moved(q, &v), lambda);
             matrix
                 .column_mut(k)
-                .copy_from(&((ahead - behind) / (2.0 * COARSE)));
+                .copy_from(&((ahead - behind) / (2.0 * CONDITION_STEP)));
         }
         matrix
             .view_mut((0, dof), (dof, by_held.nrows()))

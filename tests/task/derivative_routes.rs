@@ -19,7 +19,7 @@ use support::tasks::{TaskCase, tasks_of};
 use support::trees::RandomTree;
 use support::{Rigid, placement, rigid};
 
-const FAR: f64 = 1e6;
+const FAR_DISTANCE: f64 = 1e6;
 
 fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
     let problem = &problem.clone().with_derivatives(route);
@@ -135,8 +135,8 @@ fn routes_agree_near_the_origin() {
 fn routes_agree_far_from_the_origin() {
     for seed in 20..24 {
         let mut random = Random::new(seed);
-        let away = random.direction().into_inner() * FAR;
-        check_all(seed, rigid(random.rotation(), away), FAR);
+        let away = random.direction().into_inner() * FAR_DISTANCE;
+        check_all(seed, rigid(random.rotation(), away), FAR_DISTANCE);
     }
 }
 

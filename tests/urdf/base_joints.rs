@@ -8,7 +8,7 @@ use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 use nalgebra as na;
 
-const TWO: &str = r#"<robot name="two">
+const TWO_JOINT_ROBOT: &str = r#"<robot name="two">
   <link name="base"/><link name="arm"/><link name="finger"/><link name="other finger"/>
   <joint name="shoulder" type="revolute">
     <origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><parent link="base"/><child link="arm"/>
@@ -32,7 +32,7 @@ fn frames(robot: &Robot, q: &[f64]) -> Vec<na::Isometry3<f64>> {
 #[test]
 fn base_joint_moves_everything() {
     let arm_q = [0.7, 0.05, 0.1];
-    let fixed = Robot::parse(TWO, "two.urdf").unwrap();
+    let fixed = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     let in_base = frames(&fixed, &arm_q);
     let rotation = na::UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9);
     let any = na::Isometry3::from_parts(na::Translation3::new(1.0, -2.0, 3.0), rotation);
@@ -75,7 +75,7 @@ fn base_joint_moves_everything() {
 
 #[test]
 fn invalid_base_joints_are_rejected() {
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     let bounds = [Limits::UNBOUNDED, Limits::new(1.0, -1.0), Limits::UNBOUNDED];
     let empty = robot
         .clone()
@@ -98,7 +98,7 @@ fn invalid_base_joints_are_rejected() {
 
 #[test]
 fn moves_as_a_whole_is_reported_for_every_base() {
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     assert!(!robot.moves_as_a_whole());
     let range = Limits::new(-1.0, 1.0);
     for base in [
@@ -115,7 +115,7 @@ fn moves_as_a_whole_is_reported_for_every_base() {
 #[test]
 fn free_base_may_be_bounded_but_not_repeated() {
     let range = Limits::new(-2.0, 2.0);
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     let robot = robot
         .with_base_joint(BaseJoint::Free { room: [range; 3] })
         .unwrap();
@@ -183,7 +183,7 @@ fn free_base_is_the_only_child_of_the_root() {
 }
 
 fn with_type(kind: &str) -> Robot {
-    let text = TWO.replace("type=\"revolute\"", &format!("type=\"{kind}\""));
+    let text = TWO_JOINT_ROBOT.replace("type=\"revolute\"", &format!("type=\"{kind}\""));
     Robot::parse(&text, "two.urdf").unwrap()
 }
 
@@ -237,7 +237,7 @@ fn passive_joints_are_kept_under_any_base() {
         limits: Limits::new(-1.0, 1.0),
     };
     for base in [BaseJoint::Fixed, BaseJoint::FREE, BaseJoint::PLANAR, rail] {
-        let robot = Robot::parse(TWO, "two.urdf").unwrap();
+        let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
         let robot = robot.with_passive_joints(["grip"]).unwrap();
         let robot = robot.with_base_joint(base).unwrap();
         let name = |id: &kinopt::model::JointId| robot.model().joints()[id.index()].name.as_str();
@@ -257,7 +257,7 @@ fn nan_base_bounds_are_named() {
             vec![("z", good), ("z", bad)],
         ] {
             let base = BaseJoint::named("free", rooms).unwrap();
-            let robot = Robot::parse(TWO, "two.urdf").unwrap();
+            let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
             let message = robot.with_base_joint(base).unwrap_err().to_string();
             assert!(
                 message.contains("root_joint/z") && message.contains("NaN"),

@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-const WITHIN: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -68,7 +68,7 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
         for (got, wanted) in entries(placement).into_iter().zip(entries(&wanted)) {
             let deviation = (got - wanted).abs();
             assert!(
-                deviation <= WITHIN,
+                deviation <= TOLERANCE,
                 "{file}, link {}: off by {deviation:e}",
                 frame.name
             );
@@ -117,7 +117,7 @@ fn mimic_joints_follow_as_in_pinocchio() {
             let mut q = vec![f64::NAN; case.q.len()];
             map.expand(&x, &mut q).unwrap();
             for (got, wanted) in q.iter().zip(&case.q) {
-                assert!((got - wanted).abs() <= WITHIN, "{file}");
+                assert!((got - wanted).abs() <= TOLERANCE, "{file}");
             }
         }
     }

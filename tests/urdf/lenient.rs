@@ -81,7 +81,7 @@ fn mimic_without_bounds_leaves_its_source_free() {
 }
 
 /// Content of a joint, its repair, and the resulting limits.
-const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
+const REPAIRED_JOINTS: [(&str, &str, &str, (f64, f64)); 8] = [
     (
         "revolute",
         "<limit lower='2' upper='-1'/>",
@@ -134,7 +134,7 @@ const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
 
 #[test]
 fn lenient_reader_repairs_with_notes() {
-    for (kind, body, repair, wanted) in MENDED {
+    for (kind, body, repair, wanted) in REPAIRED_JOINTS {
         let text = text(kind, body);
         let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
         let strict = Robot::parse(&text, "one.urdf");
@@ -143,10 +143,10 @@ fn lenient_reader_repairs_with_notes() {
         assert_eq!(repairs(&robot), listed, "{body}");
         assert_eq!(strict.is_ok(), repair.is_empty(), "{body}");
     }
-    let twice = text("revolute", MENDED[2].1);
+    let twice = text("revolute", REPAIRED_JOINTS[2].1);
     let robot = Robot::reader().lenient().parse(&twice, "one.urdf").unwrap();
     assert_eq!(robot.model().joints()[0].axis.to_array(), [0.0, 1.0, 0.0]);
-    let commas = text("revolute", MENDED[7].1);
+    let commas = text("revolute", REPAIRED_JOINTS[7].1);
     let robot = Robot::reader().lenient().parse(&commas, "one").unwrap();
     let origin = robot.model().joints()[0].parent_from_joint.translation;
     assert_eq!(origin.to_array(), [1.0, 2.0, -3.0]);

@@ -5,8 +5,8 @@
 use std::fmt::Write;
 use std::process::Command;
 
-const PAGE: &str = "../docs/reference/command.md";
-const OPENING: &str = "# The command
+const PAGE_PATH: &str = "../docs/reference/command.md";
+const PAGE_HEADER: &str = "# The command
 
 `cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help`.
 All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
@@ -112,11 +112,11 @@ fn section(name: &str) -> String {
 #[test]
 fn command_page_equals_the_help() {
     let sections = SUBCOMMANDS.map(section);
-    let page = OPENING.to_owned() + &sections.concat();
+    let page = PAGE_HEADER.to_owned() + &sections.concat();
     if std::env::var_os("KINOPT_BLESS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
+        std::fs::write(PAGE_PATH, &page).unwrap();
     }
-    let current = std::fs::read_to_string(PAGE).unwrap();
+    let current = std::fs::read_to_string(PAGE_PATH).unwrap();
     assert!(
         current == page,
         "KINOPT_BLESS=1 writes docs/reference/command.md"

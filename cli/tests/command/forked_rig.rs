@@ -21,8 +21,8 @@ pub(crate) struct Folder(PathBuf);
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
         // Two tests can have the same name.
-        static MADE: AtomicUsize = AtomicUsize::new(0);
-        let made = MADE.fetch_add(1, Ordering::Relaxed);
+        static FOLDER_COUNT: AtomicUsize = AtomicUsize::new(0);
+        let made = FOLDER_COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("kinopt-cli-{}-{made}-{test}", std::process::id());
         let path = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&path).unwrap();
