@@ -30,7 +30,7 @@ fn armature(bones: usize, random: &mut Random) -> Armature {
     Armature::new(made, Vec::new()).unwrap()
 }
 
-fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
     armature.local_to_model(pose, &mut model_from_bone).unwrap();
     model_from_bone
@@ -51,7 +51,7 @@ fn skeleton_and_armature_poses_agree() {
                 .collect();
             bridge.pose_of(&q, &mut pose).unwrap();
             let placed = skeleton.pose(&q).unwrap();
-            for (bone, ours) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+            for (bone, ours) in skeleton.bone_ids().zip(model_transforms(&armature, &pose)) {
                 let apart = ours.translation.as_dvec3()
                     - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
                 assert!(apart.length() < 1e-4, "{apart}");
@@ -83,7 +83,7 @@ fn hand_of_an_armature_reaches_its_target() {
         layer.set_goal(hand, target, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         assert!(layer.apply(&mut pose).unwrap().unwrap().reached);
-        let found = places(&armature, &pose)[7]
+        let found = model_transforms(&armature, &pose)[7]
             .translation
             .as_dvec3()
             .to_array();
@@ -141,9 +141,9 @@ fn rest_pose_can_be_replaced() {
         let turn = Quat::from_rotation_y(random.within(-1.0, 1.0) as f32);
         pose.set_rotation(bone, turn).unwrap();
     }
-    let expected = places(&armature, &pose);
+    let expected = model_transforms(&armature, &pose);
     let posed = armature.clone().at_rest_in(&pose).unwrap();
-    assert_eq!(places(&posed, posed.rest()), expected);
+    assert_eq!(model_transforms(&posed, posed.rest()), expected);
     for (rest_from_model, model_from_rest) in posed.rest_from_model().iter().zip(&expected) {
         assert!((*rest_from_model * *model_from_rest).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }

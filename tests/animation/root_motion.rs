@@ -38,7 +38,7 @@ fn walk(up: Vec3, rounds: f32, random: &mut Random) -> (Armature, Clip) {
     (armature, clip)
 }
 
-fn place(armature: &Armature, pose: &Pose) -> Affine3A {
+fn bone_placement(armature: &Armature, pose: &Pose) -> Affine3A {
     let mut places = Vec::new();
     armature.local_to_model(pose, &mut places).unwrap();
     places[2]
@@ -75,12 +75,15 @@ fn extracted_and_applied_motion_gives_the_clip() {
         let again = in_place
             .with_root_motion(&armature, bone, &motion, RATE)
             .unwrap();
-        let start = place(&armature, &at(&clip, &armature, 0.0));
+        let start = bone_placement(&armature, &at(&clip, &armature, 0.0));
         for frame in 0..=60 {
             let time = frame as f32 / 30.0;
-            let was = place(&armature, &at(&clip, &armature, time));
-            assert!(near(place(&armature, &at(&again, &armature, time)), was));
-            let stays = place(&armature, &at(&in_place, &armature, time));
+            let was = bone_placement(&armature, &at(&clip, &armature, time));
+            assert!(near(
+                bone_placement(&armature, &at(&again, &armature, time)),
+                was
+            ));
+            let stays = bone_placement(&armature, &at(&in_place, &armature, time));
             assert!(near(motion.at(time) * stays, was));
             // It stays above its start position, at its height.
             let moved = stays.translation - start.translation;

@@ -51,7 +51,7 @@ fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
     Armature::new(bones.collect(), Vec::new()).unwrap()
 }
 
-fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
     armature.local_to_model(pose, &mut model_from_bone).unwrap();
     model_from_bone
@@ -93,7 +93,7 @@ fn skeleton_at_rest_has_the_joints_of_the_armature() {
         for (bone, placed) in skeleton
             .bones()
             .iter()
-            .zip(places(armature, armature.rest()))
+            .zip(model_transforms(armature, armature.rest()))
         {
             let tail = glam::DVec3::from(bone.rest_tail().to_array());
             let apart = tail.distance(placed.translation.as_dvec3());
@@ -121,7 +121,7 @@ fn mirrored_skeleton_turns_as_its_armature() {
             angles.angles_of(&pose, &mut q).unwrap();
             turns.configuration_of(&pose, &mut balls).unwrap();
             let placed = [skeleton.pose(&q).unwrap(), figure.pose(&balls).unwrap()];
-            for (bone, placement) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+            for (bone, placement) in skeleton.bone_ids().zip(model_transforms(&armature, &pose)) {
                 for placed in &placed {
                     let tail = glam::DVec3::from(placed.tail(bone).unwrap().to_array());
                     let apart = tail.distance(placement.translation.as_dvec3());
@@ -148,14 +148,14 @@ fn reach_layer_brings_the_scaled_armature_there() {
         let skeleton = armature.skeleton("one", free).unwrap();
         let hands = [4, 8].map(|index| bone(armature, index));
         let mut layer = ReachLayer::new(&skeleton, &hands, Solver::default()).unwrap();
-        let wanted = places(armature, &turned(armature, 0.7, random));
+        let wanted = model_transforms(armature, &turned(armature, 0.7, random));
         for hand in hands {
             let target = wanted[hand.index()].translation.as_dvec3().to_array();
             layer.set_goal(hand, target, 1.0).unwrap();
         }
         let mut pose = armature.rest().clone();
         let reached = layer.apply(&mut pose).unwrap().unwrap().reached;
-        let placed = places(armature, &pose);
+        let placed = model_transforms(armature, &pose);
         for hand in hands.map(BoneId::index) {
             let deviation = placed[hand].translation.distance(wanted[hand].translation);
             assert!(
@@ -175,7 +175,7 @@ fn drag_brings_the_scaled_armature_there() {
         let mut skeleton = armature.skeleton("one", free).unwrap();
         let angles = EulerPoseMap::new(&skeleton);
         let hand = bone(armature, 4);
-        let wanted = places(armature, &turned(armature, 0.4, random));
+        let wanted = model_transforms(armature, &turned(armature, 0.4, random));
         let target = wanted[4].translation;
         let goal = target.as_dvec3().to_array();
         let mut problem = Problem::builder(skeleton.model());
@@ -191,7 +191,9 @@ fn drag_brings_the_scaled_armature_there() {
             drag.move_joints(skeleton.model()).unwrap();
             frames += 1;
         }
-        let deviation = places(armature, &pose)[4].translation.distance(target);
+        let deviation = model_transforms(armature, &pose)[4]
+            .translation
+            .distance(target);
         assert!(
             deviation < 1e-5,
             "{case}: {deviation} after {frames} frames"
@@ -213,7 +215,11 @@ fn reach_layer_that_misses_reports_the_armature() {
         let mut pose = armature.rest().clone();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
         let reported = solution.tasks().next().unwrap().rows[0].error;
-        let shown = f64::from(places(armature, &pose)[4].translation.distance(target));
+        let shown = f64::from(
+            model_transforms(armature, &pose)[4]
+                .translation
+                .distance(target),
+        );
         assert!(!solution.reached, "{case}");
         assert!(
             (reported - shown).abs() < 1e-5,
@@ -233,11 +239,13 @@ fn limb_brings_the_scaled_armature_there() {
             let rotation = moved.local(bone).unwrap().rotation;
             moved.set_rotation(bone, rotation * turn).unwrap();
         }
-        let target = places(armature, &moved)[4].translation;
+        let target = model_transforms(armature, &moved)[4].translation;
         let mut pose = armature.rest().clone();
         limb.reach(armature, &mut pose, &LimbGoal::at(target))
             .unwrap();
-        let deviation = places(armature, &pose)[4].translation.distance(target);
+        let deviation = model_transforms(armature, &pose)[4]
+            .translation
+            .distance(target);
         assert!(deviation < 1e-5, "{case}: {deviation}");
     });
 }
@@ -255,7 +263,7 @@ fn aim_points_the_axis_that_the_pose_shows() {
             aim.turn(armature, &mut pose, &AimGoal::at(target)).unwrap(),
             "{case}"
         );
-        let placed = places(armature, &pose)[4];
+        let placed = model_transforms(armature, &pose)[4];
         let from = placed.transform_point3a(offset);
         let along = placed.transform_vector3a(Vec3A::Z).normalize();
         let deviation = (target - from).reject_from_normalized(along).length();
@@ -273,7 +281,7 @@ fn clip_ik_brings_the_scaled_armature_there() {
         let clip = Clip::through_poses("sway", armature, &[0.0, 0.5, 1.0], &poses).unwrap();
         let hand = bone(armature, 4);
         // Well within reach: in other directions a sheared arm is shorter.
-        let moved = places(armature, &turned(armature, 0.3, random));
+        let moved = model_transforms(armature, &turned(armature, 0.3, random));
         let target = moved[1].translation.lerp(moved[4].translation, 0.8);
         let reach = Reach::to(hand, target.as_dvec3()).unwrap();
         let edited = ClipIk::new(armature)
@@ -291,7 +299,9 @@ fn clip_ik_brings_the_scaled_armature_there() {
                 .clip
                 .sample(time, hold, &mut cursor, &mut pose)
                 .unwrap();
-            let deviation = places(armature, &pose)[4].translation.distance(target);
+            let deviation = model_transforms(armature, &pose)[4]
+                .translation
+                .distance(target);
             assert!(deviation < 1e-5, "{case}: {deviation} at {time} s");
             assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
         }
@@ -316,7 +326,7 @@ fn scale_notes_name_bones_with_children() {
     assert_eq!(plain.rest().rotations(), scaled.rest().rotations());
     assert_eq!(plain.rest().translations(), scaled.rest().translations());
     let inverses = plain.rest_from_model();
-    for (placement, inverse) in places(&plain, plain.rest()).iter().zip(inverses) {
+    for (placement, inverse) in model_transforms(&plain, plain.rest()).iter().zip(inverses) {
         assert!((*placement * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }
 }
@@ -329,13 +339,13 @@ fn model_rotation_of_a_mirrored_bone_is_the_one_set() {
     for index in 0..armature.bones() {
         let mut pose = turned(&armature, 1.0, random);
         let bone = bone(&armature, index);
-        let before = places(&armature, &pose)[index].matrix3;
+        let before = model_transforms(&armature, &pose)[index].matrix3;
         let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.9);
         let rotation = armature.model_rotation(&pose, bone).unwrap();
         armature
             .set_model_rotation(&mut pose, bone, turn * rotation)
             .unwrap();
-        let after = places(&armature, &pose)[index].matrix3;
+        let after = model_transforms(&armature, &pose)[index].matrix3;
         let expected = glam::Mat3A::from_quat(turn) * before;
         assert!(after.abs_diff_eq(expected, 1e-5), "{index}");
     }

@@ -45,13 +45,13 @@ fn out_and_back(
         .collect()
 }
 
-type Told = (Vec<f64>, bool, Termination);
+type Outcome = (Vec<f64>, bool, Termination);
 
-fn outcome(solution: &Solution) -> Told {
+fn outcome(solution: &Solution) -> Outcome {
     (solution.q.clone(), solution.reached, solution.termination)
 }
 
-fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Told> {
+fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Outcome> {
     let mut follower = arm.follower(start).unwrap();
     let steps = targets.iter().map(|target| {
         let mut solution = Solution::default();

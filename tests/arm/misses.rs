@@ -36,7 +36,7 @@ fn interrupted_search_stays_near_the_start() {
     }
 }
 
-fn moved_by(start: &Placement<f64>, metres: f64) -> Placement<f64> {
+fn translated(start: &Placement<f64>, metres: f64) -> Placement<f64> {
     Placement::new(start.rotation, Vector3::new(metres, -metres, 0.5 * metres))
 }
 
@@ -65,7 +65,7 @@ fn overflowing_targets_return_the_clamped_start() {
             let mut solution = Solution::default();
             for metres in [1e150, 1e155, 1e200, 1e300, 1e307] {
                 arm.solve_into(near, &vec![0.3; n], &mut solution).unwrap();
-                let target = moved_by(&near, metres);
+                let target = translated(&near, metres);
                 arm.solve_into(target, &start, &mut solution).unwrap();
                 assert!(!solution.reached && within_limits(&arm, &solution.q));
                 let task = solution.tasks().next().unwrap();
@@ -92,7 +92,7 @@ fn simd_overflow_returns_the_clamped_start() {
     let chain = support::lane_chains::panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
-    let target = moved_by(&Placement::identity(), 1e200);
+    let target = translated(&Placement::identity(), 1e200);
     let start = [9.0; 7];
     let clamped: Vec<f64> = chain
         .joints()

@@ -26,7 +26,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// End of small damped descent steps, and the remaining error.
-fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64) {
+fn descend(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64) {
     let mut jacobian = arm.jacobian().unwrap();
     let limits: Vec<_> = arm.limits().collect();
     let mut q = start.to_vec();
@@ -104,7 +104,7 @@ fn long_steps_do_not_pass_the_near_minimum() {
                     "{name} {case}: {reported:?} {found}"
                 );
             }
-            let (end, left) = downhill(&arm, &target, &start);
+            let (end, left) = descend(&arm, &target, &start);
             let moved = longest(&solution.q, &start);
             if longest(&end, &start) < MAX_SHORT_MOVE {
                 near += 1;

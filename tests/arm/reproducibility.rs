@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use support::arms::{Random, panda, robot};
 use support::sample::{cases, part};
 
-type Questions = (Vec<Placement<f64>>, Vec<f64>);
+type Queries = (Vec<Placement<f64>>, Vec<f64>);
 
 /// Contents of a solution except times.
 fn bits(solutions: &[Solution]) -> Vec<u64> {
@@ -22,7 +22,7 @@ fn bits(solutions: &[Solution]) -> Vec<u64> {
     numbers.collect()
 }
 
-fn questions(arm: &Arm, count: usize) -> Questions {
+fn questions(arm: &Arm, count: usize) -> Queries {
     let mut random = Random(8);
     let mut goals: Vec<_> = (0..count)
         .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
@@ -33,7 +33,7 @@ fn questions(arm: &Arm, count: usize) -> Questions {
     (goals, starts.collect())
 }
 
-fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
+fn single_solves(arm: &Arm, (goals, starts): &Queries) -> Vec<Solution> {
     let starts = starts.chunks(arm.joint_count());
     let questions = goals.iter().zip(starts);
     questions
@@ -42,17 +42,17 @@ fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
 }
 
 /// `count` problems: more than a chunk of a batch if the SIMD solver handles them.
-fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
+fn assert_bitwise_equal(builder: &ArmBuilder<'_>, count: usize) {
     let arm = builder.clone().build().unwrap();
     let n = arm.joint_count();
     let queries = questions(&arm, count);
     let (goals, starts) = &queries;
-    let singles = alone(&arm, &queries);
+    let singles = single_solves(&arm, &queries);
     let together = arm.solve_batch(goals, starts).unwrap();
     assert!(!together[1].reached && !singles[1].reached);
     // Repeated, and with a separate arm.
     let again = builder.clone().build().unwrap();
-    assert_eq!(bits(&alone(&again, &queries)), bits(&singles));
+    assert_eq!(bits(&single_solves(&again, &queries)), bits(&singles));
     assert_eq!(
         bits(&again.solve_batch(goals, starts).unwrap()),
         bits(&together)
@@ -96,11 +96,11 @@ fn common_searches_are_reproducible() {
         // More than a chunk of a batch, for one search at least.
         let first = search == Search::First;
         let count = if first { 140 } else { fewer };
-        the_same_bits(&builder.with_search(search).with_atlas(first), count);
+        assert_bitwise_equal(&builder.with_search(search).with_atlas(first), count);
     }
     let six = self::robot("universal_ur5e");
     let builder = Arm::builder(&six, "base", "flange");
-    the_same_bits(&builder, cases(140, 12));
+    assert_bitwise_equal(&builder, cases(140, 12));
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn comparing_searches_are_reproducible() {
     for search in [Search::Nearest, distinct] {
         let builder = Arm::builder(&robot, base, tip);
         let builder = builder.with_search(search).with_attempts(30);
-        the_same_bits(&builder.with_atlas(false), cases(5, 2));
+        assert_bitwise_equal(&builder.with_atlas(false), cases(5, 2));
     }
 }
 
@@ -121,17 +121,17 @@ fn comparing_searches_are_reproducible() {
 fn general_solver_options_are_reproducible() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
-    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
+    assert_bitwise_equal(&builder().with_posture(&[0.3; 7]), cases(6, 2));
+    assert_bitwise_equal(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
     let goal = PoseBounds::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
-    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 2));
+    assert_bitwise_equal(&builder().with_goal(goal).with_seed(5), cases(6, 2));
 }
 
 #[test]
 fn mimic_chain_is_reproducible() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "left_sole", "right_sole");
-    the_same_bits(&builder.with_atlas(false), cases(6, 2));
+    assert_bitwise_equal(&builder.with_atlas(false), cases(6, 2));
 }
 
 #[test]

@@ -22,7 +22,11 @@ fn arm(name: &str) -> Arm {
 }
 
 /// One checked cycle; returns the joint velocities.
-fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStatus, Vec<f64>) {
+fn checked_cycle(
+    arm: &Arm,
+    servo: &mut Servo<'_>,
+    target: &Placement<f64>,
+) -> (ServoStatus, Vec<f64>) {
     let (before, limits) = (servo.q().to_vec(), servo.velocity_limits().to_vec());
     let step = servo.step(*target).unwrap();
     assert!(within_limits(arm, step.q));
@@ -47,7 +51,7 @@ fn chatter(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoS
     let mut status = ServoStatus::Settling;
     let mut calm = 0;
     while ticks.len() < MAX_CYCLES_TO_REST && calm < WATCHED_CYCLES {
-        let (now, velocity) = tick(arm, servo, target);
+        let (now, velocity) = checked_cycle(arm, servo, target);
         status = now;
         let slow = velocity.iter().all(|v| v.abs() < 2e-4);
         calm = if slow { calm + 1 } else { 0 };
@@ -144,7 +148,7 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     let mut held = false;
     let mut path = Vec::new();
     for target in out {
-        tick(arm, &mut servo, target);
+        checked_cycle(arm, &mut servo, target);
         path.push(servo.q().to_vec());
         held |= held_by_limits(arm, servo.q());
     }
@@ -153,7 +157,7 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     // A long way around may continue from the end of the short one.
     held |= held_by_limits(arm, servo.q()) || status == ServoStatus::OnTarget;
     for (target, outbound_q) in out.iter().zip(&path).rev() {
-        tick(arm, &mut servo, target);
+        checked_cycle(arm, &mut servo, target);
         held |= held_by_limits(arm, servo.q());
         // Near the edge the elbow and the null space may lag, but no joint is on another branch.
         if !held && arm.joint_count() <= 6 {
@@ -185,7 +189,7 @@ fn jumping_targets_keep_limits() {
                 target.translation = target.translation * 1.5;
             }
             for _ in 0..30 {
-                tick(&arm, &mut servo, &target);
+                checked_cycle(&arm, &mut servo, &target);
             }
         }
         // At its own pose: reached at once.
@@ -250,7 +254,7 @@ fn stretched_arm_bends_to_a_reachable_target() {
                 let target = Placement::translation(x * (2.0 - nearer));
                 let mut servo = arm.servo(&start, TIME_STEP).unwrap();
                 let mut ticks = 0;
-                while tick(&arm, &mut servo, &target).0 != ServoStatus::OnTarget {
+                while checked_cycle(&arm, &mut servo, &target).0 != ServoStatus::OnTarget {
                     ticks += 1;
                     assert!(ticks < 100, "{bend} {nearer}: {:?}", servo.q());
                 }
@@ -264,7 +268,7 @@ fn stretched_arm_bends_to_a_reachable_target() {
             let target = Placement::translation(x * 2.1);
             let mut servo = arm.servo(&start, TIME_STEP).unwrap();
             for _ in 0..50 {
-                tick(&arm, &mut servo, &target);
+                checked_cycle(&arm, &mut servo, &target);
             }
             assert!(
                 servo.q().iter().all(|q| q.abs() < 5e-3),

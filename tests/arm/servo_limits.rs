@@ -281,7 +281,7 @@ fn steps_take_the_shortest_time_without_overshoot() {
 }
 
 /// Largest distance of the tool from the straight line to a target that jumps, metres, and the number of cycles.
-fn off_the_line(arm: &Arm, start: &[f64], offset: Vector3<f64>, straight: bool) -> (f64, usize) {
+fn line_deviation(arm: &Arm, start: &[f64], offset: Vector3<f64>, straight: bool) -> (f64, usize) {
     let n = start.len();
     let servo = arm.servo(start, 1e-3).unwrap();
     let servo = servo.with_acceleration_limits(&vec![10.0; n]).unwrap();
@@ -319,8 +319,8 @@ fn straight_lines_are_kept_to_targets_that_jump() {
     ];
     for (name, start, offset) in lines {
         let (arm, offset) = (arm(name), Vector3::from(offset));
-        let (bent, shortest) = off_the_line(&arm, start, offset, false);
-        let (straight, cycles) = off_the_line(&arm, start, offset, true);
+        let (bent, shortest) = line_deviation(&arm, start, offset, false);
+        let (straight, cycles) = line_deviation(&arm, start, offset, true);
         assert!(
             straight < 1e-3 && straight < bent,
             "{name}: {straight} {bent} m"

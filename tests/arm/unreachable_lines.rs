@@ -13,7 +13,7 @@ use support::sample::{cases, few};
 
 /// Counts of one way to follow a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Seen {
+struct Counts {
     steps: usize,
     missed: usize,
     /// Steps in which a joint moves by more than 0.2 rad or m, and those of them that end in a miss.
@@ -26,7 +26,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-impl Seen {
+impl Counts {
     fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
         assert!(within_limits(arm, &to.q));
         self.steps += 1;
@@ -69,12 +69,12 @@ fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solutio
     out.iter().chain(back).map(step).collect()
 }
 
-fn follow(name: &str, follow: Follow, count: usize) -> Seen {
+fn follow(name: &str, follow: Follow, count: usize) -> Counts {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
-    let mut seen = Seen::default();
+    let mut seen = Counts::default();
     for Line { start, out } in lines(&arm, &mut Random(71), count) {
         let back = out.iter().rev();
         let targets: Vec<_> = out.iter().chain(back).copied().collect();

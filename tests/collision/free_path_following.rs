@@ -48,7 +48,7 @@ impl Panda {
         whole
     }
 
-    fn way_is_free(&self, from: &[f64], to: &[f64]) -> bool {
+    fn motion_is_free(&self, from: &[f64], to: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
         let motion = self
             .checker
@@ -73,7 +73,7 @@ impl Panda {
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
         let mut last = start;
         for solution in &track.solutions {
-            assert!(self.way_is_free(last, &solution.q));
+            assert!(self.motion_is_free(last, &solution.q));
             assert!(distance(last, &solution.q) < 0.3);
             last = &solution.q;
         }
@@ -98,7 +98,7 @@ fn waves(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     (0..=STEPS).map(|k| at(k as f64 / STEPS as f64)).collect()
 }
 
-fn things(random: &mut Random) -> World {
+fn obstacles(random: &mut Random) -> World {
     let mut world = World::new();
     for index in 0..OBSTACLES {
         let (around, far) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
@@ -122,10 +122,10 @@ fn things(random: &mut Random) -> World {
 /// A collision-free joint path near obstacles.
 fn constructed(random: &mut Random, alone: &Panda) -> (Panda, Vec<Vec<f64>>) {
     loop {
-        let (panda, path) = (alone.among(&things(random)), waves(random, &alone.arm));
+        let (panda, path) = (alone.among(&obstacles(random)), waves(random, &alone.arm));
         let free = |path: &[Vec<f64>]| {
             path.windows(2)
-                .all(|two| panda.way_is_free(&two[0], &two[1]))
+                .all(|two| panda.motion_is_free(&two[0], &two[1]))
         };
         if path.iter().any(|q| panda.is_close(q)) && free(&path) {
             return (panda, path);

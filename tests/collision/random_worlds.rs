@@ -21,12 +21,12 @@ const INVALID_LENGTHS: [f64; 7] = [
 const VALID_LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
 
 /// Random generator of obstacles that is sometimes invalid, which `bad` records.
-struct Drawn {
+struct RandomWorld {
     random: Random,
     bad: bool,
 }
 
-impl Drawn {
+impl RandomWorld {
     fn length(&mut self) -> f64 {
         if self.random.below(12) == 0 {
             self.bad = true;
@@ -97,7 +97,7 @@ fn invalid_obstacles_are_rejected_by_name() {
     let checker = Checker::covered(bodies);
     let rest = robot.model().neutral();
     let mut arm = Arm::new(&robot, "base", "flange").unwrap();
-    let mut drawn = Drawn {
+    let mut drawn = RandomWorld {
         random: Random::new(31),
         bad: false,
     };

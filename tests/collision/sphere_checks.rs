@@ -166,13 +166,13 @@ fn obstacle_tree_equals_single_checks() {
 
 #[test]
 fn large_worlds_equal_their_parts() {
-    found_as_part_by_part([700, 4000], 0.01);
+    assert_equals_part_by_part([700, 4000], 0.01);
     // Few points as thick as a link.
-    found_as_part_by_part([300, 120], 0.08);
+    assert_equals_part_by_part([300, 120], 0.08);
 }
 
 /// Spheres, a point cloud and a floor; and the same in parts that are small enough to be checked one by one.
-fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
+fn assert_equals_part_by_part([balls, points]: [usize; 2], thick: f64) {
     let mut random = Random::new(77);
     let balls: Vec<_> = (0..balls).map(|_| random_point(&mut random)).collect();
     let points: Vec<_> = (0..points).map(|_| random_point(&mut random)).collect();

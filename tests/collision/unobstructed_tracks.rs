@@ -48,7 +48,7 @@ fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     (0..=STEPS).map(|k| at(k as f64 / STEPS as f64)).collect()
 }
 
-fn is_whole(track: &Track) -> bool {
+fn all_reached(track: &Track) -> bool {
     track.jumps.is_empty() && track.solutions.iter().all(|solution| solution.reached)
 }
 
@@ -81,14 +81,14 @@ fn free_track_is_as_complete_as_a_plain_one() {
         let poses: Vec<Placement<f64>> = poses.collect();
         let track = plain.track(&poses, &path[0]).unwrap();
         let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
-        if !is_whole(&track) || !is_free(&clear, &ways) {
+        if !all_reached(&track) || !is_free(&clear, &ways) {
             continue;
         }
         seen += 1;
         let track = clear.track(&poses, &path[0]).unwrap();
         let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
         assert!(is_free(&clear, &ways), "{seed}");
-        if !is_whole(&track) {
+        if !all_reached(&track) {
             fallen.push(seed);
         }
     }

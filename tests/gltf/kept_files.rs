@@ -27,16 +27,16 @@ fn file() -> (Numbers, String, usize) {
     (numbers, format!("{rest},{image},{UNKNOWN}"), view)
 }
 
-fn nobody(_: &str) -> Result<Vec<u8>, ReadError> {
+fn no_referenced_files(_: &str) -> Result<Vec<u8>, ReadError> {
     unreachable!()
 }
 
 fn opened(bytes: &[u8]) -> SceneFile {
-    SceneFile::from_bytes(bytes, "own", nobody).unwrap()
+    SceneFile::from_bytes(bytes, "own", no_referenced_files).unwrap()
 }
 
 fn scene(bytes: &[u8]) -> Scene {
-    gltf::from_bytes(bytes, "again", nobody).unwrap()
+    gltf::from_bytes(bytes, "again", no_referenced_files).unwrap()
 }
 
 /// Clip that moves each bone; one of them has a matrix in the file.

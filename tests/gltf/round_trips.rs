@@ -153,7 +153,7 @@ fn scene() -> Scene {
     };
     let clips = vec![
         walk(&armature, random),
-        still(&armature),
+        constant_clip(&armature),
         Clip::builder("rest", &armature).build(),
     ];
     Scene {
@@ -279,7 +279,7 @@ fn walk(armature: &Armature, random: &mut Random) -> Clip {
 }
 
 /// Constant clip that differs from the rest pose, over a span without keys.
-fn still(armature: &Armature) -> Clip {
+fn constant_clip(armature: &Armature) -> Clip {
     let mut builder = Clip::builder("still", armature);
     let bone = armature.bone_at(3).unwrap();
     let turned = RotationCurve::step(vec![0.0], vec![Quat::from_rotation_z(1.0)]).unwrap();

@@ -7,7 +7,7 @@ use kinopt::motion::trajectory::{
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Task};
 
-type Ask<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
+type AddTasks<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
 
 fn arm() -> Model {
     let mut builder = Model::builder("arm");
@@ -43,7 +43,7 @@ fn invalid_motions_are_named() {
     let below = Task::new(Point::new(tip, [0.0; 3]))
         .named("gaze")
         .at_level(2);
-    let wrong: [(Ask<'_>, &[&str]); 9] = [
+    let wrong: [(AddTasks<'_>, &[&str]); 9] = [
         (
             &|motion| _ = motion.add(below.clone()),
             &["gaze", "level 2"],

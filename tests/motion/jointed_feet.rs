@@ -66,7 +66,7 @@ fn geom(index: usize) -> String {
 }
 
 /// Depth of the lowest corner of both feet in all frames, metres below the ground.
-fn deepest(robot: &Robot, found: &Retargeted) -> f64 {
+fn max_penetration(robot: &Robot, found: &Retargeted) -> f64 {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let mut lowest = f64::INFINITY;
@@ -112,7 +112,7 @@ fn heels_of_jointed_feet_stay_over_the_ground() {
         let options = RetargetOptions::default();
         let fitted = Retargeting::new(&robot, &map, &capture, options).unwrap();
         for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
-            let deepest = deepest(&robot, &found);
+            let deepest = max_penetration(&robot, &found);
             assert!(
                 deepest < 3e-3,
                 "{deepest} m, reported {}",

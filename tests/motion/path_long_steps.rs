@@ -13,13 +13,13 @@ use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
 /// A straight segment of at most 35 cm with a rotation of at most 1.5 rad, from a random pose.
-struct StraightWay {
+struct StraightSegment {
     begin: Placement<f64>,
     by: Vector3<f64>,
     turn: Vector3<f64>,
 }
 
-impl StraightWay {
+impl StraightSegment {
     fn random(arm: &Arm, random: &mut Random) -> Self {
         let q = random.configuration(arm);
         let q: Vec<f64> = q.iter().map(|q| 0.6 * q).collect();
@@ -66,9 +66,9 @@ fn arm(name: &str) -> Arm {
 }
 
 /// The random segments with these numbers.
-fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightWay)> {
+fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightSegment)> {
     let mut random = Random(12);
-    let all = (0..cases.end).map(move |case| (case, StraightWay::random(arm, &mut random)));
+    let all = (0..cases.end).map(move |case| (case, StraightSegment::random(arm, &mut random)));
     all.skip(cases.start)
 }
 

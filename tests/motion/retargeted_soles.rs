@@ -33,13 +33,13 @@ fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
     frames.map(of_frame).collect()
 }
 
-fn deepest(heights: &[[[f64; 4]; 2]]) -> f64 {
+fn max_penetration(heights: &[[[f64; 4]; 2]]) -> f64 {
     let all = heights.iter().flatten().flatten();
     -all.fold(f64::INFINITY, |smallest, height| smallest.min(*height))
 }
 
 /// Leaning subject, so that a foot known by a line only would roll onto its edge.
-fn leaning() -> Vec<f64> {
+fn leaning_subject() -> Vec<f64> {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let aside = 0.12 * (0.05 * k as f64).sin();
@@ -55,13 +55,13 @@ fn leaning() -> Vec<f64> {
 fn foot_in_contact_is_flat_and_above_the_ground() {
     let (shaped, bare) = (legs(SOLE), legs(""));
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let fitted =
         |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let without = fitted(&bare).per_frame().unwrap();
     assert_eq!(without.ground_penetration, 0.0);
     // Without a shape the ground was at the toes' point, 1 cm above the sole. That much is no roll.
-    let ground_penetration = deepest(&heights(&bare, &without)) - 0.01;
+    let ground_penetration = max_penetration(&heights(&bare, &without)) - 0.01;
     assert!(
         ground_penetration > 2e-3,
         "without its shape it sinks by {ground_penetration} m"
@@ -71,7 +71,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
     for found in [with.per_frame().unwrap(), with.whole().unwrap()] {
         check_limits(&shaped, &found);
         let heights = heights(&shaped, &found);
-        let deepest = deepest(&heights);
+        let deepest = max_penetration(&heights);
         assert!(deepest < 1.5e-3, "{deepest} m");
         // The reported depth is that of the sole's corners.
         assert!((deepest.max(0.0) - found.ground_penetration).abs() < 1e-12);
@@ -210,7 +210,7 @@ fn round_soles_are_in_contact_by_their_surface() {
     };
     let robot = legs(&PADS.map(pad).concat());
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let feet = ["left_foot", "right_foot"].map(|name| robot.model().frame(name).unwrap());
     let mut kinematics = ForwardKinematics::new(robot.model());
@@ -233,7 +233,7 @@ fn round_soles_are_in_contact_by_their_surface() {
 fn points_of_a_cloud_have_their_radius() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let model = robot.model();
     let under = [
         [-0.03, -0.03, -0.02],
@@ -341,7 +341,7 @@ fn ellipsoid_is_equal_under_swapped_axes() {
     for drive in &mut map.drives {
         drive.frame = drive.frame.replace("_heel_string", "_foot");
     }
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let found = [
         r#"size="0.12 0.04 0.03" pos="0.04 0 -0.03""#,
         r#"size="0.04 0.12 0.03" pos="0.04 0 -0.03" euler="0 0 1.5707963267948966""#,

@@ -94,7 +94,7 @@ impl Standing {
 
     /// Fraction of the hand task's gradient that the best reactions of feet, edges and limits leave. Also the distance
     /// of the centre of mass outside the polygon, in metres, and the number of active edges.
-    fn left_over(&self, q: &[f64], target: [f64; 3], margin: f64) -> (f64, f64, usize) {
+    fn remaining_gradient(&self, q: &[f64], target: [f64; 3], margin: f64) -> (f64, f64, usize) {
         let hand = self.problem(|builder| {
             builder.add(Point::new(self.hand.0, target));
         });
@@ -211,7 +211,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
             let solution = solver.solve_once(&problem, &body.start).unwrap();
             let reached: Vec<bool> = solution.tasks().map(|task| task.reached).collect();
             assert_eq!(reached, [true, true, true, false], "{}", solution.explain());
-            let (left, beyond, edges) = body.left_over(&solution.q, target, margin);
+            let (left, beyond, edges) = body.remaining_gradient(&solution.q, target, margin);
             assert!(beyond < 1e-6, "{margin} {by:?}: {beyond} m out of balance");
             assert!(
                 left < 1e-6,

@@ -86,7 +86,7 @@ fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
     ends
 }
 
-fn all_at(ends: &[f64], wanted: f64, what: &str) {
+fn assert_all_near(ends: &[f64], wanted: f64, what: &str) {
     let deviation = ends
         .iter()
         .fold(0.0_f64, |largest, x| largest.max((x - wanted).abs()));
@@ -112,8 +112,8 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         }),
     ];
     for (what, goal) in rooms {
-        all_at(&ends(&slide, goal, 1.0, &starts), 1.0, what);
-        all_at(&ends(&slide, goal, -1.0, &starts), 0.5, what);
+        assert_all_near(&ends(&slide, goal, 1.0, &starts), 1.0, what);
+        assert_all_near(&ends(&slide, goal, -1.0, &starts), 0.5, what);
     }
     let (hinge, carried) = hinge();
     let gaze: Add<'_> = &|builder| {
@@ -121,9 +121,9 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         builder.add(Gaze::along(carried, ahead, ahead, 0.3));
     };
     let starts = [1.0, 0.3, -1.2, 0.1];
-    all_at(&ends(&hinge, gaze, 0.0, &starts), 0.0, "gaze");
-    all_at(&ends(&hinge, gaze, 0.2, &starts), 0.2, "gaze");
-    all_at(&ends(&hinge, gaze, -0.9, &starts), -0.3, "gaze");
+    assert_all_near(&ends(&hinge, gaze, 0.0, &starts), 0.0, "gaze");
+    assert_all_near(&ends(&hinge, gaze, 0.2, &starts), 0.2, "gaze");
+    assert_all_near(&ends(&hinge, gaze, -0.9, &starts), -0.3, "gaze");
 }
 
 /// Half-space above a floor as a bounded task, and a point below it on a lower level.

@@ -75,7 +75,7 @@ impl Scene {
     }
 
     /// Advances until the drag rests, with a stationary target. Returns the number of frames.
-    fn settle(&mut self, up: f64) -> usize {
+    fn advance_until_rest(&mut self, up: f64) -> usize {
         let mut frames = 0;
         loop {
             self.advance(up);
@@ -94,7 +94,7 @@ impl Scene {
     }
 
     /// Advances one frame. True if the skeleton moves again after a rest, before reaching the target.
-    fn sets_off(&mut self, up: f64, rested: &mut bool) -> bool {
+    fn starts_to_move(&mut self, up: f64, rested: &mut bool) -> bool {
         let before = self.drag.q().to_vec();
         self.advance(up);
         let moves = self.drag.q().iter().zip(&before);
@@ -125,7 +125,7 @@ fn hand_reaches_target_for_any_drag_course() {
             scene.advance(up);
         }
         scene.most = [0.0; 2];
-        let frames = scene.settle(up);
+        let frames = scene.advance_until_rest(up);
         let reported = scene.drag.solution();
         let [moved, off] = scene.most;
         assert!(moved <= 0.15 + 1e-12 && off < 0.02, "{seed}: {moved} {off}");
@@ -148,7 +148,7 @@ fn drag_rests_at_unreachable_target() {
     for k in 0..60 {
         scene.advance(f64::from(k) * 0.02);
     }
-    let frames = scene.settle(1.2);
+    let frames = scene.advance_until_rest(1.2);
     assert!(frames < 300 && !scene.drag.solution().reached, "{frames}");
     let rest = scene.drag.q().to_vec();
     for _ in 0..40 {
@@ -171,7 +171,7 @@ fn relocated_drag_drops_its_escape() {
         scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
-            if !scene.sets_off(up, &mut rested) {
+            if !scene.starts_to_move(up, &mut rested) {
                 continue;
             }
             out += 1;
@@ -199,7 +199,7 @@ fn retargeted_drag_drops_its_escape() {
         scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
-            if scene.sets_off(up, &mut rested) {
+            if scene.starts_to_move(up, &mut rested) {
                 break;
             }
         }

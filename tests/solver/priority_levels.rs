@@ -15,7 +15,7 @@ use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
 
-use crate::soft_task_fixtures::{Add, left_over, placement_of, problem, within_limits};
+use crate::soft_task_fixtures::{Add, placement_of, problem, remaining_gradient, within_limits};
 
 /// Arm with a tool target and a conflicting elbow target.
 struct Conflict {
@@ -98,7 +98,7 @@ fn lower_level_is_stationary_within_the_first() {
         }
         conflicts += 1;
         assert!(cost(&solution, 1) > 0.0);
-        let left = left_over(&alone, &conflict.problem(&[second]), &solution.q);
+        let left = remaining_gradient(&alone, &conflict.problem(&[second]), &solution.q);
         assert!(
             left < 1e-4,
             "{seed}: {left} of the slope is left\n{}",
@@ -207,7 +207,7 @@ fn three_levels_do_not_disturb_each_other() {
         );
         // Two local minima may differ, but neither leaves a gradient.
         if !solution.tasks().nth(1).unwrap().reached {
-            let left = left_over(
+            let left = remaining_gradient(
                 &conflict.problem(&[first]),
                 &conflict.problem(&[second]),
                 &solution.q,

@@ -16,7 +16,9 @@ use support::random::Random;
 use support::trees::configuration_of;
 use support::{planar_arm, planar_tip};
 
-use crate::soft_task_fixtures::{Add, drag, left_over, placement_of, problem, within_limits};
+use crate::soft_task_fixtures::{
+    Add, drag, placement_of, problem, remaining_gradient, within_limits,
+};
 
 #[test]
 fn panda_reaches_with_default_soft_tasks() {
@@ -58,7 +60,7 @@ fn panda_reaches_with_default_soft_tasks() {
             assert_eq!(solution.termination, Termination::Reached);
             assert!(within_limits(&both, &solution.q));
             steps[k] += solution.iterations - alone.iterations;
-            left.push(left_over(&goals, &pulls, &solution.q));
+            left.push(remaining_gradient(&goals, &pulls, &solution.q));
         }
     }
     left.sort_by(f64::total_cmp);
@@ -87,7 +89,7 @@ fn rig_reaches_with_all_kinds_of_soft_tasks() {
         assert!(within_limits(&both, &solution.q));
         let again = Solver::default().solve_once(&both, &drag.start).unwrap();
         assert_eq!(again.q, solution.q);
-        left.push(left_over(&goals, &pulls, &solution.q));
+        left.push(remaining_gradient(&goals, &pulls, &solution.q));
         steps += solution.iterations - alone.iterations;
     }
     assert!(left.iter().all(|left| *left < 1e-3), "{left:?}");
@@ -121,7 +123,7 @@ fn rows_of_infinite_tolerance_constrain_nothing() {
             let both = problem(model, map, &tasks);
             let solution = Solver::default().solve_once(&both, &start).unwrap();
             assert!(solution.reached, "{seed}: {}", solution.explain());
-            left.push(left_over(&goals, &pulls, &solution.q));
+            left.push(remaining_gradient(&goals, &pulls, &solution.q));
         }
     }
     assert!(left.iter().all(|left| *left < 3e-3), "{left:?}");
@@ -182,7 +184,7 @@ fn posture_costs_a_drag_few_steps_per_frame() {
             builder.add(Posture::new(model, rest));
         };
         let [goals, pulls] = [goal, pull].map(|add| problem(model, &figure.map, &[add]));
-        let left = left_over(&goals, &pulls, drag.q());
+        let left = remaining_gradient(&goals, &pulls, drag.q());
         assert!(left < 1e-2, "{left}");
     }
     // Two steps of the soft task, and the required tasks' steps from its minimum.

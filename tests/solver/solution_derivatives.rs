@@ -39,7 +39,7 @@ fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
 
 /// Counts of active limits and solutions, and the largest error.
 #[derive(Debug, Default)]
-struct Seen {
+struct Counts {
     unique: usize,
     flagged: usize,
     limits: usize,
@@ -51,7 +51,7 @@ struct Seen {
     worst: f64,
 }
 
-fn look(seed: u64, seen: &mut Seen) {
+fn check_seed(seed: u64, seen: &mut Counts) {
     let here = case(seed, &Change::Targets(0.0));
     let solution = Solver::default()
         .solve_once(&here.problem, &here.start)
@@ -75,10 +75,10 @@ fn look(seed: u64, seen: &mut Seen) {
     let mut last = f64::INFINITY;
     for _ in 0..3 {
         let inverse = at.newton(&q, &lambda);
-        last = at.settle(&mut q, &mut lambda, &inverse, 3);
+        last = at.converge(&mut q, &mut lambda, &inverse, 3);
     }
     let inverse = at.newton(&q, &lambda);
-    last = last.min(at.settle(&mut q, &mut lambda, &inverse, 5));
+    last = last.min(at.converge(&mut q, &mut lambda, &inverse, 5));
     let moved = velocity(&here.model, &solution.q, &q).amax();
     let mut workspace = DerivativeWorkspace::default();
     if moved > 1e-2 {
@@ -142,7 +142,7 @@ fn look(seed: u64, seen: &mut Seen) {
                 limits: at.limits.clone(),
             };
             let (mut to, mut lambda) = (q.clone(), lambda.clone());
-            conditions.settle(&mut to, &mut lambda, &inverse, 10);
+            conditions.converge(&mut to, &mut lambda, &inverse, 10);
             if share == 1.0 {
                 // A solver from here converges to the same configuration.
                 let again = Solver::default().solve_once(&there.problem, &q).unwrap();
@@ -182,10 +182,10 @@ fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
 
 #[test]
 fn derivatives_match_repeated_solves() {
-    let mut seen = Seen::default();
+    let mut seen = Counts::default();
     let wanted = cases(1000, 20);
     for seed in 0.. {
-        look(seed, &mut seen);
+        check_seed(seed, &mut seen);
         if seen.unique >= wanted {
             break;
         }

@@ -109,7 +109,7 @@ fn lean(body: &Body, q: &[f64]) -> f64 {
         .acos()
 }
 
-fn bent(body: &Body, q: &[f64]) -> f64 {
+fn knee_bend(body: &Body, q: &[f64]) -> f64 {
     let angles = body
         .knees
         .map(|knee| q[body.model.coordinate(knee).unwrap()]);
@@ -123,7 +123,7 @@ fn crouch_bends_the_knees_above_the_feet() {
     let map = ParameterMap::free(model);
     let up = Vector3::UNITS[2];
     let q = crouched_configuration(model, &map, &body.feet, &rest, up).unwrap();
-    assert!(model.is_within_limits(&q) && bent(&body, &q) > 0.3);
+    assert!(model.is_within_limits(&q) && knee_bend(&body, &q) > 0.3);
     for foot in body.feet {
         let (before, after) = (placed(model, foot, &rest), placed(model, foot, &q));
         assert!((before.translation - after.translation).norm() < 1e-6);
@@ -203,9 +203,9 @@ fn hand_dragged_down_bends_the_legs() {
     assert!((reached - wanted).norm() < 1e-5);
     let bowed = dragged(&body, &stance, down, false);
     assert!(
-        bent(&body, &q) > 1.2 && lean(&body, &q) < 0.5,
+        knee_bend(&body, &q) > 1.2 && lean(&body, &q) < 0.5,
         "{} {}",
-        bent(&body, &q),
+        knee_bend(&body, &q),
         lean(&body, &q)
     );
     assert!(

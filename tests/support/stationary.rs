@@ -25,7 +25,7 @@ pub enum Limit {
 }
 
 /// Swing about the two axes and twist of a quaternion w, x, y, z, radians.
-fn parted(q: &[f64], cone: &Cone) -> [f64; 3] {
+fn swing_and_twist(q: &[f64], cone: &Cone) -> [f64; 3] {
     let rotation = na::UnitQuaternion::from_quaternion(na::Quaternion::new(q[0], q[1], q[2], q[3]));
     let (w, along) = (rotation.w, rotation.imag().dot(&cone.axis));
     let twist = 2.0 * along.atan2(w);
@@ -46,10 +46,10 @@ impl Limit {
         match self {
             Self::Value(at, end, sign) => sign * (q[*at] - end),
             Self::Edge(at, cone) => {
-                let [u, v, _] = parted(&q[*at..], cone);
+                let [u, v, _] = swing_and_twist(&q[*at..], cone);
                 0.5 * ((u / cone.swing[0]).powi(2) + (v / cone.swing[1]).powi(2) - 1.0)
             }
-            Self::Twist(at, cone, end, sign) => sign * (parted(&q[*at..], cone)[2] - end),
+            Self::Twist(at, cone, end, sign) => sign * (swing_and_twist(&q[*at..], cone)[2] - end),
         }
     }
 }
@@ -139,7 +139,7 @@ impl Conditions<'_> {
     }
 
     /// Values and their derivatives by the velocity.
-    fn sloped(
+    fn values_and_slopes(
         &self,
         q: &[f64],
     ) -> (
@@ -167,7 +167,7 @@ impl Conditions<'_> {
 
     /// Conditions that should be zero for multipliers λ.
     fn conditions(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DVector<f64> {
-        let (pulled, held, by_pulled, by_held) = self.sloped(q);
+        let (pulled, held, by_pulled, by_held) = self.values_and_slopes(q);
         let slope = by_pulled.transpose() * pulled + by_held.transpose() * lambda;
         na::DVector::from_iterator(
             slope.len() + held.len(),
@@ -177,7 +177,7 @@ impl Conditions<'_> {
 
     /// Multipliers of the least residual.
     pub fn multipliers(&self, q: &[f64]) -> na::DVector<f64> {
-        let (pulled, held, by_pulled, by_held) = self.sloped(q);
+        let (pulled, held, by_pulled, by_held) = self.values_and_slopes(q);
         if held.is_empty() {
             return held;
         }
@@ -193,7 +193,7 @@ impl Conditions<'_> {
     /// other. None if it is singular beyond that, because several directions are undetermined.
     pub fn newton(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DMatrix<f64> {
         let dof = self.model.degrees_of_freedom();
-        let (_, _, _, by_held) = self.sloped(q);
+        let (_, _, _, by_held) = self.values_and_slopes(q);
         let order = dof + by_held.nrows();
         let mut matrix = na::DMatrix::zeros(order, order);
         for k in 0..dof {
@@ -213,7 +213,7 @@ impl Conditions<'_> {
     }
 
     /// Newton iteration with a fixed inverse until all conditions hold. Returns the length of the last step.
-    pub fn settle(
+    pub fn converge(
         &self,
         q: &mut Vec<f64>,
         lambda: &mut na::DVector<f64>,

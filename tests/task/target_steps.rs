@@ -144,22 +144,22 @@ fn targets_of_other_tasks_are_rejected() {
     );
     let model = builder.build().unwrap();
     let [a, b] = [Vector3::new(0.5, 0.5, 0.0), Vector3::new(0.0, 1.0, 0.0)];
-    type Adds<'a> = &'a dyn Fn(&mut ProblemBuilder<'_>);
-    let problem = |adds: &[Adds<'_>]| {
+    type AddTask<'a> = &'a dyn Fn(&mut ProblemBuilder<'_>);
+    let problem = |adds: &[AddTask<'_>]| {
         let mut builder = Problem::builder(&model);
         adds.iter().for_each(|add| add(&mut builder));
         builder.build().unwrap()
     };
-    let point: Adds<'_> = &|builder| {
+    let point: AddTask<'_> = &|builder| {
         builder.add(Point::new(frame, a));
     };
-    let other: Adds<'_> = &|builder| {
+    let other: AddTask<'_> = &|builder| {
         builder.add(Point::new(frame, b));
     };
-    let pose: Adds<'_> = &|builder| {
+    let pose: AddTask<'_> = &|builder| {
         builder.add(Pose::new(frame, Placement::translation(a)));
     };
-    let look: Adds<'_> = &|builder| {
+    let look: AddTask<'_> = &|builder| {
         builder.add(LookAt::new(frame, a, b));
     };
     let first_problem = problem(&[point, pose]);
