@@ -89,7 +89,7 @@ fn overflowing_targets_return_the_clamped_start() {
 
 #[test]
 fn simd_overflow_returns_the_clamped_start() {
-    let chain = support::lane_chains::panda();
+    let chain = support::simd_chains::panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
     let target = translated(&Placement::identity(), 1e200);

@@ -5,7 +5,7 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, far_away, panda, random_chain, target};
+use support::simd_chains::{Random, far_away, panda, random_chain, target};
 
 type Results = (Vec<u64>, Vec<PoseOutcome>);
 

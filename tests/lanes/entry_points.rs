@@ -5,7 +5,7 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainError, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, far_away, panda, random_chain, target, tip, ur5};
+use support::simd_chains::{Random, far_away, panda, random_chain, target, tip, ur5};
 
 const NO_ATLAS: fn() -> LaneOptions = || LaneOptions::default().with_atlas(false);
 

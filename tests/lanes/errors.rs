@@ -3,7 +3,7 @@
 
 use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
+use support::simd_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
 fn check(chain: &Chain, seed: u64) {
     let options = LaneOptions::default().with_atlas(false).with_attempts(5);

@@ -4,8 +4,8 @@
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, panda, target, ur5};
 use support::sample::cases;
+use support::simd_chains::{Random, panda, target, ur5};
 
 /// The same chain, with the values of two joints increased by angles in radians.
 fn with_shifted_zeros(chain: &Chain, by: [f64; 2]) -> Chain {

@@ -6,8 +6,8 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, panda, random_chain, target, ur5};
 use support::sample::{cases, part};
+use support::simd_chains::{Random, panda, random_chain, target, ur5};
 
 fn scaled(placement: &Placement<f64>, by: f64) -> Placement<f64> {
     Placement::new(placement.rotation, placement.translation * by)

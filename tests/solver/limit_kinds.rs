@@ -192,8 +192,12 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             let solver = settings(Solver::default(), random);
             let solution = solver.solve(question, &start, workspace).unwrap();
             look(solution, "moves");
-            let fault =
-                support::kept_limits::moved_too_far(&body.rules, &most, &stood, &solution.q);
+            let fault = support::configuration_rules::moved_too_far(
+                &body.rules,
+                &most,
+                &stood,
+                &solution.q,
+            );
             assert_eq!(fault, None, "{}", solution.explain());
             let blocked = solution
                 .active_limits()
@@ -227,7 +231,7 @@ fn no_result_violates_a_limit() {
             body.model.neutral(),
             body.model.random_configuration(random.bits()),
         ] {
-            let fault = support::kept_limits::broken(&body.rules, &[], &q);
+            let fault = support::configuration_rules::broken(&body.rules, &[], &q);
             assert_eq!(fault, None, "seed {seed}");
         }
         if body.map.variables() > 0 {

@@ -13,8 +13,8 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Orientation, Point, Pose};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
+use support::configuration_rules::angle_between;
 use support::figures::{Figure, unit};
-use support::kept_limits::angle_between;
 use support::random::Random;
 use support::{placement, vector};
 

@@ -10,7 +10,7 @@ use kinopt::problem::{Preferences, TaskId};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Posture, Quantity, Task};
 
-use super::kept_limits::{Cone, Role, Rule, cross, exponential};
+use super::configuration_rules::{Cone, Role, Rule, cross, exponential};
 use super::random::Random;
 use super::{placement, vector};
 
@@ -78,7 +78,7 @@ impl Body {
 
     /// First broken rule of a configuration, if any.
     pub fn broken(&self, q: &[f64]) -> Option<String> {
-        super::kept_limits::broken(&self.rules, &self.roles, q)
+        super::configuration_rules::broken(&self.rules, &self.roles, q)
     }
 
     /// Configuration at the edges of all limits. Numbers are at an end of their range, balls on their cones and at an

@@ -11,7 +11,7 @@ use kinopt::solver::Stopping;
 use kinopt::task::{CentreOfMass, Point};
 use kinopt::{Solution, Solver};
 
-use crate::kept_limits::{Cone, Rule, broken, cross};
+use crate::configuration_rules::{Cone, Rule, broken, cross};
 
 /// Rules of a model's joints in configuration order.
 fn rules(model: &Model) -> Vec<Rule> {
