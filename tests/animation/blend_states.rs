@@ -98,10 +98,10 @@ fn playing_clips_and_event_weights_are_reported() {
     let mut run = moving(1.5);
     let playing: Vec<(&str, f32)> = run.playing().collect();
     assert_eq!(playing, [("walk", 0.75), ("run", 0.25)]);
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     run.update(1.0, |fired| {
         assert_eq!(fired.state, "move");
-        heard.push((
+        events.push((
             fired.clip.to_owned(),
             fired.event.name.clone(),
             fired.weight,
@@ -110,7 +110,7 @@ fn playing_clips_and_event_weights_are_reported() {
     .unwrap();
     let expected = [("walk", "walk half", 0.75), ("run", "run half", 0.25)];
     assert_eq!(
-        heard,
+        events,
         expected.map(|(c, e, w)| (c.to_owned(), e.to_owned(), w))
     );
     run.set_number("speed", 3.0).unwrap();

@@ -405,8 +405,8 @@ fn morph_weights_are_sampled_with_bones() {
     ] {
         clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
             .unwrap();
-        for (got, expected) in pose.morph_weights().iter().zip([smile, frown]) {
-            assert!((got - expected).abs() < 1e-6);
+        for (actual, expected) in pose.morph_weights().iter().zip([smile, frown]) {
+            assert!((actual - expected).abs() < 1e-6);
         }
     }
 }

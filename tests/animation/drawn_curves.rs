@@ -53,8 +53,8 @@ fn each_segment_uses_its_easing() {
         for u in [0.1, 0.4, 0.5, 0.8, 0.99] {
             let share: f64 = easings[key].at(u);
             let expected = values[key] + (values[key + 1] - values[key]) * share;
-            let got = curve.at(times[key] + u * length);
-            assert!((got - expected).abs() < 1e-9, "{:?} {u}", easings[key]);
+            let actual = curve.at(times[key] + u * length);
+            assert!((actual - expected).abs() < 1e-9, "{:?} {u}", easings[key]);
         }
     }
 }

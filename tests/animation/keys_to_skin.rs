@@ -156,7 +156,7 @@ fn pipeline_matches_double_precision() {
                 .iter()
                 .map(|w| w.translation.length())
                 .fold(1.0, f64::max);
-            for (vertex, got) in posed.positions().iter().enumerate() {
+            for (vertex, actual) in posed.positions().iter().enumerate() {
                 let base = rest[vertex].as_dvec3();
                 let moves = shapes.iter().zip(&shares);
                 let moves = moves.map(|(shape, share)| (shape[vertex].as_dvec3() - base) * *share);
@@ -166,7 +166,7 @@ fn pipeline_matches_double_precision() {
                     let moved = world[bone] * bind[bone].inverse();
                     moved.transform_point3(shaped) * influence.weight
                 });
-                let deviation = (got.as_dvec3() - sum.sum::<DVec3>()).length();
+                let deviation = (actual.as_dvec3() - sum.sum::<DVec3>()).length();
                 assert!(deviation < 1e-5 * size, "{deviation} of {size} at {time} s");
             }
         }

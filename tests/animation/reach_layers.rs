@@ -139,7 +139,7 @@ fn reach_layer_moves_tips_by_their_weights() {
         assert_eq!(untouched, pose);
 
         let weights = [1.0, 0.5];
-        let wanted = [0, 1].map(|k| {
+        let targets = [0, 1].map(|k| {
             let [from, to] = [&pose, &goal_pose].map(|pose| tip(&armature, &rig, pose, tips[k]));
             let target = skeleton
                 .pose(&goal)
@@ -153,8 +153,8 @@ fn reach_layer_moves_tips_by_their_weights() {
         let solution = layer.apply(&mut posed).unwrap().unwrap();
         if solution.reached {
             reached += 1;
-            for (k, wanted) in wanted.into_iter().enumerate() {
-                assert!((tip(&armature, &rig, &posed, tips[k]) - wanted).length() < 1e-4);
+            for (k, target) in targets.into_iter().enumerate() {
+                assert!((tip(&armature, &rig, &posed, tips[k]) - target).length() < 1e-4);
             }
         }
         // Bones without a tip below them stay as in the clip.
@@ -215,18 +215,18 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
                 near
             };
             layer.set_goal(moves, near, 1.0).unwrap();
-            let wanted = turned(&goal_pose, moves);
+            let target_rotation = turned(&goal_pose, moves);
             layer
-                .set_rotation(moves, wanted * -2.0, f64::from(weight))
+                .set_rotation(moves, target_rotation * -2.0, f64::from(weight))
                 .unwrap();
             if !layer.apply(&mut posed).unwrap().unwrap().reached {
                 continue;
             }
             reached[case] += 1;
             let [was, is] = [&pose, &posed].map(|pose| turned(pose, moves));
-            let angle = apart(was, wanted);
+            let angle = apart(was, target_rotation);
             assert!((apart(was, is) - weight * angle).abs() < 1e-4);
-            assert!((apart(is, wanted) - (1.0 - weight) * angle).abs() < 1e-4);
+            assert!((apart(is, target_rotation) - (1.0 - weight) * angle).abs() < 1e-4);
             // The other end is pinned at its placement.
             assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
         }
@@ -368,12 +368,12 @@ fn tip_distance_includes_the_bones_scale() {
         let from = tip(&armature, &rig, &pose, bone);
         let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
         let mut moved = pose.clone();
-        let wanted = from + Vec3A::new(0.004, -0.003, 0.002);
+        let target = from + Vec3A::new(0.004, -0.003, 0.002);
         layer
-            .set_goal(bone, wanted.to_array().map(f64::from), 1.0)
+            .set_goal(bone, target.to_array().map(f64::from), 1.0)
             .unwrap();
         assert!(layer.apply(&mut moved).unwrap().unwrap().reached, "{seed}");
-        let deviation = (tip(&armature, &rig, &moved, bone) - wanted).length();
+        let deviation = (tip(&armature, &rig, &moved, bone) - target).length();
         assert!(deviation < 2e-5, "{seed}: {deviation}");
     }
 }

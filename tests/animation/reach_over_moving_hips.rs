@@ -55,9 +55,9 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         bridge.pose_of(&goal, &mut goal_pose).unwrap();
 
         let mut layer = ReachLayer::holding(skeleton, tips, &tips[1..], Solver::default()).unwrap();
-        let wanted = tip(&armature, skeleton, &goal_pose, tips[0]);
+        let goal_position = tip(&armature, skeleton, &goal_pose, tips[0]);
         let unchanged = tip(&armature, skeleton, &pose, tips[1]);
-        layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+        layer.set_goal(tips[0], target(goal_position), 1.0).unwrap();
         let mut posed = pose.clone();
         let reported: Vec<f64> = {
             let solution = layer.apply(&mut posed).unwrap().unwrap();
@@ -65,7 +65,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
             let reports = solution.tasks().take(2);
             reports.map(|task| task.rows[0].error).collect()
         };
-        let shown = [(tips[0], wanted), (tips[1], unchanged)]
+        let shown = [(tips[0], goal_position), (tips[1], unchanged)]
             .map(|(bone, at)| (tip(&armature, skeleton, &posed, bone) - at).length());
         for (reported, shown) in reported.iter().zip(shown) {
             assert!(
@@ -99,8 +99,8 @@ fn moving_hips_alone_change_the_problem() {
     let armature = Armature::of_skeleton(skeleton);
     let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
     let mut pose = armature.rest().clone();
-    let wanted = tip(&armature, skeleton, &pose, tips[0]);
-    layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+    let goal_position = tip(&armature, skeleton, &pose, tips[0]);
+    layer.set_goal(tips[0], target(goal_position), 1.0).unwrap();
     // Nothing to do: the search ends where it begins.
     let steps = layer.apply(&mut pose).unwrap().unwrap().iterations;
     assert_eq!(steps, 0);
@@ -111,7 +111,7 @@ fn moving_hips_alone_change_the_problem() {
     pose.set_local(root, local).unwrap();
     let solution = layer.apply(&mut pose).unwrap().unwrap();
     let reported = solution.tasks().next().unwrap().rows[0].error;
-    let shown = (tip(&armature, skeleton, &pose, tips[0]) - wanted).length();
+    let shown = (tip(&armature, skeleton, &pose, tips[0]) - goal_position).length();
     assert!(
         (reported - f64::from(shown)).abs() < 1e-5,
         "{reported} {shown}"
@@ -151,11 +151,11 @@ fn captured_walk_is_reached_in_place() {
             .sample(time, Playback::Hold, &mut cursor, &mut pose)
             .unwrap();
         let at = tip(armature, &skeleton, &pose, hand);
-        let wanted = at + Vec3A::new(0.02, 0.03, -0.02) * size as f32;
-        layer.set_goal(hand, target(wanted), 1.0).unwrap();
+        let goal_position = at + Vec3A::new(0.02, 0.03, -0.02) * size as f32;
+        layer.set_goal(hand, target(goal_position), 1.0).unwrap();
         reached += usize::from(layer.apply(&mut pose).unwrap().unwrap().reached);
         let shown = tip(armature, &skeleton, &pose, hand);
-        let deviation = f64::from((shown - wanted).length()) / size;
+        let deviation = f64::from((shown - goal_position).length()) / size;
         assert!(
             deviation < 1e-5,
             "frame {frame}: {deviation} of the figure's size"

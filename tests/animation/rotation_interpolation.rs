@@ -33,8 +33,8 @@ fn slerp_matches_the_table() {
     ];
     for (t, degrees, wxyz) in table {
         let q = slerp(Quat::IDENTITY, end, t);
-        for (got, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
-            assert!((got - expected).abs() < 5.1e-4, "{t}: {q}");
+        for (actual, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
+            assert!((actual - expected).abs() < 5.1e-4, "{t}: {q}");
         }
         let angle = 2.0 * q.w.clamp(-1.0, 1.0).acos().to_degrees();
         assert!((angle - degrees).abs() < 1e-3, "{t}: {angle}");
@@ -141,9 +141,12 @@ fn nearly_equal_and_opposite_rotations_are_safe() {
         ] {
             let to = from * Quat::from_axis_angle(axis, angle);
             for (t, sign) in [(0.0, 1.0), (0.3, -1.0), (0.5, 1.0), (1.0, -1.0)] {
-                let got = slerp(from, to * sign, t);
-                assert!(got.is_finite() && (got.length() - 1.0).abs() < 1e-6);
-                assert!((apart(from, got) - t * angle).abs() < 4e-6, "{angle} {t}");
+                let actual = slerp(from, to * sign, t);
+                assert!(actual.is_finite() && (actual.length() - 1.0).abs() < 1e-6);
+                assert!(
+                    (apart(from, actual) - t * angle).abs() < 4e-6,
+                    "{angle} {t}"
+                );
             }
         }
         // A rotation and its negative are the same one.
@@ -159,10 +162,10 @@ fn directions_rotate_in_their_plane_evenly() {
         let to = rotation(&mut random).xyz().normalize();
         let angle = from.angle_between(to);
         for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
-            let got = slerp_vectors(from, to, t);
-            assert!((got.length() - 1.0).abs() < 1e-5);
-            assert!((from.angle_between(got) - t * angle).abs() < 1e-3);
-            assert!(got.dot(from.cross(to)).abs() < 1e-5);
+            let actual = slerp_vectors(from, to, t);
+            assert!((actual.length() - 1.0).abs() < 1e-5);
+            assert!((from.angle_between(actual) - t * angle).abs() < 1e-3);
+            assert!(actual.dot(from.cross(to)).abs() < 1e-5);
         }
         let opposite = slerp_vectors(from, -from, 0.5);
         assert!(opposite.dot(from).abs() < 1e-5 && (opposite.length() - 1.0).abs() < 1e-5);
@@ -373,8 +376,11 @@ fn cubic_rotation_uses_its_tangents() {
             + Vec4::from(keys[1]) * (u * u * (3.0 - 2.0 * u))
             - arriving * (2.0 * u * u * rest);
         let expected = Quat::from_vec4(sum.normalize());
-        let got = curve.at(1.0 + 2.0 * u);
-        assert!(got.abs_diff_eq(expected, 1e-5), "{u}: {got} {expected}");
+        let actual = curve.at(1.0 + 2.0 * u);
+        assert!(
+            actual.abs_diff_eq(expected, 1e-5),
+            "{u}: {actual} {expected}"
+        );
     }
 }
 
@@ -386,8 +392,8 @@ fn mean_rates_of_a_steady_rotation_are_its_rate() {
     let sides = [1.0, -1.0, -1.0, 1.0, -1.0];
     let at = |(time, side): (&f32, f32)| Quat::from_scaled_axis(rate * *time) * side;
     let rotations: Vec<Quat> = times.iter().zip(sides).map(at).collect();
-    for (key, got) in mean_rates(&times, &rotations).iter().enumerate() {
-        assert!((*got - rate).length() < 1e-5, "key {key}: {got}");
+    for (key, actual) in mean_rates(&times, &rotations).iter().enumerate() {
+        assert!((*actual - rate).length() < 1e-5, "key {key}: {actual}");
     }
 }
 

@@ -148,16 +148,21 @@ fn reach_layer_brings_the_scaled_armature_there() {
         let skeleton = armature.skeleton("one", free).unwrap();
         let hands = [4, 8].map(|index| bone(armature, index));
         let mut layer = ReachLayer::new(&skeleton, &hands, Solver::default()).unwrap();
-        let wanted = model_transforms(armature, &turned(armature, 0.7, random));
+        let target_transforms = model_transforms(armature, &turned(armature, 0.7, random));
         for hand in hands {
-            let target = wanted[hand.index()].translation.as_dvec3().to_array();
+            let target = target_transforms[hand.index()]
+                .translation
+                .as_dvec3()
+                .to_array();
             layer.set_goal(hand, target, 1.0).unwrap();
         }
         let mut pose = armature.rest().clone();
         let reached = layer.apply(&mut pose).unwrap().unwrap().reached;
         let placed = model_transforms(armature, &pose);
         for hand in hands.map(BoneId::index) {
-            let deviation = placed[hand].translation.distance(wanted[hand].translation);
+            let deviation = placed[hand]
+                .translation
+                .distance(target_transforms[hand].translation);
             assert!(
                 deviation < 1e-5,
                 "{case}: bone {hand} is off by {deviation}"
@@ -175,8 +180,8 @@ fn drag_brings_the_scaled_armature_there() {
         let mut skeleton = armature.skeleton("one", free).unwrap();
         let angles = EulerPoseMap::new(&skeleton);
         let hand = bone(armature, 4);
-        let wanted = model_transforms(armature, &turned(armature, 0.4, random));
-        let target = wanted[4].translation;
+        let target_transforms = model_transforms(armature, &turned(armature, 0.4, random));
+        let target = target_transforms[4].translation;
         let goal = target.as_dvec3().to_array();
         let mut problem = Problem::builder(skeleton.model());
         problem.add(Point::new(skeleton.tip(hand), goal));

@@ -80,8 +80,8 @@ fn path_through_points_equals_its_segments() {
             let at = [t[i - 1], t[i], t[i + 1], t[i + 2]];
             for u in [0.0, 0.2, 0.5, 0.9] {
                 let expected = catmull_rom_at_knots(points, at, u);
-                let got = path.at(lerp(t[i], t[i + 1], u));
-                assert!((got - expected).length() < 1e-12, "{knots:?} {i} {u}");
+                let actual = path.at(lerp(t[i], t[i + 1], u));
+                assert!((actual - expected).length() < 1e-12, "{knots:?} {i} {u}");
             }
         }
         // The first segment uses the mirror image of its end at its start as its neighbour.
@@ -334,7 +334,7 @@ fn knots_are_powers_of_distances() {
     assert_eq!(Knots::Uniform.of(&points), [0.0, 1.0, 2.0]);
     assert_eq!(Knots::Chordal.of(&points), [0.0, 4.0, 13.0]);
     let centripetal = Knots::Centripetal.of(&points);
-    let deviation_of = |(knot, wanted): (&f64, f64)| (knot - wanted).abs();
+    let deviation_of = |(knot, expected): (&f64, f64)| (knot - expected).abs();
     let deviation_of = centripetal.iter().zip([0.0, 2.0, 5.0]).map(deviation_of);
     assert!(deviation_of.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
 }

@@ -29,8 +29,8 @@ const COMBO: &str = r#"{
 
 type EventLog = Vec<String>;
 
-fn step(run: &mut StateMachineRun, seconds: f64, heard: &mut EventLog) {
-    run.update(seconds, |fired| heard.push(fired.event.name.clone()))
+fn step(run: &mut StateMachineRun, seconds: f64, events: &mut EventLog) {
+    run.update(seconds, |fired| events.push(fired.event.name.clone()))
         .unwrap();
 }
 
@@ -51,19 +51,19 @@ fn long_step_equals_short_steps() {
     for _ in 0..40 {
         let seconds = random.within(0.0, 5.0);
         let [mut long, mut short] = [run_of(COMBO), run_of(COMBO)];
-        let mut heard = [EventLog::new(), EventLog::new()];
+        let mut events = [EventLog::new(), EventLog::new()];
         long.trigger("hit").unwrap();
         short.trigger("hit").unwrap();
-        step(&mut long, seconds, &mut heard[0]);
+        step(&mut long, seconds, &mut events[0]);
         let steps = 1 + random.below(400);
         for _ in 0..steps {
-            step(&mut short, seconds / steps as f64, &mut heard[1]);
+            step(&mut short, seconds / steps as f64, &mut events[1]);
         }
         // A transition that time opens at the end of a step is taken at the start of the next one.
-        step(&mut long, 1e-7, &mut heard[0]);
-        step(&mut short, 1e-7, &mut heard[1]);
+        step(&mut long, 1e-7, &mut events[0]);
+        step(&mut short, 1e-7, &mut events[1]);
         same(&long, &short);
-        let [long, short] = &mut heard;
+        let [long, short] = &mut events;
         long.sort();
         short.sort();
         assert_eq!(long, short, "{seconds} s in {steps} steps");
@@ -228,12 +228,12 @@ fn invalid_steps_take_no_time() {
 /// A transition that requires a number of cycles and a time waits for both.
 #[test]
 fn longer_of_two_waits_applies() {
-    for (after, seconds, wanted) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
+    for (after, seconds, end_time) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
         let mut run = run_of(&format!(
             r#"{{"initial": "a", "states": [{{"name": "a", "clip": "walk"}}, {{"name": "b", "clip": "run"}}],
             "transitions": [{{"from": "a", "to": "b", "after": {after}, "after_seconds": {seconds}}}]}}"#
         ));
-        run.update(wanted - 0.01, |_| {}).unwrap();
+        run.update(end_time - 0.01, |_| {}).unwrap();
         assert_eq!(run.state(), "a");
         run.update(0.02, |_| {}).unwrap();
         assert_eq!(run.state(), "b");

@@ -71,9 +71,9 @@ fn is_free(arm: &Arm, path: &[&[f64]]) -> bool {
 fn free_track_is_as_complete_as_a_plain_one() {
     let Arms { plain, clear } = arms(&robot("franka_panda"));
     let (mut seen, mut fallen) = (0, Vec::new());
-    let wanted = cases(300, 60);
+    let case_count = cases(300, 60);
     let mut seed = 0;
-    while seen < wanted {
+    while seen < case_count {
         seed += 1;
         let mut random = Random::new(seed);
         let path = to_the_limits(&mut random, &plain);

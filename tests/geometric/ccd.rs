@@ -317,10 +317,10 @@ fn positions_and_directions_are_weighted() {
     let sum = |component: fn(f64) -> f64| {
         lever * lever * component(angle) + weight * weight * component(direction)
     };
-    let wanted = sum(f64::sin).atan2(sum(f64::cos));
+    let expected = sum(f64::sin).atan2(sum(f64::cos));
     assert!(
-        (solution.q[0] - wanted).abs() < 1e-12,
-        "{:?} {wanted}",
+        (solution.q[0] - expected).abs() < 1e-12,
+        "{:?} {expected}",
         solution.q
     );
 }
@@ -395,11 +395,11 @@ fn prismatic_joint_moves_to_the_weighted_mean() {
     let problem = tasks.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
     let sum = |term: fn((f64, f64)) -> f64| -> f64 { goals.iter().map(|a| term((a.1, a.2))).sum() };
-    let wanted =
+    let expected =
         sum(|(position, weight)| weight * weight * position) / sum(|(_, weight)| weight * weight);
     assert!(
-        (solution.q[0] - wanted).abs() < 1e-12,
-        "{:?} {wanted}",
+        (solution.q[0] - expected).abs() < 1e-12,
+        "{:?} {expected}",
         solution.q
     );
 }

@@ -166,7 +166,7 @@ fn repeated_name_is_kept_by_joint_then_animated_node() {
             .replace(r#""WEIGHTS_0""#, r#""_WEIGHTS""#)
             .replace(r#","skin":0"#, ""),
     );
-    let names = |wanted: &str| scene.armature.bone(wanted).map(|bone| bone.index());
+    let names = |name: &str| scene.armature.bone(name).map(|bone| bone.index());
     // Nodes of the file: 0 the mesh's, 1 the joint, 2 motionless, 3 animated and its parent.
     let bone_of = |node: usize| [1, 3, 2, 0][node];
     assert_eq!(names("arm").unwrap(), bone_of(1));

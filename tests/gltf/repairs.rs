@@ -83,9 +83,9 @@ fn vertex_without_weights_follows_its_first_joint() {
         _ => None,
     });
     assert_eq!(unweighted, Some(2));
-    let said = scene
+    let is_noted = scene
         .notes
         .iter()
         .any(|note| note.to_string().contains("2 vertices without weights"));
-    assert!(said, "{:?}", scene.notes);
+    assert!(is_noted, "{:?}", scene.notes);
 }

@@ -157,8 +157,8 @@ fn starts_many_turns_away_are_solved() {
     let mut q = [0.0; 6];
     for turns in [1e3, 1e5, 1e7, 1e12] {
         for search in [Prefer::Start, Prefer::First] {
-            let wanted = random.configuration(&chain);
-            let goal = target(&chain, &wanted);
+            let target_q = random.configuration(&chain);
+            let goal = target(&chain, &target_q);
             let start: Vec<f64> = (0..6)
                 .map(|_| random.within(-1.0, 1.0) + turns * TAU)
                 .collect();

@@ -78,8 +78,8 @@ fn soft_tasks_are_not_weighted_against_loops() {
     for preferences in [Preferences::WithinGoals, Preferences::Traded] {
         let mut problem = Problem::builder(&model);
         for (level, angle) in [(0, 0.4), (1, 1.0)] {
-            let wanted = Task::new(Posture::of_joints([(crank, angle)]));
-            problem.add(wanted.preference().at_level(level));
+            let posture = Task::new(Posture::of_joints([(crank, angle)]));
+            problem.add(posture.preference().at_level(level));
         }
         problem.preferences(preferences);
         let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);

@@ -171,8 +171,8 @@ fn nearer_assembly_is_unit_invariant() {
     });
     let mut random = Random::new(3);
     let mut ahead = 0;
-    let wanted = cases(300, 100);
-    for case in 0..wanted {
+    let case_count = cases(300, 100);
+    for case in 0..case_count {
         let [crank, rod] = [(); 2].map(|()| random.within(-PI, PI));
         let slide = random.within(-1.2, 1.2);
         let (mut small, mut large) = (
@@ -193,7 +193,10 @@ fn nearer_assembly_is_unit_invariant() {
             assert!((one - other).abs() < 1e-5, "{case}: {small:?} {scaled:?}");
         }
     }
-    assert!(ahead * 4 > wanted && ahead * 4 < 3 * wanted, "{ahead}");
+    assert!(
+        ahead * 4 > case_count && ahead * 4 < 3 * case_count,
+        "{ahead}"
+    );
 }
 
 /// Also the coordinates of a ball joint, whose quaternion may have any length.

@@ -160,11 +160,11 @@ fn hand_fades_at_span_ends_within_the_clip() {
         for frame in 0..=120 {
             let time = f64::from(frame) / 60.0;
             let share = side(time - span[0], span[0] == 0.0) * side(span[1] - time, span[1] == 2.0);
-            let wanted = start.lerp(target, share);
+            let expected = start.lerp(target, share);
             let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
             assert!(
-                found.distance(wanted) < 2e-3,
-                "{span:?}, {time} s: {found} {wanted}"
+                found.distance(expected) < 2e-3,
+                "{span:?}, {time} s: {found} {expected}"
             );
         }
     }

@@ -99,8 +99,8 @@ fn known_skeletons_drive_the_whole_humanoid() {
                     .iter()
                     .all(|drive| called.contains(&drive.joint))
             );
-            let said = BodyMap::from_skeleton(&known, &source, &humanoid).unwrap();
-            assert_eq!(said.map, guess.map);
+            let by_skeleton = BodyMap::from_skeleton(&known, &source, &humanoid).unwrap();
+            assert_eq!(by_skeleton.map, guess.map);
             assert_eq!(
                 BodyMap::from_json(&guess.map.to_json(), "").unwrap(),
                 guess.map
@@ -585,7 +585,7 @@ fn ankle_is_a_link_that_moves_on_the_shank() {
         .unwrap()
         .map;
     for side in ["left", "right"] {
-        let wanted = (format!("{side}_ankle"), format!("{side}_ankle_roll_link"));
-        assert!(drives(&map).contains(&wanted), "{:?}", drives(&map));
+        let expected = (format!("{side}_ankle"), format!("{side}_ankle_roll_link"));
+        assert!(drives(&map).contains(&expected), "{:?}", drives(&map));
     }
 }

@@ -61,9 +61,9 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         assert_eq!(rows.len(), joint_path.len());
         for (q, expected) in rows.iter().zip(&joint_path) {
             assert!(within_limits(&arm, q));
-            let [at, wanted] =
+            let [at, expected] =
                 [q, expected.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
-            let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
+            let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(expected));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
         let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();

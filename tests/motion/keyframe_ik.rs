@@ -311,11 +311,11 @@ fn track_beyond_its_limit_is_moved_within_it() {
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let beyond = bent(&rig, limits.upper + 0.2, |_| None);
     // The hand's curve with the elbow well within its limits.
-    let wanted = bent(&rig, limits.upper - 0.4, |_| None);
+    let reachable_clip = bent(&rig, limits.upper - 0.4, |_| None);
     let all = [0.0, 3.0];
-    assert!(hand_distance(&rig, &beyond, &wanted, all) > 0.1);
+    assert!(hand_distance(&rig, &beyond, &reachable_clip, all) > 0.1);
     let solve = |span| {
-        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, span));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &reachable_clip, span));
         ik.solve(&beyond).unwrap()
     };
     // All keys are solved for: no limit is exceeded.
@@ -325,7 +325,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let deviation = hand_distance(&rig, &edited.clip, &wanted, all);
+    let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, all);
     assert!(
         deviation < 0.01 && edited.led[0].miss < 0.01,
         "{deviation} {:?}",
@@ -361,7 +361,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
         (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
         "{reported:?} {worst}"
     );
-    let deviation = hand_distance(&rig, &edited.clip, &wanted, SPAN);
+    let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, SPAN);
     assert!(
         deviation < 0.02 && edited.led[0].miss < 0.02,
         "{deviation} {:?}",
@@ -381,8 +381,8 @@ fn key_beyond_its_limit_is_clamped_without_others() {
                 (k == key).then_some(bend)
             })
         };
-        let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
-        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, SPAN));
+        let (beyond, reachable_clip) = (only(limits.upper + over), only(limits.upper));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &reachable_clip, SPAN));
         let edited = ik.solve(&beyond).unwrap();
         assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
         let new = bends(&rig, &edited.clip);
@@ -496,8 +496,8 @@ fn clamped_last_key_is_compensated_by_others() {
         let hand = skeleton.bone(HAND).unwrap();
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
         let off = moments.map(|time| {
-            let [actual, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
-            actual.distance_squared(wanted)
+            let [actual, expected] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
+            actual.distance_squared(expected)
         });
         off.sum::<f64>()
     };

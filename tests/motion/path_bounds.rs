@@ -56,11 +56,11 @@ fn sampled(
                 .map(|(a, b)| a + share * (b - a))
                 .collect();
             let at = base_from_tip(robot.model(), arm, &q, base, tip);
-            let wanted = Isometry3::from_parts(
+            let expected = Isometry3::from_parts(
                 Translation3::from(from.translation.vector.lerp(&to.translation.vector, share)),
                 from.rotation.slerp(&to.rotation, share),
             );
-            let (metres, radians) = apart(&at, &wanted);
+            let (metres, radians) = apart(&at, &expected);
             farthest = (farthest.0.max(metres), farthest.1.max(radians));
         }
     }
@@ -231,8 +231,8 @@ fn check_coriolis_deviation(first: f64) {
             let share = f64::from(k) / 40.0;
             let q = [0, 1, 2].map(|i| rows[0][i] + share * (rows[1][i] - rows[0][i]));
             let displacement = ends[1].translation - ends[0].translation;
-            let wanted = ends[0].translation + displacement * share;
-            farthest = farthest.max((tool_of_polar(&q).translation - wanted).norm());
+            let expected = ends[0].translation + displacement * share;
+            farthest = farthest.max((tool_of_polar(&q).translation - expected).norm());
         }
     }
     let reported = solution.largest_deviation;

@@ -324,8 +324,8 @@ fn spline_of_a_line_is_evenly_spaced() {
         let path = CartesianPath::spline(line, None, 4).unwrap();
         assert_eq!(path.points().len() as i32, 4 * (keys - 1) + 1);
         for (k, point) in path.points().iter().enumerate() {
-            let wanted = at(k as f64 / 4.0).translation;
-            assert!((point.translation - wanted).norm() < 1e-12, "{keys}: {k}");
+            let expected = at(k as f64 / 4.0).translation;
+            assert!((point.translation - expected).norm() < 1e-12, "{keys}: {k}");
         }
     }
 }

@@ -211,7 +211,7 @@ fn builder_methods_set_their_fields() {
     let robot = nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
     let request = || plain.clone();
-    for (name, said) in [
+    for (name, changed_query) in [
         ("clip", request().with_clip("Walk")),
         ("skeleton", request().with_skeleton("cmu")),
         ("keep_clear", request().with_keep_clear(0.01)),
@@ -220,6 +220,6 @@ fn builder_methods_set_their_fields() {
         ("fps", request().with_frame_rate(30.0)),
         ("up", request().with_up(UpAxis::Y)),
     ] {
-        assert_eq!(differs(&folders, &plain, &said), name);
+        assert_eq!(differs(&folders, &plain, &changed_query), name);
     }
 }

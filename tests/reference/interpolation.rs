@@ -186,10 +186,14 @@ fn euler_angles_of_all_orders_equal_scipy() {
                 .abs_diff_eq(DMat3::ZERO, 1e-14)
         );
         let from_matrix = case.order.from_matrix(&matrix(case.matrix));
-        for got in [case.order.from_quaternion(theirs), from_matrix] {
-            assert!(!got.gimbal_lock);
-            for (ours, theirs) in got.angles.iter().zip(case.angles) {
-                assert!((ours - theirs).abs() < 1e-13, "{:?}: {got:?}", case.order);
+        for actual in [case.order.from_quaternion(theirs), from_matrix] {
+            assert!(!actual.gimbal_lock);
+            for (ours, theirs) in actual.angles.iter().zip(case.angles) {
+                assert!(
+                    (ours - theirs).abs() < 1e-13,
+                    "{:?}: {actual:?}",
+                    case.order
+                );
             }
         }
         let turn = AxisAngle::from_quaternion(theirs);

@@ -144,8 +144,8 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
     assert_eq!(theirs.len(), 6, "{what}");
     for (row, theirs) in theirs.iter().enumerate() {
         assert_eq!(theirs.len(), ours.ncols(), "{what}");
-        for (column, wanted) in theirs.iter().enumerate() {
-            let deviation = (ours[(row, column)] - wanted).abs();
+        for (column, expected) in theirs.iter().enumerate() {
+            let deviation = (ours[(row, column)] - expected).abs();
             assert!(
                 deviation <= JACOBIAN_TOLERANCE,
                 "{what}, row {row}, column {column}: off by {deviation:e}"

@@ -76,8 +76,8 @@ fn posed_vertices_equal_the_reference() {
                 );
                 let squares: f64 = all().map(|p| p.distance_squared(centroid)).sum();
                 let spread = (squares / count).sqrt();
-                let wanted = expected["spread"].as_f64().unwrap();
-                assert!((spread - wanted).abs() < 1e-6 * mesh.size());
+                let expected = expected["spread"].as_f64().unwrap();
+                assert!((spread - expected).abs() < 1e-6 * mesh.size());
             }
         }
     }

@@ -26,10 +26,10 @@ fn unsmoothed_weights_follow_the_formula() {
         let [x, r] = [f64::from(p.x), f64::from(p.y).hypot(f64::from(p.z))];
         let pull = |beyond: f64| (r * r + beyond * beyond + core * core).powi(-2);
         let (left, right) = (pull((x - 4.0).max(0.0)), pull((4.0 - x).max(0.0)));
-        let got = weights.to_table()[(vertex, 1)];
+        let actual = weights.to_table()[(vertex, 1)];
         assert!(
-            (got - right / (left + right)).abs() < 1e-9,
-            "vertex {vertex}: {got}"
+            (actual - right / (left + right)).abs() < 1e-9,
+            "vertex {vertex}: {actual}"
         );
     }
 }

@@ -45,11 +45,11 @@ fn mesh_is_the_weighted_mean_of_its_shapes() {
         let (shapes, w) = (named(&list), weights(&mut random));
         let mut mixed = vec![Vec3::NAN; VERTICES];
         shapes.blend(&w, &mut mixed).unwrap();
-        for (vertex, got) in mixed.iter().enumerate() {
+        for (vertex, actual) in mixed.iter().enumerate() {
             let exact: DVec3 = (0..SHAPES)
                 .map(|j| list[j][vertex].as_dvec3() * f64::from(w[j]))
                 .sum();
-            assert!((got.as_dvec3() - exact).length() < 2e-6);
+            assert!((actual.as_dvec3() - exact).length() < 2e-6);
         }
         // A single full weight gives that shape exactly.
         for j in 0..SHAPES {

@@ -71,8 +71,8 @@ fn points_and_linear_functions_are_reproduced() {
                 "{point}: coordinates sum to {sum}"
             );
             let pairs = shares().zip(cage.positions());
-            let got: f64 = pairs.map(|(share, corner)| share * value(*corner)).sum();
-            assert!((got - value(*point)).abs() < 4e-6, "{point}: {got}");
+            let actual: f64 = pairs.map(|(share, corner)| share * value(*corner)).sum();
+            assert!((actual - value(*point)).abs() < 4e-6, "{point}: {actual}");
         }
         let mut posed = vec![Vec3::ZERO; points.len()];
         binding.positions(cage.positions(), &mut posed).unwrap();

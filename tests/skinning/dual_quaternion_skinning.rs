@@ -62,13 +62,13 @@ fn blended_rotations_keep_the_axis_distance() {
         let angle = 2.9_f64;
         let far = about(pivot, Quat::from_rotation_z(angle as f32));
         let rest = pivot + Vec3::new(2.0, 0.0, 0.7);
-        let got = posed(&weights, &[Affine3A::IDENTITY, far], &[rest])[0] - pivot;
+        let actual = posed(&weights, &[Affine3A::IDENTITY, far], &[rest])[0] - pivot;
         let half = (share * (angle / 2.0).sin()).atan2(1.0 - share + share * (angle / 2.0).cos());
         let (sin, cos) = (2.0 * half).sin_cos();
         let expected = Vec3::new(2.0 * cos as f32, 2.0 * sin as f32, 0.7);
         assert!(
-            (got - expected).length() < 3e-6,
-            "{share}: {got} {expected}"
+            (actual - expected).length() < 3e-6,
+            "{share}: {actual} {expected}"
         );
     }
 }

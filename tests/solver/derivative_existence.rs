@@ -117,9 +117,9 @@ fn one_sided_limit_is_named() {
 #[test]
 fn posture_exactly_at_a_limit_is_named() {
     let (model, _) = chain(2, Limits::new(-2.0, 1.2));
-    for (wanted, is_pressed) in [(1.2, false), (1.3, true)] {
+    for (reference, is_pressed) in [(1.2, false), (1.3, true)] {
         let mut tasks = Problem::builder(&model);
-        tasks.add(Posture::new(&model, &[0.3, wanted]));
+        tasks.add(Posture::new(&model, &[0.3, reference]));
         let reported = differentiability(&tasks.build().unwrap(), &[0.3, 1.2]);
         let on_limit = NoDerivative::OnLimit {
             joint: "joint 1".into(),

@@ -70,10 +70,10 @@ impl Residual for Below {
 }
 
 /// Results of a one-variable goal with a posture, from several starts, by the solver and by a settled drag.
-fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
+fn ends(model: &Model, goal: Add<'_>, reference: f64, starts: &[f64]) -> Vec<f64> {
     let mut builder = Problem::builder(model);
     goal(&mut builder);
-    builder.add(Posture::new(model, &[wanted]));
+    builder.add(Posture::new(model, &[reference]));
     let problem = builder.build().unwrap();
     let mut ends = Vec::new();
     for &start in starts {
@@ -86,11 +86,11 @@ fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
     ends
 }
 
-fn assert_all_near(ends: &[f64], wanted: f64, what: &str) {
+fn assert_all_near(ends: &[f64], expected: f64, what: &str) {
     let deviation = ends
         .iter()
-        .fold(0.0_f64, |largest, x| largest.max((x - wanted).abs()));
-    assert!(deviation < 2e-6, "{what}: {ends:?}, not {wanted}");
+        .fold(0.0_f64, |largest, x| largest.max((x - expected).abs()));
+    assert!(deviation < 2e-6, "{what}: {ends:?}, not {expected}");
 }
 
 #[test]
@@ -229,18 +229,18 @@ fn posture_above_floor_is_stationary() {
     let (mut on_edge, mut left) = (0, Vec::new());
     for seed in 0..cases(100, 20) as u64 {
         let mut random = Random::new(1000 + seed);
-        let [start, wanted] = [(); 2].map(|()| configuration_of(model, &mut random));
+        let [start, reference] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut builder = Problem::builder(model);
         let floor = || Plane::new(flange, [0.0, 0.0, 0.4], UP);
         builder.add(Bounded::at_least(floor(), 0.0));
-        builder.add(Posture::new(model, &wanted));
+        builder.add(Posture::new(model, &reference));
         let solution = Solver::default()
             .solve_once(&builder.build().unwrap(), &start)
             .unwrap();
         assert!(solution.reached, "{seed}: {}", solution.explain());
 
         let mut alone = Problem::builder(model);
-        alone.add(Posture::new(model, &wanted));
+        alone.add(Posture::new(model, &reference));
         let (residual, jacobian) = linearised(&alone.build().unwrap(), &solution.q);
         let mut slope = jacobian.transpose() * &residual;
         let mut plane = Problem::builder(model);

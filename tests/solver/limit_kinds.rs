@@ -223,8 +223,8 @@ fn no_result_violates_a_limit() {
     const QUERIES: usize = 4;
     let mut workspace = Workspace::new();
     let mut tally = Tally::default();
-    let wanted = cases(20_000, 600);
-    for seed in 0..wanted / QUERIES {
+    let case_count = cases(20_000, 600);
+    for seed in 0..case_count / QUERIES {
         let random = &mut Random::new(seed as u64);
         let body = Body::new(random, 2 + seed % 9);
         for q in [
@@ -240,7 +240,7 @@ fn no_result_violates_a_limit() {
             }
         }
     }
-    let least = wanted / 20;
+    let least = case_count / 20;
     let counts = [
         tally.reached,
         tally.missed,

@@ -127,8 +127,8 @@ fn total_angle_and_cone_hold_together() {
         .unwrap();
     assert!(model.is_within_limits(&solution.q), "{:?}", solution.q);
     // cos ½angle = cos ½swing · cos ½twist.
-    let wanted = 2.0 * (0.5_f64.cos() / 0.4_f64.cos()).acos();
-    let nearest = swing(0.8) * twist(wanted);
+    let twist_angle = 2.0 * (0.5_f64.cos() / 0.4_f64.cos()).acos();
+    let nearest = swing(0.8) * twist(twist_angle);
     let cost = |q: na::UnitQuaternion<f64>| q.angle_to(&(swing(1.4) * twist(0.9)));
     let reached_cost = cost(unit(&solution.q));
     assert!(
@@ -310,8 +310,8 @@ fn drag_frame_rotates_ball_by_the_move_limit() {
     drag = drag.with_max_move(0.1).unwrap();
     for frame in 1..20 {
         drag.advance();
-        let wanted = na::UnitQuaternion::from_axis_angle(&axis, 0.1 * f64::from(frame));
-        assert!(wanted.angle_to(&unit(drag.q())) < 1e-6, "frame {frame}");
+        let target = na::UnitQuaternion::from_axis_angle(&axis, 0.1 * f64::from(frame));
+        assert!(target.angle_to(&unit(drag.q())) < 1e-6, "frame {frame}");
         assert!(drag.is_speed_limited());
     }
     drag.advance();

@@ -157,9 +157,9 @@ fn invalid_weights_and_origins_are_rejected() {
 fn last_weight_and_tolerance_apply() {
     let (model, _, tip) = arm(POSITIONS);
     let start = model.neutral();
-    let solved = |said: &dyn Fn(Task<Pose>) -> Task<Pose>| {
+    let solved = |change: &dyn Fn(Task<Pose>) -> Task<Pose>| {
         let mut tasks = Problem::builder(&model);
-        tasks.add(said(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
+        tasks.add(change(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
         tasks.add(Posture::new(&model, &start));
         tasks.preferences(kinopt::problem::Preferences::Traded);
         Solver::default()

@@ -183,10 +183,10 @@ fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
 #[test]
 fn derivatives_match_repeated_solves() {
     let mut seen = Counts::default();
-    let wanted = cases(1000, 20);
+    let case_count = cases(1000, 20);
     for seed in 0.. {
         check_seed(seed, &mut seen);
-        if seen.unique >= wanted {
+        if seen.unique >= case_count {
             break;
         }
     }

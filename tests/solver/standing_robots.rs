@@ -199,8 +199,8 @@ fn hand_dragged_down_bends_the_legs() {
     let down = Vector3::new(0.2, 0.0, -0.45);
     let q = dragged(&body, &stance, down, true);
     let reached = placed(&body.model, body.hand, &q).translation;
-    let wanted = placed(&body.model, body.hand, &stance).translation + down;
-    assert!((reached - wanted).norm() < 1e-5);
+    let expected = placed(&body.model, body.hand, &stance).translation + down;
+    assert!((reached - expected).norm() < 1e-5);
     let bowed = dragged(&body, &stance, down, false);
     assert!(
         knee_bend(&body, &q) > 1.2 && lean(&body, &q) < 0.5,

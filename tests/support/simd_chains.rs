@@ -186,8 +186,8 @@ pub fn target(chain: &Chain, q: &[f64]) -> Placement<f64> {
 pub fn errors(chain: &Chain, q: &[f64], target: &Placement<f64>) -> (f64, f64) {
     let tip = tip(chain, q);
     let distance = (tip.translation.vector - nalgebra::Vector3::from(target.translation)).norm();
-    let wanted = Rotation3::from_matrix_unchecked(target.rotation.into());
-    let relative = wanted.inverse() * tip.rotation.to_rotation_matrix();
+    let target_rotation = Rotation3::from_matrix_unchecked(target.rotation.into());
+    let relative = target_rotation.inverse() * tip.rotation.to_rotation_matrix();
     let m = relative.matrix();
     let skew = nalgebra::Vector3::new(
         m[(2, 1)] - m[(1, 2)],

@@ -121,21 +121,21 @@ fn bounded_task_keeps_its_name() {
 #[test]
 fn target_in_a_moving_frame_is_met() {
     let (model, base, tip) = arm(3.0);
-    let wanted = [0.4, 0.7, -1.2];
-    let at = planar_tip(&LINKS[1..], &wanted[1..]);
-    let turn = rotation_exp(Z * (wanted[1] + wanted[2]));
+    let reference = [0.4, 0.7, -1.2];
+    let at = planar_tip(&LINKS[1..], &reference[1..]);
+    let turn = rotation_exp(Z * (reference[1] + reference[2]));
     let relative = Placement::new(turn, at.into());
     let mut builder = Problem::builder(&model);
     builder.add(Pose::new(tip, relative).relative_to(base));
     builder.add(Orientation::new(tip, turn).relative_to(base));
     // And at a point where the same joints bring both together.
-    let world = Vector3::from(planar_tip(&LINKS, &wanted));
+    let world = Vector3::from(planar_tip(&LINKS, &reference));
     builder.add(Point::new(tip, world));
     let problem = builder.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0; 3]).unwrap();
     assert!(solution.reached, "{}", solution.explain());
-    for (q, wanted) in solution.q.iter().zip(wanted) {
-        assert!((q - wanted).abs() < 1e-5, "{q} {wanted}");
+    for (q, reference) in solution.q.iter().zip(reference) {
+        assert!((q - reference).abs() < 1e-5, "{q} {reference}");
     }
     assert_eq!(solution.tasks().next().unwrap().frame, Some("tip"));
 }

@@ -91,7 +91,7 @@ fn residual<'a>(question: impl Into<ProblemInstance<'a>>, q: &[f64]) -> Vec<f64>
 #[test]
 fn references_are_replaced_as_a_whole() {
     let model = planar_arm(&[1.0; 3], None);
-    let (before, wanted) = ([0.0; 3], [1.0, 2.0, -3.0]);
+    let (before, reference) = ([0.0; 3], [1.0, 2.0, -3.0]);
     let posture = Task::new(Posture::new(&model, &before)).weight(Quantity::JointUnits, 1.0);
     let mut builder = Problem::builder(&model);
     let task = builder.add(posture);
@@ -100,7 +100,7 @@ fn references_are_replaced_as_a_whole() {
     targets
         .get_mut(task)
         .unwrap()
-        .set_reference(&wanted)
+        .set_reference(&reference)
         .unwrap();
     let question = problem.with_targets(&targets).unwrap();
     assert_eq!(residual(question, &before), [-1.0, -2.0, 3.0]);
@@ -113,7 +113,7 @@ fn references_are_replaced_as_a_whole() {
     targets
         .get_mut(task)
         .unwrap()
-        .set_previous(&wanted)
+        .set_previous(&reference)
         .unwrap();
     let question = problem.with_targets(&targets).unwrap();
     assert_eq!(residual(question, &before), [-2.0, -4.0, 6.0]);
@@ -195,9 +195,9 @@ fn gaze_error_is_the_angle_beyond_its_cone() {
             for gaze in [along, at] {
                 let mut off = [f64::NAN];
                 gaze.evaluate(&[Placement::identity()], &[], &mut off);
-                let wanted = beyond.max(0.0);
+                let expected = beyond.max(0.0);
                 assert!(
-                    (off[0] - wanted).abs() < 1e-12,
+                    (off[0] - expected).abs() < 1e-12,
                     "{half_angle} {beyond}: {off:?}"
                 );
             }

@@ -266,10 +266,10 @@ fn derivative_routes_agree_on_floating_bases() {
                     let mut gradient = vec![0.0; x.len()];
                     let mut buffer = DMatrix::zeros(residual.len(), x.len());
                     evaluation.gradient(&x, &residual, &mut gradient, &mut buffer);
-                    let wanted = dual.transpose() * nalgebra::DVector::from_vec(residual);
-                    let scale = wanted.amax().max(1.0);
+                    let expected = dual.transpose() * nalgebra::DVector::from_vec(residual);
+                    let scale = expected.amax().max(1.0);
                     let deviation =
-                        (nalgebra::DVector::from_vec(gradient) - &wanted).amax() / scale;
+                        (nalgebra::DVector::from_vec(gradient) - &expected).amax() / scale;
                     assert!(
                         deviation < 1e-11,
                         "{name}, seed {seed}, case {case}, {route:?}: {deviation:e}"

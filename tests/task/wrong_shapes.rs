@@ -133,9 +133,9 @@ fn searches_of_wrong_shapes_do_not_start() {
     ] {
         for end in search(&low, &high, start) {
             let message = end.unwrap_err().to_string();
-            let said = if start.len() == 2 { "finite" } else { "2" };
+            let reason = if start.len() == 2 { "finite" } else { "2" };
             assert!(
-                message.contains("start") && message.contains(said),
+                message.contains("start") && message.contains(reason),
                 "{message}"
             );
         }

@@ -27,8 +27,8 @@ const LEG: &str = r#"<robot name="leg">
 </robot>"#;
 
 fn has(points: &[Vector3<f64>], [x, y, z]: [f64; 3]) -> bool {
-    let wanted = Vector3::new(x, y, z);
-    points.iter().any(|point| (*point - wanted).norm() < 1e-12)
+    let corner = Vector3::new(x, y, z);
+    points.iter().any(|point| (*point - corner).norm() < 1e-12)
 }
 
 #[test]

@@ -64,9 +64,9 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
         .collect();
     assert_eq!(names, case.links.keys().map(String::as_str).collect());
     for (frame, placement) in robot.model().frames().iter().zip(placed) {
-        let wanted = expected(case.links[&frame.name]);
-        for (got, wanted) in entries(placement).into_iter().zip(entries(&wanted)) {
-            let deviation = (got - wanted).abs();
+        let expected = expected(case.links[&frame.name]);
+        for (actual, expected) in entries(placement).into_iter().zip(entries(&expected)) {
+            let deviation = (actual - expected).abs();
             assert!(
                 deviation <= TOLERANCE,
                 "{file}, link {}: off by {deviation:e}",
@@ -116,8 +116,8 @@ fn mimic_joints_follow_as_in_pinocchio() {
             assert_links(&robot, &placed(&robot, map, &x), case, file);
             let mut q = vec![f64::NAN; case.q.len()];
             map.expand(&x, &mut q).unwrap();
-            for (got, wanted) in q.iter().zip(&case.q) {
-                assert!((got - wanted).abs() <= TOLERANCE, "{file}");
+            for (actual, expected) in q.iter().zip(&case.q) {
+                assert!((actual - expected).abs() <= TOLERANCE, "{file}");
             }
         }
     }

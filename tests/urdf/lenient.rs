@@ -27,7 +27,7 @@ fn missing_bounds_are_0_with_a_note() {
     let lower = format!("{location} `lower` is not given and taken as 0, the default");
     let upper = format!("{location} `upper` is not given and taken as 0, the default");
     for kind in ["revolute", "prismatic"] {
-        for (body, wanted, notes) in [
+        for (body, expected, notes) in [
             ("<limit velocity='1'/>", (0.0, 0.0), vec![&lower, &upper]),
             ("<limit lower='-1'/>", (-1.0, 0.0), vec![&upper]),
             ("<limit upper='1'/>", (0.0, 1.0), vec![&lower]),
@@ -36,10 +36,10 @@ fn missing_bounds_are_0_with_a_note() {
             let text = text(kind, body);
             for reader in [Robot::reader(), Robot::reader().lenient()] {
                 let robot = reader.parse(&text, "one.urdf").unwrap();
-                assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1));
+                assert_eq!(limits(&robot), Limits::new(expected.0, expected.1));
                 assert!(repairs(&robot).iter().eq(notes.iter().copied()));
                 // A joint that cannot move is no variable, but has a coordinate.
-                let locked = wanted == (0.0, 0.0);
+                let locked = expected == (0.0, 0.0);
                 assert_eq!(robot.map().variables(), usize::from(!locked));
                 assert_eq!(robot.model().degrees_of_freedom(), 1);
             }
@@ -52,8 +52,8 @@ fn missing_bound_from_version_1_2_is_unlimited() {
     let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", "<robot version='1.2' ");
     let robot = Robot::parse(&text, "one.urdf").unwrap();
     assert_eq!(limits(&robot), Limits::new(-1.0, f64::INFINITY));
-    let wanted = "2: joint `j`, <limit>: `upper` is not given: no limit";
-    assert_eq!(repairs(&robot), [wanted]);
+    let expected = "2: joint `j`, <limit>: `upper` is not given: no limit";
+    assert_eq!(repairs(&robot), [expected]);
 }
 
 #[test]
@@ -134,11 +134,15 @@ const REPAIRED_JOINTS: [(&str, &str, &str, (f64, f64)); 8] = [
 
 #[test]
 fn lenient_reader_repairs_with_notes() {
-    for (kind, body, repair, wanted) in REPAIRED_JOINTS {
+    for (kind, body, repair, expected) in REPAIRED_JOINTS {
         let text = text(kind, body);
         let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
         let strict = Robot::parse(&text, "one.urdf");
-        assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1), "{body}");
+        assert_eq!(
+            limits(&robot),
+            Limits::new(expected.0, expected.1),
+            "{body}"
+        );
         let listed: Vec<&str> = repair.split_terminator('\n').collect();
         assert_eq!(repairs(&robot), listed, "{body}");
         assert_eq!(strict.is_ok(), repair.is_empty(), "{body}");

@@ -52,11 +52,11 @@ fn configurations(robot: &Robot) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn assert_frame(robot: &Robot, frame: &str, q: &[f64], wanted: &Pose) {
+fn assert_frame(robot: &Robot, frame: &str, q: &[f64], expected: &Pose) {
     let id = robot.model().frame(frame).unwrap();
     let mut kinematics = ForwardKinematics::of_frames(robot.model(), &[id]).unwrap();
-    let got: Pose = (&kinematics.place(q).unwrap()[0]).into();
-    let deviation = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
+    let actual: Pose = (&kinematics.place(q).unwrap()[0]).into();
+    let deviation = (actual.to_homogeneous() - expected.to_homogeneous()).amax();
     assert!(
         deviation < 1e-12,
         "{}, {frame}: off by {deviation:e}",
@@ -64,10 +64,10 @@ fn assert_frame(robot: &Robot, frame: &str, q: &[f64], wanted: &Pose) {
     );
 }
 
-fn assert_limits(robot: &Robot, wanted: &[(f64, f64)]) {
+fn assert_limits(robot: &Robot, expected: &[(f64, f64)]) {
     let limits: Vec<_> = robot.model().limits().collect();
-    assert_eq!(limits.len(), wanted.len());
-    for (limits, (lower, upper)) in limits.iter().zip(wanted) {
+    assert_eq!(limits.len(), expected.len());
+    for (limits, (lower, upper)) in limits.iter().zip(expected) {
         assert!((limits.lower - lower).abs() < 1e-14 && (limits.upper - upper).abs() < 1e-14);
     }
 }
@@ -75,11 +75,11 @@ fn assert_limits(robot: &Robot, wanted: &[(f64, f64)]) {
 fn assert_serial(file: &str, rows: &[[f64; 3]], limits_in_degrees: &[f64]) {
     let robot = Robot::read(file).unwrap();
     for q in configurations(&robot) {
-        let wanted = rows
+        let expected = rows
             .iter()
             .zip(&q)
             .fold(Pose::identity(), |pose, (row, q)| pose * standard(*row, *q));
-        assert_frame(&robot, "flange", &q, &wanted);
+        assert_frame(&robot, "flange", &q, &expected);
     }
     let limits: Vec<_> = (limits_in_degrees.iter())
         .map(|degrees| (-degrees.to_radians(), degrees.to_radians()))
@@ -218,11 +218,11 @@ fn baxter_matches_its_published_table() {
 fn cobra_matches_its_published_table() {
     let robot = Robot::read("../models/adept_cobra_s600.urdf").unwrap();
     for q in configurations(&robot) {
-        let wanted = standard([0.325, 0.387, 0.0], q[0])
+        let expected = standard([0.325, 0.387, 0.0], q[0])
             * standard([0.275, 0.0, PI], q[1])
             * standard([0.0, q[2], 0.0], 0.0)
             * standard([0.0; 3], q[3]);
-        assert_frame(&robot, "flange", &q, &wanted);
+        assert_frame(&robot, "flange", &q, &expected);
     }
     let turn = |degrees: f64| (-degrees.to_radians(), degrees.to_radians());
     assert_limits(

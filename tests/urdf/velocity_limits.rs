@@ -34,8 +34,8 @@ fn velocity_limits_are_kept_for_all_joints() {
             "<limit lower='-1' upper='1' velocity='3'/><mimic joint='j0'/>",
         ),
     ]);
-    let wanted = [2.5, 7.0, 0.125, 3.0].map(Some);
-    assert_eq!(speeds(&robot), wanted);
+    let expected = [2.5, 7.0, 0.125, 3.0].map(Some);
+    assert_eq!(speeds(&robot), expected);
 }
 
 #[test]
