@@ -140,8 +140,8 @@ fn invalid_limb_bones_are_named() {
     assert!(error.to_string().contains("`upper`") && error.to_string().contains("`lower`"));
     assert!(Limb::new(&armature, bone("upper"), bone("upper"), END).is_err());
     assert!(Limb::new(&armature, bone("bystander"), bone("lower"), END).is_err());
-    let bad = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
-    assert_eq!(bad, LimbError::BadEnd);
+    let invalid = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
+    assert_eq!(invalid, LimbError::BadEnd);
     let mut random = Random::new(95);
     let other = support::armatures::armature(30, &mut random);
     let stranger = other.bone_at(29).unwrap();

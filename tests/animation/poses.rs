@@ -229,7 +229,7 @@ fn invalid_local_transforms_fail_or_are_repaired() {
     let zero = with(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
     let refused = pose.set_local(bone, zero).unwrap_err();
     assert_eq!(refused, LocalError::ZeroRotation { bone: 1 });
-    for bad in [
+    for invalid in [
         with(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
         LocalTransform {
             translation: Vec3A::INFINITY,
@@ -240,7 +240,7 @@ fn invalid_local_transforms_fail_or_are_repaired() {
             ..good
         },
     ] {
-        let refused = pose.set_local(bone, bad).unwrap_err();
+        let refused = pose.set_local(bone, invalid).unwrap_err();
         assert_eq!(refused, LocalError::NotFinite { bone: 1 });
     }
     let big = support::armatures::armature(9, &mut random);

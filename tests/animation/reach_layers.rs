@@ -310,8 +310,8 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
 
     // A target that is not finite is an error, and the previous one stays.
-    for bad in [f64::NAN, f64::INFINITY] {
-        let error = layer.set_goal(bone, [bad, 0.0, 0.0], 0.0).unwrap_err();
+    for invalid in [f64::NAN, f64::INFINITY] {
+        let error = layer.set_goal(bone, [invalid, 0.0, 0.0], 0.0).unwrap_err();
         assert!(error.to_string().contains("not finite"), "{error}");
         assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
     }

@@ -238,8 +238,8 @@ fn state_waits_for_clip_and_seconds() {
         (run.state(), run.seconds(), hips(&run)),
         ("idle", 0.125, [0.125, 0.0])
     );
-    let bad = MACHINE.replace("2.5", "-2.5");
-    let words = machine(&bad).unwrap_err().to_string();
+    let invalid = MACHINE.replace("2.5", "-2.5");
+    let words = machine(&invalid).unwrap_err().to_string();
     assert!(
         words.contains("transitions[2].after_seconds") && words.contains("-2.5"),
         "{words}"
@@ -283,9 +283,9 @@ fn non_finite_numbers_are_rejected_with_their_path() {
         ),
     ];
     for (damage, path) in damages {
-        let mut bad = definition.clone();
-        damage(&mut bad);
-        let error = StateMachine::new(&bad, &clips()).unwrap_err();
+        let mut invalid = definition.clone();
+        damage(&mut invalid);
+        let error = StateMachine::new(&invalid, &clips()).unwrap_err();
         assert_eq!(error.path, path);
     }
 }

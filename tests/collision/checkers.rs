@@ -257,8 +257,8 @@ fn attached_object_may_touch_its_holder() {
 #[test]
 fn invalid_margins_and_configurations_fail() {
     let checker = Checker::new(balls());
-    for bad in [-0.1, f64::NAN, f64::INFINITY] {
-        assert!(checker.clone().with_margin(bad).is_err(), "{bad}");
+    for invalid in [-0.1, f64::NAN, f64::INFINITY] {
+        assert!(checker.clone().with_margin(invalid).is_err(), "{invalid}");
     }
     assert!(checker.collisions(&[0.0; 2]).is_err());
     assert!(checker.collisions(&[0.0, f64::NAN, 0.0]).is_err());

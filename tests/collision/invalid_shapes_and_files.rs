@@ -203,8 +203,8 @@ fn placements_beyond_1e9_are_rejected() {
 fn invalid_coordinates_are_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);
     let far = Vector3::new(0.0, 1e300, 0.0);
-    for bad in [nan, far] {
-        let points = vec![Vector3::zero(), bad, Vector3::zero(), Vector3::zero()];
+    for invalid in [nan, far] {
+        let points = vec![Vector3::zero(), invalid, Vector3::zero(), Vector3::zero()];
         for reported in [
             Shape::convex(&points).unwrap_err(),
             Shape::mesh(points.clone(), vec![[0, 1, 2]]).unwrap_err(),

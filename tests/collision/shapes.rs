@@ -8,15 +8,15 @@ use support::random::Random;
 
 #[test]
 fn lengths_are_positive_and_finite() {
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
-        let message = Shape::sphere(bad).unwrap_err().to_string();
+    for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
+        let message = Shape::sphere(invalid).unwrap_err().to_string();
         assert!(message.contains("radius of the sphere"), "{message}");
-        assert!(Shape::capsule(1.0, bad).is_err() && Shape::capsule(bad, 1.0).is_err());
-        assert!(Shape::cylinder(1.0, bad).is_err() && Shape::cylinder(bad, 1.0).is_err());
-        assert!(Shape::cuboid([1.0, bad, 1.0]).is_err());
-        assert!(Shape::ellipsoid([1.0, bad, 1.0]).is_err());
-        assert!(Shape::points(vec![Vector3::zero()], bad).is_err());
-        assert!(Shape::height_field(vec![0.0; 4], 2, [1.0, bad]).is_err());
+        assert!(Shape::capsule(1.0, invalid).is_err() && Shape::capsule(invalid, 1.0).is_err());
+        assert!(Shape::cylinder(1.0, invalid).is_err() && Shape::cylinder(invalid, 1.0).is_err());
+        assert!(Shape::cuboid([1.0, invalid, 1.0]).is_err());
+        assert!(Shape::ellipsoid([1.0, invalid, 1.0]).is_err());
+        assert!(Shape::points(vec![Vector3::zero()], invalid).is_err());
+        assert!(Shape::height_field(vec![0.0; 4], 2, [1.0, invalid]).is_err());
     }
 }
 

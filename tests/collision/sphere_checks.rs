@@ -29,13 +29,13 @@ fn clear_by_spheres_is_collision_free() {
         assert!(!clear || panda.arm.collisions(q).unwrap().is_empty());
     }
     assert!(clear.iter().any(|clear| *clear));
-    let mut bad = q[..7].to_vec();
-    bad[3] = f64::NAN;
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
+    let mut invalid = q[..7].to_vec();
+    invalid[3] = f64::NAN;
+    let refused = panda.arm.clear_by_spheres(&invalid, &mut [true]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     // The error names the joint, not the index among all numbers.
-    let bad = [&q[..14], &bad].concat();
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true; 3]);
+    let invalid = [&q[..14], &invalid].concat();
+    let refused = panda.arm.clear_by_spheres(&invalid, &mut [true; 3]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
 }

@@ -249,8 +249,8 @@ fn cover_is_reproducible() {
 #[test]
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let message = SphereModel::of(&model, Resolution::MaxProtrusion(bad))
+    for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        let message = SphereModel::of(&model, Resolution::MaxProtrusion(invalid))
             .unwrap_err()
             .to_string();
         assert!(message.contains("max_protrusion"), "{message}");

@@ -179,8 +179,11 @@ fn five_tips_of_the_humanoid_are_reached() {
     let neutral = model.neutral();
     let mut reached = 0;
     for seed in 0..10 {
-        let far = model.random_configuration(seed);
-        let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
+        let random_q = model.random_configuration(seed);
+        let goal = random_q
+            .iter()
+            .zip(&neutral)
+            .map(|(f, n)| n + 0.3 * (f - n));
         let pose = skeleton.pose(&goal.collect::<Vec<f64>>()).unwrap();
         let mut builder = Problem::builder(model);
         for &tip in &rig.constrained {
@@ -440,9 +443,9 @@ fn tool_equals_a_frame_at_the_tip() {
     let at_tool = builder.frame("tool", parent, tool);
     let model = builder.build().unwrap();
     let mut kinematics = ForwardKinematics::of_frames(&model, &[at_tool]).unwrap();
-    let few = Stopping::default().with_max_iterations(3);
+    let stopping = Stopping::default().with_max_iterations(3);
     let ccd = Ccd::default().with_restarts(Restarts::none());
-    let ccd = ccd.with_stopping(few);
+    let ccd = ccd.with_stopping(stopping);
     for seed in 0..10 {
         let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
         let [by_tool, by_frame] = [

@@ -185,12 +185,12 @@ fn repeated_name_is_kept_by_joint_then_animated_node() {
 
 #[test]
 fn inverse_bind_matrices_not_finite_are_rejected() {
-    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+    for invalid in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for entry in 0..16 {
             let mut matrix = [
                 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
             ];
-            matrix[entry] = bad;
+            matrix[entry] = invalid;
             let (mut numbers, rest) = small();
             let bound = numbers.floats(&[[0.0; 16], matrix]);
             let mut identity = matrix;

@@ -166,9 +166,9 @@ fn solutions_with_nan_and_infinity_survive_serde() {
     let hand = builder.add(kinopt::task::Point::new(tree.far_frame(), [0.3, 0.2, 0.4]));
     let problem = builder.build().unwrap();
     let start = tree.configuration(&mut Random::new(1));
-    for bad in [f64::NAN, f64::INFINITY] {
+    for invalid in [f64::NAN, f64::INFINITY] {
         let mut targets = problem.targets();
-        let target = [0.3, bad, 0.4];
+        let target = [0.3, invalid, 0.4];
         targets.get_mut(hand).unwrap().set_target(target);
         let question = problem.with_targets(&targets).unwrap();
         let solution = Solver::default().solve_once(question, &start).unwrap();

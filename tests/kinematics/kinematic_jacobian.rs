@@ -40,12 +40,12 @@ fn jacobian_matches_differences_of_the_recursion() {
             let tips = rig.tips.iter().map(|&tip| rig.tip(&posed, tip));
             tips.flat_map(|tip| tip.as_slice().to_vec()).collect()
         };
-        let here = tips(&q);
+        let start_tips = tips(&q);
         let mut quotient = DMatrix::zeros(15, angles);
         for j in 0..angles {
             let mut moved = q.clone();
             moved[j] += H;
-            for (i, (moved_tip, tip)) in tips(&moved).iter().zip(&here).enumerate() {
+            for (i, (moved_tip, tip)) in tips(&moved).iter().zip(&start_tips).enumerate() {
                 quotient[(i, j)] = (moved_tip - tip) / H;
             }
         }

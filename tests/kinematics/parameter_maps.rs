@@ -23,11 +23,11 @@ fn locked_values_are_clamped_by_a_small_excess() {
     let locked = ParameterMap::builder(&model).with_locked(joints[1], 2.0009);
     assert_eq!(locked.build().unwrap().sources()[1], Source::Constant(2.0));
     let held = ParameterMap::builder(&model).with_only(&[joints[2]], &[-1.002, 0.5, 9.0, 0.0]);
-    for far in [
+    for builder in [
         held,
         ParameterMap::builder(&model).with_locked(joints[1], 2.002),
     ] {
-        let error = far.build().unwrap_err().to_string();
+        let error = builder.build().unwrap_err().to_string();
         assert!(error.contains("cannot be locked"), "{error}");
     }
 }

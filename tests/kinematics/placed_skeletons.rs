@@ -99,10 +99,14 @@ fn placed_skeleton_solves_equally() {
                 .unwrap()
         };
         let placed_solution = solve(&placed, &root);
-        let here = solve(&rig.skeleton, &Rigid::identity());
-        assert_eq!(here.reached, placed_solution.reached, "rig {seed}");
+        let original_solution = solve(&rig.skeleton, &Rigid::identity());
+        assert_eq!(
+            original_solution.reached, placed_solution.reached,
+            "rig {seed}"
+        );
         assert!(
-            (here.cost - placed_solution.cost).abs() <= 1e-9 * (1.0 + here.cost),
+            (original_solution.cost - placed_solution.cost).abs()
+                <= 1e-9 * (1.0 + original_solution.cost),
             "rig {seed}"
         );
         // Checked by the recursion: positions of the tips relative to the root.

@@ -108,8 +108,8 @@ fn invalid_names_frames_and_points_are_named() {
     assert!(
         built(&[foreign_loop]).contains("loop `other` connects a frame that is not in this model")
     );
-    for bad in [f64::NAN, f64::INFINITY] {
-        let places = [along_x(0.0), along_x(bad)];
+    for invalid in [f64::NAN, f64::INFINITY] {
+        let places = [along_x(0.0), along_x(invalid)];
         let reported = built(&[Loop::connect("nowhere", ends).at(places)]);
         assert!(
             reported.contains("loop `nowhere`") && reported.contains("not finite"),

@@ -438,18 +438,21 @@ fn limits_out_of_range_name_option_and_joint() {
     };
     let limits = TimingLimits::of(&arm).with_acceleration_limits(&[5.0; 6]);
     let joint = arm.joints().nth(2).unwrap();
-    for bad in [0.0, -1.0, f64::NAN] {
-        let bad = [1.0, 1.0, bad, 1.0, 1.0, 1.0];
+    for invalid in [0.0, -1.0, f64::NAN] {
+        let invalid = [1.0, 1.0, invalid, 1.0, 1.0, 1.0];
         for (reported, option) in [
             (
-                error(limits.clone().with_velocity_limits(&bad)),
+                error(limits.clone().with_velocity_limits(&invalid)),
                 "velocity_limits",
             ),
             (
-                error(limits.clone().with_acceleration_limits(&bad)),
+                error(limits.clone().with_acceleration_limits(&invalid)),
                 "acceleration_limits",
             ),
-            (error(limits.clone().with_jerk_limits(&bad)), "jerk_limits"),
+            (
+                error(limits.clone().with_jerk_limits(&invalid)),
+                "jerk_limits",
+            ),
         ] {
             assert!(
                 reported.contains(option) && reported.contains(joint),

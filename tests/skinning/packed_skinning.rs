@@ -179,9 +179,9 @@ fn excess_influences_and_bad_poses_are_rejected() {
 
     let still = vec![Affine3A::IDENTITY; BONES];
     let mut blend = PackedLinearBlend::new(&packed, &still).unwrap();
-    let few = format!("2 bone transforms where there must be {BONES}");
+    let expected = format!("2 bone transforms where there must be {BONES}");
     let error = blend.set_transforms(&still[..2]).unwrap_err();
-    assert_eq!(error.to_string(), few);
+    assert_eq!(error.to_string(), expected);
     let mut broken = still.clone();
     broken[3].translation.y = f32::INFINITY;
     broken[BONES - 1].translation.x = f32::NAN;

@@ -180,7 +180,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
     let body = Standing::new();
     let once = Restarts::default().with_attempts(1);
     let solver = Solver::default().with_restarts(once);
-    let away = [
+    let directions = [
         [1.5, 0.0, 0.2],
         [1.5, 0.3, -0.2],
         [0.0, 1.5, 0.3],
@@ -199,7 +199,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
         (0.0, &carried),
         (0.01, &carried),
     ] {
-        for by in away {
+        for by in directions {
             let from = body.hand.1.translation;
             let target = (from + Vector3::from(by)).to_array();
             let problem = body.problem(|builder| {

@@ -61,8 +61,8 @@ fn steps_and_differences_are_inverse() {
     let mut on_edges = 0;
     for round in 0..400 {
         // Mostly inside, or projected onto edges from far outside.
-        let far = if round % 2 == 0 { 0.3 } else { 4.0 };
-        let mut x: Vec<f64> = (0..n).map(|_| random.within(-far, far)).collect();
+        let range = if round % 2 == 0 { 0.3 } else { 4.0 };
+        let mut x: Vec<f64> = (0..n).map(|_| random.within(-range, range)).collect();
         space.project(&mut x);
         assert!(is_within(&problem, &model, &x), "round {round}");
         let mut again = x.clone();

@@ -70,10 +70,10 @@ fn no_solution_violates_a_limit() {
             .map(|_| random.within(-3.0, 3.0))
             .collect();
         for solver in solvers() {
-            let few = Stopping::default().with_max_iterations(30);
+            let stopping = Stopping::default().with_max_iterations(30);
             let solver = solver
                 .with_restarts(Restarts::default().with_attempts(3))
-                .with_stopping(few);
+                .with_stopping(stopping);
             let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
             assert_eq!(
                 figure.broken(&solution.q),

@@ -287,9 +287,9 @@ fn foreign_input_is_rejected() {
     let mut workspace = DerivativeWorkspace::default();
     let short = SolutionDerivative::new(&problem, &[0.0], &mut workspace);
     assert!(matches!(short.unwrap_err(), SolveError::StartLength { .. }));
-    let bad = SolutionDerivative::new(&problem, &[0.0, f64::NAN], &mut workspace);
+    let invalid = SolutionDerivative::new(&problem, &[0.0, f64::NAN], &mut workspace);
     assert!(matches!(
-        bad.unwrap_err(),
+        invalid.unwrap_err(),
         SolveError::StartNotFinite { .. }
     ));
 

@@ -72,9 +72,13 @@ fn duplicate_tasks_count_once_in_any_unit() {
 fn unreachable_target_derivative_in_any_unit() {
     for length in [1e-6, 1e-3, 1.0, 1e3] {
         let (model, tip) = chain_of(3, length);
-        let (angle, far) = (0.4_f64, 5.0 * length);
+        let (angle, target_distance) = (0.4_f64, 5.0 * length);
         let mut tasks = Problem::builder(&model);
-        let target = [far * angle.cos(), far * angle.sin(), 0.0];
+        let target = [
+            target_distance * angle.cos(),
+            target_distance * angle.sin(),
+            0.0,
+        ];
         tasks.add(Point::new(tip, target));
         let problem = tasks.build().unwrap();
         let mut workspace = DerivativeWorkspace::default();
@@ -85,7 +89,7 @@ fn unreachable_target_derivative_in_any_unit() {
             Differentiability::Unique,
             "{length}"
         );
-        let by_target = derivative.by_target(0).unwrap() * far;
+        let by_target = derivative.by_target(0).unwrap() * target_distance;
         let across = [-angle.sin(), angle.cos()];
         for (joint, expected) in [1.0, 0.0, 0.0].into_iter().enumerate() {
             let turned = (0..2).map(|k| by_target[(joint, k)] * across[k]);

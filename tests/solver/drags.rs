@@ -62,11 +62,11 @@ fn frame_reports_limits_of_the_model() {
     // Frames of one step end by the iteration limit.
     let once = kinopt::solver::Stopping::default().with_max_iterations(1);
     let mut drag = drag.with_solver(kinopt::Solver::default(), once).unwrap();
-    let far = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
+    let target = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
     let model = rig.skeleton.model();
     let (mut limits_told, mut moves_told) = (0, 0);
     for _ in 0..40 {
-        drag.target_mut(hand).unwrap().set_target(far);
+        drag.target_mut(hand).unwrap().set_target(target);
         let solution = drag.advance();
         for held in solution.active_limits() {
             if held.kind == kinopt::ik::BoundKind::Move {
@@ -74,8 +74,8 @@ fn frame_reports_limits_of_the_model() {
                 continue;
             }
             limits_told += 1;
-            let known = |l: Limits| held.value == l.lower || held.value == l.upper;
-            assert!(model.limits().any(known), "{held:?}");
+            let is_limit = |l: Limits| held.value == l.lower || held.value == l.upper;
+            assert!(model.limits().any(is_limit), "{held:?}");
         }
     }
     assert!(limits_told + moves_told > 0);
@@ -129,8 +129,8 @@ fn drag_beyond_reach_and_back_never_jumps() {
 fn drag_rests_at_unreachable_target() {
     let rig = RandomRig::new(2);
     let (mut drag, hand, from) = drag(&rig, &slightly_bent(&rig.skeleton));
-    let far = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
-    drag.target_mut(hand).unwrap().set_target(far);
+    let target = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
+    drag.target_mut(hand).unwrap().set_target(target);
     for _ in 0..150 {
         drag.advance();
     }
@@ -413,12 +413,12 @@ fn stand_at_equals_a_new_drag() {
 fn settled_drag_continues_in_small_steps() {
     let rig = RandomRig::new(4);
     let start = slightly_bent(&rig.skeleton);
-    for far in [0.05, 0.6] {
+    for distance in [0.05, 0.6] {
         let (mut body, hand, from) = drag(&rig, &start);
-        let target = from + Vector3::new(1.0, 0.5, 0.2) * (far * rig.skeleton.size());
+        let target = from + Vector3::new(1.0, 0.5, 0.2) * (distance * rig.skeleton.size());
         body.target_mut(hand).unwrap().set_target(target);
         let settled = body.settle(200).clone();
-        assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
+        assert_eq!(settled.reached, distance < 0.1, "{}", settled.explain());
         assert!(body.is_at_rest() && !body.is_speed_limited() && settled.iterations > 0);
         assert_eq!(body.jump(), None);
         // The following frames start from there, in small steps again.

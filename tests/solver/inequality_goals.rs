@@ -255,14 +255,14 @@ fn posture_above_floor_is_stationary() {
                 (slope[j], row[j]) = (0.0, 0.0);
             }
         }
-        let whole = residual.norm();
+        let residual_norm = residual.norm();
         let along = slope.dot(&row.column(0));
         // A floor only opposes a downward pull.
         if height[0] < 1e-8 && along > 0.0 {
             on_edge += 1;
             slope -= row.column(0) * (along / row.norm_squared());
         }
-        left.push(slope.norm() / whole.max(1e-9));
+        left.push(slope.norm() / residual_norm.max(1e-9));
     }
     left.sort_by(f64::total_cmp);
     assert!(on_edge * 10 > left.len(), "{on_edge} of {}", left.len());
@@ -290,13 +290,13 @@ fn inequalities_on_all_axes_hold() {
             let mut builder = Problem::builder(&model);
             let bounds = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
             builder.add(Pose::new(carried, Placement::identity()).with_goal(bounds));
-            let far = sign.map(|sign| 1.5 * sign);
+            let target = sign.map(|sign| 1.5 * sign);
             match level {
                 true => {
-                    builder.add(Task::new(Point::new(carried, far)).at_level(1));
+                    builder.add(Task::new(Point::new(carried, target)).at_level(1));
                 }
                 false => {
-                    builder.add(Posture::new(&model, &far));
+                    builder.add(Posture::new(&model, &target));
                 }
             }
             let problem = builder.build().unwrap();

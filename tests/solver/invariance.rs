@@ -126,15 +126,15 @@ fn scaling_by_a_power_of_two_is_exact() {
 fn placed_model_gives_equal_steps() {
     for seed in 0..4 {
         let mut random = Random::new(seed);
-        let away = rigid(random.rotation(), random.vector(2.0));
-        let here = RandomRig::new(seed);
-        let placed_rig = RandomRig::placed(seed, 1.0, away);
-        let from_here = problem(&here, 1.0, seed);
+        let world_from_base = rigid(random.rotation(), random.vector(2.0));
+        let original_rig = RandomRig::new(seed);
+        let placed_rig = RandomRig::placed(seed, 1.0, world_from_base);
+        let from_here = problem(&original_rig, 1.0, seed);
         let from_there = problem(&placed_rig, 1.0, seed);
         for solver in solvers() {
             let solver = solver.with_stopping(Stopping::default().with_max_iterations(10));
             let solver = solver.with_restarts(Restarts::none());
-            let a = run(&solver, &here, &from_here);
+            let a = run(&solver, &original_rig, &from_here);
             let b = run(&solver, &placed_rig, &from_there);
             let label = format!("rig {seed}, {}", solver.method());
             agree(&label, &a, &b);

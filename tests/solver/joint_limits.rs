@@ -67,8 +67,8 @@ fn starts(model: &Model, random: &mut Random) -> Vec<Vec<f64>> {
         })
         .collect();
     let outside = inside.iter().map(|_| random.within(-50.0, 50.0)).collect();
-    let far = inside.iter().map(|v| 1e300 * v.signum()).collect();
-    vec![inside, corner, outside, far]
+    let huge = inside.iter().map(|v| 1e300 * v.signum()).collect();
+    vec![inside, corner, outside, huge]
 }
 
 fn short() -> (Stopping, Restarts) {
@@ -225,8 +225,8 @@ fn rounding_keeps_mimic_joints_within_bounds() {
         let mut builder = Problem::builder(&model);
         builder.parameters(map.build().unwrap());
         builder.bound(follower, bounds);
-        let far = if case % 2 == 0 { 19.0 } else { -19.0 };
-        builder.add(Posture::of_joints([(leader, far)]));
+        let target = if case % 2 == 0 { 19.0 } else { -19.0 };
+        builder.add(Posture::of_joints([(leader, target)]));
         let solution = Solver::default().solve_once(&builder.build().unwrap(), &[0.0; 2]);
         let q = solution.unwrap().q[1];
         assert!(bounds.contains(q), "{case}: {q:?} in {bounds:?}");

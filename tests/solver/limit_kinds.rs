@@ -33,10 +33,10 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
     let at = kinematics.place(&q).unwrap();
     let mut pick = || body.frames[random.below(body.frames.len())];
     let (frame, other) = (pick(), pick());
-    let here = at[frame.index()];
+    let frame_pose = at[frame.index()];
     let aside = vector(random.vector(off));
-    let position = here.translation + aside;
-    let pose = Placement::new(here.rotation, position);
+    let position = frame_pose.translation + aside;
+    let pose = Placement::new(frame_pose.rotation, position);
     match random.below(16) {
         0..4 => {
             tasks.add(Pose::new(frame, pose));
@@ -45,7 +45,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Point::new(frame, position).at(vector(random.vector(0.2))));
         }
         6 => {
-            tasks.add(Orientation::new(frame, here.rotation));
+            tasks.add(Orientation::new(frame, frame_pose.rotation));
         }
         // A frame relative to itself has no free pose.
         7 if frame != other => {
@@ -135,10 +135,10 @@ fn settings(solver: Solver, random: &mut Random) -> Solver {
     if random.below(40) == 0 {
         return solver;
     }
-    let few = Stopping::default().with_max_iterations(1 + random.below(25));
+    let stopping = Stopping::default().with_max_iterations(1 + random.below(25));
     let attempts = Restarts::default().with_attempts(1 + random.below(3));
     let attempts = attempts.with_seed(random.bits());
-    solver.with_stopping(few).with_restarts(attempts)
+    solver.with_stopping(stopping).with_restarts(attempts)
 }
 
 /// Counts of outcomes.
@@ -168,9 +168,9 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             }
         }
         1 => {
-            let few = Stopping::default().with_max_iterations(5);
-            let ccd = Ccd::default().with_stopping(few);
-            let fabrik = Fabrik::default().with_stopping(few);
+            let stopping = Stopping::default().with_max_iterations(5);
+            let ccd = Ccd::default().with_stopping(stopping);
+            let fabrik = Fabrik::default().with_stopping(stopping);
             let methods: [&dyn Geometric; 2] = [&ccd, &fabrik];
             for method in methods {
                 let result = method.solve_question((&problem).into(), &start, &mut Silent);

@@ -107,9 +107,9 @@ fn low_redundancy_targets_take_100_attempts() {
 fn low_redundancy_raises_the_default_attempts() {
     let (model, ends) = body();
     let made = |ends: &[FrameId], restarts: Restarts| {
-        let mut far = model.neutral();
-        far[0] = 1e3;
-        let problem = ends_as_at(&model, ends, &far);
+        let mut far_start = model.neutral();
+        far_start[0] = 1e3;
+        let problem = ends_as_at(&model, ends, &far_start);
         let stopping = Stopping::default().with_max_iterations(1);
         let solver = Solver::default().with_stopping(stopping);
         let solver = solver.with_restarts(restarts);
@@ -151,9 +151,9 @@ fn basin_hopping_ignores_earlier_problems() {
 #[test]
 fn agreeing_attempts_start_independently() {
     let (model, ends) = body();
-    let starts = |far: f64| {
+    let starts = |distance: f64| {
         let mut target_q = model.neutral();
-        target_q[0] = far;
+        target_q[0] = distance;
         let restarts = Restarts::default().with_attempts(16).with_agreeing(99);
         let stopping = Stopping::default().with_max_iterations(1);
         let solver = Solver::default().with_stopping(stopping);

@@ -350,8 +350,8 @@ fn invalid_move_limits_are_named_in_errors() {
             ..
         }
     ));
-    for bad in [-0.1, f64::NAN] {
-        assert!(refused(&[bad; 4]).to_string().contains("max_move"));
+    for invalid in [-0.1, f64::NAN] {
+        assert!(refused(&[invalid; 4]).to_string().contains("max_move"));
     }
     assert!(
         refused(&[0.1, 0.1, 0.1, 0.2])

@@ -141,7 +141,7 @@ fn lower_level_does_not_increase_a_miss() {
     let mut gained = 0;
     for seed in 0..cases(40, 3) as u64 {
         let conflict = Conflict::new(seed);
-        let far: Add<'_> = &|builder| {
+        let add_far_point: Add<'_> = &|builder| {
             let tool = conflict.model.frame(panda().2).unwrap();
             let target = conflict.tool.translation * 4.0;
             builder.add(Point::new(tool, [target.x, target.y, target.z]));
@@ -149,8 +149,8 @@ fn lower_level_does_not_increase_a_miss() {
         let second: Add<'_> = &|builder| {
             builder.add(Task::new(conflict.elbow()).at_level(1));
         };
-        let alone = conflict.problem(&[far]);
-        let both = conflict.problem(&[far, second]);
+        let alone = conflict.problem(&[add_far_point]);
+        let both = conflict.problem(&[add_far_point, second]);
         let by_itself = Solver::default()
             .solve_once(&alone, &conflict.start)
             .unwrap();
@@ -319,14 +319,14 @@ fn drag_at_rest_keeps_a_missed_first_level() {
     let model = builder.build().unwrap();
     let mut random = Random::new(17);
     for case in 0..cases(200, 24) {
-        let mut far = |least: f64| {
+        let mut random_point = |least: f64| {
             let (angle, reach) = (random.within(-3.0, 3.0), random.within(least, 2.0 * least));
             [reach * angle.cos(), reach * angle.sin(), 0.0]
         };
         let mut builder = Problem::builder(&model);
         // Two links reach 2 m, four links 4 m.
-        builder.add(Point::new(ends[1], far(2.1)));
-        let second = Task::new(Point::new(ends[3], far(4.1))).scale(30.0);
+        builder.add(Point::new(ends[1], random_point(2.1)));
+        let second = Task::new(Point::new(ends[3], random_point(4.1))).scale(30.0);
         builder.add(second.at_level(1));
         let start = [(); 4].map(|()| random.within(-2.0, 2.0));
         let steps = Stopping::default().with_max_iterations([40, 3, 2][case % 3]);
@@ -431,8 +431,8 @@ fn relaxed_levels_leave_no_state() {
         for (k, &point) in points.iter().enumerate() {
             angle += q[k + 1];
             end += Vector3::new(angle.cos(), angle.sin(), 0.0);
-            let far = if case >> k & 1 == 1 { 9.0 } else { 1.0 };
-            targets.get_mut(point).unwrap().set_target(end * far);
+            let factor = if case >> k & 1 == 1 { 9.0 } else { 1.0 };
+            targets.get_mut(point).unwrap().set_target(end * factor);
         }
         targets
     });

@@ -124,9 +124,9 @@ fn invalid_weights_and_origins_are_rejected() {
         })
     ));
     for weight in [f64::NAN, -0.5, f64::INFINITY] {
-        let bad = first.clone().with_weights(&[1.0, weight, 1.0]);
+        let invalid = first.clone().with_weights(&[1.0, weight, 1.0]);
         assert!(
-            matches!(bad, Err(ProblemError::BadWeight { .. })),
+            matches!(invalid, Err(ProblemError::BadWeight { .. })),
             "{weight}"
         );
     }

@@ -224,8 +224,8 @@ fn miss_costs_as_much_as_a_few_attempts() {
         let at_ease = rig.skeleton.pose(&model.neutral()).unwrap();
         for (k, &tip) in rig.tips.iter().enumerate() {
             let tip_position = at_ease.tip(&rig.skeleton, tip).unwrap();
-            let far = if k == 1 { 3.0 } else { 0.0 };
-            let aside = kinopt::spatial::Vector3::new(far, 0.5 * far, 0.2 * far);
+            let distance = if k == 1 { 3.0 } else { 0.0 };
+            let aside = kinopt::spatial::Vector3::new(distance, 0.5 * distance, 0.2 * distance);
             builder.add(Point::new(rig.skeleton.tip(tip), tip_position + aside));
         }
         let problem = builder.build().unwrap();

@@ -193,11 +193,11 @@ fn resumed_derivative_equals_the_factorised() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let q = configuration_of(model, &mut Random::new(32));
-    let (whole, pose) = problem(PoseBounds::pose(), |_| ());
-    let mut targets = whole.targets();
+    let (pose_problem, pose) = problem(PoseBounds::pose(), |_| ());
+    let mut targets = pose_problem.targets();
     let target = placement_of(model, tool, &q);
     targets.get_mut(pose).unwrap().set_target(target);
-    let query = whole.with_targets(&targets).unwrap();
+    let query = pose_problem.with_targets(&targets).unwrap();
     let mut memory = DerivativeWorkspace::default();
     assert!(SolutionDerivative::resume(query, &mut memory).is_none());
     let first = SolutionDerivative::new(query, &q, &mut memory);

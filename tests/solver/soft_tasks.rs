@@ -276,13 +276,13 @@ fn partly_reached_task_is_not_reached() {
         (Quantity::Metres, [true, false]),
         (Quantity::Radians, [false, true]),
     ] {
-        let away = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
+        let placement = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
         let pose = Pose::new(
             tip,
             if free == Quantity::Metres {
                 target
             } else {
-                away
+                placement
             },
         );
         let mut builder = Problem::builder(&model);

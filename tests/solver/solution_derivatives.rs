@@ -52,13 +52,16 @@ struct Counts {
 }
 
 fn check_seed(seed: u64, seen: &mut Counts) {
-    let here = case(seed, &Change::Targets(0.0));
+    let unchanged_case = case(seed, &Change::Targets(0.0));
     let solution = Solver::default()
-        .solve_once(&here.problem, &here.start)
+        .solve_once(&unchanged_case.problem, &unchanged_case.start)
         .unwrap();
     let mut q = solution.q.clone();
-    let mut at = conditions(&here, &q, solution.reached);
-    if !solution.reached && !here.traded && here.problem.tasks() > here.goals {
+    let mut at = conditions(&unchanged_case, &q, solution.reached);
+    if !solution.reached
+        && !unchanged_case.traded
+        && unchanged_case.problem.tasks() > unchanged_case.goals
+    {
         // Soft tasks at a miss are tested elsewhere.
         seen.flagged += 1;
         return;
@@ -79,11 +82,12 @@ fn check_seed(seed: u64, seen: &mut Counts) {
     }
     let inverse = at.newton(&q, &lambda);
     last = last.min(at.converge(&mut q, &mut lambda, &inverse, 5));
-    let moved = velocity(&here.model, &solution.q, &q).amax();
+    let moved = velocity(&unchanged_case.model, &solution.q, &q).amax();
     let mut workspace = DerivativeWorkspace::default();
     if moved > 1e-2 {
         // The search was cut short, which the derivative detects.
-        let derivative = SolutionDerivative::new(&here.problem, &solution.q, &mut workspace);
+        let derivative =
+            SolutionDerivative::new(&unchanged_case.problem, &solution.q, &mut workspace);
         let derivative = derivative.unwrap();
         assert!(!derivative.differentiability().is_unique(), "seed {seed}");
         seen.cut_short += 1;
@@ -93,7 +97,7 @@ fn check_seed(seed: u64, seen: &mut Counts) {
         seen.flagged += 1;
         return;
     }
-    let derivative = SolutionDerivative::new(&here.problem, &q, &mut workspace).unwrap();
+    let derivative = SolutionDerivative::new(&unchanged_case.problem, &q, &mut workspace).unwrap();
     if !derivative.differentiability().is_unique() {
         seen.flagged += 1;
         return;
@@ -106,14 +110,16 @@ fn check_seed(seed: u64, seen: &mut Counts) {
         .filter(|limit| matches!(limit, Limit::Edge(..)))
         .count();
     seen.missed += usize::from(!solution.reached);
-    let mut derivative = derivative.with_joint_origins(&here.model).unwrap();
+    let mut derivative = derivative
+        .with_joint_origins(&unchanged_case.model)
+        .unwrap();
     for change in [
         Change::Targets(1.0),
         Change::Weight(1.0),
         Change::Origin(1.0),
     ] {
         let rates = case(seed, &change.times(0.0)).rates;
-        let mut reported = vec![0.0; here.model.degrees_of_freedom()];
+        let mut reported = vec![0.0; unchanged_case.model.degrees_of_freedom()];
         derivative.velocity(&rates, &mut reported).unwrap();
         let reported = na::DVector::from_vec(reported);
 
@@ -146,11 +152,15 @@ fn check_seed(seed: u64, seen: &mut Counts) {
             if share == 1.0 {
                 // A solver from here converges to the same configuration.
                 let again = Solver::default().solve_once(&there.problem, &q).unwrap();
-                let apart = velocity(&here.model, &to, &again.q).amax();
+                let apart = velocity(&unchanged_case.model, &to, &again.q).amax();
                 seen.asked_again += 1;
                 seen.same_again += usize::from(apart < 1e-3);
             }
-            shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
+            shown.axpy(
+                weight / (12.0 * step),
+                &velocity(&unchanged_case.model, &q, &to),
+                1.0,
+            );
         }
         let deviation = (&reported - &shown).amax() / size;
         seen.worst = seen.worst.max(deviation);

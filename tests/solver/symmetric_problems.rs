@@ -52,9 +52,12 @@ fn lopsided(skeleton: &Skeleton, q: &[f64]) -> f64 {
         if bone.name.starts_with("right_") {
             return 0.0;
         }
-        let [here, mirror_bone] =
+        let [bone_id, mirror_bone] =
             [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
-        let ends = [pose.tail(here).unwrap(), pose.tip(skeleton, here).unwrap()];
+        let ends = [
+            pose.tail(bone_id).unwrap(),
+            pose.tip(skeleton, bone_id).unwrap(),
+        ];
         let others = [
             pose.tail(mirror_bone).unwrap(),
             pose.tip(skeleton, mirror_bone).unwrap(),

@@ -324,9 +324,9 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
                         .place(q)
                         .unwrap()[base.index()]
                     .translation;
-                    let away = na::Vector3::from(at) - na::Vector3::from(base_origin);
+                    let lever = na::Vector3::from(at) - na::Vector3::from(base_origin);
                     let turn = moved.fixed_view::<3, 1>(3, k).into_owned();
-                    let carried = moved.fixed_view::<3, 1>(0, k) + turn.cross(&away);
+                    let carried = moved.fixed_view::<3, 1>(0, k) + turn.cross(&lever);
                     for r in 0..3 {
                         column[r] -= carried[r];
                         column[3 + r] -= turn[r];

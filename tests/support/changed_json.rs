@@ -87,8 +87,8 @@ fn holder<'v>(root: &'v mut Value, random: &mut Random) -> &'v mut Value {
 /// Applies one random change to a document.
 pub fn change(root: &mut Value, random: &mut Random) {
     let other_value = below(&mut root.clone(), random, false).clone();
-    let mut known = Vec::new();
-    keys(root, &mut known);
+    let mut known_keys = Vec::new();
+    keys(root, &mut known_keys);
     let (one, other) = (random.bits() as usize, random.bits() as usize);
     match random.below(12) {
         0..=2 => {
@@ -106,7 +106,7 @@ pub fn change(root: &mut Value, random: &mut Random) {
                     0 => json!(format!("{text}{text}")),
                     1 => json!(text.to_uppercase()),
                     2 => json!(text.get(1..).unwrap_or("x")),
-                    _ => json!(known[other % known.len().max(1)]),
+                    _ => json!(known_keys[other % known_keys.len().max(1)]),
                 };
             }
         }
@@ -124,7 +124,7 @@ pub fn change(root: &mut Value, random: &mut Random) {
                 list.insert(other % (list.len() + 1), copy);
             }
             Value::Object(map) => {
-                let key = known[one % known.len()].clone();
+                let key = known_keys[one % known_keys.len()].clone();
                 map.insert(key, other_value);
             }
             _ => {}
@@ -149,9 +149,9 @@ pub fn change(root: &mut Value, random: &mut Random) {
 
 /// `count` documents, each with one to three random changes.
 pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
-    let whole: Value = serde_json::from_str(text).unwrap();
+    let original: Value = serde_json::from_str(text).unwrap();
     let each = (0..count).map(|number| {
-        let mut document = whole.clone();
+        let mut document = original.clone();
         for _ in 0..=random.below(3) {
             change(&mut document, random);
         }

@@ -137,15 +137,16 @@ impl Element {
 
     /// Applies one random change.
     pub fn change(&mut self, random: &mut Random) {
-        let mut known = Vec::new();
-        self.all_attributes(&mut known);
+        let mut known_attributes = Vec::new();
+        self.all_attributes(&mut known_attributes);
         let count = self.count();
         let (one, other) = (random.below(count), random.below(count));
         match random.below(12) {
             // Replaces an attribute's value, or one number in it, by another value.
             0..=5 => {
                 let kind = random.below(3);
-                let (_, other_value) = known[random.below(known.len())].clone();
+                let (_, other_value) =
+                    known_attributes[random.below(known_attributes.len())].clone();
                 let (value, number) = (
                     VALUES[random.below(VALUES.len())],
                     NUMBERS[random.below(NUMBERS.len())],
@@ -190,7 +191,7 @@ impl Element {
                 }
             }
             7 => {
-                let (name, value) = known[random.below(known.len())].clone();
+                let (name, value) = known_attributes[random.below(known_attributes.len())].clone();
                 if let Some(element) = self.at(one) {
                     element.attributes.retain(|(key, _)| *key != name);
                     element.attributes.push((name, value));

@@ -20,11 +20,11 @@ pub const ROBOTS: [(&str, &str, &str); 7] = [
 
 /// Robots of a test: a debug build takes one of each kind unless `KINOPT_CASES` is set.
 pub fn robots() -> impl Iterator<Item = &'static str> {
-    let few = few();
+    let is_reduced = few();
     let all = ROBOTS.into_iter().map(|(name, ..)| name);
     all.filter(move |name| {
         let kinds = ["franka_panda", "universal_ur5e", "adept_cobra_s600"];
-        !few || kinds.contains(name)
+        !is_reduced || kinds.contains(name)
     })
 }
 

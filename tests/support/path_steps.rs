@@ -34,8 +34,8 @@ pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> 
     let mut q = from.to_vec();
     for part in 0..PARTS_PER_SEGMENT - 1 {
         let begin = part * STEPS_PER_PART;
-        let whole = go(&q, share(begin), share(begin + STEPS_PER_PART));
-        let gone = whole.or_else(|| {
+        let single_step = go(&q, share(begin), share(begin + STEPS_PER_PART));
+        let gone = single_step.or_else(|| {
             let mut steps = begin..begin + STEPS_PER_PART;
             steps.try_fold(q.clone(), |q, at| go(&q, share(at), share(at + 1)))
         });

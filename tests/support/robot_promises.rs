@@ -121,8 +121,8 @@ fn check_solutions(robot: &Robot, rules: &[Rule], target_q: &[f64]) {
     if let Ok(masses) = robot.masses() {
         problem.add(CentreOfMass::new(&masses, [0.1, 0.2, 0.3]));
     }
-    let few = Stopping::default().with_max_iterations(15);
-    let solver = Solver::default().with_stopping(few);
+    let stopping = Stopping::default().with_max_iterations(15);
+    let solver = Solver::default().with_stopping(stopping);
     let solver = solver.with_restarts(Restarts::default().with_attempts(2));
     let problem = match problem.build() {
         Ok(problem) => problem,

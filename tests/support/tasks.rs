@@ -376,12 +376,12 @@ fn world_miss(placed: Rigid, target: Rigid) -> Vec<f64> {
 /// Part of a pose error beyond the half widths, in the target's axes: metres, and a rotation vector. If any component
 /// has goal bounds, the rotation is twice the quaternion's vector part.
 fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> {
-    let away = target.inverse() * placed;
-    let mut rows = away.translation.vector.as_slice().to_vec();
+    let target_from_placed = target.inverse() * placed;
+    let mut rows = target_from_placed.translation.vector.as_slice().to_vec();
     if half_widths == [0.0; 6] {
-        rows.extend(rotation_vector(away.rotation));
+        rows.extend(rotation_vector(target_from_placed.rotation));
     } else {
-        let turn = na::UnitQuaternion::from_rotation_matrix(&away.rotation);
+        let turn = na::UnitQuaternion::from_rotation_matrix(&target_from_placed.rotation);
         // Of the two equal quaternions, the one whose largest component is positive.
         let largest = turn.coords[turn.coords.iamax()];
         rows.extend(turn.imag().iter().map(|v| 2.0 * v * largest.signum()));

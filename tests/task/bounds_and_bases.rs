@@ -55,13 +55,13 @@ fn task_within_its_interval_costs_nothing() {
     let near = placed(&[0.31, 0.88, -0.35]);
     let bounds = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
     let low = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
-    let far = planar_tip(&LINKS[1..], &q[1..]).norm();
+    let tip_distance = planar_tip(&LINKS[1..], &q[1..]).norm();
     for problem in [
         problem(&model, Pose::new(tip, near).with_goal(bounds)),
         problem(&model, Bounded::at_least(low, 0.5)),
         problem(
             &model,
-            Bounded::new(Distance::new(tip, base, far + 0.1), 0.2),
+            Bounded::new(Distance::new(tip, base, tip_distance + 0.1), 0.2),
         ),
     ] {
         let mut scratch = problem.scratch();
@@ -144,11 +144,15 @@ fn target_in_a_moving_frame_is_met() {
 #[test]
 fn far_target_in_a_base_is_not_out_of_reach() {
     let (model, base, tip) = arm(0.5);
-    let far = [0.0, 9.0, 0.0];
-    assert!(solve(&model, Point::new(tip, far), &[0.0; 3]).is_out_of_reach());
-    let relative = solve(&model, Point::new(tip, far).relative_to(base), &[0.0; 3]);
+    let unreachable = [0.0, 9.0, 0.0];
+    assert!(solve(&model, Point::new(tip, unreachable), &[0.0; 3]).is_out_of_reach());
+    let relative = solve(
+        &model,
+        Point::new(tip, unreachable).relative_to(base),
+        &[0.0; 3],
+    );
     assert!(!relative.reached && !relative.is_out_of_reach());
-    let at = Placement::translation(far.into());
+    let at = Placement::translation(unreachable.into());
     assert!(solve(&model, Pose::new(tip, at), &[0.0; 3]).is_out_of_reach());
     let slides = Pose::new(tip, at).with_goal(PoseBounds::free_along(Axis::Y));
     let slides = solve(&model, slides, &[0.0; 3]);

@@ -390,7 +390,7 @@ fn problem_errors_name_the_culprit() {
 #[test]
 fn task_errors_name_the_task() {
     let (model, [elbow, ..], hand) = arm();
-    let here = [0.0; 3];
+    let origin = [0.0; 3];
     let camera = |entry: f64| Camera {
         pixel_from_world: [[entry; 4]; 3],
     };
@@ -400,7 +400,7 @@ fn task_errors_name_the_task() {
         &["point of `hand`", "target", "NaN"],
     );
     let (point, pose) = (
-        Point::new(hand, here),
+        Point::new(hand, origin),
         Pose::new(hand, identity_placement()),
     );
     let turn = Orientation::new(hand, identity_placement().rotation);
@@ -421,15 +421,15 @@ fn task_errors_name_the_task() {
         &["distance of `hand`", "itself"],
     );
     names(
-        problem(Point::new(hand, here).at([0.0, NAN, 0.0])),
+        problem(Point::new(hand, origin).at([0.0, NAN, 0.0])),
         &["offset"],
     );
     names(
-        problem(Ray::new(hand, here, here)),
+        problem(Ray::new(hand, origin, origin)),
         &["ray of `hand`", "coincide"],
     );
     names(
-        problem(Ray::new(hand, [NAN; 3], here)),
+        problem(Ray::new(hand, [NAN; 3], origin)),
         &["ray of `hand`", "NaN"],
     );
     names(
@@ -475,7 +475,7 @@ fn task_errors_name_the_task() {
     );
     for (lower, upper) in [(1.0, 0.0), (NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         names(
-            problem(Bounded::between(Point::new(hand, here), lower, upper)),
+            problem(Bounded::between(Point::new(hand, origin), lower, upper)),
             &["point of `hand`", "interval", "no number"],
         );
     }
@@ -490,14 +490,17 @@ fn task_errors_name_the_task() {
     names(problem(foreign.clone()), &words);
     names(problem(Bounded::new(foreign, 0.1)), &words);
     names(
-        problem(LookAt::new(hand, here, [1.0; 3])),
+        problem(LookAt::new(hand, origin, [1.0; 3])),
         &["look-at", "axis"],
     );
     names(
         problem(LookAt::new(hand, [1.0; 3], [NAN; 3])),
         &["look-at", "target"],
     );
-    names(problem(Plane::new(hand, here, here)), &["plane", "normal"]);
+    names(
+        problem(Plane::new(hand, origin, origin)),
+        &["plane", "normal"],
+    );
     names(
         problem(Distance::new(hand, hand, -1.0)),
         &["distance", "negative"],

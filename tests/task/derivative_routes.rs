@@ -135,8 +135,8 @@ fn routes_agree_near_the_origin() {
 fn routes_agree_far_from_the_origin() {
     for seed in 20..24 {
         let mut random = Random::new(seed);
-        let away = random.direction().into_inner() * FAR_DISTANCE;
-        check_all(seed, rigid(random.rotation(), away), FAR_DISTANCE);
+        let translation = random.direction().into_inner() * FAR_DISTANCE;
+        check_all(seed, rigid(random.rotation(), translation), FAR_DISTANCE);
     }
 }
 

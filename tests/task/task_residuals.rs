@@ -47,12 +47,12 @@ fn look_at_is_accurate_when_looking_away() {
     // axis is equally good, and half a turn is reported.)
     let tree = RandomTree::new(5, 9);
     let q = tree.configuration(&mut Random::new(5));
-    let here = tree.frames_at(&q)[7];
+    let frame_pose = tree.frames_at(&q)[7];
     let axis = na::Vector3::new(0.3, -0.5, 0.8).normalize();
     let across = axis.cross(&na::Vector3::x()).normalize();
     for delta in [0.1, 1e-3, 1e-5, 2e-6] {
         let away = -axis * f64::cos(delta) + across * f64::sin(delta);
-        let watched = here.translation.vector + here.rotation * away * 2.0;
+        let watched = frame_pose.translation.vector + frame_pose.rotation * away * 2.0;
         let mut builder = Problem::builder(&tree.model);
         let look = LookAt::new(tree.frames[7], axis, watched);
         builder.add(Task::new(look).weight(Quantity::Radians, 1.0));

@@ -429,7 +429,7 @@ fn custom_residual_may_be_one_sided() {
         let last = figure.frames[4];
         let mut random = Random::new(seed);
         let [inside, outside] =
-            [1.0, 3.0].map(|far| Vector3::from(random.direction().into_inner() * far));
+            [1.0, 3.0].map(|distance| Vector3::from(random.direction().into_inner() * distance));
         for (target, is_free) in [(inside, true), (outside, false)] {
             let mut tasks = Problem::builder(model);
             tasks.add(Task::new(Point::new(last, target)).preference());

@@ -250,11 +250,11 @@ fn passive_joints_are_kept_under_any_base() {
 #[test]
 fn nan_base_bounds_are_named() {
     let good = Limits::new(-1.0, 1.0);
-    for bad in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
+    for invalid in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
         for rooms in [
-            vec![("z", bad)],
-            vec![("z", bad), ("z", good)],
-            vec![("z", good), ("z", bad)],
+            vec![("z", invalid)],
+            vec![("z", invalid), ("z", good)],
+            vec![("z", good), ("z", invalid)],
         ] {
             let base = BaseJoint::named("free", rooms).unwrap();
             let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();

@@ -107,9 +107,9 @@ fn invalid_tools_are_errors() {
         put("flange", "flange", Placement::identity()),
         ToolError::Model(ModelError::DuplicateName { .. })
     ));
-    let bad = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
+    let invalid = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
     assert!(matches!(
-        put("tool", "flange", bad),
+        put("tool", "flange", invalid),
         ToolError::Model(ModelError::BadPlacement { .. })
     ));
 }

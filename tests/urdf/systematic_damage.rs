@@ -143,12 +143,12 @@ fn each_number_is_invalid_or_huge() {
                 continue;
             };
             let count = text[attribute.value.clone()].split_whitespace().count();
-            for bad in ["nan", "-inf", "1e400", "0,1", ""] {
-                let numbers = vec![bad; count].join(" ");
+            for invalid in ["nan", "-inf", "1e400", "0,1", ""] {
+                let numbers = vec![invalid; count].join(" ");
                 let error = read(&replaced(&text, &attribute.value, &numbers));
                 let error = error.map(|_| ()).unwrap_err();
                 let named = error.contains(joint.as_str());
-                assert!(named, "{name} {} {bad}: {error}", attribute.name);
+                assert!(named, "{name} {} {invalid}: {error}", attribute.name);
             }
             // Huge but finite: accepted or rejected, but no panic.
             let numbers = vec!["1e308"; count].join(" ");
