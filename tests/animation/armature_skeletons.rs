@@ -12,7 +12,7 @@ use support::random::Random;
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
 
 fn armature(bones: usize, random: &mut Random) -> Armature {
-    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
+    let mut number = |range: f32| range * random.within(-1.0, 1.0) as f32;
     let mut made: Vec<ArmatureBone> = Vec::new();
     for index in 0..bones {
         let turn = [3.0, 1.5, 3.0].map(&mut number);

@@ -17,8 +17,9 @@ use support::random::Random;
 const BONES: usize = 14;
 const MOTIONLESS_BONES: [usize; 3] = [0, 6, 13];
 
-fn turn(random: &mut Random, most: f64) -> Quat {
-    let [x, y, z] = [most, 0.5 * most, most].map(|most| random.within(-most, most) as f32);
+fn turn(random: &mut Random, max_angle: f64) -> Quat {
+    let [x, y, z] = [max_angle, 0.5 * max_angle, max_angle]
+        .map(|half_range| random.within(-half_range, half_range) as f32);
     Quat::from_euler(EulerRot::ZYX, x, y, z)
 }
 

@@ -149,8 +149,8 @@ fn sampled_pose_equals_the_curves_in_any_order() {
                 .unwrap();
             let time = time.max(f64::from(start)).min(f64::from(end));
             let expected = expected(&armature, &channels, time as f32);
-            let off = difference(&pose, &expected);
-            assert!(off < 5e-5, "{off} at {elapsed}");
+            let deviation = difference(&pose, &expected);
+            assert!(deviation < 5e-5, "{deviation} at {elapsed}");
             assert!(pose.rotations().iter().all(|q| q.is_normalized()));
         }
     }

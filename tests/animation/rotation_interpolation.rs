@@ -351,8 +351,8 @@ fn rotation_hermite_about_one_axis_is_cubic() {
             let rest = 1.0 - u;
             let cubic =
                 u * u * (3.0 - 2.0 * u) * angle + u * rest * (rest * leaving - u * arriving);
-            let off = apart(segment.at(u), about_z(0.25 + cubic));
-            assert!(off < 1e-5, "{angle} at {u}: off by {off}");
+            let deviation = apart(segment.at(u), about_z(0.25 + cubic));
+            assert!(deviation < 1e-5, "{angle} at {u}: off by {deviation}");
         }
     }
 }
@@ -407,8 +407,8 @@ fn steady_rotation_stays_even_at_uneven_keys() {
     let smooth = RotationCurve::smooth(times, keys).unwrap();
     for step in 0..=46 {
         let time = 0.05 * step as f32;
-        let off = apart(smooth.at(time), turned(time));
-        assert!(off < 1e-5, "{time} s: off by {off}");
+        let deviation = apart(smooth.at(time), turned(time));
+        assert!(deviation < 1e-5, "{time} s: off by {deviation}");
     }
 }
 

@@ -30,7 +30,7 @@ const SCALES: [[[f32; 3]; 2]; 8] = [
 
 /// Root with two arms of four bones each, rotated at random in the rest pose.
 fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
-    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
+    let mut number = |range: f32| range * random.within(-1.0, 1.0) as f32;
     let bones = (0..9).map(|index| ArmatureBone {
         name: format!("bone {index}"),
         parent: match index {
@@ -58,10 +58,10 @@ fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
 }
 
 /// The armature in another pose: each bone is rotated by up to `most` radians about each axis.
-fn turned(armature: &Armature, most: f64, random: &mut Random) -> Pose {
+fn turned(armature: &Armature, max_angle: f64, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature.bone_ids() {
-        let [x, y, z] = [0; 3].map(|_| random.within(-most, most) as f32);
+        let [x, y, z] = [0; 3].map(|_| random.within(-max_angle, max_angle) as f32);
         let rotation = pose.local(bone).unwrap().rotation;
         let turn = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);
         pose.set_rotation(bone, rotation * turn).unwrap();

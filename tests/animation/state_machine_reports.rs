@@ -91,9 +91,9 @@ fn bounded_events_are_reported() {
         (count, run.events_left_out())
     };
     assert_eq!(count_events(&mut run, 4e-8 * 9.5), (5, false));
-    let most = StateMachineRun::MOST_EVENTS;
-    assert_eq!(count_events(&mut run, 0.016), (most, true));
-    assert_eq!(count_events(&mut run, 1e9), (most, true));
+    let max_events = StateMachineRun::MOST_EVENTS;
+    assert_eq!(count_events(&mut run, 0.016), (max_events, true));
+    assert_eq!(count_events(&mut run, 1e9), (max_events, true));
     assert_eq!(count_events(&mut run, 0.0), (0, false));
 }
 

@@ -208,8 +208,8 @@ fn cycle_of_transitions_ends() {
     // Beyond the maximum number of transitions the last state entered keeps the remaining time.
     let mut run = run_of(&ring(r#", "after": 1.0"#));
     step(&mut run, 1000.0, &mut EventLog::new());
-    let most = StateMachineRun::MOST_TRANSITIONS;
-    assert_eq!(run.state(), ["a", "b", "c"][most % 3]);
+    let max_transitions = StateMachineRun::MOST_TRANSITIONS;
+    assert_eq!(run.state(), ["a", "b", "c"][max_transitions % 3]);
 }
 
 #[test]

@@ -193,8 +193,8 @@ fn jumping_targets_keep_limits() {
             }
         }
         // At its own pose: reached at once.
-        let here = arm.base_from_tool(servo.q()).unwrap();
-        let (status, widest) = chatter(&arm, &mut servo, &here);
+        let tool_pose = arm.base_from_tool(servo.q()).unwrap();
+        let (status, widest) = chatter(&arm, &mut servo, &tool_pose);
         assert!(status == ServoStatus::OnTarget && widest < 1e-3, "{widest}");
     }
 }

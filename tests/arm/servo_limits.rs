@@ -200,10 +200,10 @@ fn circles_within_limits_are_followed_without_lag() {
                 let error = servo.step(at(time)).unwrap().position_error;
                 watch.check(&servo, "circle");
                 assert!(error < 1e-3, "{rate} Hz, {radius} m, {time} s: {error} m");
-                let here = arm.base_from_tool(servo.q()).unwrap().translation;
+                let tool_position = arm.base_from_tool(servo.q()).unwrap().translation;
                 let velocity = (at(time + 1e-4).translation - at(time - 1e-4).translation) * 5e3;
-                let lag =
-                    (at(time).translation - here).dot(velocity) / velocity.dot(velocity).max(1e-4);
+                let lag = (at(time).translation - tool_position).dot(velocity)
+                    / velocity.dot(velocity).max(1e-4);
                 assert!(
                     lag.abs() < 0.01,
                     "{rate} Hz, {radius} m, {time} s: lags {lag} s"
@@ -294,10 +294,10 @@ fn line_deviation(arm: &Arm, start: &[f64], offset: Vector3<f64>, straight: bool
     let (mut worst, mut cycles) = (0.0_f64, 0);
     while !servo.step(target).unwrap().reached() {
         watch.check(&servo, "straight line");
-        let here = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
-        worst = worst.max((here - along * here.dot(along)).norm());
+        let tool_offset = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
+        worst = worst.max((tool_offset - along * tool_offset.dot(along)).norm());
         assert!(
-            !straight || here.dot(along) < offset.norm() + 1e-4,
+            !straight || tool_offset.dot(along) < offset.norm() + 1e-4,
             "runs past the target"
         );
         cycles += 1;

@@ -88,12 +88,12 @@ fn joint_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
 
 /// Pose of the tool after a translation by 2 to 5 mm, possibly unreachable.
 fn tool_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
-    let here = arm.base_from_tool(start).unwrap();
+    let tool_pose = arm.base_from_tool(start).unwrap();
     let mut aside = || 2.0 * random.unit() - 1.0;
     let aside = Vector3::new(aside(), aside(), aside());
     let metres = 2e-3 + 3e-3 * random.unit();
     let offset = aside * (metres / aside.norm());
-    Placement::new(here.rotation, here.translation + offset)
+    Placement::new(tool_pose.rotation, tool_pose.translation + offset)
 }
 
 #[test]

@@ -29,12 +29,12 @@ fn chain(channels: &[Vec<&str>], frames: usize) -> String {
     write!(text, "MOTION\nFrames: {frames}\nFrame Time: 0.0083333\n").unwrap();
     for _ in 0..frames {
         for name in channels.iter().flatten() {
-            let most = if name.ends_with("rotation") {
+            let range = if name.ends_with("rotation") {
                 170.0
             } else {
                 3.0
             };
-            write!(text, "{:.4} ", random.within(-most, most)).unwrap();
+            write!(text, "{:.4} ", random.within(-range, range)).unwrap();
         }
         text += "\n";
     }

@@ -301,9 +301,9 @@ fn written_angles_pass_gimbal_lock() {
         let lines = text.split_once("Frame Time").unwrap().1.lines().skip(1);
         for (line, x) in lines.zip(&bends) {
             let words: Vec<f32> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-            let off = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
+            let offset = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
             assert!(
-                off.iter().all(|deviation| deviation.abs() < 1e-3),
+                offset.iter().all(|deviation| deviation.abs() < 1e-3),
                 "{line}, not {x}"
             );
         }

@@ -343,18 +343,18 @@ fn far_motion_at_either_end_is_stopped() {
 #[test]
 fn motion_into_the_margin_is_stopped() {
     let mut builder = Model::builder("two slides");
-    let (x, here, limits) = (
+    let (x, identity, limits) = (
         Vector3::UNITS[0],
         Placement::identity(),
         Limits::new(0.0, 9.0),
     );
-    let one = builder.prismatic("one", None, here, x, limits);
-    let one = builder.frame("one", Some(one), here);
+    let one = builder.prismatic("one", None, identity, x, limits);
+    let one = builder.frame("one", Some(one), identity);
     let far = Placement::translation(Vector3::new(2.0, 0.0, 0.0));
     let other = builder.prismatic("other", None, far, -x, limits);
-    let other = builder.frame("other", Some(other), here);
+    let other = builder.frame("other", Some(other), identity);
     let model = builder.build().unwrap();
-    let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());
+    let ball = |frame| CollisionObject::new("ball", frame, identity, Shape::sphere(0.1).unwrap());
     let pair_model = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
     // Both end at 1.8; the wall or the other link is 0.1 from their centres, plus a gap.
     for (gap, stops) in [(0.02, true), (0.049, true), (0.051, false)] {

@@ -43,10 +43,10 @@ fn contact_is_no_deeper_than_its_motion() {
             let by = before.normal * -(before.distance + depth);
             let at_b = Placement::new(at_b.rotation, at_b.translation + by);
             let found = separation(&a.shape(), &at_a, &b.shape(), &at_b);
-            let least = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
+            let smallest = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
             let what =
-                || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {least}");
-            assert!(found.distance >= least - 1e-12, "{}", what());
+                || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {smallest}");
+            assert!(found.distance >= smallest - 1e-12, "{}", what());
             // Along its own normal the found distance is exact.
             let certified = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
             assert!((found.distance - certified).abs() < 1e-12, "{}", what());

@@ -163,12 +163,24 @@ fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
     let [thick, whole] = WALL;
     let mut world = World::new();
     let rim = 0.5 * (whole - window);
-    let off = 0.5 * (window + rim);
+    let offset = 0.5 * (window + rim);
     for (name, size, by) in [
-        ("left", [thick, rim, whole], Vector3::new(0.0, off, 0.0)),
-        ("right", [thick, rim, whole], Vector3::new(0.0, -off, 0.0)),
-        ("above", [thick, window, rim], Vector3::new(0.0, 0.0, off)),
-        ("below", [thick, window, rim], Vector3::new(0.0, 0.0, -off)),
+        ("left", [thick, rim, whole], Vector3::new(0.0, offset, 0.0)),
+        (
+            "right",
+            [thick, rim, whole],
+            Vector3::new(0.0, -offset, 0.0),
+        ),
+        (
+            "above",
+            [thick, window, rim],
+            Vector3::new(0.0, 0.0, offset),
+        ),
+        (
+            "below",
+            [thick, window, rim],
+            Vector3::new(0.0, 0.0, -offset),
+        ),
     ] {
         world.add_box(name, size, middle + by).unwrap();
     }

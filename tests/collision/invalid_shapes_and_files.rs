@@ -123,13 +123,13 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
     // Separate vertices for every triangle, each displaced by up to `by`.
     let shaken = |size: f64, by: f64, keep: usize| {
         let mut random = Random::new(7);
-        let mut off = || {
-            let off = random.vector(1.0);
-            Vector3::new(off.x, off.y, off.z) * by
+        let mut offset = || {
+            let offset = random.vector(1.0);
+            Vector3::new(offset.x, offset.y, offset.z) * by
         };
         let indices = faces[..keep].iter().flatten();
         let loose: Vec<_> = indices
-            .map(|&i| corners[i as usize] * size + off())
+            .map(|&i| corners[i as usize] * size + offset())
             .collect();
         let triangles = (0..keep as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])

@@ -67,7 +67,7 @@ fn contact_is_not_weighted_against_tasks() {
         let solution = solver.solve_once(&problem, &[0.02, -0.01]).unwrap();
         assert!(!solution.reached && solution.goals_reached());
         let depth = solution.collisions()[0].depth();
-        let least = 0.15 - 0.02_f64.hypot(0.05);
-        assert!((depth - least).abs() < 1e-6, "{preferences:?}: {depth}");
+        let smallest = 0.15 - 0.02_f64.hypot(0.05);
+        assert!((depth - smallest).abs() < 1e-6, "{preferences:?}: {depth}");
     }
 }

@@ -75,8 +75,8 @@ fn attachment_is_kept_and_bad_scales_rejected() {
     let scaled = world.scaled(2.0).unwrap();
     let board = scaled.obstacle("board").unwrap();
     assert_eq!(board.attached.as_deref(), Some("hand"));
-    let off = board.placement.translation - at(0.2, 0.0).translation * 2.0;
-    assert!(off.norm() < 1e-15);
+    let offset = board.placement.translation - at(0.2, 0.0).translation * 2.0;
+    assert!(offset.norm() < 1e-15);
     for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let message = world.scaled(invalid).unwrap_err().to_string();
         assert!(

@@ -125,14 +125,14 @@ fn bounding_box_and_sphere_are_tight() {
         let half = (bounds.max - bounds.min).to_array();
         let (mut farthest, mut reach) = (0.0_f64, [0.0_f64; 3]);
         for _ in 0..3000 {
-            let off = half.map(|half| half * random.within(-0.8, 0.8));
-            let at = middle + Vector3::from(off);
+            let offset = half.map(|half| half * random.within(-0.8, 0.8));
+            let at = middle + Vector3::from(offset);
             if shape.signed_distance(at) > 0.0 {
                 continue;
             }
             for k in 0..3 {
-                assert!(off[k].abs() <= 0.5 * half[k] + 1e-9, "{shape:?} {at:?}");
-                reach[k] = reach[k].max(off[k].abs() / (0.5 * half[k]));
+                assert!(offset[k].abs() <= 0.5 * half[k] + 1e-9, "{shape:?} {at:?}");
+                reach[k] = reach[k].max(offset[k].abs() / (0.5 * half[k]));
             }
             let away = (at - ball.centre).norm();
             assert!(away <= ball.radius + 1e-9, "{shape:?} {at:?}: {away}");
@@ -231,8 +231,8 @@ fn vertices_within_rounding_close_a_mesh() {
             let mut vertices = Vec::new();
             for &k in box_triangles().as_flattened() {
                 let [x, y, z] = corner(k);
-                let off = random.direction().into_inner() * (share * size);
-                vertices.push(Vector3::new(x + off.x, y + off.y, z + off.z));
+                let offset = random.direction().into_inner() * (share * size);
+                vertices.push(Vector3::new(x + offset.x, y + offset.y, z + offset.z));
             }
             let triangles = (0..12).map(|k| [0, 1, 2].map(|at| 3 * k + at)).collect();
             let mesh = Shape::mesh(vertices, triangles).unwrap();

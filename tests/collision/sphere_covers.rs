@@ -157,8 +157,12 @@ fn spheres_cover_random_shapes() {
             Resolution::MaxProtrusion(max_protrusion) => {
                 assert!(spheres.max_protrusion() <= max_protrusion)
             }
-            Resolution::PerLink(most) => {
-                assert!(spheres.count() <= most.max(count), "{}", spheres.count())
+            Resolution::PerLink(max_count) => {
+                assert!(
+                    spheres.count() <= max_count.max(count),
+                    "{}",
+                    spheres.count()
+                )
             }
             _ => {}
         }

@@ -268,8 +268,8 @@ world:
     let world = World::from_moveit(scene.as_bytes(), "scene.yaml").unwrap();
     let placed = world.obstacle("table").unwrap().placement;
     // A quarter turn about z takes (0.5, 0.2) to (-0.2, 0.5) and x to y; the primitive's rotation takes z to x.
-    let off = placed.translation - Vector3::new(0.8, 0.5, 0.5);
-    assert!(off.norm() < 1e-14, "{placed:?}");
+    let offset = placed.translation - Vector3::new(0.8, 0.5, 0.5);
+    assert!(offset.norm() < 1e-14, "{placed:?}");
     let [x, y, z] = Vector3::UNITS;
     let turned = placed.rotation;
     assert!((turned.x - y).norm() + (turned.y - z).norm() + (turned.z - x).norm() < 1e-14);

@@ -217,7 +217,7 @@ fn matrix_is_decomposed() {
         let apart = (again - matrix)
             .to_cols_array()
             .into_iter()
-            .fold(0.0, |most: f64, e| most.max(e.abs()));
+            .fold(0.0, |largest: f64, e| largest.max(e.abs()));
         assert!(apart < 2e-6, "{apart:e}");
     }
     let sheared = r#""nodes":[{"name":"slanted","matrix":[1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1]}]"#;

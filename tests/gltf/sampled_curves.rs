@@ -257,8 +257,8 @@ fn weight_without_curve_stays_at_rest() {
             let read = again(&scene, &WriteOptions::default());
             for time in [0.0, 0.2, 0.5, 0.7, 1.0] {
                 let weights = at(&read, 0, time);
-                let off = weights.morph_weights()[1 - moves] - rest[1 - moves];
-                assert!(off.abs() < 1e-6, "{time}: {off}");
+                let deviation = weights.morph_weights()[1 - moves] - rest[1 - moves];
+                assert!(deviation.abs() < 1e-6, "{time}: {deviation}");
             }
         }
     }

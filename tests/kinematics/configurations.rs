@@ -110,8 +110,8 @@ fn frame_placements_equal_isometries() {
         let mut kinematics = ForwardKinematics::of_frames(&figure.model, &figure.frames).unwrap();
         let placed = kinematics.place(&q).unwrap();
         for (ours, theirs) in placed.iter().zip(figure.frames_at(&q)) {
-            let off = support::apart(ours, &theirs);
-            assert!(off < 1e-13, "{off:e}");
+            let deviation = support::apart(ours, &theirs);
+            assert!(deviation < 1e-13, "{deviation:e}");
         }
     }
 }

@@ -72,8 +72,8 @@ fn joint_motion_is_relative_to_its_parent() {
             *angle += random.within(-1.0, 1.0);
         }
         let (before, after) = (relative(&q, bone, parent), relative(&moved, bone, parent));
-        let off = before.inverse() * after;
-        assert!(apart(&off, &Rigid::identity()) < 1e-13);
+        let offset = before.inverse() * after;
+        assert!(apart(&offset, &Rigid::identity()) < 1e-13);
     }
 }
 

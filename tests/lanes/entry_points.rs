@@ -57,8 +57,8 @@ fn total_iterations_are_bounded() {
     let chain = panda();
     let (start, n) = (vec![0.1, 0.1, 0.1, -1.0, 0.1, 1.0, 0.1], 7);
     let mut last = 0;
-    for most in [1, 60, 400] {
-        let options = NO_ATLAS().with_total_iterations(most).with_iterations(40);
+    for limit in [1, 60, 400] {
+        let options = NO_ATLAS().with_total_iterations(limit).with_iterations(40);
         let pose_solver = solver(&chain, options);
         let mut alone = vec![0.0; n];
         let reported = pose_solver.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
@@ -76,11 +76,11 @@ fn total_iterations_are_bounded() {
         outcomes.push(reported.unwrap());
         for outcome in &outcomes {
             // Eight attempts may already be running at that point.
-            assert!(outcome.iterations < most + 8 * 40, "{most}: {outcome:?}");
-            assert!(!outcome.reached && outcome.attempts <= most + 8);
+            assert!(outcome.iterations < limit + 8 * 40, "{limit}: {outcome:?}");
+            assert!(!outcome.reached && outcome.attempts <= limit + 8);
         }
         let spent = outcomes[3].iterations;
-        assert!(spent > last, "{most}: {spent}");
+        assert!(spent > last, "{limit}: {spent}");
         last = spent;
     }
 }
@@ -188,13 +188,13 @@ fn weightless_components_do_not_count_as_errors() {
         let reported = pose_solver.solve(&goal, &start, Prefer::Start, None, &mut q);
         let reported = reported.unwrap();
         let goal = nalgebra::Isometry3::from(&goal);
-        let off = goal.inverse() * tip(&chain, &q);
+        let offset = goal.inverse() * tip(&chain, &q);
         let counted = |part: [f64; 3], weights: [f64; 3]| {
             let squares = part.iter().zip(weights).map(|(v, w)| v * v * w);
             squares.sum::<f64>().sqrt()
         };
-        let position = counted(off.translation.vector.into(), axes.position_weights);
-        let half = off.rotation.quaternion().imag();
+        let position = counted(offset.translation.vector.into(), axes.position_weights);
+        let half = offset.rotation.quaternion().imag();
         let chord = counted([half.x, half.y, half.z], axes.orientation_weights);
         let angle = 2.0 * chord.min(1.0).asin();
         assert!(

@@ -194,13 +194,13 @@ fn half_widths_are_in_the_unit_of_the_chain() {
             let start = random.configuration(&chain);
             let outcome = solver.solve(&goal, &start, Prefer::Start, None, &mut q);
             assert!(outcome.unwrap().reached);
-            let off = goal.inverse() * target(&chain, &q);
-            for off in off.translation.to_array() {
+            let offset = goal.inverse() * target(&chain, &q);
+            for component in offset.translation.to_array() {
                 assert!(
-                    off.abs() < half_width + 1.01e-6 * by,
-                    "{off} in units of {by}"
+                    component.abs() < half_width + 1.01e-6 * by,
+                    "{component} in units of {by}"
                 );
-                used = used.max(off.abs());
+                used = used.max(component.abs());
             }
         }
         assert!(used > 0.5 * half_width, "{used} in units of {by}");

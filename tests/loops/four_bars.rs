@@ -29,8 +29,8 @@ fn rocker_follows_a_locked_crank() {
             panic!("three joints")
         };
         assert_eq!(crank, angle);
-        let off = linkage.freudenstein(crank, rocker);
-        assert!(off.abs() < 1e-8, "{off:e} at {angle}");
+        let deviation = linkage.freudenstein(crank, rocker);
+        assert!(deviation.abs() < 1e-8, "{deviation:e} at {angle}");
         // Direction of the coupler, from the two ends that Freudenstein's equation omits.
         let (x, y) = (
             linkage.ground + linkage.rocker * rocker.cos() - linkage.crank * crank.cos(),
@@ -65,8 +65,8 @@ fn pen_reaches_points_of_its_curve() {
         let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);
         let solution = solution.unwrap();
         assert!(solution.reached, "{k}: {}", solution.explain());
-        let off = linkage.freudenstein(solution.q[0], solution.q[2]);
-        assert!(off.abs() < 1e-8, "{off:e}");
+        let deviation = linkage.freudenstein(solution.q[0], solution.q[2]);
+        assert!(deviation.abs() < 1e-8, "{deviation:e}");
     }
 }
 

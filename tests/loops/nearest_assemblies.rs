@@ -137,8 +137,8 @@ fn source_joint_moves_its_mimic_joint() {
         let mut q = [(); 4].map(|()| random.within(-PI, PI));
         closure.close(&mut q).unwrap();
         assert!(closure.gaps(&q).unwrap()[0].is_closed());
-        let off = q[3] - (0.25 * q[2] + 0.1);
-        assert!(off.abs() < 1e-12, "{case}: {off}");
+        let deviation = q[3] - (0.25 * q[2] + 0.1);
+        assert!(deviation.abs() < 1e-12, "{case}: {deviation}");
     }
 }
 

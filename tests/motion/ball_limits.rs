@@ -371,12 +371,12 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
         MotionSolver::default().solve(&motion?, &ball.0.neutral())
     };
     // 1.8 rad in 12 steps.
-    let least = 1.8 / 12.0 / STEP;
+    let min_speed = 1.8 / 12.0 / STEP;
     let too_far = MotionError::TooFar {
         joint: "hip".to_owned(),
     };
-    assert_eq!(between(0.999 * least, &ends).unwrap_err(), too_far);
-    for speed in [1.001 * least, 1.5 * least] {
+    assert_eq!(between(0.999 * min_speed, &ends).unwrap_err(), too_far);
+    for speed in [1.001 * min_speed, 1.5 * min_speed] {
         let solved = between(speed, &ends).unwrap();
         for (frame, end) in [(0, &ends[0]), (12, &ends[1])] {
             let deviation = angle(between_frames(&solved, frame, end));

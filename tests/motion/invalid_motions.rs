@@ -184,8 +184,8 @@ fn lowest_of_several_velocity_limits_counts() {
         let places: Vec<f64> = (0..12)
             .map(|frame| solved.frame(frame).unwrap()[0])
             .collect();
-        let most = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let largest = most.fold(0.0, f64::max);
+        let changes = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let largest = changes.fold(0.0, f64::max);
         assert!((largest - 0.005).abs() < 1e-6, "{speeds:?}: {largest}");
     }
 }

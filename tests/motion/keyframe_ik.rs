@@ -196,8 +196,8 @@ fn no_small_change_of_keys_lowers_the_cost() {
             keys.flat_map(|(new, old)| [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).powi(2)));
         deviation + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
     };
-    let least = cost(&edited.clip);
-    assert!(least < 0.05 * cost(&clip));
+    let solved_cost = cost(&edited.clip);
+    assert!(solved_cost < 0.05 * cost(&clip));
     let mut random = Random::new(5);
     let mut tried = 0;
     for _ in 0..300 {
@@ -217,8 +217,8 @@ fn no_small_change_of_keys_lowers_the_cost() {
         tried += 1;
         let other = cost(&EulerClip::new(tracks).unwrap());
         assert!(
-            other > least - 1e-6,
-            "key {key} of bone {bone}: {other} {least}"
+            other > solved_cost - 1e-6,
+            "key {key} of bone {bone}: {other} {solved_cost}"
         );
     }
     assert!(tried > 50, "{tried}");
@@ -281,11 +281,11 @@ fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
 fn hand_distance(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times = (0..=200).map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 200.0);
-    let off = times.map(|time| {
+    let deviations = times.map(|time| {
         let [one, other] = [one, other].map(|clip| tip(&rig.skeleton, clip, hand, time));
         one.distance(other)
     });
-    off.fold(0.0, f64::max)
+    deviations.fold(0.0, f64::max)
 }
 
 /// A reach along the hand's curve in a clip.
@@ -495,19 +495,22 @@ fn clamped_last_key_is_compensated_by_others() {
     let cost = |of: &EulerClip| {
         let hand = skeleton.bone(HAND).unwrap();
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-        let off = moments.map(|time| {
+        let deviations = moments.map(|time| {
             let [actual, expected] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
             actual.distance_squared(expected)
         });
-        off.sum::<f64>()
+        deviations.sum::<f64>()
     };
-    let least = cost(&edited.clip);
+    let solved_cost = cost(&edited.clip);
     for (key, by) in [(13, 0.01), (13, -0.01), (14, 0.01), (14, -0.01)] {
         let mut tracks = edited.clip.tracks().to_vec();
         for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
             track.keys[key].angles[1] += by;
         }
         let other = cost(&EulerClip::new(tracks).unwrap());
-        assert!(other > least - 1e-6, "key {key} by {by}: {other} {least}");
+        assert!(
+            other > solved_cost - 1e-6,
+            "key {key} by {by}: {other} {solved_cost}"
+        );
     }
 }

@@ -45,13 +45,16 @@ fn online_retargeter_locks_contacts_of_the_subject() {
     let torso = model.frame("torso").unwrap();
     let mut kinematics = ForwardKinematics::new(model);
     let mut anchor: Option<[Vector3<f64>; 2]> = None;
-    let most = robot.moves_within(1.0 / 30.0);
+    let max_moves = robot.moves_within(1.0 / 30.0);
     let mut before: Option<Vec<f64>> = None;
     for frame in 0..capture.frames() {
         let q = live.step(capture.frame(frame).unwrap()).unwrap().to_vec();
         assert!(model.is_within_limits(&q));
         for (k, (now, then)) in q.iter().zip(before.iter().flatten()).enumerate() {
-            assert!((now - then).abs() <= most[k], "number {k} of frame {frame}");
+            assert!(
+                (now - then).abs() <= max_moves[k],
+                "number {k} of frame {frame}"
+            );
         }
         let placed = kinematics.place(&q).unwrap();
         let at = soles.map(|sole| placed[sole.index()].translation);
@@ -152,7 +155,7 @@ fn limits_and_errors_are_reported_correctly() {
     assert!((mean - found.mean_error).abs() < 1e-12);
     let met = retargeting.active_limits(&found);
     let model = robot.model();
-    let most = robot.moves_within(1.0 / 30.0);
+    let max_moves = robot.moves_within(1.0 / 30.0);
     assert!(
         met.iter()
             .any(|met| met.bound == MotionBound::Speed && met.frames.contains(&10))
@@ -163,7 +166,7 @@ fn limits_and_errors_are_reported_correctly() {
         let value = |frame: usize| found.q[frame * found.configuration_len + at];
         for frame in met.frames {
             let deviation = match met.bound {
-                MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - most[at],
+                MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - max_moves[at],
                 _ => {
                     let limits = model.joints()[id.index()].limits;
                     (value(frame) - limits.lower)

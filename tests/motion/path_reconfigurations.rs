@@ -225,21 +225,21 @@ fn joint_continues_from_the_nearest_turn_after_jump() {
 #[test]
 fn fewer_reconfigurations_precede_shorter_length() {
     let mut builder = Model::builder("planar");
-    let (here, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
+    let (identity, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
     let mut last = None;
-    builder.frame("base", None, here);
+    builder.frame("base", None, identity);
     for (name, at, lower) in [
-        ("shoulder", here, -3.0),
+        ("shoulder", identity, -3.0),
         ("elbow", Placement::translation(x), -3.0),
         ("hand", Placement::translation(x), -3.25),
     ] {
         last = Some(builder.revolute(name, last, at, z, Limits::new(lower, 3.0)));
     }
-    builder.frame("tool", last, here);
+    builder.frame("tool", last, identity);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     let arm = arm.build().unwrap();
-    let same = arm.with_tool(here).unwrap();
+    let same = arm.with_tool(identity).unwrap();
     let start = [0.2, 1.0, 1.5];
     let hands = [1.5].into_iter();
     let hands = hands.chain((0..=20).map(|k| 2.9 + 0.05 * f64::from(k)));

@@ -68,10 +68,11 @@ fn cyclic_path_has_equal_length_from_any_point() {
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
         solution.length
     });
-    let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
-        (least.min(*length), most.max(*length))
-    });
-    assert!(most < least * (1.0 + 1e-4), "{lengths:?}");
+    let (shortest, longest) = (lengths.iter())
+        .fold((f64::MAX, 0.0_f64), |(shortest, longest), length| {
+            (shortest.min(*length), longest.max(*length))
+        });
+    assert!(longest < shortest * (1.0 + 1e-4), "{lengths:?}");
 }
 
 /// The tool makes one full rotation along the path. A last joint with limits has to rewind it.

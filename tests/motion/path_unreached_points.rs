@@ -31,8 +31,8 @@ fn path_leaving_the_workspace_reports_where() {
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert_eq!(solution.rows().len(), 81);
         // Between unreached points the tool does not follow the path, so no deviation counts.
-        let off = solution.largest_deviation.metres;
-        assert!(off < 5e-3, "{name}: {off}");
+        let deviation = solution.largest_deviation.metres;
+        assert!(deviation < 5e-3, "{name}: {deviation}");
         let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
         assert!(
             missed.contains(&40) && !missed.contains(&0) && !missed.contains(&80),

@@ -291,8 +291,8 @@ fn released_foot_returns_smoothly() {
     let (gone, stayed) = (course(0.04), course(0.0));
     let apart: Vec<f64> = gone.iter().zip(&stayed).map(|(a, b)| a - b).collect();
     assert!(apart[59] < 0.01 && apart[119] > 0.03, "{apart:?}");
-    let most = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
-    let largest = most.fold(0.0, f64::max);
+    let changes = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
+    let largest = changes.fold(0.0, f64::max);
     // At most 1.7 times the mean over the 16 frames of a release.
     assert!(largest < 1.7 * 0.04 / 16.0, "{largest} m in a frame");
 }

@@ -124,10 +124,10 @@ fn twists(
     route: Derivatives,
 ) -> DMatrix<f64> {
     let mut kinematics = ForwardKinematics::under(model, map, &[frame]).unwrap();
-    let here = kinematics.place(x).unwrap()[0];
+    let frame_pose = kinematics.place(x).unwrap()[0];
     let mut builder = Problem::builder(model);
     builder.parameters(map.clone());
-    let task = Task::new(Pose::new(frame, here));
+    let task = Task::new(Pose::new(frame, frame_pose));
     builder.add(
         task.weight(Quantity::Metres, 1.0)
             .weight(Quantity::Radians, 1.0),

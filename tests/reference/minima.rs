@@ -117,14 +117,14 @@ fn costs_and_kkt_residuals_equal_the_references() {
     for statement in &problems {
         let problem = problem(statement, &models[&statement.model]);
         for (tool, result) in &statement.answers {
-            let here = measure(&problem, &result.x);
-            let deviation = (here.cost - result.cost).abs() / result.cost.max(1e-6);
+            let measured = measure(&problem, &result.x);
+            let deviation = (measured.cost - result.cost).abs() / result.cost.max(1e-6);
             assert!(
                 deviation < 1e-12,
                 "{}, {tool}: cost off by {deviation:e}",
                 statement.name
             );
-            let deviation = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
+            let deviation = (measured.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
             assert!(
                 deviation < 1e-10,
                 "{}, {tool}: kkt off by {deviation:e}",
@@ -144,17 +144,22 @@ struct Verdict<'a> {
 fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
     let problem = problem(statement, loaded);
     let solution = solve(statement, &problem);
-    let here = measure(&problem, &variables(&problem, &solution.q));
+    let measured = measure(&problem, &variables(&problem, &solution.q));
     let best = statement.minima[statement.best].cost;
-    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(ZERO_COST);
+    let reported = (solution.cost - measured.cost).abs() <= 1e-12 * measured.cost.max(ZERO_COST);
     assert!(reported, "{}: {} told", statement.name, solution.cost);
-    let moving = !solution.reached && here.cosine > MAX_GRADIENT_COSINE;
-    let above = here.cost > best * (1.0 + COST_TOLERANCE) + ZERO_COST;
+    let moving = !solution.reached && measured.cosine > MAX_GRADIENT_COSINE;
+    let above = measured.cost > best * (1.0 + COST_TOLERANCE) + ZERO_COST;
     Verdict {
         name: &statement.name,
-        not_stationary: moving
-            .then(|| format!("{} at a cosine of {:e}", solution.termination, here.cosine)),
-        above_the_best: above.then(|| format!("{:.9e}, the best known is {best:.9e}", here.cost)),
+        not_stationary: moving.then(|| {
+            format!(
+                "{} at a cosine of {:e}",
+                solution.termination, measured.cosine
+            )
+        }),
+        above_the_best: above
+            .then(|| format!("{:.9e}, the best known is {best:.9e}", measured.cost)),
     }
 }
 

@@ -58,10 +58,10 @@ fn posed_vertices_equal_the_reference() {
             for method in SkinningMethod::ALL {
                 let expected = &pose[method.name()];
                 let posed = method.mesh(mesh, weights, &transforms).unwrap();
-                let off = largest_deviation(entry, expected, posed.positions());
+                let deviation = largest_deviation(entry, expected, posed.positions());
                 assert!(
-                    off < 1e-5 * mesh.size(),
-                    "{method} {}: off by {off}",
+                    deviation < 1e-5 * mesh.size(),
+                    "{method} {}: off by {deviation}",
                     entry["file"]
                 );
 
@@ -103,8 +103,8 @@ fn vertices_of_packed_weights_equal_the_reference() {
             for (name, method) in ways {
                 let mut posed = mesh.positions().to_vec();
                 method.positions(mesh.positions(), &mut posed).unwrap();
-                let off = largest_deviation(entry, &pose[name], &posed);
-                assert!(off < 1e-5 * mesh.size(), "{name}: off by {off}");
+                let deviation = largest_deviation(entry, &pose[name], &posed);
+                assert!(deviation < 1e-5 * mesh.size(), "{name}: off by {deviation}");
                 compared += 1;
             }
         }

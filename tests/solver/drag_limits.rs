@@ -81,8 +81,9 @@ impl Body {
         let mut kinematics = ForwardKinematics::of_frames(self.model(), &self.feet).unwrap();
         let start = kinematics.place(&self.stance).unwrap().to_vec();
         let now = kinematics.place(q).unwrap();
-        let off = start.iter().zip(now);
-        off.map(|(a, b)| (a.translation - b.translation).norm())
+        let deviations = start.iter().zip(now);
+        deviations
+            .map(|(a, b)| (a.translation - b.translation).norm())
             .fold(0.0, f64::max)
     }
 }

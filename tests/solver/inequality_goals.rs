@@ -182,9 +182,9 @@ fn sledge_in_triangle_reaches_closest_point() {
             let solution = Solver::default()
                 .solve_once(&builder.build().unwrap(), &start)
                 .unwrap();
-            let off = f64::hypot(solution.q[0] - best[0], solution.q[1] - best[1]);
+            let deviation = f64::hypot(solution.q[0] - best[0], solution.q[1] - best[1]);
             assert!(
-                off < 2e-6,
+                deviation < 2e-6,
                 "{what} {seed}: {:?}, not {best:?}: {}",
                 solution.q,
                 solution.explain()

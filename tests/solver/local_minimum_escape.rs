@@ -68,8 +68,8 @@ impl Scene {
         let moves = self.drag.q().iter().zip(&before);
         let furthest = moves.map(|(a, b)| (a - b).abs());
         let placed = self.kinematics.place(self.drag.q()).unwrap();
-        let off = self.pinned.iter().zip(placed);
-        let deviation = off.map(|((_, target), now)| (now.translation - *target).norm());
+        let deviations = self.pinned.iter().zip(placed);
+        let deviation = deviations.map(|((_, target), now)| (now.translation - *target).norm());
         self.most[0] = furthest.fold(self.most[0], f64::max);
         self.most[1] = deviation.fold(self.most[1], f64::max);
     }

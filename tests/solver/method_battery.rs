@@ -322,9 +322,9 @@ fn outcome_reports_the_projected_gradient() {
         problem.jacobian(memory.x(), &mut jacobian);
         let gradient = jacobian.transpose() * DVector::from_column_slice(memory.residual());
         let moved = memory.x().iter().zip(&gradient).enumerate();
-        let norm = moved.fold(0.0, |most: f64, (k, (x, g))| {
+        let norm = moved.fold(0.0, |largest: f64, (k, (x, g))| {
             let projected = (x - g).clamp(problem.lower[k], problem.upper[k]);
-            most.max((projected - x).abs())
+            largest.max((projected - x).abs())
         });
         let reported = outcome.projected_gradient.unwrap();
         assert!(

@@ -45,8 +45,8 @@ fn quaternion(q: na::UnitQuaternion<f64>) -> [f64; 4] {
     [q.w, q.i, q.j, q.k]
 }
 
-fn random_turn(random: &mut Random, most: f64) -> na::UnitQuaternion<f64> {
-    na::UnitQuaternion::from_axis_angle(&random.direction(), random.within(0.0, most))
+fn random_turn(random: &mut Random, max_angle: f64) -> na::UnitQuaternion<f64> {
+    na::UnitQuaternion::from_axis_angle(&random.direction(), random.within(0.0, max_angle))
 }
 
 #[test]

@@ -121,12 +121,12 @@ fn attempts_stay_within_the_limit() {
         let second: Add<'_> = &|builder| {
             builder.add(Task::new(conflict.elbow()).at_level(1));
         };
-        for most in [1, 2, 7] {
-            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(most));
+        for limit in [1, 2, 7] {
+            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(limit));
             let both = conflict.problem(&[first, second]);
             let solution = solver.solve_once(&both, &conflict.start).unwrap();
             assert!(
-                (1..=most).contains(&solution.attempts),
+                (1..=limit).contains(&solution.attempts),
                 "{}",
                 solution.explain()
             );

@@ -435,10 +435,10 @@ fn at_least_one_attempt_converges() {
     builder.add(Point::new(model.frame("tip").unwrap(), [1.5, 3.0, 0.0]));
     let problem = builder.build().unwrap();
     let mut later = 0;
-    for most in 1..12 {
+    for limit in 1..12 {
         let [none, one] = [0, 1].map(|agreeing| {
             let solver = Solver::default()
-                .with_stopping(Stopping::default().with_max_iterations(most))
+                .with_stopping(Stopping::default().with_max_iterations(limit))
                 .with_restarts(Restarts::default().with_agreeing(agreeing));
             solver.solve_once(&problem, &[-0.9, 0.8, -0.9])
         });

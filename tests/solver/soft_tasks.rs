@@ -218,11 +218,11 @@ impl Residual for Sum {
 fn soft_task_on_two_joints_moves_both() {
     let mut builder = Model::builder("three joints at one place");
     let z = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
-    let (here, link) = (
+    let (identity, link) = (
         Placement::identity(),
         Placement::translation([1.0, 0.0, 0.0].into()),
     );
-    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, here, z));
+    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, identity, z));
     let tip = builder.frame("tip", Some(c), link);
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);

@@ -322,17 +322,17 @@ fn conflicting_levels_come_to_rest() {
         );
         position * position + turn * turn
     };
-    let mut least = f64::INFINITY;
+    let mut smallest = f64::INFINITY;
     // The robot weighs metres and radians differently, so one may improve slightly at the other's cost.
     const COST_RATIO_TOLERANCE: f64 = 1.0 + 1e-5;
     for frame in 0..200 {
         drag.advance();
         let now = missed(&drag);
         assert!(
-            now < least * COST_RATIO_TOLERANCE,
-            "frame {frame}: {now} after {least}"
+            now < smallest * COST_RATIO_TOLERANCE,
+            "frame {frame}: {now} after {smallest}"
         );
-        least = now;
+        smallest = now;
         if drag.is_at_rest() {
             break;
         }

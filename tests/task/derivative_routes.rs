@@ -43,17 +43,19 @@ fn gradient(problem: &Problem, route: Derivatives, x: &[f64]) -> (Vec<f64>, DVec
 }
 
 fn size(matrix: &DMatrix<f64>) -> f64 {
-    matrix.iter().fold(1.0, |most: f64, v| most.max(v.abs()))
+    matrix
+        .iter()
+        .fold(1.0, |largest: f64, v| largest.max(v.abs()))
 }
 
 /// Largest difference over the largest entry; NaN counts as infinite.
 fn relative(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    let largest = differences.fold(0.0, |most: f64, d| {
+    let largest = differences.fold(0.0, |largest: f64, d| {
         if d.is_nan() {
             f64::INFINITY
         } else {
-            most.max(d)
+            largest.max(d)
         }
     });
     largest / size(b)

@@ -114,7 +114,9 @@ fn derivative_routes_match_the_scalar_residual() {
             let mut x = vec![0.0; exact.variables()];
             exact.parameters().reduce(&q, &mut x).unwrap();
             let expected = jacobian(&exact, &x);
-            let size = expected.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+            let size = expected
+                .iter()
+                .fold(1.0, |largest: f64, v| largest.max(v.abs()));
             for by_hand in [true, false] {
                 let allowed = if by_hand { 1e-12 } else { 1e-8 };
                 let numeric = problem(&tree, Numeric(mixed(by_hand)), is_bounded);

@@ -221,12 +221,12 @@ fn targets_of_every_kind_move_by_the_step() {
     use kinopt::model::{Limits, Masses, PointMass};
     use kinopt::task::{Camera, CentreOfMass, Distance, JointCoupling, Pixel, Posture};
     let mut builder = Model::builder("hinges");
-    let (here, mut last, mut frames, mut joints) =
+    let (identity, mut last, mut frames, mut joints) =
         (Placement::identity(), None, Vec::new(), Vec::new());
     for (name, axis) in ["a", "b", "c"].iter().zip(Vector3::UNITS) {
-        last = Some(builder.revolute(*name, last, here, axis, Limits::new(-1.0, 1.0)));
+        last = Some(builder.revolute(*name, last, identity, axis, Limits::new(-1.0, 1.0)));
         joints.extend(last);
-        frames.push(builder.frame(*name, last, here));
+        frames.push(builder.frame(*name, last, identity));
     }
     let model = builder.build().unwrap();
     let [a, b] = [frames[0], frames[1]];

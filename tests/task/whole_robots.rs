@@ -383,8 +383,8 @@ fn balanced_robot_does_not_move() {
         [solution.q[0], solution.q[1]]
     };
     let check = |found: [f64; 2], expected: [f64; 2]| {
-        let off = f64::hypot(found[0] - expected[0], found[1] - expected[1]);
-        assert!(off < 2e-6, "{found:?} {expected:?}");
+        let deviation = f64::hypot(found[0] - expected[0], found[1] - expected[1]);
+        assert!(deviation < 2e-6, "{found:?} {expected:?}");
     };
     assert_eq!(solve(&triangle, [0.5, 0.4]), [0.5, 0.4]);
     check(solve(&triangle, [-2.0, 1.0]), [0.0, 1.0]);
