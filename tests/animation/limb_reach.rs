@@ -155,7 +155,7 @@ fn bend_follows_by_the_shortest_rotation() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(97);
-    let mut far = 0;
+    let mut large_turns = 0;
     for _ in 0..60 {
         let pose = bent(&armature, &mut random);
         let before = joint_positions(&armature, &pose);
@@ -176,7 +176,7 @@ fn bend_follows_by_the_shortest_rotation() {
         let carried = turn * across(&before).normalize();
         let apart = (across(&after).normalize() - carried).length();
         assert!(apart < 1e-3, "{apart}");
-        far += usize::from(old.dot(new) < 0.5);
+        large_turns += usize::from(old.dot(new) < 0.5);
     }
-    assert!(far > 10, "{far}");
+    assert!(large_turns > 10, "{large_turns}");
 }

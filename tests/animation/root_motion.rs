@@ -122,8 +122,8 @@ fn motion_continues_over_loop_ends() {
     assert_eq!(motion.after(7.0, Playback::Hold), whole);
     assert_eq!(motion.after(3.0, Playback::PingPong), motion.at(1.0));
     // Twelve thousand loops later: the same circle.
-    let far = motion.after(24_000.0, Playback::Loop);
-    assert!(far.is_finite() && far.translation.length() < 10.0);
+    let after_hours = motion.after(24_000.0, Playback::Loop);
+    assert!(after_hours.is_finite() && after_hours.translation.length() < 10.0);
 }
 
 #[test]

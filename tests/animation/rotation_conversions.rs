@@ -193,9 +193,9 @@ fn x_then_y_then_z_equals_zyx_order() {
 fn gimbal_lock_merges_two_angles() {
     // With β = 90° only α − γ counts; the third degree of freedom is lost.
     let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
-    for by in [0.1, -0.9, 2.0] {
-        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7 + by), 1e-15));
-        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7), 0.05));
+    for shift in [0.1, -0.9, 2.0] {
+        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + shift, 0.7 + shift), 1e-15));
+        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + shift, 0.7), 0.05));
     }
     let found = EulerOrder::Zyx.from_matrix(&locked(0.3, 0.7));
     assert!(found.gimbal_lock);

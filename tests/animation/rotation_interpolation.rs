@@ -193,8 +193,8 @@ fn both_slerp_formulas_agree() {
             let ours = slerp(from, to, t as f32).as_dquat();
             assert!((both - turned).length() < 1e-6 && (both - ours).length() < 2e-6);
             // Opposite quaternions are one rotation: the sign is changed first.
-            let far = slerp(from, -to, t as f32).as_dquat();
-            assert!((both - far).length() < 2e-6);
+            let other_cover = slerp(from, -to, t as f32).as_dquat();
+            assert!((both - other_cover).length() < 2e-6);
         }
     }
 }

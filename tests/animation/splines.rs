@@ -162,10 +162,14 @@ fn bezier_stays_within_its_hull() {
         let curve = CubicBezier::new(points(&mut random));
         for _ in 0..40 {
             let [out] = points::<1>(&mut random);
-            let far = |p: DVec3| p.dot(out);
-            let furthest = curve.points.map(far).into_iter().fold(f64::MIN, f64::max);
+            let along_outward = |p: DVec3| p.dot(out);
+            let furthest = curve
+                .points
+                .map(along_outward)
+                .into_iter()
+                .fold(f64::MIN, f64::max);
             for u in 0..=20 {
-                assert!(far(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
+                assert!(along_outward(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
             }
         }
     }

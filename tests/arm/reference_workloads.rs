@@ -33,7 +33,7 @@ struct Bench {
     work: Workload,
     robot: Robot,
     tree: Tree,
-    wanted: Vec<Matrix>,
+    targets: Vec<Matrix>,
     goals: Vec<Placement<f64>>,
 }
 
@@ -59,7 +59,7 @@ impl Bench {
             goals: target.iter().map(placement).collect(),
             robot: Robot::read(&urdf).unwrap(),
             tree: Tree::read(&urdf),
-            wanted: target,
+            targets: target,
             work,
         }
     }
@@ -81,7 +81,7 @@ impl Bench {
         let names = self.work.joint_names.iter().map(String::as_str);
         let values: Vec<_> = names.zip(solution.q.iter().copied()).collect();
         let found = (self.tree).base_from_tip(&self.work.base_link, &self.work.tip_link, &values);
-        let (metres, radians) = apart(&found, &self.wanted[index]);
+        let (metres, radians) = apart(&found, &self.targets[index]);
         assert!(
             solution.reached && metres <= 1e-6 && radians <= 1e-6,
             "pose {index}: {metres:e} m, {radians:e} rad: {}",
@@ -96,7 +96,7 @@ impl Bench {
 
 /// Checks that the workload's numbers match the matrices.
 fn assert_truth(bench: &Bench) {
-    for (truth, target) in bench.work.truth.iter().zip(&bench.wanted).take(50) {
+    for (truth, target) in bench.work.truth.iter().zip(&bench.targets).take(50) {
         let names = bench.work.joint_names.iter().map(String::as_str);
         let values: Vec<_> = names.zip(truth.iter().copied()).collect();
         let Workload {

@@ -23,14 +23,14 @@ struct Reach<'a> {
     robot: &'a Robot,
     arm: &'a Arm,
     ends: (&'a str, &'a str),
-    wanted: Isometry3<f64>,
+    target: Isometry3<f64>,
 }
 
 impl Reach<'_> {
     /// ½(metres² + (weight · radians)²) by nalgebra's kinematics.
     fn cost(&self, q: &[f64]) -> f64 {
         let at = base_from_tip(self.robot.model(), self.arm, q, self.ends.0, self.ends.1);
-        let (metres, radians) = apart(&at, &self.wanted);
+        let (metres, radians) = apart(&at, &self.target);
         0.5 * (metres * metres + METRES_PER_RADIAN * METRES_PER_RADIAN * radians * radians)
     }
 
@@ -127,7 +127,7 @@ fn stationary(name: &str, base: &str, tip: &str) {
                 robot,
                 arm,
                 ends,
-                wanted: target,
+                target,
             }
             .check(&solution);
             missed += 1;

@@ -18,7 +18,7 @@ struct Counts {
     missed: usize,
     /// Steps in which a joint moves by more than 0.2 rad or m, and those of them that end in a miss.
     jumps: usize,
-    leaps: usize,
+    unreached_jumps: usize,
 }
 
 fn longest(a: &[f64], b: &[f64]) -> f64 {
@@ -33,7 +33,7 @@ impl Counts {
         self.missed += usize::from(!to.reached);
         let is_jump = longest(from, &to.q) > 0.2;
         self.jumps += usize::from(is_jump);
-        self.leaps += usize::from(is_jump && !to.reached);
+        self.unreached_jumps += usize::from(is_jump && !to.reached);
     }
 }
 
@@ -111,7 +111,7 @@ fn track_never_jumps() {
 fn miss_stays_near_the_start() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
         let seen = follow(name, by_solve, cases(4, 1));
-        assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
+        assert_eq!(seen.unreached_jumps, 0, "{name}: {seen:?}");
     }
 }
 

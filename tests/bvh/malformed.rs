@@ -504,11 +504,11 @@ fn missing_file_is_named() {
 /// Positions are bounded, so that no sum overflows. Angles are periodic, and a rotating sensor counts full turns.
 #[test]
 fn positions_are_bounded_and_angles_are_not() {
-    let far = VALID_FILE.replace("1.25 9 3 11", "1.25 9 3 1e32");
-    assert!(read(&far).is_ok());
+    let text = VALID_FILE.replace("1.25 9 3 11", "1.25 9 3 1e32");
+    assert!(read(&text).is_ok());
     for beyond in ["1e32", "-1e32"] {
-        let far = VALID_FILE.replace("1.25 9 3 11", &format!("1.25 {beyond} 3 11"));
-        refused(&far, &["Yposition"]);
+        let text = VALID_FILE.replace("1.25 9 3 11", &format!("1.25 {beyond} 3 11"));
+        refused(&text, &["Yposition"]);
     }
 }
 

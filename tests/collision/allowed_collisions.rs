@@ -161,8 +161,8 @@ fn arm_reaches_into_an_allowed_obstacle() {
     }
     let lenient = strict.clone().with_world(&world).unwrap();
     let down = |k: usize| {
-        let by = Vector3::new(0.0, 0.0, 0.1 * k as f64 / 20.0);
-        Placement::new(begin.rotation, begin.translation - by)
+        let offset = Vector3::new(0.0, 0.0, 0.1 * k as f64 / 20.0);
+        Placement::new(begin.rotation, begin.translation - offset)
     };
     let path: Vec<_> = (0..=20).map(down).collect();
     let with = |checker: &Checker| bare.clone().with_checker(checker, &rest).unwrap();
@@ -271,8 +271,8 @@ fn permissions_do_not_depend_on_insertion_order() {
     ] {
         let mut world = world.clone();
         for name in names {
-            let far = if name == near { 0.0 } else { 5.0 };
-            let at = held + Vector3::new(0.0, 0.0, far);
+            let height = if name == near { 0.0 } else { 5.0 };
+            let at = held + Vector3::new(0.0, 0.0, height);
             world.add_sphere(name, 0.03, at).unwrap();
         }
         checker = checker.with_world(&world).unwrap();

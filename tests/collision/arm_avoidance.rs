@@ -83,10 +83,10 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
             _ => Shape::convex(&(0..8).map(corner).collect::<Vec<_>>()),
         };
         let around = random.within(-3.1, 3.1);
-        let far = random.within(0.35, 0.8);
+        let distance = random.within(0.35, 0.8);
         let position = Vector3::new(
-            far * around.cos(),
-            far * around.sin(),
+            distance * around.cos(),
+            distance * around.sin(),
             random.within(0.1, 1.0),
         );
         let turn = [(); 3].map(|()| random.within(-2.0, 2.0));
@@ -319,8 +319,8 @@ fn target_in_an_obstacle_is_reported() {
     assert_eq!(batch[0].q, solution.q);
     assert_eq!(batch[0].collisions(), solution.collisions());
     // A target out of reach is not reported as in contact.
-    let far = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
-    let solution = panda.arm.solve(far, &goal).unwrap();
+    let unreachable = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
+    let solution = panda.arm.solve(unreachable, &goal).unwrap();
     assert!(!solution.reached && !solution.goals_reached());
 }
 

@@ -283,8 +283,8 @@ fn motion_is_free_up_to_contact() {
         "{} {exact}",
         motion.free
     );
-    let by = motion.blocked_by.unwrap();
-    assert_eq!((by.first.as_str(), by.second.as_str()), ("c", "wall"));
+    let pair = motion.blocked_by.unwrap();
+    assert_eq!((pair.first.as_str(), pair.second.as_str()), ("c", "wall"));
     // Short of contact the motion is free, in both directions.
     let short = [0.999 * touches, 0.0, 0.0];
     for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {

@@ -40,8 +40,8 @@ fn contact_is_no_deeper_than_its_motion() {
             continue;
         }
         for depth in [0.0, 1e-13, 1e-9, 1e-6, 1e-4] {
-            let by = before.normal * -(before.distance + depth);
-            let at_b = Placement::new(at_b.rotation, at_b.translation + by);
+            let offset = before.normal * -(before.distance + depth);
+            let at_b = Placement::new(at_b.rotation, at_b.translation + offset);
             let found = separation(&a.shape(), &at_a, &b.shape(), &at_b);
             let smallest = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
             let what =

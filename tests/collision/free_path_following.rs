@@ -101,10 +101,10 @@ fn waves(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
 fn obstacles(random: &mut Random) -> World {
     let mut world = World::new();
     for index in 0..OBSTACLES {
-        let (around, far) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
+        let (around, distance) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
         let at = Vector3::new(
-            far * around.cos(),
-            far * around.sin(),
+            distance * around.cos(),
+            distance * around.sin(),
             random.within(0.1, 1.1),
         );
         let name = format!("thing {index}");
@@ -164,7 +164,7 @@ fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
     let mut world = World::new();
     let rim = 0.5 * (whole - window);
     let offset = 0.5 * (window + rim);
-    for (name, size, by) in [
+    for (name, size, offset) in [
         ("left", [thick, rim, whole], Vector3::new(0.0, offset, 0.0)),
         (
             "right",
@@ -182,7 +182,7 @@ fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
             Vector3::new(0.0, 0.0, -offset),
         ),
     ] {
-        world.add_box(name, size, middle + by).unwrap();
+        world.add_box(name, size, middle + offset).unwrap();
     }
     world
 }

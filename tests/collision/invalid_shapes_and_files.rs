@@ -166,9 +166,9 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
 #[test]
 fn placements_beyond_1e9_are_rejected() {
     let mut world = World::new();
-    for far in [1e300, -2e9, 1.1e9] {
+    for coordinate in [1e300, -2e9, 1.1e9] {
         let error = world
-            .add_sphere("moon", 0.1, Vector3::new(far, 0.0, 0.0))
+            .add_sphere("moon", 0.1, Vector3::new(coordinate, 0.0, 0.0))
             .unwrap_err();
         let message = error.to_string();
         assert!(
@@ -202,8 +202,8 @@ fn placements_beyond_1e9_are_rejected() {
 #[test]
 fn invalid_coordinates_are_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);
-    let far = Vector3::new(0.0, 1e300, 0.0);
-    for invalid in [nan, far] {
+    let far_point = Vector3::new(0.0, 1e300, 0.0);
+    for invalid in [nan, far_point] {
         let points = vec![Vector3::zero(), invalid, Vector3::zero(), Vector3::zero()];
         for reported in [
             Shape::convex(&points).unwrap_err(),

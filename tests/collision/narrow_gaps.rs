@@ -41,27 +41,27 @@ fn elbow_fits_between_two_spheres() {
         }
         let away = away * (1.0 / away.norm());
         let ball_position = |sign: f64| {
-            let ball = |far: f64| {
+            let ball = |distance: f64| {
                 let mut world = World::new();
-                let at = elbow + away * (sign * far);
+                let at = elbow + away * (sign * distance);
                 world
                     .add_sphere("ball", BALL_RADIUS, Placement::translation(at))
                     .unwrap();
                 world
             };
             // Nearest distance with the required clearance.
-            let (mut near, mut far) = (0.0, 2.0);
+            let (mut inner, mut outer) = (0.0, 2.0);
             for _ in 0..40 {
-                let middle = 0.5 * (near + far);
+                let middle = 0.5 * (inner + outer);
                 let among = checker.clone().with_world(&ball(middle)).unwrap();
                 let among = among.with_margin(CLEARANCE).unwrap();
                 let reported = among.collisions(&q).unwrap();
                 match reported.iter().any(|pair| pair.second == "ball") {
-                    true => near = middle,
-                    false => far = middle,
+                    true => inner = middle,
+                    false => outer = middle,
                 }
             }
-            elbow + away * (sign * far)
+            elbow + away * (sign * outer)
         };
         let mut world = World::new();
         for (name, sign) in [("left", -1.0), ("right", 1.0)] {

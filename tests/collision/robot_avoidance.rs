@@ -661,7 +661,7 @@ fn changed_clearance_equals_a_new_one() {
             .with_world(&world(height))
             .unwrap()
     };
-    let [near, far] = [checker(0.5), checker(0.9)];
+    let [near, other_checker] = [checker(0.5), checker(0.9)];
     let q = [0.0, 0.4, 0.0, -1.6, 0.0, 2.0, 0.7, 0.01, 0.01];
     let residual = |clearance: Clearance| {
         let mut tasks = Problem::builder(robot.model());
@@ -681,8 +681,8 @@ fn changed_clearance_equals_a_new_one() {
     let [small, large] = [0.05, 0.3].map(|distance| residual(Clearance::new(&near, distance)));
     assert_eq!(residual(set.clone()), large);
     assert_ne!(small, large);
-    set.set_checker(&far);
-    let expected = residual(Clearance::new(&far, 0.3));
+    set.set_checker(&other_checker);
+    let expected = residual(Clearance::new(&other_checker, 0.3));
     assert_eq!(residual(set), expected);
     assert_ne!(expected, large);
 }

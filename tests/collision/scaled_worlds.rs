@@ -84,6 +84,6 @@ fn attachment_is_kept_and_bad_scales_rejected() {
             "{message}"
         );
     }
-    let far = world.scaled(1e-320).unwrap_err();
-    assert!(matches!(far, WorldError::Shape { .. }), "{far}");
+    let error = world.scaled(1e-320).unwrap_err();
+    assert!(matches!(error, WorldError::Shape { .. }), "{error}");
 }

@@ -207,8 +207,8 @@ fn vertex_of_many_triangles_has_the_right_side() {
             });
             for k in 0..3 {
                 let direction = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
-                let far = 0.01 / direction.norm();
-                let reported = mesh.signed_distance(corner + direction * far);
+                let distance = 0.01 / direction.norm();
+                let reported = mesh.signed_distance(corner + direction * distance);
                 assert!((reported - 0.01).abs() < 1e-12, "{parts} {k}: {reported}");
                 assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
             }

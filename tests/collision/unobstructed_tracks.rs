@@ -34,8 +34,8 @@ fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
         .map(|limits| {
             let (lower, upper) = (limits.lower.max(-2.5), limits.upper.min(2.5));
             let from = random.within(lower, upper);
-            let by = random.within(-1.2, 1.2);
-            let to = (from + by).clamp(lower, upper);
+            let step = random.within(-1.2, 1.2);
+            let to = (from + step).clamp(lower, upper);
             (from, to, random.within(1.5, 4.5))
         })
         .collect();
@@ -102,8 +102,8 @@ fn far_first_target_is_solved_without_contact() {
     let Arms { plain, clear } = arms(&robot);
     let start = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = plain.base_from_tool(&start).unwrap();
-    let by = Vector3::new(0.0, 0.3, 0.0);
-    let target = Placement::new(begin.rotation, begin.translation + by);
+    let offset = Vector3::new(0.0, 0.3, 0.0);
+    let target = Placement::new(begin.rotation, begin.translation + offset);
     let in_collision = plain.track(&[target], &start).unwrap();
     assert!(
         in_collision.solutions[0].reached && distance(&start, &in_collision.solutions[0].q) > 0.2
@@ -138,8 +138,8 @@ fn blocked_track_does_not_jump() {
     let mut world = World::new();
     for ball in 0..10 {
         let around = random.within(-3.1, 3.1);
-        let (far, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
-        let position = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let (distance, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
+        let position = Vector3::new(distance * around.cos(), distance * around.sin(), high);
         let (name, radius) = (format!("ball {ball}"), random.within(0.03, 0.1));
         world.add_sphere(&name, radius, position).unwrap();
     }

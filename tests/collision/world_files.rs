@@ -112,10 +112,14 @@ fn json_round_trip_is_exact() {
             assert_eq!(one.attached, other.attached);
             assert_eq!(one.placement, other.placement);
             let at = Placement::translation(random.vector(2.0).into());
-            let far = |o: &kinopt::collision::Obstacle| {
+            let distance_of = |o: &kinopt::collision::Obstacle| {
                 separation(&probe, &at, &o.shape, &o.placement).distance
             };
-            assert!((far(one) - far(other)).abs() < 1e-14, "{}", one.name);
+            assert!(
+                (distance_of(one) - distance_of(other)).abs() < 1e-14,
+                "{}",
+                one.name
+            );
         }
     }
 }

@@ -248,9 +248,9 @@ fn motions_and_paths_survive_serde() {
         .unwrap();
     let start = [0.0, -0.3, 0.0, -1.8, 0.0, 1.5, 0.7];
     let from = arm.base_from_tool(&start).unwrap();
-    let mut far = from;
-    far.translation.x += 3.0;
-    let path = CartesianPath::new(vec![from, far]).unwrap();
+    let mut to = from;
+    to.translation.x += 3.0;
+    let path = CartesianPath::new(vec![from, to]).unwrap();
     let solved = PathSolver::new(&arm)
         .with_start(&start)
         .solve(&path)

@@ -43,7 +43,7 @@ fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
     let home = tree.frames_at(&zeros);
     let mut jacobian = DMatrix::zeros(6, q.len());
     let mut path = Vec::new();
-    let mut next = tree.hung[frame].0;
+    let mut next = tree.frame_offsets[frame].0;
     while let Some(joint) = next {
         path.insert(0, joint);
         next = tree.parts[joint].parent;
@@ -56,11 +56,11 @@ fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
         };
         // Every joint carries one frame, whose offset leads back to the joint.
         let hung = tree
-            .hung
+            .frame_offsets
             .iter()
             .position(|(on, _)| *on == Some(joint))
             .unwrap();
-        let at_zero = home[hung] * tree.hung[hung].1.inverse();
+        let at_zero = home[hung] * tree.frame_offsets[hung].1.inverse();
         let w = at_zero.rotation * part.axis.into_inner();
         let p = at_zero.translation.vector;
         let screw = match part.kind {

@@ -267,10 +267,10 @@ fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
     let two = builder.revolute("two", None, along_x(apart), Z, ROTATION_LIMITS);
     let x = Vector3::new(1.0, 0.0, 0.0);
     let rail = builder.prismatic("rail", Some(two), along_x(1.0), x, limits);
-    let far = builder.revolute("far", Some(rail), along_x(0.0), Z, ROTATION_LIMITS);
+    let far_joint = builder.revolute("far", Some(rail), along_x(0.0), Z, ROTATION_LIMITS);
     let ends = [
         builder.frame("one's end", Some(one), along_x(1.0)),
-        builder.frame("far end", Some(far), along_x(0.0)),
+        builder.frame("far end", Some(far_joint), along_x(0.0)),
     ];
     builder.close(Loop::connect("long", ends));
     builder

@@ -69,8 +69,8 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
-            let far = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
-            far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
+            let is_jump = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
+            is_jump && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
         assert_eq!(untold, None, "{name} {case}: {reported:?}");
         // A reported step exceeds the maximum step of a branch.

@@ -236,8 +236,8 @@ fn stepped(unit: f64) -> Vec<f64> {
     for step in 0..10 {
         let mut pose = crate::clip_ik::pose(&armature, &clip, f64::from(step) / 5.0);
         let foot = armature.model_from_bone(&pose, bones[2]).unwrap();
-        let by = Vec3A::new(0.02, 0.1, 0.03 * step as f32).as_dvec3() * unit;
-        let target = foot.translation + by.as_vec3a();
+        let offset = Vec3A::new(0.02, 0.1, 0.03 * step as f32).as_dvec3() * unit;
+        let target = foot.translation + offset.as_vec3a();
         let goal = LimbGoal::at(target);
         limb.reach(&armature, &mut pose, &goal).unwrap();
         found.extend(rotations(&pose));

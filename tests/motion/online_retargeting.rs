@@ -294,7 +294,7 @@ fn limb_without_length_pulls_at_nothing() {
         "drives": {"hips": "torso", "hand": "hand", "fingers": "fingers"}}"#;
     let places = (0..20).flat_map(|frame| {
         let (sin, cos) = (0.05 * f64::from(frame)).sin_cos();
-        let at = |far: f64| [far * cos, far * sin, 0.9];
+        let at = |distance: f64| [distance * cos, distance * sin, 0.9];
         [[0.0, 0.0, 0.9], at(0.5), at(0.7)].concat()
     });
     assert_follows(&robot, map, &places.collect::<Vec<f64>>());

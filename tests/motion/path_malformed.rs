@@ -35,8 +35,8 @@ fn invalid_curves_are_named() {
     let steps = CartesianPath::spline(vec![point(0.4), point(0.41)], None, 0);
     assert!(steps.unwrap_err().to_string().contains("steps"));
     // Each number is finite, the distance between them is not.
-    let far = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
-    assert!(matches!(far, Err(PathError::Curve(_))), "{far:?}");
+    let path = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
+    assert!(matches!(path, Err(PathError::Curve(_))), "{path:?}");
 }
 
 #[test]

@@ -305,10 +305,10 @@ fn change_of_tools_is_not_interpolated() {
             let moves = rows[*row].iter().zip(rows[row - 1]);
             moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) > 0.3 + 1e-9
         };
-        let far: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
+        let jumps: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
         assert!(
-            !solution.missed.is_empty() || far == breaks,
-            "{case}: {far:?} {breaks:?}"
+            !solution.missed.is_empty() || jumps == breaks,
+            "{case}: {jumps:?} {breaks:?}"
         );
         reported += usize::from(breaks.contains(&6));
     }

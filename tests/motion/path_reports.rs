@@ -98,11 +98,11 @@ fn path_is_not_entered_where_more_is_unreached() {
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
         .unwrap();
-    let far = [10, 20, 30];
+    let unreachable = [10, 20, 30];
     let points = (0..40).map(|k: usize| {
         let angle = 2.0 * TAU * k as f64 / 40.0;
         let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
-        let out = if far.contains(&k) { 3.0 } else { 0.0 };
+        let out = if unreachable.contains(&k) { 3.0 } else { 0.0 };
         Placement::new(turned, begin.translation + Vector3::new(out, 0.0, 0.0))
     });
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
@@ -110,7 +110,7 @@ fn path_is_not_entered_where_more_is_unreached() {
     let solver = PathSolver::new(&arm).with_max_step(0.5);
     let reported = solver.solve(&path).unwrap();
     assert!(
-        !far.contains(&reported.entry),
+        !unreachable.contains(&reported.entry),
         "entered at {}",
         reported.entry
     );
@@ -121,7 +121,7 @@ fn path_is_not_entered_where_more_is_unreached() {
         .map(|missed| (reported.entry + missed.index) % 40);
     let mut missed: Vec<usize> = missed.collect();
     missed.sort_unstable();
-    assert_eq!(missed, far);
+    assert_eq!(missed, unreachable);
 }
 
 /// The tool does not move while its joints have to pass a ball. Distributing this over neighbouring steps would lead

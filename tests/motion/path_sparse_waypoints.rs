@@ -15,7 +15,7 @@ use support::sample::{cases, few};
 /// A straight segment of at most 35 cm with a rotation of at most 1.5 rad, from a random pose.
 struct StraightSegment {
     begin: Placement<f64>,
-    by: Vector3<f64>,
+    displacement: Vector3<f64>,
     turn: Vector3<f64>,
 }
 
@@ -29,7 +29,7 @@ impl StraightSegment {
         };
         Self {
             begin: arm.base_from_tool(&q).unwrap(),
-            by: within(0.35),
+            displacement: within(0.35),
             turn: within(1.5),
         }
     }
@@ -38,7 +38,7 @@ impl StraightSegment {
         let point = |k: u32| {
             let share = f64::from(k) / f64::from(steps);
             let rotation = rotation_exp(self.turn * share) * self.begin.rotation;
-            Placement::new(rotation, self.begin.translation + self.by * share)
+            Placement::new(rotation, self.begin.translation + self.displacement * share)
         };
         (0..=steps).map(point).collect()
     }

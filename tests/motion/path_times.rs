@@ -16,8 +16,8 @@ fn solved() -> PathSolution {
         .unwrap();
     let point = |k: u32| {
         let (sin, cos) = (0.05 * f64::from(k)).sin_cos();
-        let by = Vector3::new(0.0, 0.08 * sin, 0.08 * (1.0 - cos));
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.08 * sin, 0.08 * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let path = CartesianPath::new((0..120).map(point).collect::<Vec<_>>()).unwrap();
     PathSolver::new(&arm).solve(&path).unwrap()
@@ -79,8 +79,8 @@ fn step_too_fast_for_its_time_is_reported() {
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
     let point = |k: u32| {
-        let by = Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let points: Vec<_> = (0..=40).map(point).collect();
     for hasty in [7, 20, 21, 40] {
@@ -130,8 +130,8 @@ fn ample_times_change_nothing() {
             .flat_map(|q| {
                 let end = arm.base_from_tool(q).unwrap();
                 (0..4).map(move |k| {
-                    let by = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
-                    Placement::new(end.rotation, end.translation + by)
+                    let offset = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
+                    Placement::new(end.rotation, end.translation + offset)
                 })
             })
             .collect();
@@ -187,8 +187,8 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
     let point = |k: u32| {
-        let by = Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let points: Vec<_> = (0..=150).map(point).collect();
     let path = CartesianPath::new(points).unwrap();

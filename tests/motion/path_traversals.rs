@@ -12,8 +12,8 @@ use support::arms::{planar_with_hand, robot, with_endless_joint};
 fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
     let point = |k: u32| {
         let (sin, cos) = (TAU * f64::from(k) / f64::from(points)).sin_cos();
-        let by = Vector3::new(0.0, radius * sin, radius * (1.0 - cos));
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, radius * sin, radius * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     (0..points).map(point).collect()
 }
@@ -249,8 +249,8 @@ fn points_for_two_tools_are_reached() {
     let begin = arm.base_from_tool(&q).unwrap();
     let points: Vec<_> = (0..40)
         .map(|k| {
-            let by = Vector3::new(0.0, 0.003 * f64::from(k), 0.0);
-            Placement::new(begin.rotation, begin.translation + by)
+            let offset = Vector3::new(0.0, 0.003 * f64::from(k), 0.0);
+            Placement::new(begin.rotation, begin.translation + offset)
         })
         .collect();
     let tools: Vec<usize> = (0..40).map(|k| usize::from(k >= 20)).collect();

@@ -87,12 +87,12 @@ fn free_position_is_never_beyond_reach() {
         .build()
         .unwrap();
     let begin = arm.base_from_tool(&[0.3]).unwrap();
-    let far = begin.translation + Vector3::new(30.0, 0.0, 0.0);
+    let position = begin.translation + Vector3::new(30.0, 0.0, 0.0);
     // Tilted increasingly, which the first joint cannot follow.
     let points: Vec<_> = (0..8)
         .map(|k| {
             let tilt = rotation_exp(Vector3::new(0.1 * f64::from(k), 0.0, 0.0));
-            Placement::new(tilt * begin.rotation, far)
+            Placement::new(tilt * begin.rotation, position)
         })
         .collect();
     let path = CartesianPath::new(points).unwrap();

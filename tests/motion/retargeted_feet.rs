@@ -269,12 +269,12 @@ fn released_foot_returns_smoothly() {
     };
     let toe = model.frame("left_toe").unwrap();
     // Forward position of the toe, frame by frame. The foot is locked for half a second while its target moves forward.
-    let course = |far: f64| -> Vec<f64> {
+    let course = |distance: f64| -> Vec<f64> {
         let mut follower = fitted.follower().unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let mut course = Vec::new();
         for frame in 0..120 {
-            let ahead = far * (f64::from(frame) / 50.0).min(1.0);
+            let ahead = distance * (f64::from(frame) / 50.0).min(1.0);
             let places = stood.iter().enumerate().map(|(k, at)| match is_foot(k) {
                 true => *at + Vector3::new(ahead, 0.0, 0.0),
                 false => *at,

@@ -251,8 +251,8 @@ fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
         let [from, to] = [pair[0], pair[1]].map(Vector3::from);
         let steps = ((to - from).norm() / row_distance).round() as u32;
         points.extend((1..=steps).map(|k| {
-            let by = from + (to - from) * (f64::from(k) / f64::from(steps));
-            Placement::new(begin.rotation, begin.translation + by)
+            let offset = from + (to - from) * (f64::from(k) / f64::from(steps));
+            Placement::new(begin.rotation, begin.translation + offset)
         }));
     }
     let path = CartesianPath::new(points).unwrap();

@@ -233,12 +233,12 @@ fn missing_joints_and_frames_are_named() {
     assert_eq!(lost.unwrap_err(), named);
     // At this distance positions are not resolved to a tenth of a millimetre.
     numbers[3 * 9 * 2 + 3 * 7 + 1] = -1e300;
-    let far = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
+    let result = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
     let named = RetargetError::TooFar {
         frame: 2,
         joint: "LeftHand".to_owned(),
     };
-    assert_eq!(far.unwrap_err(), named);
+    assert_eq!(result.unwrap_err(), named);
 }
 
 /// A file without frames is not a frame in the rest pose. A file with a frame in the rest pose is a motion.

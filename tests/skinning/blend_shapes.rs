@@ -66,10 +66,10 @@ fn common_displacement_is_kept() {
     // A common displacement of all shapes displaces the mean equally; a weight sum of 0.9 would scale it.
     let mut random = Random::new(2);
     let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
-    let by = Vec3::new(10.0, -20.0, 5.0);
+    let offset = Vec3::new(10.0, -20.0, 5.0);
     let moved: Vec<Vec<Vec3>> = list
         .iter()
-        .map(|shape| shape.iter().map(|p| *p + by).collect())
+        .map(|shape| shape.iter().map(|p| *p + offset).collect())
         .collect();
     let w = weights(&mut random);
     let (mut positions, mut moved_positions) =
@@ -77,7 +77,7 @@ fn common_displacement_is_kept() {
     named(&list).blend(&w, &mut positions).unwrap();
     named(&moved).blend(&w, &mut moved_positions).unwrap();
     for (position, moved_position) in positions.iter().zip(&moved_positions) {
-        assert!((*moved_position - *position - by).length() < 2e-5);
+        assert!((*moved_position - *position - offset).length() < 2e-5);
     }
 }
 

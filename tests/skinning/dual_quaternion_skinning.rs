@@ -132,9 +132,9 @@ fn stretch_is_applied_at_rest() {
     }
     // Without rotation, two phases equal linear blend.
     let both = self::weights(&[&[0.3, 0.7]]);
-    let scale = |by: f32, at: Vec3| {
+    let scale = |factor: f32, at: Vec3| {
         Affine3A::from_translation(at)
-            * Affine3A::from_scale(Vec3::splat(by))
+            * Affine3A::from_scale(Vec3::splat(factor))
             * Affine3A::from_translation(-at)
     };
     let pivots = [Vec3::X, Vec3::new(0.0, 3.0, 0.0)];

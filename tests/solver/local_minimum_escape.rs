@@ -21,7 +21,7 @@ struct Scene {
     pinned: Vec<(FrameId, Vector3<f64>)>,
     kinematics: ForwardKinematics<f64>,
     /// Largest joint displacement in a frame (radians) and largest distance of a pinned tip (metres).
-    most: [f64; 2],
+    largest: [f64; 2],
 }
 
 impl Scene {
@@ -55,7 +55,7 @@ impl Scene {
             from,
             pinned,
             kinematics: ForwardKinematics::of_frames(model, &frames).unwrap(),
-            most: [0.0; 2],
+            largest: [0.0; 2],
         }
     }
 
@@ -70,8 +70,8 @@ impl Scene {
         let placed = self.kinematics.place(self.drag.q()).unwrap();
         let deviations = self.pinned.iter().zip(placed);
         let deviation = deviations.map(|((_, target), now)| (now.translation - *target).norm());
-        self.most[0] = furthest.fold(self.most[0], f64::max);
-        self.most[1] = deviation.fold(self.most[1], f64::max);
+        self.largest[0] = furthest.fold(self.largest[0], f64::max);
+        self.largest[1] = deviation.fold(self.largest[1], f64::max);
     }
 
     /// Advances until the drag rests, with a stationary target. Returns the number of frames.
@@ -124,10 +124,10 @@ fn hand_reaches_target_for_any_drag_course() {
         while scene.drag.is_speed_limited() {
             scene.advance(up);
         }
-        scene.most = [0.0; 2];
+        scene.largest = [0.0; 2];
         let frames = scene.advance_until_rest(up);
         let reported = scene.drag.solution();
-        let [moved, off] = scene.most;
+        let [moved, off] = scene.largest;
         assert!(moved <= 0.15 + 1e-12 && off < 0.02, "{seed}: {moved} {off}");
         assert!(frames < 900, "{seed}");
         // The remaining misses need another branch, and are reported.

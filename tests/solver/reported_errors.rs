@@ -150,9 +150,9 @@ fn check_limits(label: &str, case: &TestCase, solution: &Solution, posture: bool
             "{label}: not on its limit"
         );
         assert_eq!(limit.value.to_bits(), end.to_bits());
-        let shifted = |by: f64| {
+        let shifted = |change: f64| {
             let mut q = solution.q.clone();
-            q[c] += by;
+            q[c] += change;
             cost(case, &q, posture)
         };
         let fall = (shifted(-outward * step) - shifted(outward * step)) / (2.0 * step);

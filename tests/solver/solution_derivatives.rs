@@ -31,8 +31,8 @@ fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
     Conditions {
         model: &case.model,
         problem: &case.plain,
-        held,
-        pulled,
+        constraint_rows: held,
+        cost_rows: pulled,
         limits: limits_at(&case.model, q, &case.cones),
     }
 }
@@ -68,7 +68,7 @@ fn check_seed(seed: u64, seen: &mut Counts) {
     }
     let mut lambda = at.multipliers(&q);
     // Only limits with a positive multiplier are active.
-    let first = at.held.len();
+    let first = at.constraint_rows.len();
     let pushed: Vec<bool> = (0..at.limits.len())
         .map(|k| lambda[first + k] > 1e-6)
         .collect();
@@ -143,8 +143,8 @@ fn check_seed(seed: u64, seen: &mut Counts) {
             let conditions = Conditions {
                 model: &there.model,
                 problem: &there.plain,
-                held: at.held.clone(),
-                pulled: at.pulled.clone(),
+                constraint_rows: at.constraint_rows.clone(),
+                cost_rows: at.cost_rows.clone(),
                 limits: at.limits.clone(),
             };
             let (mut to, mut lambda) = (q.clone(), lambda.clone());

@@ -27,7 +27,7 @@ pub fn random_masses(tree: &RandomTree, random: &mut Random) -> (Masses, Vec<Mas
     });
     let masses = Masses::new(&tree.model, points).unwrap();
     let moved = |&(k, _, _): &Mass| {
-        let mut ancestor = tree.hung[k].0;
+        let mut ancestor = tree.frame_offsets[k].0;
         while let Some(joint) = ancestor {
             if tree.parts[joint].kind != JointKind::Fixed {
                 return true;
@@ -281,7 +281,7 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
     ] {
         let path = |k: usize| {
             let mut joints = Vec::new();
-            let mut ancestor = tree.hung[k].0;
+            let mut ancestor = tree.frame_offsets[k].0;
             while let Some(joint) = ancestor {
                 joints.push(tree.joints[joint]);
                 ancestor = tree.parts[joint].parent;

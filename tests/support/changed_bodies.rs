@@ -32,9 +32,9 @@ pub enum Change {
 impl Change {
     pub fn times(&self, share: f64) -> Self {
         match self {
-            Self::Targets(by) => Self::Targets(by * share),
-            Self::Weight(by) => Self::Weight(by * share),
-            Self::Origin(by) => Self::Origin(by * share),
+            Self::Targets(size) => Self::Targets(size * share),
+            Self::Weight(size) => Self::Weight(size * share),
+            Self::Origin(size) => Self::Origin(size * share),
         }
     }
 }
@@ -143,7 +143,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
     let random = &mut Random::new(seed + 77);
     let kind = seed % KINDS;
     let origin = match change {
-        Change::Origin(by) => *by,
+        Change::Origin(size) => *size,
         _ => 0.0,
     };
     let shifted = random.below(4) + 1;
@@ -161,11 +161,11 @@ pub fn case(seed: u64, change: &Change) -> Case {
     let mut kinematics = ForwardKinematics::of_frames(&straight.model, &frames).unwrap();
     let at: Vec<Placement<f64>> = kinematics.place(&q).unwrap().to_vec();
     let step = match change {
-        Change::Targets(by) => *by,
+        Change::Targets(size) => *size,
         _ => 0.0,
     };
     let weight = match change {
-        Change::Weight(by) => *by,
+        Change::Weight(size) => *size,
         _ => 0.0,
     };
     let random_offset = |random: &mut Random, by: f64| super::vector(random.vector(by));

@@ -89,8 +89,8 @@ pub struct Conditions<'a> {
     pub model: &'a Model,
     /// Problem with an identity map, so that its variables are the configuration.
     pub problem: &'a Problem,
-    pub held: Vec<usize>,
-    pub pulled: Vec<usize>,
+    pub constraint_rows: Vec<usize>,
+    pub cost_rows: Vec<usize>,
     pub limits: Vec<Limit>,
 }
 
@@ -123,12 +123,12 @@ impl Conditions<'_> {
         let mut scratch = self.problem.scratch();
         let mut r = vec![0.0; self.problem.rows()];
         Evaluation::new(self.problem, &mut scratch).residual(&self.variables(q), &mut r);
-        let pulled = self.pulled.iter().map(|&row| r[row]);
-        let held = self.held.iter().map(|&row| r[row]);
+        let pulled = self.cost_rows.iter().map(|&row| r[row]);
+        let held = self.constraint_rows.iter().map(|&row| r[row]);
         let held = held.chain(self.limits.iter().map(|limit| limit.outward(q)));
         (
-            na::DVector::from_iterator(self.pulled.len(), pulled),
-            na::DVector::from_iterator(self.held.len() + self.limits.len(), held),
+            na::DVector::from_iterator(self.cost_rows.len(), pulled),
+            na::DVector::from_iterator(self.constraint_rows.len() + self.limits.len(), held),
         )
     }
 

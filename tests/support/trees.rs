@@ -20,7 +20,7 @@ pub struct RandomTree {
     pub parts: Vec<Part>,
     pub joints: Vec<JointId>,
     /// Joint index and offset of every frame.
-    pub hung: Vec<(Option<usize>, Rigid)>,
+    pub frame_offsets: Vec<(Option<usize>, Rigid)>,
     pub frames: Vec<FrameId>,
 }
 
@@ -46,7 +46,7 @@ impl RandomTree {
             model: Model::builder("").build().unwrap(),
             parts: Vec::new(),
             joints: Vec::new(),
-            hung: Vec::new(),
+            frame_offsets: Vec::new(),
             frames: Vec::new(),
         };
         let first_kind = random.below(4);
@@ -107,7 +107,7 @@ impl RandomTree {
         let on = joint.map(|j| self.joints[j]);
         self.frames
             .push(builder.frame(name, on, placement(&offset)));
-        self.hung.push((joint, offset));
+        self.frame_offsets.push((joint, offset));
     }
 
     /// Placement of every frame, as products of nalgebra's isometries.
@@ -137,7 +137,7 @@ impl RandomTree {
                 .map_or(Rigid::identity(), |p| world_from_joint[p]);
             world_from_joint.push(parent * part.parent_from_joint * moved);
         }
-        self.hung
+        self.frame_offsets
             .iter()
             .map(|(joint, offset)| match joint {
                 Some(joint) => world_from_joint[*joint] * offset,

@@ -233,7 +233,7 @@ fn targets_of_every_kind_move_by_the_step() {
     let (point, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
     let moved_point = point + Vector3::from(step);
 
-    let distance = |by: f64| Distance::new(a, b, 0.4 + by);
+    let distance = |change: f64| Distance::new(a, b, 0.4 + change);
     same_with(&distance(0.0), &distance(1e-3), &[1e-3], &[]);
     let through = |through: Vector3<f64>| Ray::new(a, [0.1, 0.2, -3.0], through);
     let mut ray = through(point);
@@ -265,8 +265,8 @@ fn targets_of_every_kind_move_by_the_step() {
     let relative = |at: Vector3<f64>| CentreOfMass::new(&masses, at).relative_to(b);
     same_with(&relative(point), &relative(moved_point), &step, &[]);
     let velocity = [1e-3, -2e-3, 3e-3, 2e-3, 1e-3, -1e-3];
-    let moving = |by: f64| {
-        let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + by * v);
+    let moving = |change: f64| {
+        let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + change * v);
         let (linear, angular) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         FrameVelocity::new(
             frames[2],
@@ -277,9 +277,10 @@ fn targets_of_every_kind_move_by_the_step() {
     };
     same_with(&moving(0.0), &moving(1.0), &velocity, &[]);
     let values = [0.3, -0.4, 0.7];
-    let coupled =
-        |by: f64| JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], 0.5 + by);
+    let coupled = |change: f64| {
+        JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], 0.5 + change)
+    };
     same_with(&coupled(0.0), &coupled(1e-3), &[1e-3], &values);
-    let posture = |by: f64| Posture::new(&model, &step.map(|step| 0.2 + by * step));
+    let posture = |change: f64| Posture::new(&model, &step.map(|step| 0.2 + change * step));
     same_with(&posture(0.0), &posture(1.0), &step, &values);
 }

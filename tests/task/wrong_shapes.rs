@@ -253,7 +253,7 @@ fn fixed_joint_needs_no_axis() {
 #[derive(Clone)]
 struct OneSided {
     frame: FrameId,
-    room: Range<usize>,
+    rows: Range<usize>,
 }
 
 impl Residual for OneSided {
@@ -267,7 +267,7 @@ impl Residual for OneSided {
         residual[0] = frames[0].translation.z.max(S::zero());
     }
     fn inequalities(&self) -> Vec<Inequality> {
-        vec![Inequality::new(self.room.clone(), 1)]
+        vec![Inequality::new(self.rows.clone(), 1)]
     }
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = -frames[0].translation.z;
@@ -286,7 +286,7 @@ fn inequality_rows_are_validated() {
                 builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
             }
             let message = format!("an inequality of its rows {room:?}, but 1 rows");
-            builder.add(OneSided { frame, room });
+            builder.add(OneSided { frame, rows: room });
             match builder.build() {
                 Ok(_) => assert!(fits, "{before}: {message}"),
                 Err(refused) => assert!(refused.to_string().contains(&message), "{refused}"),

@@ -28,7 +28,7 @@ struct Attribute {
     element: String,
     name: String,
     /// Byte ranges of the whole attribute and of its value.
-    whole: Range<usize>,
+    attribute_range: Range<usize>,
     value: Range<usize>,
     /// The joint that contains it.
     joint: Option<String>,
@@ -43,7 +43,7 @@ fn attributes(text: &str) -> Vec<Attribute> {
         node.attributes().map(move |attribute| Attribute {
             element: node.tag_name().name().to_owned(),
             name: attribute.name().to_owned(),
-            whole: attribute.range(),
+            attribute_range: attribute.range(),
             value: attribute.range_value(),
             joint: joint.map(str::to_owned),
         })
@@ -105,7 +105,7 @@ fn each_attribute_is_removed() {
         let text = text(name);
         let mut needed = 0;
         for attribute in attributes(&text) {
-            let read = read(&without(&text, &attribute.whole));
+            let read = read(&without(&text, &attribute.attribute_range));
             if is_needed(&attribute) {
                 needed += 1;
                 let location = format!("{name}: {:?} {}", attribute.joint, attribute.name);
