@@ -57,7 +57,7 @@ fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     model_from_bone
 }
 
-/// The armature in another pose: each bone is rotated by up to `most` radians about each axis.
+/// The armature in another pose: each bone is rotated by up to `max_angle` radians about each axis.
 fn turned(armature: &Armature, max_angle: f64, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature.bone_ids() {

@@ -8,7 +8,7 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Posture, Task};
 
-/// Sphere of radius 5 cm on prismatic joints along x and y with a range of ±`far`.
+/// Sphere of radius 5 cm on prismatic joints along x and y with a range of ±`range`.
 pub(crate) fn ball_on_slides(range: f64) -> (FrameId, CollisionModel) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;

@@ -175,7 +175,7 @@ fn pieces_contain_the_interior() {
     }
 }
 
-/// A cube of side 2 whose top is dented by `by`, centred at `about`.
+/// A cube of side 2 whose top is dented by `depth`, centred at `about`.
 fn dented(depth: f64, about: [f64; 3]) -> String {
     let mut text = String::new();
     let mut corner = |at: [f64; 3]| {

@@ -65,7 +65,7 @@ fn huge_limits_do_not_increase_the_reach() {
     assert!(angles.fold(0.0, f64::max) > 3.0 * std::f64::consts::PI);
 }
 
-/// Mobile base on three prismatic joints of range `far`, with an arm of 1 m that rotates and slides.
+/// Mobile base on three prismatic joints of range `limit`, with an arm of 1 m that rotates and slides.
 fn mobile(limit: f64, unit: f64) -> Model {
     let mut builder = Model::builder("mobile");
     let limits = Limits::new(-limit * unit, limit * unit);

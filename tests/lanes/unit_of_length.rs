@@ -13,7 +13,7 @@ fn scaled(placement: &Placement<f64>, factor: f64) -> Placement<f64> {
     Placement::new(placement.rotation, placement.translation * factor)
 }
 
-/// The same chain in a unit `by` times as small.
+/// The same chain in a unit `factor` times as small.
 fn chain_in(chain: &Chain, factor: f64) -> Chain {
     let joints = chain.joints().iter().map(|joint| {
         let unit = if joint.kind == JointKind::Prismatic {

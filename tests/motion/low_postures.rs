@@ -6,7 +6,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 use crate::retargeted_soles::SOLE;
 
-/// A subject that moves down by `by` metres and up again, and whose feet slide by `sliding` metres.
+/// A subject that moves down by `depth` metres and up again, and whose feet slide by `sliding` metres.
 fn lowered(depth: f64, sliding: f64) -> Capture {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {

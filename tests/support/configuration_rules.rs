@@ -147,7 +147,7 @@ impl Cone {
     }
 }
 
-/// First joint that moved further between two configurations than `most` allows, by number of the configuration.
+/// First joint that moved further between two configurations than `max_step` allows, by number of the configuration.
 pub fn moved_too_far(rules: &[Rule], max_step: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
     let mut at = 0;
     rules.iter().enumerate().find_map(|(joint, rule)| {
