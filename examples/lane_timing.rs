@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, panda, target, ur5};
+use support::simd_chains::{Random, panda, target, ur5};
 
 const POSES: usize = 2000;
 
