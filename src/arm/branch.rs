@@ -12,6 +12,8 @@ use super::workspace::ArmWorkspace;
 const LEFT_AT_REST: f64 = 0.9;
 /// Remaining fraction at which that motion counts as ended.
 const OVER: f64 = 1e-3;
+/// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
+const LEANING: f64 = 2e-3;
 /// Fraction of a measured stiffness that is kept from step to step.
 const STIFFNESS_KEPT: f64 = 0.9;
 
@@ -89,16 +91,16 @@ impl Branch {
             self.lead_to_ease(arm, workspace, longest, SHARE);
         }
         if !self.rests {
-            self.bend.lean(workspace, f64::INFINITY);
+            self.bend.lean(workspace, LEANING);
         }
     }
 
-    /// Moves the workspace's x slightly to the side of a stretched arm, if the last step missed a target that moves.
+    /// Moves the workspace's x to the side of a stretched arm by `offset` radians.
     ///
-    /// The motion is at most `longest` radians per joint.
-    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
+    /// It moves only if the last step missed a target that moves.
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, offset: f64) {
         if self.missed && !self.rests {
-            self.bend.lean(workspace, longest);
+            self.bend.lean(workspace, offset);
         }
     }
 

@@ -10,8 +10,6 @@ use nalgebra::Vector6;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
-/// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
-const LEANING: f64 = 2e-3;
 /// Tool motion below which a carried direction counts as null space, as a fraction of the longest Jacobian column.
 const BLUNT: f64 = 0.05;
 /// Tool motion below which a corrected direction counts as null space, as a fraction of the longest Jacobian column.
@@ -77,12 +75,11 @@ impl SingularityBranch {
         }
     }
 
-    /// Moves the workspace's x slightly to this side, by at most `longest` radians, within the bounds.
-    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
+    /// Moves the workspace's x to this side by `offset` radians, within the bounds.
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, offset: f64) {
         if self.known {
-            let by = LEANING.min(longest);
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
-                *projected = by * way;
+                *projected = offset * way;
             }
             workspace.go_by_projected();
         }
