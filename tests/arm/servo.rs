@@ -2,7 +2,7 @@
 //! and returns to its start after nearly all lines out of reach. `KINOPT_CASES` sets the number of lines for each robot.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Goal, HeldBy, Servo, ServoStatus};
+use kinopt::arm::{Arm, HeldBy, PoseBounds, Servo, ServoStatus};
 use kinopt::model::Limits;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, distance, planar_with_hand, robot, within_limits};
@@ -271,7 +271,7 @@ fn flat_minimum_is_reached_in_bounded_cycles() {
 fn stretched_arm_bends_to_a_reachable_target() {
     let arm = planar_with_hand(Limits::new(-3.0, 3.0));
     let x = Vector3::UNITS[0];
-    for goal in [Goal::pose(), Goal::position()] {
+    for goal in [PoseBounds::pose(), PoseBounds::position()] {
         let arm = arm.with_goal(goal).unwrap();
         for bend in [0.0, 1e-10, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4] {
             let start = [-0.5 * bend, bend, -0.5 * bend];
