@@ -46,7 +46,7 @@ def test_hand_reaches_while_feet_stay_planted(wave: tuple[kinopt.Skeleton, Clip]
     np.testing.assert_allclose(tip(edited, "left_hand", length, 1.8), target, atol=1e-4)
     before = tip(clip, "left_hand", length, 0.5)
     np.testing.assert_allclose(tip(edited, "left_hand", length, 0.5), before, atol=2e-3)
-    assert "2 stances" in repr(edited)
+    assert "2 foot plants" in repr(edited)
 
 
 def test_curve_ground_and_travel_options_work(wave: tuple[kinopt.Skeleton, Clip]) -> None:

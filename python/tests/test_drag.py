@@ -63,18 +63,18 @@ def test_unreachable_target_is_reported(robot):
 
 def test_branch_changes_only_with_search(robot):
     quiet, placement, _ = dragged(robot)
-    leaping, _, _ = dragged(robot, search=8, seed=1)
+    jumping, _, _ = dragged(robot, search=8, seed=1)
     # Upside down behind the base.
     placement[:3, 3] = [-0.4, 0.1, 0.4]
     placement[:3, :3] = np.diag([1.0, -1.0, -1.0])
-    leaps = []
+    jumps = []
     for _ in range(60):
         quiet.advance({"hand": placement})
-        assert quiet.leap is None
-        leaping.advance({"hand": placement})
-        leaps += [leaping.leap] if leaping.leap else []
-    assert leaping.solution.cost <= quiet.solution.cost * (1 + 1e-3)
-    for jump in leaps:
+        assert quiet.jump is None
+        jumping.advance({"hand": placement})
+        jumps += [jumping.jump] if jumping.jump else []
+    assert jumping.solution.cost <= quiet.solution.cost * (1 + 1e-3)
+    for jump in jumps:
         assert jump.joint in robot.joint_names and jump.distance > 0
 
 

@@ -310,7 +310,7 @@ def test_configuration_outside_the_map_is_named() -> None:
         robot, [tasks.Point("flange", [0.4, 0.1, 0.5])], parameters=kinopt.ParameterMap(robot, lock={elbow: 0.5})
     )
     assert np.array_equal(problem.residual(q), problem.residual(np.delete(q, 2)))
-    with pytest.raises(InvalidValueError, match=f"`{elbow}` is at 0.25 in it.*at 0.5"):
+    with pytest.raises(InvalidValueError, match=f"`{elbow}` is at 0.25, but .* require 0.5"):
         problem.residual(start)
     q[0] = 7.0
     with pytest.raises(InvalidValueError, match=f"`{robot.joint_names[0]}` is at 7"):

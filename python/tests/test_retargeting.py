@@ -260,7 +260,7 @@ def test_invalid_arguments_are_named(nao: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.retarget(lost, nao, MAP)
     with pytest.raises(InvalidValueError, match="frames, 2, 3"):
         kinopt.retarget(sway()[:, :2, :2], nao, MAP, joints=["hips", "left"])
-    with pytest.raises(InvalidValueError, match="what the 3 joints are called"):
+    with pytest.raises(InvalidValueError, match="the 3 joints have no names"):
         kinopt.retarget(sway(), nao)
     with pytest.raises(InvalidValueError, match="match no body parts"):
         kinopt.retarget(sway(), nao, joints=["a", "b", "c"])

@@ -192,7 +192,7 @@ def test_motion_is_written_as_bvh(scene, tmp_path):
     poses = capture.clip.sample(times)
     kinopt.io.bvh_write_poses(capture.armature, poses, 4.0, tmp_path / "nod.bvh")
     assert kinopt.MotionCapture.read(tmp_path / "nod.bvh").frames == 5
-    with pytest.raises(kinopt.InvalidValueError, match="frames a second"):
+    with pytest.raises(kinopt.InvalidValueError, match="frame rate 0 frames/s"):
         kinopt.io.bvh_to_text(capture.armature, capture.clip, 0.0)
     with pytest.raises(kinopt.InvalidValueError, match="scaled"):
         kinopt.io.bvh_to_text(scene.armature, scene.clip("wave"), 30.0)
