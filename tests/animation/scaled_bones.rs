@@ -289,6 +289,15 @@ fn clip_ik_brings_the_scaled_armature_there() {
     });
 }
 
+/// Differences of scales up to 1e-4 are rounding.
+#[test]
+fn rounded_scale_has_no_scale_note() {
+    for (scale, notes) in [(0.999_998, 0), (1.000_05, 0), (0.999, 1)] {
+        let armature = armature([[1.0, 1.0, scale], [1.0; 3]], &mut Random::new(85));
+        assert_eq!(armature.scale_notes().len(), notes, "{scale}");
+    }
+}
+
 #[test]
 fn scale_notes_name_bones_with_children() {
     let random = &mut Random::new(80);
