@@ -12,7 +12,7 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 
-const QUESTIONS: usize = 300;
+const QUERIES: usize = 300;
 
 /// SplitMix64 generator.
 struct Random(u64);
@@ -54,32 +54,32 @@ fn overruns(kind: &str, builder: &ArmBuilder<'_>, limit: Duration) {
     let mut solution = Solution::default();
     let mut overruns = Vec::new();
     let mut stopped = 0;
-    for k in 0..QUESTIONS {
+    for k in 0..QUERIES {
         let mut goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         goal.translation = goal.translation * [1.0, 1.3, 5.0][k % 3];
         let start = random.configuration(&arm);
-        let before = interruptions();
-        let begun = Instant::now();
-        let all = arm.solve_all(goal, &start).unwrap();
-        solution = all.into_iter().next().unwrap_or(solution);
-        let taken = begun.elapsed();
+        let interruptions_before = interruptions();
+        let started = Instant::now();
+        let solutions = arm.solve_all(goal, &start).unwrap();
+        solution = solutions.into_iter().next().unwrap_or(solution);
+        let elapsed = started.elapsed();
         stopped += usize::from(solution.termination == Termination::TimeLimit);
-        if interruptions() == before {
-            overruns.push(taken.saturating_sub(limit).as_secs_f64() * 1e6);
+        if interruptions() == interruptions_before {
+            overruns.push(elapsed.saturating_sub(limit).as_secs_f64() * 1e6);
         }
     }
     overruns.sort_by(f64::total_cmp);
     let counted = overruns.len();
-    let at = |share: f64| {
-        let place = (counted.saturating_sub(1) as f64 * share) as usize;
-        overruns.get(place).copied().unwrap_or(f64::NAN)
+    let quantile = |share: f64| {
+        let index = (counted.saturating_sub(1) as f64 * share) as usize;
+        overruns.get(index).copied().unwrap_or(f64::NAN)
     };
     println!(
-        "{kind:<16} {stopped:>4} of {QUESTIONS} stopped by the clock; {counted} undisturbed, over by, µs: \
+        "{kind:<16} {stopped:>4} of {QUERIES} stopped by the clock; {counted} undisturbed, over by, µs: \
          median {:>6.1}  p99 {:>6.1}  max {:>6.1}",
-        at(0.5),
-        at(0.99),
-        at(1.0)
+        quantile(0.5),
+        quantile(0.99),
+        quantile(1.0)
     );
 }
 

@@ -36,8 +36,8 @@ impl Random {
     }
 }
 
-fn micros(since: Instant) -> f64 {
-    since.elapsed().as_nanos() as f64 / 1e3
+fn micros(started: Instant) -> f64 {
+    started.elapsed().as_nanos() as f64 / 1e3
 }
 
 fn singles(name: &str, arm: &Arm, goals: &[Placement<f64>], starts: &[f64], rounds: usize) {
@@ -47,10 +47,10 @@ fn singles(name: &str, arm: &Arm, goals: &[Placement<f64>], starts: &[f64], roun
     let (mut solved, mut attempts) = (0, 0);
     for round in 0..rounds {
         for (k, goal) in goals.iter().enumerate() {
-            let begun = Instant::now();
+            let started = Instant::now();
             arm.solve_into(goal, &starts[k * n..(k + 1) * n], &mut solution)
                 .unwrap();
-            best[k] = best[k].min(micros(begun));
+            best[k] = best[k].min(micros(started));
             if round == 0 {
                 solved += usize::from(solution.reached);
                 attempts += solution.attempts;
@@ -104,19 +104,19 @@ fn robot(file: &str, base: &str, tip: &str) {
 
     let mut fastest = f64::INFINITY;
     for _ in 0..7 {
-        let begun = Instant::now();
+        let started = Instant::now();
         let solutions = arm.solve_batch(&goals, &starts).unwrap();
-        fastest = fastest.min(micros(begun) / POSES as f64);
+        fastest = fastest.min(micros(started) / POSES as f64);
         drop(solutions);
     }
     println!("  first, batch of solutions: {fastest:.3} us a pose");
     let (mut q, mut outcomes) = (vec![0.0; n * POSES], vec![PoseOutcome::default(); POSES]);
     let mut fastest = f64::INFINITY;
     for _ in 0..7 {
-        let begun = Instant::now();
+        let started = Instant::now();
         arm.solve_batch_into(&goals, &starts, &mut q, &mut outcomes)
             .unwrap();
-        fastest = fastest.min(micros(begun) / POSES as f64);
+        fastest = fastest.min(micros(started) / POSES as f64);
     }
     println!("  first, batch into slices: {fastest:.3} us a pose");
 
@@ -136,9 +136,9 @@ fn robot(file: &str, base: &str, tip: &str) {
     let mut fastest = f64::INFINITY;
     let (mut worst, mut jumps) = (0.0_f64, 0);
     for _ in 0..7 {
-        let begun = Instant::now();
+        let started = Instant::now();
         let track = arm.track(&path, &wave(0)).unwrap();
-        fastest = fastest.min(micros(begun) / POSES as f64);
+        fastest = fastest.min(micros(started) / POSES as f64);
         jumps = track.jumps.len();
         worst = track
             .solutions
@@ -156,7 +156,7 @@ fn robot(file: &str, base: &str, tip: &str) {
     println!("  track: {fastest:.3} us a step, longest joint step {worst:.3}, {jumps} jumps");
 
     let start = vec![0.3; n];
-    let far: Vec<Placement<f64>> = goals[..200]
+    let unreachable: Vec<Placement<f64>> = goals[..200]
         .iter()
         .map(|goal| {
             Placement::new(
@@ -166,21 +166,21 @@ fn robot(file: &str, base: &str, tip: &str) {
         })
         .collect();
     let starts: Vec<f64> = start.iter().copied().cycle().take(200 * n).collect();
-    singles("out of the workspace", &arm, &far, &starts, 2);
+    singles("out of the workspace", &arm, &unreachable, &starts, 2);
     let turned: Vec<Placement<f64>> = goals[..200]
         .iter()
         .map(|goal| {
-            let away = goal.translation * (1.0 / goal.translation.norm());
-            let in_wards = Matrix3::rotation(
-                away.cross(goal.rotation.z) * (1.0 / away.cross(goal.rotation.z).norm()),
+            let outward = goal.translation * (1.0 / goal.translation.norm());
+            let rotation = Matrix3::rotation(
+                outward.cross(goal.rotation.z) * (1.0 / outward.cross(goal.rotation.z).norm()),
                 (1.0, 0.0),
             );
-            Placement::new(in_wards * goal.rotation, goal.translation * 1.15)
+            Placement::new(rotation * goal.rotation, goal.translation * 1.15)
         })
         .collect();
     singles("at the edge, any orientation", &arm, &turned, &starts, 2);
-    let missed = arm.solve(far[0], &start).unwrap();
-    println!("{}", missed.explain());
+    let solution = arm.solve(unreachable[0], &start).unwrap();
+    println!("{}", solution.explain());
 }
 
 fn main() {

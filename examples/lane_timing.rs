@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, panda, target, ur5};
+use support::simd_chains::{Random, panda, target, ur5};
 
 const POSES: usize = 2000;
 
-fn micros(since: Instant) -> f64 {
-    since.elapsed().as_nanos() as f64 / 1e3
+fn micros(started: Instant) -> f64 {
+    started.elapsed().as_nanos() as f64 / 1e3
 }
 
 fn mean(values: impl Iterator<Item = u32>) -> f64 {
@@ -20,16 +20,16 @@ fn mean(values: impl Iterator<Item = u32>) -> f64 {
 }
 
 fn poses(name: &str, chain: &Chain) {
-    let begun = Instant::now();
+    let started = Instant::now();
     let solver = PoseSolver::new(chain, LaneOptions::default()).unwrap();
     println!(
         "{name}: built in {:.0} ms, atlas {} kB",
-        micros(begun) / 1e3,
+        micros(started) / 1e3,
         solver.atlas_memory() / 1024
     );
     let n = solver.joints();
     let mut random = Random(1);
-    let draw = |random: &mut Random| -> Vec<f64> {
+    let sample = |random: &mut Random| -> Vec<f64> {
         chain
             .joints()
             .iter()
@@ -37,9 +37,9 @@ fn poses(name: &str, chain: &Chain) {
             .collect()
     };
     let goals: Vec<Placement<f64>> = (0..POSES)
-        .map(|_| target(chain, &draw(&mut random)))
+        .map(|_| target(chain, &sample(&mut random)))
         .collect();
-    let starts: Vec<f64> = (0..POSES).flat_map(|_| draw(&mut random)).collect();
+    let starts: Vec<f64> = (0..POSES).flat_map(|_| sample(&mut random)).collect();
     let mut q = vec![0.0; n * POSES];
     let mut outcomes = vec![PoseOutcome::default(); POSES];
     for search in [Prefer::First, Prefer::Start] {
@@ -47,9 +47,9 @@ fn poses(name: &str, chain: &Chain) {
         for _ in 0..5 {
             for (k, goal) in goals.iter().enumerate() {
                 let (start, q) = (&starts[k * n..(k + 1) * n], &mut q[k * n..(k + 1) * n]);
-                let begun = Instant::now();
+                let started = Instant::now();
                 outcomes[k] = solver.solve(goal, start, search, None, q).unwrap();
-                best[k] = best[k].min(micros(begun));
+                best[k] = best[k].min(micros(started));
             }
         }
         let average = best.iter().sum::<f64>() / POSES as f64;
@@ -65,11 +65,11 @@ fn poses(name: &str, chain: &Chain) {
         );
         let mut fastest = f64::INFINITY;
         for _ in 0..7 {
-            let begun = Instant::now();
+            let started = Instant::now();
             solver
                 .solve_batch(&goals, &starts, search, &mut q, &mut outcomes)
                 .unwrap();
-            fastest = fastest.min(micros(begun) / POSES as f64);
+            fastest = fastest.min(micros(started) / POSES as f64);
         }
         println!(
             "  {search:?} batch: {fastest:.3} us a pose, solved {}, {:.2} iterations, at most {}",
@@ -95,9 +95,9 @@ fn path(chain: &Chain) {
     let mut outcomes = vec![PoseOutcome::default(); POSES];
     let mut fastest = f64::INFINITY;
     for _ in 0..15 {
-        let begun = Instant::now();
+        let started = Instant::now();
         solver.track(&goals, &at(0), &mut q, &mut outcomes).unwrap();
-        fastest = fastest.min(micros(begun) / POSES as f64);
+        fastest = fastest.min(micros(started) / POSES as f64);
     }
     println!(
         "  track: {fastest:.3} us a step, solved {}, {:.2} iterations",

@@ -54,8 +54,8 @@ impl Method for Dogleg {
             // ‖steepest + t · leg‖ = radius
             let leg = newton - &steepest;
             let (a, b) = (leg.norm_squared(), steepest.dot(&leg));
-            let missing = *radius * *radius - steepest.norm_squared();
-            &steepest + &leg * (((b * b + a * missing).sqrt() - b) / a)
+            let remaining = *radius * *radius - steepest.norm_squared();
+            &steepest + &leg * (((b * b + a * remaining).sqrt() - b) / a)
         };
 
         at.step_mut().fill(0.0);
@@ -63,14 +63,14 @@ impl Method for Dogleg {
             at.step_mut()[variable] = *moved;
         }
         at.project_step();
-        let promised = at.cost() - at.model_cost();
-        let won = at.cost() - at.evaluate_trial();
-        if won < 0.25 * promised {
+        let predicted_decrease = at.cost() - at.model_cost();
+        let decrease = at.cost() - at.evaluate_trial();
+        if decrease < 0.25 * predicted_decrease {
             *radius *= 0.25;
-        } else if won > 0.75 * promised {
+        } else if decrease > 0.75 * predicted_decrease {
             *radius *= 2.0;
         }
-        if won > 0.0 {
+        if decrease > 0.0 {
             at.accept();
             Step::Taken
         } else {

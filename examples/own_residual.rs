@@ -161,9 +161,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         (Derivatives::ForwardDifference, 1e-6),
     ];
     for (route, within) in routes {
-        let apart = disagreement(&problem, &start, Derivatives::Analytic, route);
-        println!("analytic and {route:?} Jacobians differ by {apart:.1e}");
-        assert!(apart < within);
+        let difference = disagreement(&problem, &start, Derivatives::Analytic, route);
+        println!("analytic and {route:?} Jacobians differ by {difference:.1e}");
+        assert!(difference < within);
     }
 
     let solution = Solver::default().solve_once(&problem, &start)?;
@@ -179,13 +179,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The target is out of reach: the foot is fixed.
     let Figure { model, hand, parts } = figure()?;
     let mut builder = Problem::builder(&model);
-    let far = OnTorus {
+    let unreachable = OnTorus {
         frame: hand,
         centre: Vector3::new(1.6, 0.0, 0.4),
         ring: 0.2,
         tube: 0.05,
     };
-    builder.add(Task::new(far).named("hand on the far ring"));
+    builder.add(Task::new(unreachable).named("hand on the far ring"));
     builder.add(Task::new(Balance { parts, support }).named("balance over the foot"));
     let solution = Solver::default().solve_once(&builder.build()?, &start)?;
     println!("{}", solution.explain());

@@ -58,14 +58,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut misses = vec![(points[LENGTHS.len()] - target).norm()];
         // One pass at a time; the points can be drawn between passes.
         while misses.len() <= 50 {
-            let done = fabrik(&mut points, target, TOLERANCE, 1);
-            misses.push(done.miss);
-            if done.miss <= TOLERANCE || done.passes == 0 {
+            let pass = fabrik(&mut points, target, TOLERANCE, 1);
+            misses.push(pass.miss);
+            if pass.miss <= TOLERANCE || pass.passes == 0 {
                 break;
             }
         }
-        let shown: Vec<String> = misses.iter().map(|miss| format!("{miss:.4}")).collect();
-        println!("{name}: {}", shown.join(" "));
+        let distances: Vec<String> = misses.iter().map(|miss| format!("{miss:.4}")).collect();
+        println!("{name}: {}", distances.join(" "));
         for point in &points {
             println!("    ({:7.4}, {:7.4}, {:7.4})", point.x, point.y, point.z);
         }

@@ -12,7 +12,7 @@ use kinopt::animation::rotation::{AxisAngle, EulerOrder, nlerp, slerp};
 const FRAMES: u32 = 8;
 
 /// Angle between two rotations, degrees.
-fn apart(a: Quat, b: Quat) -> f64 {
+fn angle_between(a: Quat, b: Quat) -> f64 {
     let turn = a.as_dquat().conjugate() * b.as_dquat();
     2.0 * turn.xyz().length().atan2(turn.w.abs()).to_degrees()
 }
@@ -27,7 +27,7 @@ fn main() {
     println!("t     angle    q = [w, x, y, z]");
     for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
         let q = slerp(Quat::IDENTITY, end, t);
-        let angle = apart(Quat::IDENTITY, q);
+        let angle = angle_between(Quat::IDENTITY, q);
         println!(
             "{t:.2}  {angle:5.1}°  [{:.3}, {:.3}, {:.3}, {:.3}]",
             q.w, q.x, q.y, q.z
@@ -40,7 +40,7 @@ fn main() {
         [[0.0, -75.0, 0.0], [150.0, 75.0, 150.0_f64]].map(|angles| angles.map(f64::to_radians));
     let rotation = |angles: DVec3| -> Quat { order.to_quaternion(angles.to_array()).as_quat() };
     let [start, end] = [from, to].map(|angles| rotation(DVec3::from(angles)));
-    let ways: [&dyn Fn(f32) -> Quat; 3] =
+    let interpolations: [&dyn Fn(f32) -> Quat; 3] =
         [&|t| slerp(start, end, t), &|t| nlerp(start, end, t), &|t| {
             rotation(lerp(from.into(), to.into(), f64::from(t)))
         }];
@@ -48,7 +48,8 @@ fn main() {
     let mut sums = [0.0; 3];
     for frame in 0..FRAMES {
         let [t, next] = [frame, frame + 1].map(|k| k as f32 / FRAMES as f32);
-        let steps = ways.map(|way| apart(way(t), way(next)));
+        let steps = interpolations
+            .map(|interpolation| angle_between(interpolation(t), interpolation(next)));
         println!(
             "{frame}  {:9.3} {:7.3} {:7.3}",
             steps[0], steps[1], steps[2]
@@ -58,6 +59,6 @@ fn main() {
             .for_each(|(sum, step)| *sum += step);
     }
     println!("sum {:8.3} {:7.3} {:7.3}", sums[0], sums[1], sums[2]);
-    let direct = apart(start, end);
+    let direct = angle_between(start, end);
     println!("the two ends are {direct:.3}° apart");
 }

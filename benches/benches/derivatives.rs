@@ -29,32 +29,32 @@ fn derivatives(criterion: &mut Criterion) {
         let problem = problem.clone().with_derivatives(route);
         let mut scratch = problem.scratch();
         group.bench_function(format!("Jacobian, {route:?}"), |bencher| {
-            let mut flip = false;
+            let mut alternate = false;
             bencher.iter(|| {
-                flip = !flip;
-                let at = if flip { &x } else { &y };
-                Evaluation::new(&problem, &mut scratch).jacobian(at, &mut jacobian);
+                alternate = !alternate;
+                let configuration = if alternate { &x } else { &y };
+                Evaluation::new(&problem, &mut scratch).jacobian(configuration, &mut jacobian);
             });
         });
     }
     let mut scratch = problem.scratch();
     let (residual, mut gradient) = (vec![0.1; m], vec![0.0; n]);
     group.bench_function("gradient, reverse mode", |bencher| {
-        let mut flip = false;
+        let mut alternate = false;
         bencher.iter(|| {
-            flip = !flip;
-            let at = if flip { &x } else { &y };
+            alternate = !alternate;
+            let configuration = if alternate { &x } else { &y };
             let mut evaluation = Evaluation::new(&problem, &mut scratch);
-            evaluation.gradient(at, &residual, &mut gradient, &mut jacobian);
+            evaluation.gradient(configuration, &residual, &mut gradient, &mut jacobian);
         });
     });
     let mut residual = vec![0.0; m];
     group.bench_function("residual", |bencher| {
-        let mut flip = false;
+        let mut alternate = false;
         bencher.iter(|| {
-            flip = !flip;
-            let at = if flip { &x } else { &y };
-            Evaluation::new(&problem, &mut scratch).residual(at, &mut residual);
+            alternate = !alternate;
+            let configuration = if alternate { &x } else { &y };
+            Evaluation::new(&problem, &mut scratch).residual(configuration, &mut residual);
         });
     });
     group.finish();

@@ -20,7 +20,7 @@ const ARMS: [(&str, &str, &str); 2] = [
 const FIRST: &str = "whichever solution is fastest";
 const START: &str = "the start's own solution first";
 
-fn front_door(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, ask: &ArmPoses, words: &str) {
+fn arm_queries(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, queries: &ArmPoses, words: &str) {
     let joints = arm.joint_count();
     let mut solution = Solution::default();
     let mut next = 0;
@@ -28,8 +28,8 @@ fn front_door(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, ask: &ArmPoses, w
     group.bench_function(format!("one query, {words}"), |bencher| {
         bencher.iter(|| {
             next = (next + 1) % POSES;
-            let start = &ask.starts[next * joints..(next + 1) * joints];
-            arm.solve_into(ask.targets[next], start, &mut solution)
+            let start = &queries.starts[next * joints..(next + 1) * joints];
+            arm.solve_into(queries.targets[next], start, &mut solution)
                 .expect("a valid query");
             solution.reached
         });
@@ -39,7 +39,7 @@ fn front_door(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, ask: &ArmPoses, w
     group.throughput(Throughput::Elements(POSES as u64));
     group.bench_function(format!("batch of 2000, {words}"), |bencher| {
         bencher.iter(|| {
-            arm.solve_batch_into(&ask.targets, &ask.starts, &mut q, &mut outcomes)
+            arm.solve_batch_into(&queries.targets, &queries.starts, &mut q, &mut outcomes)
                 .expect("a valid batch");
         });
     });
@@ -48,7 +48,7 @@ fn front_door(group: &mut BenchmarkGroup<WallTime>, arm: &Arm, ask: &ArmPoses, w
 fn engine(
     group: &mut BenchmarkGroup<WallTime>,
     solver: &PoseSolver,
-    ask: &ArmPoses,
+    queries: &ArmPoses,
     path: &ArmPoses,
 ) {
     let joints = solver.joints();
@@ -60,9 +60,14 @@ fn engine(
         group.bench_function(format!("engine, one query, {words}"), |bencher| {
             bencher.iter(|| {
                 next = (next + 1) % POSES;
-                let start = &ask.starts[next * joints..(next + 1) * joints];
-                let solved =
-                    solver.solve(&ask.targets[next], start, search, None, &mut q[..joints]);
+                let start = &queries.starts[next * joints..(next + 1) * joints];
+                let solved = solver.solve(
+                    &queries.targets[next],
+                    start,
+                    search,
+                    None,
+                    &mut q[..joints],
+                );
                 solved.expect("a valid query").reached
             });
         });
@@ -70,7 +75,13 @@ fn engine(
         group.bench_function(format!("engine, batch of 2000, {words}"), |bencher| {
             bencher.iter(|| {
                 solver
-                    .solve_batch(&ask.targets, &ask.starts, search, &mut q, &mut outcomes)
+                    .solve_batch(
+                        &queries.targets,
+                        &queries.starts,
+                        search,
+                        &mut q,
+                        &mut outcomes,
+                    )
                     .expect("a valid batch");
             });
         });
@@ -86,14 +97,20 @@ fn engine(
 }
 
 /// One attempt for each query, from a random start: nearly all time is in iterations.
-fn iterations(group: &mut BenchmarkGroup<WallTime>, chain: &Chain, ask: &ArmPoses) {
+fn iterations(group: &mut BenchmarkGroup<WallTime>, chain: &Chain, queries: &ArmPoses) {
     let options = LaneOptions::default().with_atlas(false).with_attempts(1);
     let solver = PoseSolver::new(chain, options).expect("valid options");
     let mut q = vec![0.0; solver.joints() * POSES];
     let mut outcomes = vec![PoseOutcome::default(); POSES];
     let mut attempt = |outcomes: &mut [PoseOutcome]| {
         solver
-            .solve_batch(&ask.targets, &ask.starts, Prefer::Start, &mut q, outcomes)
+            .solve_batch(
+                &queries.targets,
+                &queries.starts,
+                Prefer::Start,
+                &mut q,
+                outcomes,
+            )
             .expect("a valid batch");
     };
     attempt(&mut outcomes);
@@ -109,13 +126,13 @@ fn poses(criterion: &mut Criterion) {
         let file = format!("{}/../models/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
         let robot = Robot::read(&file).expect("a shipped robot");
         let chain = chain(&robot, base, tip).expect("an arm");
-        let ask = random_poses(&chain, POSES, &mut Sequence::new(0.5));
+        let queries = random_poses(&chain, POSES, &mut Sequence::new(0.5));
         let path = smooth_path(&chain, POSES);
         let mut group = criterion.benchmark_group(name);
         for (search, words) in [(arm::Search::First, FIRST), (arm::Search::Start, START)] {
             let arm = Arm::builder(&robot, base, tip);
             let arm = arm.with_search(search).build().expect("an arm");
-            front_door(&mut group, &arm, &ask, words);
+            arm_queries(&mut group, &arm, &queries, words);
         }
         let arm = Arm::new(&robot, base, tip).expect("an arm");
         group.bench_function("path of 2000 steps", |bencher| {
@@ -125,8 +142,8 @@ fn poses(criterion: &mut Criterion) {
             });
         });
         let solver = PoseSolver::new(&chain, LaneOptions::default()).expect("valid options");
-        engine(&mut group, &solver, &ask, &path);
-        iterations(&mut group, &chain, &ask);
+        engine(&mut group, &solver, &queries, &path);
+        iterations(&mut group, &chain, &queries);
         group.finish();
     }
 }

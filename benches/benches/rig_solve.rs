@@ -12,13 +12,13 @@ fn solves(criterion: &mut Criterion) {
     let (skeleton, tips) = figure(2, 4);
     let mut builder = Problem::builder(skeleton.model());
     let rest = skeleton.model().neutral();
-    let at_rest = skeleton.pose(&rest).expect("a pose of its own bones");
+    let rest_pose = skeleton.pose(&rest).expect("a pose of its own bones");
     let tasks: Vec<_> = tips
         .iter()
         .map(|&tip| {
             builder.add(Point::new(
                 skeleton.tip(tip),
-                at_rest
+                rest_pose
                     .tip(&skeleton, tip)
                     .expect("a pose of its own bones"),
             ))
@@ -26,7 +26,7 @@ fn solves(criterion: &mut Criterion) {
         .collect();
     builder.tolerance(Quantity::Metres, 1e-8 * skeleton.size());
     let problem = builder.build().expect("a valid problem");
-    let mut targets_now = problem.targets();
+    let mut targets_of_frame = problem.targets();
 
     let mut group = criterion.benchmark_group("22 bones, 5 tips, 1e-8 of the size");
     let targets = random_targets(&skeleton, &tips, 256, &mut Sequence::new(0.5));
@@ -44,12 +44,12 @@ fn solves(criterion: &mut Criterion) {
         group.bench_function(format!("random targets from rest, {name}"), |bencher| {
             bencher.iter(|| {
                 next = (next + 1) % targets.len();
-                for (&task, &at) in tasks.iter().zip(&targets[next]) {
-                    let point = targets_now.get_mut(task).expect("it is there");
-                    point.set_target(at);
+                for (&task, &position) in tasks.iter().zip(&targets[next]) {
+                    let point = targets_of_frame.get_mut(task).expect("it is there");
+                    point.set_target(position);
                 }
-                let question = problem.with_targets(&targets_now).expect("its own");
-                let solution = solver.solve(question, &rest, &mut workspace);
+                let instance = problem.with_targets(&targets_of_frame).expect("its own");
+                let solution = solver.solve(instance, &rest, &mut workspace);
                 solution.expect("a valid start").iterations
             });
         });
@@ -66,12 +66,12 @@ fn solves(criterion: &mut Criterion) {
         group.bench_function(format!("drag frame from the last, {pose}"), |bencher| {
             bencher.iter(|| {
                 frame = (frame + 1) % frames.len();
-                for (&task, &at) in tasks.iter().zip(&frames[frame]) {
-                    let point = targets_now.get_mut(task).expect("it is there");
-                    point.set_target(at);
+                for (&task, &position) in tasks.iter().zip(&frames[frame]) {
+                    let point = targets_of_frame.get_mut(task).expect("it is there");
+                    point.set_target(position);
                 }
-                let question = problem.with_targets(&targets_now).expect("its own");
-                let solution = solver.solve(question, &q, &mut workspace);
+                let instance = problem.with_targets(&targets_of_frame).expect("its own");
+                let solution = solver.solve(instance, &q, &mut workspace);
                 q.copy_from_slice(&solution.expect("a valid start").q);
             });
         });

@@ -23,8 +23,8 @@ fn vector(sequence: &mut Sequence) -> Vec3 {
 fn weights(sequence: &mut Sequence, vertices: usize) -> SkinWeights {
     let mut builder = SkinWeights::builder(vertices, BONES);
     for vertex in 0..vertices {
-        for place in 0..4 {
-            let bone = (vertex * BONES / vertices + place) % BONES;
+        for influence in 0..4 {
+            let bone = (vertex * BONES / vertices + influence) % BONES;
             let weight = 0.05 + sequence.unit();
             builder.add(vertex, bone, weight).expect("it is there");
         }

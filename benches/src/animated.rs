@@ -71,10 +71,10 @@ pub fn clip(armature: &Armature, keying: Keying, random: &mut Sequence) -> Clip 
         };
         let [first, second, third] = [times(), times(), times()];
         let mut vector = |size: f32| Vec3A::new(number(size), number(size), number(size));
-        let mut at = Quat::IDENTITY;
+        let mut rotation = Quat::IDENTITY;
         let turned = first.iter().map(|_| {
-            at = (at * Quat::from_scaled_axis(Vec3::from(vector(0.2)))).normalize();
-            at
+            rotation = (rotation * Quat::from_scaled_axis(Vec3::from(vector(0.2)))).normalize();
+            rotation
         });
         let turned = turned.collect();
         let rotation = RotationCurve::slerp(first, turned).expect("valid keys");

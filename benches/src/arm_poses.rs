@@ -16,28 +16,28 @@ pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std:
     let base = &model.frames()[model.frame(base)?.index()];
     let tip = &model.frames()[model.frame(tip)?.index()];
     let mut path = Vec::new();
-    let mut at = tip.joint;
-    while at != base.joint {
-        let joint = &model.joints()[at.ok_or("the tip does not hang on the base")?.index()];
+    let mut ancestor = tip.joint;
+    while ancestor != base.joint {
+        let joint = &model.joints()[ancestor.ok_or("the tip does not hang on the base")?.index()];
         path.push(joint);
-        at = joint.parent;
+        ancestor = joint.parent;
     }
     let mut joints = Vec::new();
-    let mut last_from_here = base.joint_from_frame.inverse();
+    let mut last_from_joint = base.joint_from_frame.inverse();
     for joint in path.into_iter().rev() {
-        last_from_here = last_from_here * joint.parent_from_joint;
+        last_from_joint = last_from_joint * joint.parent_from_joint;
         if joint.kind == JointKind::Fixed {
             continue;
         }
         joints.push(ChainJoint {
-            parent_from_joint: std::mem::replace(&mut last_from_here, Placement::identity()),
+            parent_from_joint: std::mem::replace(&mut last_from_joint, Placement::identity()),
             axis: joint.axis,
             kind: joint.kind,
             lower: joint.limits.lower,
             upper: joint.limits.upper,
         });
     }
-    Ok(Chain::new(joints, last_from_here * tip.joint_from_frame)?)
+    Ok(Chain::new(joints, last_from_joint * tip.joint_from_frame)?)
 }
 
 /// Reachable queries of a chain.
@@ -81,7 +81,7 @@ pub fn random_configuration(chain: &Chain, random: &mut Sequence) -> Vec<f64> {
 /// most 0.005 rad per step. All queries start from the first configuration of the path.
 #[must_use]
 pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
-    let at = |step: usize| -> Vec<f64> {
+    let configuration = |step: usize| -> Vec<f64> {
         let joints = chain.joints().iter().enumerate();
         joints
             .map(|(index, joint)| {
@@ -93,9 +93,9 @@ pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
     };
     ArmPoses {
         targets: (0..count)
-            .map(|step| at_configuration(chain, &at(step)))
+            .map(|step| at_configuration(chain, &configuration(step)))
             .collect(),
-        starts: at(0),
+        starts: configuration(0),
     }
 }
 

@@ -66,7 +66,7 @@ mod tests {
     use super::Baseline;
 
     #[test]
-    fn what_is_written_is_read_again() {
+    fn baseline_written_text_reads_back() {
         let mut baseline = Baseline {
             compiler: "rustc 1.90.0 (1159e78c4)".to_owned(),
             processor: "x86_64, avx2 fma".to_owned(),

@@ -59,10 +59,10 @@ impl BodyProblem {
     /// None.
     pub fn targets(&self, hands: &[Placement<f64>]) -> Result<Targets, Box<dyn Error>> {
         let mut targets = self.problem.targets();
-        for (hand, &at) in self.hands.iter().zip(hands) {
+        for (hand, &placement) in self.hands.iter().zip(hands) {
             match *hand {
-                HandTask::Point(task) => targets.get_mut(task)?.set_target(at.translation),
-                HandTask::Pose(task) => targets.get_mut(task)?.set_target(at),
+                HandTask::Point(task) => targets.get_mut(task)?.set_target(placement.translation),
+                HandTask::Pose(task) => targets.get_mut(task)?.set_target(placement),
             }
         }
         Ok(targets)
@@ -89,21 +89,21 @@ impl BodyCase {
         let model = robot.model();
         let mut standing = model.neutral();
         for (name, value) in document["standing"].as_object().into_iter().flatten() {
-            let at = model.coordinate(model.joint(name)?);
-            let at = at.ok_or("a joint of `standing` does not move")?;
-            standing[at] = value.as_f64().ok_or("`standing` holds numbers")?;
+            let coordinate = model.coordinate(model.joint(name)?);
+            let coordinate = coordinate.ok_or("a joint of `standing` does not move")?;
+            standing[coordinate] = value.as_f64().ok_or("`standing` holds numbers")?;
         }
         let mut kinematics = ForwardKinematics::new(model);
-        let placed = kinematics.place(&standing)?;
+        let placements = kinematics.place(&standing)?;
         let (mut feet, mut support) = (Vec::new(), Vec::new());
         for (name, corners) in document["feet"].as_object().ok_or("`feet` is an object")? {
             let foot = model.frame(name)?;
             let corners: Vec<[f64; 3]> = serde_json::from_value(corners.clone())?;
-            feet.push((foot, placed[foot.index()]));
+            feet.push((foot, placements[foot.index()]));
             support.extend(
                 corners
                     .iter()
-                    .map(|&at| placed[foot.index()].apply(at.into())),
+                    .map(|&corner| placements[foot.index()].apply(corner.into())),
             );
         }
         let hands: Vec<String> = serde_json::from_value(document["hands"].clone())?;
@@ -131,21 +131,21 @@ impl BodyCase {
         hands: &[FrameId],
     ) -> Result<BodyProblem, Box<dyn Error>> {
         builder.parameters(self.robot.map().clone());
-        for &(foot, at) in &self.feet {
+        for &(foot, placement) in &self.feet {
             match self.feet_as {
                 Contact::Point => {
-                    builder.add(Point::new(foot, at.translation));
+                    builder.add(Point::new(foot, placement.translation));
                 }
                 Contact::Pose => {
-                    builder.add(Pose::new(foot, at));
+                    builder.add(Pose::new(foot, placement));
                 }
             }
         }
         builder.add(SupportPolygon::new(&self.masses).with_points(self.support.iter().copied()));
-        let at = Placement::identity();
+        let placement = Placement::identity();
         let tasks = hands.iter().map(|&hand| match self.hands_as {
-            Contact::Point => HandTask::Point(builder.add(Point::new(hand, at.translation))),
-            Contact::Pose => HandTask::Pose(builder.add(Pose::new(hand, at))),
+            Contact::Point => HandTask::Point(builder.add(Point::new(hand, placement.translation))),
+            Contact::Pose => HandTask::Pose(builder.add(Pose::new(hand, placement))),
         });
         Ok(BodyProblem {
             hands: tasks.collect(),
@@ -181,32 +181,35 @@ impl BodyCase {
         let model = self.robot.model();
         let BodyProblem { problem, .. } = self.problem_of(&[])?;
         let (mut workspace, solver) = (Workspace::new(), Solver::default());
-        let mut found = Vec::new();
+        let mut balanced = Vec::new();
         for seed in 0.. {
-            if found.len() == count {
+            if balanced.len() == count {
                 break;
             }
-            let mut drawn = model.random_configuration(seed);
-            drawn[..7].copy_from_slice(&self.standing[..7]);
-            let solution = solver.solve(&problem, &drawn, &mut workspace)?;
+            let mut sampled = model.random_configuration(seed);
+            sampled[..7].copy_from_slice(&self.standing[..7]);
+            let solution = solver.solve(&problem, &sampled, &mut workspace)?;
             if solution.reached {
-                found.push(solution.q.clone());
+                balanced.push(solution.q.clone());
             }
         }
-        Ok(found)
+        Ok(balanced)
     }
 
     /// Hand poses of each of these configurations.
     ///
     /// # Errors
     /// Returns an error for a configuration of another model.
-    pub fn hands_at(&self, all: &[Vec<f64>]) -> Result<Vec<Vec<Placement<f64>>>, Box<dyn Error>> {
+    pub fn hands_at(
+        &self,
+        configurations: &[Vec<f64>],
+    ) -> Result<Vec<Vec<Placement<f64>>>, Box<dyn Error>> {
         let mut kinematics = ForwardKinematics::new(self.robot.model());
-        let mut placed = Vec::new();
-        for q in all {
+        let mut hand_poses = Vec::new();
+        for q in configurations {
             let frames = kinematics.place(q)?;
-            placed.push(self.hands.iter().map(|hand| frames[hand.index()]).collect());
+            hand_poses.push(self.hands.iter().map(|hand| frames[hand.index()]).collect());
         }
-        Ok(placed)
+        Ok(hand_poses)
     }
 }

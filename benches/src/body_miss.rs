@@ -74,19 +74,20 @@ impl BodyMiss {
         let start = crate::at_ease(skeleton);
         let pose = skeleton.pose(&start).expect("a pose of its own bones");
         let size = skeleton.size();
-        let problem = |far: f64| {
+        let problem = |distance: f64| {
             let mut builder = Problem::builder(skeleton.model());
             for (k, &tip) in tips.iter().enumerate() {
-                let mut place = pose.tip(skeleton, tip).expect("a pose of its own bones");
+                let mut position = pose.tip(skeleton, tip).expect("a pose of its own bones");
                 if k == 1 {
-                    place += Vector3::new(0.7, 0.5, 0.2) * (far * size);
+                    position += Vector3::new(0.7, 0.5, 0.2) * (distance * size);
                 }
-                builder.add(Point::new(skeleton.tip(tip), place));
+                builder.add(Point::new(skeleton.tip(tip), position));
             }
             builder.build()
         };
         let problems = [("a little out of reach", 0.3), ("far out of reach", 2.0)];
-        let built = problems.map(|(what, far)| (what, problem(far).expect("its tasks are valid")));
+        let built = problems
+            .map(|(what, distance)| (what, problem(distance).expect("its tasks are valid")));
         Self {
             name: name.to_owned(),
             problems: built.into(),
@@ -103,34 +104,45 @@ impl BodyMiss {
         let fixed = robot.model();
         let mut builder = Model::builder(name);
         let [x, y, z] = Vector3::UNITS;
-        let (here, slide) = (Placement::identity(), Limits::new(-2.0, 2.0));
-        let turn = Limits::new(-1.5, 1.5);
+        let (identity, position_limits) = (Placement::identity(), Limits::new(-2.0, 2.0));
+        let rotation_limits = Limits::new(-1.5, 1.5);
         let mut base = None;
         for (part, axis) in [("base x", x), ("base y", y), ("base z", z)] {
-            base = Some(builder.prismatic(part, base, here, axis, slide));
+            base = Some(builder.prismatic(part, base, identity, axis, position_limits));
         }
         for (part, axis) in [("base yaw", z), ("base pitch", y), ("base roll", x)] {
-            base = Some(builder.revolute(part, base, here, axis, turn));
+            base = Some(builder.revolute(part, base, identity, axis, rotation_limits));
         }
         let mut ids = Vec::new();
         for joint in fixed.joints() {
             let parent = joint.parent.map_or(base, |id| ids.get(id.index()).copied());
-            let (name, at) = (joint.name.clone(), joint.parent_from_joint);
+            let (name, parent_from_joint) = (joint.name.clone(), joint.parent_from_joint);
             let (kind, axis, limits) = (joint.kind, joint.axis, joint.limits);
-            ids.push(builder.joint(Joint::new(name, parent, at, kind, axis, limits)));
+            ids.push(builder.joint(Joint::new(
+                name,
+                parent,
+                parent_from_joint,
+                kind,
+                axis,
+                limits,
+            )));
         }
         for frame in fixed.frames() {
-            let on = frame.joint.map_or(base, |id| ids.get(id.index()).copied());
-            builder.frame(frame.name.clone(), on, frame.joint_from_frame);
+            let parent = frame.joint.map_or(base, |id| ids.get(id.index()).copied());
+            builder.frame(frame.name.clone(), parent, frame.joint_from_frame);
         }
         let model = builder.build()?;
         let start = model.neutral();
         let pick = |words: [&[&str]; 2]| -> Result<FrameId, Box<dyn Error>> {
-            let fits = |name: &str| words.iter().all(|any| any.iter().any(|w| name.contains(w)));
-            let found = model
+            let matches_words = |name: &str| {
+                words
+                    .iter()
+                    .all(|alternatives| alternatives.iter().any(|word| name.contains(word)))
+            };
+            let frame = model
                 .frame_ids()
-                .find(|id| fits(&model.frames()[id.index()].name));
-            found.ok_or_else(|| format!("{name}: no link like {words:?}").into())
+                .find(|id| matches_words(&model.frames()[id.index()].name));
+            frame.ok_or_else(|| format!("{name}: no link like {words:?}").into())
         };
         let foot: &[&str] = &["sole", "ankle_roll", "ankle"];
         let hand: &[&str] = &[
@@ -142,13 +154,13 @@ impl BodyMiss {
         ];
         let feet = [pick([&["left"], foot])?, pick([&["right"], foot])?];
         let hand = pick([&["left"], hand])?;
-        let places = ForwardKinematics::new(&model).place(&start)?.to_vec();
+        let placements = ForwardKinematics::new(&model).place(&start)?.to_vec();
         let links: Vec<FrameId> = model
             .frame_ids()
             .filter(|id| model.frames()[id.index()].joint.is_some())
             .collect();
         let mut problems = Vec::new();
-        for (what, far, balanced) in [
+        for (description, distance, balanced) in [
             ("a hand 0.5 m away", 0.5, false),
             ("a hand 0.5 m away, balanced", 0.5, true),
             ("a hand 3 m away", 3.0, false),
@@ -156,11 +168,11 @@ impl BodyMiss {
         ] {
             let mut builder = Problem::builder(&model);
             for foot in feet {
-                builder.add(Pose::new(foot, places[foot.index()]));
+                builder.add(Pose::new(foot, placements[foot.index()]));
             }
             if balanced {
                 let centre = links.iter().fold(Vector3::new(0.0, 0.0, 0.0), |sum, id| {
-                    sum + places[id.index()].translation * (1.0 / links.len() as f64)
+                    sum + placements[id.index()].translation * (1.0 / links.len() as f64)
                 });
                 builder.add(Balance {
                     frames: links.clone(),
@@ -168,9 +180,10 @@ impl BodyMiss {
                     by_hand: true,
                 });
             }
-            let place = places[hand.index()].translation + Vector3::new(far, 0.3, far);
-            builder.add(Point::new(hand, place));
-            problems.push((what, builder.build()?));
+            let position =
+                placements[hand.index()].translation + Vector3::new(distance, 0.3, distance);
+            builder.add(Point::new(hand, position));
+            problems.push((description, builder.build()?));
         }
         Ok(Self {
             name: name.to_owned(),

@@ -13,8 +13,8 @@ use kinopt::{Model, Problem, Skeleton};
 #[must_use]
 pub fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
     let limits: Vec<Limits> = skeleton.model().limits().collect();
-    let bent = |(k, limits): (usize, &Limits)| limits.clamp(if k % 3 == 1 { 0.3 } else { 0.0 });
-    limits.iter().enumerate().map(bent).collect()
+    let relaxed = |(k, limits): (usize, &Limits)| limits.clamp(if k % 3 == 1 { 0.3 } else { 0.0 });
+    limits.iter().enumerate().map(relaxed).collect()
 }
 
 /// Tip targets in one frame: the tip positions of the pose `q`, except for the second tip, a hand. The hand moves on
@@ -62,8 +62,8 @@ impl DragScene {
         start: Vec<f64>,
     ) -> Self {
         let pose = skeleton.pose(&start).expect("a pose of its own bones");
-        let others = held.iter().filter(|&&bone| bone != hand);
-        let held = others.map(|&bone| {
+        let pinned = held.iter().filter(|&&bone| bone != hand);
+        let held = pinned.map(|&bone| {
             (
                 skeleton.tip(bone),
                 pose.tip(skeleton, bone).expect("a pose of its own bones"),
@@ -120,8 +120,8 @@ impl DragScene {
         builder.tolerance(Quantity::Metres, 1e-6 * self.size);
         builder.parameters(self.map.clone());
         let hand = builder.add(Point::new(self.hand, self.from));
-        for &(frame, place) in &self.held {
-            builder.add(Point::new(frame, place));
+        for &(frame, position) in &self.held {
+            builder.add(Point::new(frame, position));
         }
         for posture in &self.postures {
             builder.add(posture.clone());
@@ -132,12 +132,12 @@ impl DragScene {
     /// Target of the hand: on a slow closed curve through its initial position, far out of reach and through the body.
     #[must_use]
     pub fn target(&self, frame: u32, frames: u32) -> Vector3<f64> {
-        let turn = TAU * f64::from(frame) / f64::from(frames);
-        let wide = Vector3::new(
-            (2.0 * turn).sin() + 0.3 * (7.0 * turn).sin(),
-            (3.0 * turn).sin() + 0.3 * (11.0 * turn).sin(),
-            (5.0 * turn).sin() - 0.3 * (13.0 * turn).sin(),
+        let phase = TAU * f64::from(frame) / f64::from(frames);
+        let direction = Vector3::new(
+            (2.0 * phase).sin() + 0.3 * (7.0 * phase).sin(),
+            (3.0 * phase).sin() + 0.3 * (11.0 * phase).sin(),
+            (5.0 * phase).sin() - 0.3 * (13.0 * phase).sin(),
         );
-        self.from + wide * (0.6 * self.size)
+        self.from + direction * (0.6 * self.size)
     }
 }

@@ -119,8 +119,11 @@ pub fn random_targets(
 ) -> Vec<Vec<Vector3<f64>>> {
     let limits: Vec<Limits> = skeleton.model().limits().collect();
     let mut target = || {
-        let within = |l: &Limits, share: f64| l.lower + (l.upper - l.lower) * share;
-        let q: Vec<f64> = limits.iter().map(|l| within(l, random.unit())).collect();
+        let interpolate = |l: &Limits, share: f64| l.lower + (l.upper - l.lower) * share;
+        let q: Vec<f64> = limits
+            .iter()
+            .map(|l| interpolate(l, random.unit()))
+            .collect();
         let pose = skeleton.pose(&q).expect("a pose of its own bones");
         tips.iter()
             .map(|&tip| pose.tip(skeleton, tip).expect("a pose of its own bones"))

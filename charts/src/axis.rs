@@ -61,11 +61,11 @@ impl Axis {
     pub(crate) fn fit(
         &self,
         values: impl Iterator<Item = f64>,
-        most_ticks: usize,
+        max_ticks: usize,
     ) -> Result<FittedAxis, ChartError> {
         let (from, to) = match self.range {
             Some((from, to)) => {
-                let (low, high) = (self.place(from), self.place(to));
+                let (low, high) = (self.position(from), self.position(to));
                 if !(low.is_finite() && high.is_finite() && low < high) {
                     let axis = self.label.clone();
                     return Err(ChartError::BadRange { axis, from, to });
@@ -73,10 +73,11 @@ impl Axis {
                 (low, high)
             }
             None => {
-                let places = values.map(|value| self.place(value));
-                let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                    (l.min(v), h.max(v))
-                });
+                let positions = values.map(|value| self.position(value));
+                let (low, high) = positions
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                        (l.min(v), h.max(v))
+                    });
                 let margin = match high - low {
                     width if width > 0.0 => MARGIN * width,
                     _ => 0.5,
@@ -85,8 +86,8 @@ impl Axis {
             }
         };
         let ticks = match self.scale {
-            Scale::Linear => ticks::linear(from, to, most_ticks),
-            Scale::Log => ticks::log(from, to, most_ticks),
+            Scale::Linear => ticks::linear(from, to, max_ticks),
+            Scale::Log => ticks::log(from, to, max_ticks),
         };
         Ok(FittedAxis { from, to, ticks })
     }
@@ -111,7 +112,7 @@ impl Axis {
     }
 
     /// Position of a value along the axis: the value, or its decimal logarithm.
-    pub(crate) fn place(&self, value: f64) -> f64 {
+    pub(crate) fn position(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
             Scale::Log => value.log10(),
@@ -131,8 +132,8 @@ impl Ranged for FittedAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
-    fn map(&self, place: &f64, (first, last): (i32, i32)) -> i32 {
-        let share = (place - self.from) / (self.to - self.from);
+    fn map(&self, position: &f64, (first, last): (i32, i32)) -> i32 {
+        let share = (position - self.from) / (self.to - self.from);
         first + (share * f64::from(last - first)).round() as i32
     }
 
@@ -143,7 +144,7 @@ impl Ranged for FittedAxis {
             self.ticks
                 .labelled
                 .iter()
-                .map(|(place, _)| *place)
+                .map(|(position, _)| *position)
                 .collect()
         }
     }
@@ -154,8 +155,8 @@ impl Ranged for FittedAxis {
 }
 
 impl ValueFormatter<f64> for FittedAxis {
-    fn format_ext(&self, place: &f64) -> String {
-        self.ticks.label(*place)
+    fn format_ext(&self, position: &f64) -> String {
+        self.ticks.label(*position)
     }
 }
 
@@ -166,10 +167,10 @@ impl FittedAxis {
     }
 
     /// Nearest position within the axis.
-    pub(crate) fn clamp(&self, place: f64) -> f64 {
+    pub(crate) fn clamp(&self, position: f64) -> f64 {
         // Not `clamp`: −∞, the logarithm of 0, belongs at the lower end, and so does NaN.
-        if place > self.from {
-            place.min(self.to)
+        if position > self.from {
+            position.min(self.to)
         } else {
             self.from
         }

@@ -10,9 +10,9 @@ use crate::panel::{self, draw_error};
 use crate::{Chart, ChartError, Style};
 
 /// Width that a page of a code-hosting site shows without scaling, in pixels.
-const PAGE: u32 = 900;
+const PAGE_WIDTH: u32 = 900;
 /// Height of one chart, in pixels: alone, and as one of several.
-const HEIGHT: [u32; 2] = [400, 290];
+const CHART_HEIGHTS: [u32; 2] = [400, 290];
 const TITLE_HEIGHT: u32 = 34;
 
 /// Several charts in a grid. A series of one name has one style in all charts. In one column each chart has its own
@@ -58,19 +58,19 @@ impl Figure {
         let legend = Legend::new(&entries);
         let columns = self.columns.min(self.charts.len()).max(1);
         let rows = self.charts.len().div_ceil(columns);
-        let [alone, one_of_several] = HEIGHT;
+        let [alone, one_of_several] = CHART_HEIGHTS;
         let chart_height = if rows == 1 && columns == 1 {
             alone
         } else {
             one_of_several
         };
         // In one column every row is at least as high as its legend.
-        let own = self
+        let legend_heights = self
             .charts
             .iter()
             .map(|chart| Legend::new(&entries_of(chart, &entries)).height());
         let chart_height = match columns {
-            1 => chart_height.max(own.max().unwrap_or(0)),
+            1 => chart_height.max(legend_heights.max().unwrap_or(0)),
             _ => chart_height,
         };
         let top = if self.title.is_some() {
@@ -89,7 +89,7 @@ impl Figure {
 
         let mut svg = String::new();
         {
-            let root = SVGBackend::with_string(&mut svg, (PAGE, height)).into_drawing_area();
+            let root = SVGBackend::with_string(&mut svg, (PAGE_WIDTH, height)).into_drawing_area();
             root.fill(&WHITE).map_err(draw_error)?;
             let below = match &self.title {
                 Some(title) => {
@@ -99,16 +99,16 @@ impl Figure {
                 }
                 None => root.clone(),
             };
-            let (grid, beside) = below.split_horizontally(PAGE - legend.width());
+            let (grid, legend_area) = below.split_horizontally(PAGE_WIDTH - legend.width());
             for (chart, area) in self.charts.iter().zip(grid.split_evenly((rows, columns))) {
                 panel::draw(chart, &entries, &area)?;
             }
             if columns == 1 {
-                for (chart, area) in self.charts.iter().zip(beside.split_evenly((rows, 1))) {
+                for (chart, area) in self.charts.iter().zip(legend_area.split_evenly((rows, 1))) {
                     Legend::new(&entries_of(chart, &entries)).draw(&area)?;
                 }
             } else {
-                legend.draw(&beside)?;
+                legend.draw(&legend_area)?;
             }
             root.present().map_err(draw_error)?;
         }
@@ -152,11 +152,11 @@ fn entries(charts: &[Chart]) -> Vec<Entry> {
 }
 
 /// Names of one chart, with their styles in all charts.
-fn entries_of(chart: &Chart, all: &[Entry]) -> Vec<Entry> {
-    let mut own = entries(std::slice::from_ref(chart));
-    for entry in &mut own {
-        let known = all.iter().find(|known| known.name == entry.name);
+fn entries_of(chart: &Chart, all_entries: &[Entry]) -> Vec<Entry> {
+    let mut chart_entries = entries(std::slice::from_ref(chart));
+    for entry in &mut chart_entries {
+        let known = all_entries.iter().find(|known| known.name == entry.name);
         entry.style = known.map_or(entry.style, |known| known.style);
     }
-    own
+    chart_entries
 }

@@ -8,12 +8,12 @@ use crate::entry::Entry;
 use crate::panel::{self, FONT, FONT_SIZE, draw_error, ink};
 
 const LINE_HEIGHT: u32 = 21;
-const SAMPLE: i32 = 34;
-const TOP: i32 = 44;
-const NARROWEST: u32 = 90;
-const WIDEST: u32 = 330;
+const SAMPLE_LENGTH: i32 = 34;
+const TOP_MARGIN: i32 = 44;
+const MIN_WIDTH: u32 = 90;
+const MAX_WIDTH: u32 = 330;
 /// Upper estimate of the width of a letter of a sans-serif font, relative to its size.
-const LETTER: f64 = 0.56;
+const LETTER_WIDTH: f64 = 0.56;
 
 /// Names of a figure with samples of their lines.
 pub(crate) struct Legend<'e> {
@@ -28,14 +28,14 @@ impl<'e> Legend<'e> {
     /// Width in pixels.
     pub(crate) fn width(&self) -> u32 {
         let letters = self.entries.iter().map(|entry| entry.name.chars().count());
-        let text = letters.max().unwrap_or(0) as f64 * LETTER * f64::from(FONT_SIZE);
-        (text as u32 + SAMPLE.unsigned_abs() + 20).clamp(NARROWEST, WIDEST)
+        let text = letters.max().unwrap_or(0) as f64 * LETTER_WIDTH * f64::from(FONT_SIZE);
+        (text as u32 + SAMPLE_LENGTH.unsigned_abs() + 20).clamp(MIN_WIDTH, MAX_WIDTH)
     }
 
     /// Height in pixels.
     pub(crate) fn height(&self) -> u32 {
         let lines = u32::try_from(self.entries.len()).unwrap_or(u32::MAX / LINE_HEIGHT / 2);
-        TOP.unsigned_abs() + lines * LINE_HEIGHT
+        TOP_MARGIN.unsigned_abs() + lines * LINE_HEIGHT
     }
 
     pub(crate) fn draw<B: DrawingBackend>(
@@ -43,12 +43,16 @@ impl<'e> Legend<'e> {
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), ChartError> {
         let font = (FONT, FONT_SIZE).into_font().color(&ink());
-        let mut y = TOP;
+        let mut y = TOP_MARGIN;
         for entry in self.entries {
-            let sample = [(4, y), (4 + SAMPLE, y)];
+            let sample = [(4, y), (4 + SAMPLE_LENGTH, y)];
             panel::draw_line(area, &sample, entry.style)?;
-            panel::draw_marker(area, (4 + SAMPLE / 2, y), entry.style)?;
-            let text = Text::new(entry.name.clone(), (SAMPLE + 11, y - 6), font.clone());
+            panel::draw_marker(area, (4 + SAMPLE_LENGTH / 2, y), entry.style)?;
+            let text = Text::new(
+                entry.name.clone(),
+                (SAMPLE_LENGTH + 11, y - 6),
+                font.clone(),
+            );
             area.draw(&text).map_err(draw_error)?;
             y += LINE_HEIGHT as i32;
         }

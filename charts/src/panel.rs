@@ -18,7 +18,7 @@ pub(crate) const FONT_SIZE: u32 = 13;
 const TITLE_SIZE: u32 = 15;
 const MARKER_SIZE: i32 = 4;
 /// Approximate distance of markers along a line, in pixels; a line has at least one.
-const BETWEEN_MARKERS: i32 = 90;
+const MARKER_SPACING: i32 = 90;
 
 /// Colour of all text and axes.
 pub(crate) fn ink() -> RGBColor {
@@ -78,16 +78,16 @@ pub(crate) fn draw<B: DrawingBackend>(
 
     // Lines first, so that they do not cover markers.
     let plane = context.plotting_area();
-    let looks: Vec<Style> = chart.series.iter().map(|s| look(s, entries)).collect();
+    let styles: Vec<Style> = chart.series.iter().map(|s| style_of(s, entries)).collect();
     let paths = chart.series.iter().map(|s| path(chart, s, &x, &y, plane));
     let paths: Vec<Vec<(i32, i32)>> = paths.collect();
-    for (path, &style) in paths.iter().zip(&looks) {
+    for (path, &style) in paths.iter().zip(&styles) {
         draw_line(&plane.strip_coord_spec(), &relative(plane, path), style)?;
     }
     let (width, _) = plane.dim_in_pixel();
-    for (k, (path, &style)) in paths.iter().zip(&looks).enumerate() {
-        for at in marked(&relative(plane, path), width, k) {
-            draw_marker(&plane.strip_coord_spec(), at, style)?;
+    for (k, (path, &style)) in paths.iter().zip(&styles).enumerate() {
+        for pixel in marked(&relative(plane, path), width, k) {
+            draw_marker(&plane.strip_coord_spec(), pixel, style)?;
         }
     }
     Ok(())
@@ -108,9 +108,9 @@ fn check(chart: &Chart) -> Result<(), ChartError> {
     }
 }
 
-fn look(series: &Series, entries: &[Entry]) -> Style {
-    let found = entries.iter().find(|entry| entry.name == series.name);
-    found.map_or(Style::nth(0), |entry| entry.style)
+fn style_of(series: &Series, entries: &[Entry]) -> Style {
+    let entry = entries.iter().find(|entry| entry.name == series.name);
+    entry.map_or(Style::nth(0), |entry| entry.style)
 }
 
 /// Points of a series' line, in pixels of the whole picture.
@@ -124,7 +124,7 @@ fn path<B: DrawingBackend>(
     let mut corners = Vec::with_capacity(2 * series.points.len() + 1);
     let mut height = None;
     for &(px, py) in &series.points {
-        let (px, py) = (x.clamp(chart.x.place(px)), y.clamp(chart.y.place(py)));
+        let (px, py) = (x.clamp(chart.x.position(px)), y.clamp(chart.y.position(py)));
         if let (Join::Steps, Some(height)) = (series.join, height) {
             corners.push((px, height));
         }
@@ -175,12 +175,12 @@ pub(crate) fn draw_line<B: DrawingBackend>(
 fn marked(path: &[(i32, i32)], width: u32, k: usize) -> Vec<(i32, i32)> {
     let inside = |x: i32| i64::from(x) + i64::from(MARKER_SIZE) < i64::from(width);
     if path.len() <= 12 {
-        let places = path.iter().copied();
-        return places.filter(|&(x, _)| inside(x)).collect();
+        let positions = path.iter().copied();
+        return positions.filter(|&(x, _)| inside(x)).collect();
     }
-    let offset = BETWEEN_MARKERS * (k % 4) as i32 / 4;
-    let mut travelled = BETWEEN_MARKERS / 2 - offset;
-    let mut places = Vec::new();
+    let offset = MARKER_SPACING * (k % 4) as i32 / 4;
+    let mut travelled = MARKER_SPACING / 2 - offset;
+    let mut positions = Vec::new();
     let mut last = None;
     for &(x, y) in path {
         if let Some((lx, ly)) = last {
@@ -188,15 +188,15 @@ fn marked(path: &[(i32, i32)], width: u32, k: usize) -> Vec<(i32, i32)> {
             travelled += step;
         }
         last = Some((x, y));
-        if travelled >= BETWEEN_MARKERS && inside(x) {
-            places.push((x, y));
+        if travelled >= MARKER_SPACING && inside(x) {
+            positions.push((x, y));
             travelled = 0;
         }
     }
-    if places.is_empty() {
-        places.extend(path.get(path.len() / 2));
+    if positions.is_empty() {
+        positions.extend(path.get(path.len() / 2));
     }
-    places
+    positions
 }
 
 /// Draws a marker at a pixel.

@@ -9,16 +9,16 @@ pub(crate) struct Ticks {
 
 impl Ticks {
     /// Label of the tick at a position.
-    pub(crate) fn label(&self, place: f64) -> String {
-        let at = |(p, _): &&(f64, String)| *p == place;
-        let found = self.labelled.iter().find(at);
-        found.map(|(_, text)| text.clone()).unwrap_or_default()
+    pub(crate) fn label(&self, position: f64) -> String {
+        let is_at_position = |(p, _): &&(f64, String)| *p == position;
+        let tick = self.labelled.iter().find(is_at_position);
+        tick.map(|(_, text)| text.clone()).unwrap_or_default()
     }
 }
 
-/// At most `most` multiples of 1, 2 or 5 times a power of ten.
-pub(crate) fn linear(from: f64, to: f64, most: usize) -> Ticks {
-    let rough = (to - from) / most.max(1) as f64;
+/// At most `max_ticks` multiples of 1, 2 or 5 times a power of ten.
+pub(crate) fn linear(from: f64, to: f64, max_ticks: usize) -> Ticks {
+    let rough = (to - from) / max_ticks.max(1) as f64;
     let decade = 10_f64.powf(rough.log10().floor());
     let factors = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade);
     let step = factors.into_iter().find(|&step| step >= rough);
@@ -26,7 +26,7 @@ pub(crate) fn linear(from: f64, to: f64, most: usize) -> Ticks {
     let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
     let labelled = multiples(from, to, step)
         // Adding zero removes the sign of −0.
-        .map(|place| (place, format!("{:.decimals$}", place + 0.0)))
+        .map(|position| (position, format!("{:.decimals$}", position + 0.0)))
         .collect();
     Ticks {
         labelled,
@@ -34,19 +34,19 @@ pub(crate) fn linear(from: f64, to: f64, most: usize) -> Ticks {
     }
 }
 
-/// Labelled ticks at powers of ten, at most `most` of them; minor ticks at 2, 3 … 9 times each, if they fit.
-pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
+/// Labelled ticks at powers of ten, at most `max_ticks` of them; minor ticks at 2, 3 … 9 times each, if they fit.
+pub(crate) fn log(from: f64, to: f64, max_ticks: usize) -> Ticks {
     let decades = (to - from).max(1.0);
     let steps = [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0];
-    let fits = |step: &f64| decades / step <= most.max(1) as f64;
+    let fits = |step: &f64| decades / step <= max_ticks.max(1) as f64;
     let step = steps.into_iter().find(fits).unwrap_or(200.0);
     let mut labelled: Vec<_> = multiples(from, to, step)
         .map(|decade| (decade, power_of_ten(decade as i32)))
         .collect();
-    let within = |place: &f64| *place >= from && *place <= to;
-    let whole = (from.floor() as i32)..=(to.ceil() as i32);
+    let is_inside = |position: &f64| *position >= from && *position <= to;
+    let decade_range = (from.floor() as i32)..=(to.ceil() as i32);
     let between = |factors: &'static [u32]| {
-        whole.clone().flat_map(move |decade| {
+        decade_range.clone().flat_map(move |decade| {
             let digits = factors.iter();
             digits.map(move |&factor| {
                 (
@@ -59,13 +59,14 @@ pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
     };
     if labelled.len() < 2 {
         // Less than two decades: label numbers in between too.
-        let named = between(&[2, 5]).filter(|(_, _, place)| within(place));
-        labelled.extend(named.map(|(decade, factor, place)| (place, times_ten(factor, decade))));
+        let minor = between(&[2, 5]).filter(|(_, _, position)| is_inside(position));
+        labelled
+            .extend(minor.map(|(decade, factor, position)| (position, times_ten(factor, decade))));
     }
     let fine = if step == 1.0 && decades <= 6.0 {
         between(&[2, 3, 4, 5, 6, 7, 8, 9])
-            .map(|(_, _, place)| place)
-            .filter(within)
+            .map(|(_, _, position)| position)
+            .filter(is_inside)
             .collect()
     } else {
         Vec::new()
@@ -75,9 +76,9 @@ pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
 
 fn multiples(from: f64, to: f64, step: f64) -> impl Iterator<Item = f64> {
     // Tolerance for rounding: an end that is a multiple of the step has a tick.
-    let room = 1e-9 * (to - from);
-    let first = ((from - room) / step).ceil() as i64;
-    let last = ((to + room) / step).floor() as i64;
+    let slack = 1e-9 * (to - from);
+    let first = ((from - slack) / step).ceil() as i64;
+    let last = ((to + slack) / step).floor() as i64;
     (first..=last).map(move |k| k as f64 * step)
 }
 
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn round_numbers() {
+    fn linear_ticks_are_round_numbers() {
         assert_eq!(
             labels(&linear(0.0, 100.0, 6)),
             ["0", "20", "40", "60", "80", "100"]
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn decades() {
+    fn log_ticks_are_decades() {
         assert_eq!(
             labels(&log(-1.2, 5.1, 8)),
             ["0.1", "1", "10", "100", "1000", "10000", "10⁵"]

@@ -153,7 +153,9 @@ impl AnimatedArmature {
             }
         }
         let placements = self.placements(self.armature.rest())?;
-        let points = placements.iter().map(|place| place.translation.to_array());
+        let points = placements
+            .iter()
+            .map(|placement| placement.translation.to_array());
         let across = [0, 1, 2].map(|axis| {
             let low = points.clone().map(|p| p[axis]).reduce(f64::min);
             let high = points.clone().map(|p| p[axis]).reduce(f64::max);

@@ -17,9 +17,9 @@ pub(crate) struct BaseJointOptions {
     base_joint: Option<BaseKind>,
 
     /// Base bounds in metres along the world axes, such as x=-1..1,z=0.5..1.2. Default: none.
-    #[arg(long, value_name = "AXIS=LOW..HIGH,…", value_delimiter = ',', value_parser = Room::parse,
+    #[arg(long, value_name = "AXIS=LOW..HIGH,…", value_delimiter = ',', value_parser = AxisBounds::parse,
         requires = "base_joint", help_heading = MODEL, hide_short_help = true)]
-    base_bounds: Vec<Room>,
+    base_bounds: Vec<AxisBounds>,
 }
 
 /// Base joint types.
@@ -37,12 +37,12 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Range along one axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
+struct AxisBounds {
     axis: usize,
     limits: Limits,
 }
 
-impl Room {
+impl AxisBounds {
     fn parse(text: &str) -> Result<Self, String> {
         const SHAPE: &str = "expected AXIS=LOW..HIGH, the axis one of x, y, z";
         let (axis, range) = text.split_once('=').ok_or(SHAPE)?;
@@ -66,8 +66,10 @@ impl BaseJointOptions {
     /// Base bounds along an axis.
     fn along(&self, axis: usize) -> Limits {
         let ranges = self.base_bounds.iter().filter(|range| range.axis == axis);
-        let whole = Limits::UNBOUNDED;
-        ranges.fold(whole, |limits, range| limits.intersection(&range.limits))
+        let unbounded = Limits::UNBOUNDED;
+        ranges.fold(unbounded, |limits, range| {
+            limits.intersection(&range.limits)
+        })
     }
 
     /// Root joint of a skeleton; its bounds are relative to the rest pose.
@@ -88,7 +90,7 @@ impl BaseJointOptions {
         let kind = self.base_joint.and_then(|kind| kind.to_possible_value());
         let kind = kind.as_ref().map_or("fixed", |kind| kind.get_name());
         let ranges = self.base_bounds.iter();
-        let ranges = ranges.map(|room| (AXES[room.axis], room.limits));
+        let ranges = ranges.map(|bounds| (AXES[bounds.axis], bounds.limits));
         let base = BaseJoint::named(kind, ranges).map_err(|unknown| {
             let axis = unknown.name;
             usage!("--base-bounds {axis}=…: this base does not move along {axis}")

@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, _json: bool) -> Outcome<()> {
-    let rest: Vec<_> = arguments
+    let words: Vec<_> = arguments
         .rest
         .iter()
         .map(|word| word.to_string_lossy())
@@ -25,6 +25,6 @@ pub(crate) fn run(arguments: &Arguments, _json: bool) -> Outcome<()> {
     Err(failure!(
         "bench needs a build with the feature `bench`: \
          cargo run --release -p kinopt-cli --features bench -- bench {}",
-        rest.join(" ")
+        words.join(" ")
     ))
 }

@@ -142,13 +142,13 @@ fn text(collisions: &[Collision], nearest: Option<&Collision>) -> String {
                     true => millimetres(pair.depth()),
                     false => String::new(),
                 };
-                let apart = match pair.distance >= 0.0 {
+                let distance = match pair.distance >= 0.0 {
                     true => millimetres(pair.distance),
                     false => String::new(),
                 };
                 let first = format!("{} {}", pair.first_kind, pair.first);
                 let second = format!("{} {}", pair.second_kind, pair.second);
-                table.row([first, second, depth, apart]);
+                table.row([first, second, depth, distance]);
             }
             table.text()
         }

@@ -45,20 +45,20 @@ impl LoadedModel {
         else {
             return Ok(Vec::new());
         };
-        let told = |error: LoopClosureError| failure!("{}: {error}", self.file);
+        let with_file = |error: LoopClosureError| failure!("{}: {error}", self.file);
         let closure = match LoopClosure::of_robot(robot) {
             Err(LoopClosureError::NoPassiveJoints { .. }) => {
                 let moves = |id: &JointId| self.model.moves_a_loop(*id);
                 let joints: Vec<JointId> = self.model.joint_ids().filter(moves).collect();
-                LoopClosure::new(robot.parameters(), &joints).map_err(told)?
+                LoopClosure::new(robot.parameters(), &joints).map_err(with_file)?
             }
             closure => {
-                let closure = closure.map_err(told)?;
-                closure.close(q).map_err(told)?;
+                let closure = closure.map_err(with_file)?;
+                closure.close(q).map_err(with_file)?;
                 closure
             }
         };
-        let gaps = closure.gaps(q).map_err(told)?;
+        let gaps = closure.gaps(q).map_err(with_file)?;
         let open = gaps.iter().filter(|gap| !gap.is_closed());
         for gap in open {
             output::message(&format!(

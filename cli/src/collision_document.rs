@@ -33,6 +33,6 @@ impl<'a> CollisionDocument<'a> {
 /// Penetration depth or distance as text, in millimetres.
 pub(crate) fn depth(pair: &Collision) -> String {
     let millimetres = 1e3 * pair.distance.abs();
-    let how = if pair.distance < 0.0 { "deep" } else { "apart" };
-    format!("{millimetres:.3} mm {how}")
+    let relation = if pair.distance < 0.0 { "deep" } else { "apart" };
+    format!("{millimetres:.3} mm {relation}")
 }

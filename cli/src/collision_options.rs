@@ -15,7 +15,7 @@ use crate::output;
 const SAMPLES: u64 = 10_000;
 
 /// Largest number of convex pieces of a mesh.
-const PIECES: usize = 16;
+const MAX_PIECES: usize = 16;
 
 /// Options of every subcommand that reads a robot's collision shapes.
 #[derive(Args, Debug)]
@@ -95,8 +95,8 @@ enum MeshChoice {
 impl ShapeOptions {
     /// Options in words, or `None` for the defaults.
     pub(crate) fn unusual(&self) -> Option<String> {
-        let usual = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
-        (!usual || self.leave_out_meshes).then(|| format!("{self:?}"))
+        let is_default = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
+        (!is_default || self.leave_out_meshes).then(|| format!("{self:?}"))
     }
 
     /// Collision model of a robot; notes go to standard error.
@@ -104,7 +104,7 @@ impl ShapeOptions {
         let meshes = match self.meshes {
             MeshChoice::Hull => MeshUse::Hull,
             MeshChoice::Parts => MeshUse::Parts,
-            MeshChoice::Pieces => MeshUse::Pieces(PIECES),
+            MeshChoice::Pieces => MeshUse::Pieces(MAX_PIECES),
             MeshChoice::Triangles => MeshUse::Triangles,
         };
         let mut builder = CollisionModel::builder(robot).with_meshes(meshes);

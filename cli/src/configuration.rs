@@ -10,11 +10,11 @@ use crate::failure::Outcome;
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;
-use crate::target::QUATERNION_LENGTH_WITHIN;
+use crate::target::QUATERNION_LENGTH_TOLERANCE;
 use crate::{json_file, output};
 
 /// Deviation of a mimic joint, in radians or metres, above which a note is printed.
-const LOOSE: f64 = 1e-9;
+const MIMIC_TOLERANCE: f64 = 1e-9;
 
 /// List of numbers, or a document with a list under `q`, such as the output of `--json`.
 #[derive(Deserialize)]
@@ -145,9 +145,15 @@ impl LoadedModel {
         let is_of_ball: Vec<bool> = self.is_of_ball().collect();
         let mut coordinate = 0;
         while let Some(&is_ball) = is_of_ball.get(coordinate) {
-            let own = numbers.get(coordinate..coordinate + 4).filter(|_| is_ball);
-            let length = own.map(|own| own.iter().map(|part| part * part).sum::<f64>().sqrt());
-            if let Some(length) = length.filter(|l| (l - 1.0).abs() > QUATERNION_LENGTH_WITHIN) {
+            let quaternion = numbers.get(coordinate..coordinate + 4).filter(|_| is_ball);
+            let length = quaternion.map(|quaternion| {
+                quaternion
+                    .iter()
+                    .map(|part| part * part)
+                    .sum::<f64>()
+                    .sqrt()
+            });
+            if let Some(length) = length.filter(|l| (l - 1.0).abs() > QUATERNION_LENGTH_TOLERANCE) {
                 let name = self.model.moving_joints().get(coordinate);
                 let name = name.map_or("", |id| self.joint_name(*id));
                 output::message(&format!(
@@ -165,7 +171,7 @@ impl LoadedModel {
         let locked = self.model.limits().map(|limits| limits.is_locked());
         let values = q.iter().zip(&followed).zip(locked).zip(self.joint_names());
         let loose = values.filter_map(|(((value, followed), locked), name)| {
-            let off = !locked && (value - followed).abs() > LOOSE;
+            let off = !locked && (value - followed).abs() > MIMIC_TOLERANCE;
             off.then(|| format!("`{name}` (expected {followed})"))
         });
         let loose: Vec<String> = loose.collect();

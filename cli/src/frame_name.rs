@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn names_numbers_and_ends() {
+    fn frame_names_numbers_and_ends_resolve() {
         let loaded = named();
         let index = |name: &str, bare| loaded.frame(name, bare).unwrap().index();
         for (name, bone) in [("hip", 0), ("arm/left", 1), ("bone/1", 1), ("bone/2", 2)] {
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_names_come_with_the_valid_ones() {
+    fn frame_unknown_name_lists_valid_names() {
         for name in ["arm", "bone/3", "bone/-1", "hip/top", "", "/tip"] {
             let error = named().frame(name, BareName::Tip).unwrap_err().to_string();
             assert!(error.contains(&format!("`{name}`")), "{error}");

@@ -33,10 +33,10 @@ impl LoadedModel {
             })?;
             let first = self.model.coordinate(joint);
             let first = first.ok_or_else(|| format!("joint `{name}` is fixed"))?;
-            let own = self.model.joints().get(joint.index());
-            let own = first..first + own.map_or(1, |joint| joint.kind.coordinates());
-            let mut left = own.filter(|coordinate| !coordinates.contains(coordinate));
-            let coordinate = left.next();
+            let joint = self.model.joints().get(joint.index());
+            let components = first..first + joint.map_or(1, |joint| joint.kind.coordinates());
+            let mut unused = components.filter(|coordinate| !coordinates.contains(coordinate));
+            let coordinate = unused.next();
             let twice = || format!("joint `{name}` is named twice");
             coordinates.push(coordinate.ok_or_else(twice)?);
         }
@@ -155,9 +155,9 @@ pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
     match map.expand(&x, &mut expanded) {
         Ok(()) => {
             // A ball is no mimic joint, and its quaternion is no variable.
-            for ((value, own), source) in expanded.iter_mut().zip(q).zip(map.sources()) {
+            for ((value, number), source) in expanded.iter_mut().zip(q).zip(map.sources()) {
                 if matches!(source, Source::Rotation { .. }) {
-                    *value = *own;
+                    *value = *number;
                 }
             }
             expanded

@@ -71,13 +71,13 @@ pub(crate) struct HeldJoints {
 #[derive(Debug)]
 pub(crate) struct LoadedScene {
     pub(crate) file: SceneFile,
-    pub(crate) stands: Pose,
+    pub(crate) rest_pose: Pose,
 }
 
 impl LoadedScene {
     /// Pose of a configuration of its skeleton.
     pub(crate) fn pose(&self, bridge: &FigurePosing, q: &[f64]) -> Result<Pose, ReachError> {
-        let mut pose = self.stands.clone();
+        let mut pose = self.rest_pose.clone();
         bridge.pose_of(q, &mut pose)?;
         Ok(pose)
     }
@@ -166,10 +166,10 @@ impl LoadedModel {
         if let Some(pose) = &pose {
             armature = armature.at_rest_in(pose)?;
         }
-        let stands = armature.rest().clone();
+        let rest_pose = armature.rest().clone();
         let scene = scene.map(|file| LoadedScene {
             file: *file,
-            stands,
+            rest_pose,
         });
         let skeleton = armature.turning_skeleton(file.clone(), &turning);
         let skeleton = skeleton.map_err(|error| failure!("{file}: {error}"))?;
@@ -418,9 +418,12 @@ impl LoadedModel {
 
     /// Flags of the coordinates that the command locks.
     pub(crate) fn held_coordinates(&self) -> Vec<bool> {
-        let own = self.leading_coordinates().into_iter();
-        let free = self.free_coordinates();
-        own.zip(free).map(|(own, free)| own && !free).collect()
+        let is_leading = self.leading_coordinates().into_iter();
+        let is_free = self.free_coordinates();
+        is_leading
+            .zip(is_free)
+            .map(|(is_leading, is_free)| is_leading && !is_free)
+            .collect()
     }
 
     fn leaders(&self, map: &ParameterMap) -> Vec<bool> {
@@ -454,7 +457,7 @@ impl LoadedModel {
         }
         let map = self.own_parameters();
         let variable = |joint| self.variable_of(&map, joint);
-        let in_loops = self.model.loops().iter().flat_map(|own| own.frames);
+        let in_loops = self.model.loops().iter().flat_map(|closure| closure.frames);
         let moving = frames.chain(in_loops);
         let moving = moving.flat_map(|frame| self.model.joints_above(frame));
         let moving: Vec<usize> = moving.filter_map(variable).collect();
@@ -510,7 +513,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_needs_no_rig() {
+    fn robot_needs_no_rig() {
         let robot = robot();
         assert_eq!((robot.kind(), robot.length_unit()), ("robot", "m"));
         assert_eq!(robot.size(), 2.5);
@@ -536,7 +539,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_s_frames_are_placed() {
+    fn robot_frames_are_placed() {
         let robot = robot();
         let report = robot
             .frame_report(&[], None, &[std::f64::consts::FRAC_PI_2, 0.5])

@@ -48,7 +48,9 @@ impl Joined {
         let side = |side: &str| -> Result<Side, String> {
             match side.rsplit_once('@') {
                 None => Ok((side.trim().to_owned(), Placement::identity())),
-                Some((frame, place)) => Ok((frame.trim().to_owned(), parse_placement(place)?)),
+                Some((frame, placement)) => {
+                    Ok((frame.trim().to_owned(), parse_placement(placement)?))
+                }
             }
         };
         let sides: [Side; 2] = [side(first)?, side(second)?];
@@ -79,21 +81,24 @@ impl LoopOptions {
             true => robot.without_loops(),
             false => robot,
         };
-        let connected = self.connect.iter().map(|own| (own, LoopKind::Connect));
-        let welded = self.weld.iter().map(|own| (own, LoopKind::Weld));
-        for (own, kind) in connected.chain(welded) {
-            let [first, second] = own.sides.each_ref().map(|(name, _)| name);
+        let connected = self
+            .connect
+            .iter()
+            .map(|option| (option, LoopKind::Connect));
+        let welded = self.weld.iter().map(|option| (option, LoopKind::Weld));
+        for (option, kind) in connected.chain(welded) {
+            let [first, second] = option.sides.each_ref().map(|(name, _)| name);
             let frame = |name: &String| -> Outcome<FrameId> {
-                let found = robot.model().frame(name);
-                found.map_err(|error| failure!("{file}: --{}: {error}", kind.name()))
+                let frame_id = robot.model().frame(name);
+                frame_id.map_err(|error| failure!("{file}: --{}: {error}", kind.name()))
             };
             let frames = [frame(first)?, frame(second)?];
             let own_loop = match kind {
-                LoopKind::Weld => Loop::weld(&own.typed, frames),
-                _ => Loop::connect(&own.typed, frames),
+                LoopKind::Weld => Loop::weld(&option.typed, frames),
+                _ => Loop::connect(&option.typed, frames),
             };
-            let places = own.sides.each_ref().map(|(_, place)| *place);
-            let closed = robot.with_loop(own_loop.at(places));
+            let placements = option.sides.each_ref().map(|(_, placement)| *placement);
+            let closed = robot.with_loop(own_loop.at(placements));
             robot = closed.map_err(|error| failure!("{file}: {error}"))?;
         }
         if self.passive.is_empty() {

@@ -123,7 +123,7 @@ enum Subcommands {
 }
 
 /// Common names of functions that are options or other subcommands, with the command.
-const ELSEWHERE: [(&str, &str); 5] = [
+const COMMON_NAMES: [(&str, &str); 5] = [
     ("ik", "solve MODEL --target FRAME=POSE"),
     ("track", "solve MODEL --targets FILE --track"),
     ("follow", "solve MODEL --targets FILE --track"),
@@ -138,14 +138,7 @@ fn parsed() -> Result<Command, Error> {
             let takes_value = option.get_action().takes_values();
             option.allow_negative_numbers(takes_value)
         });
-        let has_more = subcommand
-            .get_arguments()
-            .any(clap::Arg::is_hide_short_help_set);
-        if has_more {
-            with_short_help(subcommand)
-        } else {
-            subcommand
-        }
+        with_short_help(subcommand)
     });
     let typed = command.try_get_matches_from_mut(std::env::args_os())?;
     Command::from_arg_matches(&typed).map_err(|error| error.format(&mut command))
@@ -174,9 +167,9 @@ fn main() -> ExitCode {
             // Help, version or wrong usage: clap chooses stream and exit code. A closed stream is ignored.
             let _ = error.print();
             if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
-                && let Some((_, way)) = ELSEWHERE.iter().find(|(elsewhere, _)| elsewhere == word)
+                && let Some((_, command_line)) = COMMON_NAMES.iter().find(|(name, _)| name == word)
             {
-                output::message(&format!("`{word}` is `kinopt {way}`"));
+                output::message(&format!("`{word}` is `kinopt {command_line}`"));
             }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }

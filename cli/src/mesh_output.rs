@@ -101,8 +101,8 @@ impl LoadedModel {
         let lacks = || lacks_mesh(file, kind);
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
         if let Some(scene) = self.scene.as_deref() {
-            let own = with_meshes(Some(scene.file.scene()), (file, kind), choice)?;
-            let bridge = FigurePosing::of(self, &own.armature).ok_or_else(lacks)?;
+            let meshes = with_meshes(Some(scene.file.scene()), (file, kind), choice)?;
+            let bridge = FigurePosing::of(self, &meshes.armature).ok_or_else(lacks)?;
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;

@@ -25,8 +25,8 @@ pub(crate) fn names() -> PossibleValuesParser {
 
 /// Solver of a name that [`names`] accepted.
 pub(crate) fn solver(name: &str) -> Solver {
-    let found = solvers().into_iter().find(|solver| solver.method() == name);
-    found.unwrap_or_default()
+    let selected = solvers().into_iter().find(|solver| solver.method() == name);
+    selected.unwrap_or_default()
 }
 
 /// Derivative modes of `--jacobian`.
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_default_is_the_library_s() {
+    fn default_method_is_the_library_default() {
         assert_eq!(solvers()[0].method(), Solver::default().method());
         for known in solvers() {
             assert_eq!(solver(known.method()).method(), known.method());

@@ -88,7 +88,7 @@ impl ModelOptions {
     }
 
     /// True if an option sets the base joint.
-    pub(crate) fn says_base(&self) -> bool {
+    pub(crate) fn has_base_option(&self) -> bool {
         self.base.given().is_some()
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 /// Largest accepted number; its square is finite, so that results of the solvers are finite.
-pub(crate) const LARGEST: f64 = 1e150;
+pub(crate) const MAX_NUMBER: f64 = 1e150;
 
 /// Parses finite numbers.
 pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
@@ -42,12 +42,12 @@ pub(crate) fn between_commas(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(|word| number(word.trim())).collect()
 }
 
-/// Parses one finite number, at most [`LARGEST`].
+/// Parses one finite number, at most [`MAX_NUMBER`].
 pub(crate) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
-        Ok(number) if number.abs() <= LARGEST => Ok(number),
+        Ok(number) if number.abs() <= MAX_NUMBER => Ok(number),
         Ok(number) if number.is_finite() => Err(format!(
-            "`{word}` is beyond {LARGEST:e}, the largest accepted number"
+            "`{word}` is beyond {MAX_NUMBER:e}, the largest accepted number"
         )),
         Ok(_) => Err(format!("`{word}` is not a finite number")),
         Err(_) => Err(format!("`{word}` is not a number")),
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_named() {
+    fn number_invalid_text_is_named() {
         for bad in ["x", "1,nan", "1,inf", "--json"] {
             let word = bad.rsplit(',').next().unwrap_or(bad);
             assert!(parse(bad).unwrap_err().contains(word), "{bad}");

@@ -14,7 +14,7 @@ use crate::file_access;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Alignment of the numbers, in bytes.
-const ALIGNED: usize = 64;
+const HEADER_ALIGNMENT: usize = 64;
 
 /// Numbers with the lengths of their axes, in C order.
 #[derive(Debug, PartialEq)]
@@ -82,8 +82,8 @@ fn parse(bytes: &[u8]) -> Result<Array, String> {
 
 /// Numbers of N bytes each; an incomplete last one is ignored.
 fn numbers_of<const N: usize>(data: &[u8], number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
-    let each = data.chunks_exact(N).filter_map(|bytes| bytes.first_chunk());
-    each.map(|bytes| number(*bytes)).collect()
+    let numbers = data.chunks_exact(N).filter_map(|bytes| bytes.first_chunk());
+    numbers.map(|bytes| number(*bytes)).collect()
 }
 
 /// Array of a .npz file.
@@ -140,7 +140,7 @@ fn npy(shape: &[usize], column: &Column<'_>) -> Vec<u8> {
     let unpadded = MAGIC.len() + 4 + header.len() + 1;
     header.extend(std::iter::repeat_n(
         ' ',
-        unpadded.next_multiple_of(ALIGNED) - unpadded,
+        unpadded.next_multiple_of(HEADER_ALIGNMENT) - unpadded,
     ));
     header.push('\n');
     let mut bytes = MAGIC.to_vec();
@@ -157,7 +157,7 @@ mod tests {
     use super::{Array, Column, npy, parse};
 
     #[test]
-    fn what_is_written_is_read_again() {
+    fn npy_written_file_reads_back() {
         let numbers = [1.0, -2.5, f64::MAX, 0.1, 0.0, 7.0];
         let bytes = npy(&[2, 3], &Column::Numbers(&numbers));
         let shape = vec![2, 3];
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_arrays_are_refused() {
+    fn npy_damaged_is_rejected() {
         let bytes = npy(&[2], &Column::Numbers(&[1.0, 2.0]));
         for length in 0..bytes.len() {
             assert!(parse(&bytes[..length]).is_err(), "{length} bytes");

@@ -30,10 +30,10 @@ impl LoadedModel {
         let numbers = model.moving_joints().iter().zip(q).zip(model.limits());
         let numbers: Vec<_> = numbers.zip(balls).collect();
         let outside = model.joints_outside_limits(q)?.into_iter().map(|id| {
-            let own = numbers.iter().find(|(((joint, _), _), _)| **joint == id);
+            let number = numbers.iter().find(|(((joint, _), _), _)| **joint == id);
             OutsideLimits {
                 joint: self.joint_name(id).to_owned(),
-                range: own
+                range: number
                     .filter(|(_, ball)| !ball)
                     .map(|(((_, value), limits), _)| Range {
                         value: **value,

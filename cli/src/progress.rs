@@ -8,11 +8,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use kinopt::solver::{Iteration, Observer};
 
 /// Time until the line appears.
-const PATIENCE: Duration = Duration::from_millis(300);
+const DELAY: Duration = Duration::from_millis(300);
 /// Refresh rate, in hertz.
-const DRAWINGS: u8 = 10;
+const REFRESH_RATE: u8 = 10;
 /// Number of iterations between two checks of the time.
-const BETWEEN_LOOKS: usize = 16;
+const ITERATIONS_PER_CHECK: usize = 16;
 
 /// Progress line that appears late and is removed on drop.
 struct Line {
@@ -24,7 +24,7 @@ struct Line {
 impl Line {
     /// Line with a template, and a length if it is known.
     fn new(length: Option<usize>, shape: &str) -> Self {
-        let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
+        let target = ProgressDrawTarget::stderr_with_hz(REFRESH_RATE);
         let bar = (!target.is_hidden()).then(|| {
             let length = length.map(|length| u64::try_from(length).unwrap_or(u64::MAX));
             let bar = ProgressBar::with_draw_target(length, target);
@@ -38,9 +38,9 @@ impl Line {
     }
 
     /// Bar, after the initial delay.
-    fn late(&self) -> Option<&ProgressBar> {
+    fn bar_after_delay(&self) -> Option<&ProgressBar> {
         let bar = self.bar.as_ref();
-        bar.filter(|_| self.started.elapsed() > PATIENCE)
+        bar.filter(|_| self.started.elapsed() > DELAY)
     }
 }
 
@@ -69,7 +69,7 @@ impl Countdown {
 
     pub(crate) fn one_more(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(bar) = self.line.late() {
+        if let Some(bar) = self.line.bar_after_delay() {
             bar.set_position(done);
         }
     }
@@ -99,8 +99,8 @@ impl Observer for Progress {
         self.attempts += usize::from(iteration.index == 0);
         self.iterations += 1;
         self.lowest_cost = self.lowest_cost.min(iteration.cost);
-        if self.iterations.is_multiple_of(BETWEEN_LOOKS) {
-            if let Some(bar) = self.line.late() {
+        if self.iterations.is_multiple_of(ITERATIONS_PER_CHECK) {
+            if let Some(bar) = self.line.bar_after_delay() {
                 let (attempts, iterations) = (self.attempts, self.iterations);
                 let cost = self.lowest_cost;
                 bar.set_message(format!(

@@ -56,7 +56,7 @@ pub(crate) fn write_with_clip(
         .scene()
         .clips
         .iter()
-        .any(|own| own.name() == clip.name());
+        .any(|existing| existing.name() == clip.name());
     let clip = match given.or(is_taken.then_some(other)) {
         Some(name) => clip.renamed(name),
         None => clip,

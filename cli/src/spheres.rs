@@ -26,9 +26,9 @@ Examples:
                                                      at most six spheres a link, ROS meshes";
 
 /// Default maximum protrusion, as a share of the robot's reach.
-const SHARE: f64 = 0.02;
+const PROTRUSION_OF_REACH: f64 = 0.02;
 /// Maximum protrusion for larger links, as a share of the radius around the largest shape.
-const SHARE_OF_LARGEST: f64 = 0.05;
+const PROTRUSION_OF_LARGEST: f64 = 0.05;
 /// Largest number of doublings of the maximum protrusion.
 const DOUBLINGS: usize = 40;
 
@@ -130,8 +130,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel> {
     // A robot with a single revolute joint may have reach 0, but has shapes.
     let finest = match reach > 0.0 && reach.is_finite() {
-        true => SHARE * reach,
-        false => SHARE,
+        true => PROTRUSION_OF_REACH * reach,
+        false => PROTRUSION_OF_REACH,
     };
     let sizes = model.objects().iter();
     let largest = sizes
@@ -147,7 +147,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
             }
             return Ok(spheres);
         }
-        max_protrusion = (2.0 * max_protrusion).max(SHARE_OF_LARGEST * largest);
+        max_protrusion = (2.0 * max_protrusion).max(PROTRUSION_OF_LARGEST * largest);
     }
     Ok(SphereModel::of(
         model,
@@ -184,16 +184,16 @@ fn report(
     let text = || {
         let mut table = Table::new("link | >spheres | checked against");
         for (index, group) in groups.iter().enumerate() {
-            let others = spheres.pairs().iter().filter_map(|[a, b]| match index {
+            let checked_links = spheres.pairs().iter().filter_map(|[a, b]| match index {
                 _ if *a == index => Some(groups[*b].name.as_str()),
                 _ if *b == index => Some(groups[*a].name.as_str()),
                 _ => None,
             });
-            let others: Vec<&str> = others.collect();
+            let checked_links: Vec<&str> = checked_links.collect();
             table.row([
                 group.name.clone(),
                 group.spheres.len().to_string(),
-                others.join(", "),
+                checked_links.join(", "),
             ]);
         }
         let count = counted(spheres.count(), "sphere");

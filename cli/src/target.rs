@@ -5,7 +5,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use crate::number_list::{between_commas, number, parse_exactly};
 
 /// Largest deviation of a typed quaternion's length from 1; the quaternion is normalised.
-pub(crate) const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
+pub(crate) const QUATERNION_LENGTH_TOLERANCE: f64 = 0.01;
 
 /// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
 /// Normalised quaternion, w first; an error if its length is not near 1.
 fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
+    if (length - 1.0).abs() <= QUATERNION_LENGTH_TOLERANCE {
         return Ok(quaternion.map(|c| c / length));
     }
     Err(format!(
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_and_poses() {
+    fn target_points_and_poses_parse() {
         let target = Target::parse("left=hand=1,-2.5,3e-1").unwrap();
         assert_eq!(target.frame, "left=hand");
         let at = Placement::translation(Vector3::new(1.0, -2.5, 0.3));
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_targets_say_why() {
+    fn target_malformed_text_names_the_cause() {
         for (text, reason) in [
             ("a", "expected FRAME="),
             ("=1,2,3", "expected FRAME="),
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn rays() {
+    fn rays_parse() {
         let ray = RayTarget::parse("tip=0,0,5:1,1,0").unwrap();
         assert_eq!((ray.eye, ray.through), ([0.0, 0.0, 5.0], [1.0, 1.0, 0.0]));
         let bad = [
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn starts() {
+    fn starts_parse() {
         assert_eq!(Start::parse("rest"), Ok(Start::Rest));
         assert_eq!(Start::parse(" random "), Ok(Start::Random));
         assert_eq!(Start::parse("1, -2"), Ok(Start::Numbers(vec![1.0, -2.0])));

@@ -9,7 +9,7 @@ use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::json_file;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::LARGEST;
+use crate::number_list::MAX_NUMBER;
 use crate::target::placement;
 
 /// Content of a file of targets.
@@ -132,9 +132,9 @@ fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
         let at = format!("{at}[{index}]");
         let numbers = list(row, &at)?.iter().enumerate();
         let numbers = numbers.map(|(column, number)| match number.as_f64() {
-            Some(number) if number.abs() <= LARGEST => Ok(number),
+            Some(number) if number.abs() <= MAX_NUMBER => Ok(number),
             Some(_) => Err(format!(
-                "{at}[{column}]: is beyond {LARGEST:e}, the largest accepted number"
+                "{at}[{column}]: is beyond {MAX_NUMBER:e}, the largest accepted number"
             )),
             _ => Err(format!("{at}[{column}]: is {}, not a number", a(number))),
         });

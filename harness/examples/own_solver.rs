@@ -19,37 +19,37 @@ impl Adapter for CoordinateSearch {
         "coordinate search"
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        let mut scratch = question.problem.scratch();
-        let mut evaluation = Evaluation::new(question.problem, &mut scratch);
-        let mut residual = vec![0.0; question.problem.rows()];
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        let mut scratch = instance.problem.scratch();
+        let mut evaluation = Evaluation::new(instance.problem, &mut scratch);
+        let mut residual = vec![0.0; instance.problem.rows()];
         let mut cost = |x: &[f64]| {
             evaluation.residual(x, &mut residual);
             residual.iter().map(|r| r * r).sum::<f64>()
         };
-        let mut x = vec![0.0; question.problem.variables()];
-        let map = question.problem.parameters();
-        map.reduce(question.start, &mut x).expect("its own start");
+        let mut x = vec![0.0; instance.problem.variables()];
+        let map = instance.problem.parameters();
+        map.reduce(instance.start, &mut x).expect("its own start");
         let (mut lowest, mut step) = (cost(&x), 0.5);
         while step > 1e-9 {
             let before = lowest;
             for joint in 0..x.len() {
                 for turn in [step, -step] {
                     let mut trial = x.clone();
-                    let bounds = (question.problem.lower(), question.problem.upper());
+                    let bounds = (instance.problem.lower(), instance.problem.upper());
                     trial[joint] = (x[joint] + turn).clamp(bounds.0[joint], bounds.1[joint]);
-                    let found = cost(&trial);
-                    if found < lowest {
-                        (x, lowest) = (trial, found);
+                    let trial_cost = cost(&trial);
+                    if trial_cost < lowest {
+                        (x, lowest) = (trial, trial_cost);
                     }
                 }
             }
-            trace.mark(&question.set.configuration(&x));
+            trace.mark(&instance.set.configuration(&x));
             if lowest > 0.9 * before {
                 step *= 0.5;
             }
         }
-        Answer::at(question.set.configuration(&x))
+        Answer::at(instance.set.configuration(&x))
     }
 }
 
@@ -67,11 +67,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let results = bench.run(&mut |_| ControlFlow::Continue(()))?;
 
     println!("{}", report::markdown(&results));
-    let own = results
+    let run = results
         .runs
         .iter()
         .find(|run| run.solver == "coordinate search");
-    let own = own.ok_or("it took no part")?;
-    assert!(own.traced && own.solved() > 0, "{} solved", own.solved());
+    let run = run.ok_or("it took no part")?;
+    assert!(run.traced && run.solved() > 0, "{} solved", run.solved());
     Ok(())
 }

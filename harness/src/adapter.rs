@@ -40,7 +40,7 @@ pub trait Adapter {
 
     /// Solves one problem within the budget. `trace` receives intermediate configurations ([`Trace::mark`]). A solver
     /// without marks has its total time for every accuracy.
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer;
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer;
 }
 
 /// One problem, equal for all solvers.
@@ -133,18 +133,18 @@ impl From<&Solution> for Answer {
 /// own. `attempt` receives the start, the index of the attempt, and the remaining time. Returns the attempt that
 /// reaches, else the one with the lowest cost.
 pub fn attempts(
-    question: &ProblemInstance<'_>,
+    instance: &ProblemInstance<'_>,
     mut attempt: impl FnMut(&[f64], usize, Duration) -> Answer,
 ) -> Answer {
-    let begun = Instant::now();
-    let mut left = question.budget.time_limit;
-    let mut best = attempt(question.start, 0, left);
-    for index in 1..question.budget.attempts {
-        left = question.budget.time_limit.saturating_sub(begun.elapsed());
-        if best.reached || left.is_zero() {
+    let started = Instant::now();
+    let mut remaining = instance.budget.time_limit;
+    let mut best = attempt(instance.start, 0, remaining);
+    for index in 1..instance.budget.attempts {
+        remaining = instance.budget.time_limit.saturating_sub(started.elapsed());
+        if best.reached || remaining.is_zero() {
             break;
         }
-        let mut next = attempt(&question.start_of_attempt(index), index, left);
+        let mut next = attempt(&instance.start_of_attempt(index), index, remaining);
         next.iterations += best.iterations;
         next.attempts += best.attempts;
         next.counts += best.counts;

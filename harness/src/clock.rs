@@ -25,7 +25,7 @@ pub(crate) fn now() -> Duration {
 
 /// Runs a function and measures its time.
 pub(crate) fn time<T>(work: impl FnOnce() -> T) -> (T, Duration) {
-    let begun = now();
+    let started = now();
     let result = work();
-    (result, now().saturating_sub(begun))
+    (result, now().saturating_sub(started))
 }

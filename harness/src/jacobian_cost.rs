@@ -22,7 +22,7 @@ use crate::route::route_name;
 pub const BONES: [usize; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
 /// Least duration of a batch of evaluations; the fastest batch counts.
-const BATCH: Duration = Duration::from_micros(500);
+const MIN_BATCH_TIME: Duration = Duration::from_micros(500);
 const BATCHES: usize = 5;
 
 /// Cost of one Jacobian by one derivative mode.
@@ -44,13 +44,13 @@ impl JacobianCost {
     }
 }
 
-/// Measures all derivative modes on chains of up to `most` bones, with a target for the last tip. `progress` is called
+/// Measures all derivative modes on chains of up to `max_bones` bones, with a target for the last tip. `progress` is called
 /// between two measurements and may break; finished measurements are returned.
 ///
 /// # Errors
 /// None with these chains.
 pub fn measure(
-    most: usize,
+    max_bones: usize,
     progress: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<Vec<JacobianCost>, SkeletonError> {
     let empty = |route: Derivatives| JacobianCost {
@@ -58,7 +58,7 @@ pub fn measure(
         points: Vec::new(),
     };
     let mut costs: Vec<JacobianCost> = Derivatives::ALL.map(empty).into();
-    for bones in BONES.into_iter().filter(|&bones| bones <= most) {
+    for bones in BONES.into_iter().filter(|&bones| bones <= max_bones) {
         let skeleton = chain(bones)?;
         let Some(tip) = skeleton.bone_ids().last() else {
             continue;
@@ -102,21 +102,21 @@ fn micros_of_one(problem: &Problem) -> f64 {
     let mut evaluation = Evaluation::new(problem, &mut scratch);
     let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
     // Alternates between two configurations, so that no forward pass is reused.
-    let here: Vec<f64> = (0..problem.variables())
+    let first: Vec<f64> = (0..problem.variables())
         .map(|k| 0.3 * (k as f64).sin())
         .collect();
-    let there: Vec<f64> = here.iter().map(|x| x + 1e-3).collect();
+    let second: Vec<f64> = first.iter().map(|x| x + 1e-3).collect();
     let mut batch = |pairs: u32| {
-        let ((), taken) = clock::time(|| {
+        let ((), elapsed) = clock::time(|| {
             for _ in 0..pairs {
-                evaluation.jacobian(&here, &mut jacobian);
-                evaluation.jacobian(&there, &mut jacobian);
+                evaluation.jacobian(&first, &mut jacobian);
+                evaluation.jacobian(&second, &mut jacobian);
             }
         });
-        taken
+        elapsed
     };
     let mut pairs = 1;
-    while batch(pairs) < BATCH {
+    while batch(pairs) < MIN_BATCH_TIME {
         pairs *= 2;
     }
     let fastest = (0..BATCHES).map(|_| batch(pairs)).min();

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 use crate::{HarnessError, ProblemSet};
 
 /// Largest deviation of a mimic joint from its relation, radians or metres.
-const FOLLOWS: f64 = 1e-9;
+const MIMIC_TOLERANCE: f64 = 1e-9;
 /// A joint within this fraction of its range from a limit counts as at the limit: changes of variables approach limits
 /// without reaching them.
-const ON_LIMIT: f64 = 1e-6;
+const LIMIT_TOLERANCE: f64 = 1e-6;
 
 /// Distance of a frame from its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,7 +64,7 @@ impl<'s> Judge<'s> {
     /// Verdict on `q`. A configuration of the wrong length or with a number that is not finite has infinite errors.
     pub fn verdict<'a>(
         &mut self,
-        question: impl Into<ProblemInstance<'a>>,
+        instance: impl Into<ProblemInstance<'a>>,
         targets: &[Placement<f64>],
         q: &[f64],
     ) -> Verdict {
@@ -86,18 +86,18 @@ impl<'s> Judge<'s> {
         });
         let tasks: Vec<TaskError> = errors.collect();
         let size = self.set.size();
-        let shares = tasks.iter().flat_map(|task| {
+        let relative_errors = tasks.iter().flat_map(|task| {
             let position = task.position / size;
             [position, task.orientation.unwrap_or(0.0)]
         });
-        let error = shares.fold(0.0, f64::max);
+        let error = relative_errors.fold(0.0, f64::max);
         let within_limits = self.is_within_limits(q);
         let complete = tasks.len() == targets.len();
         Verdict {
             solved: complete && within_limits && error <= self.set.tolerance(),
             within_limits,
             error,
-            cost: self.cost(question.into(), q),
+            cost: self.cost(instance.into(), q),
             tasks,
         }
     }
@@ -107,32 +107,36 @@ impl<'s> Judge<'s> {
     pub fn active_limits(&self, q: &[f64]) -> Vec<String> {
         let model = self.set.model();
         let joints = model.moving_joints().iter().zip(model.limits()).zip(q);
-        let standing = joints.filter(|((_, limits), q)| {
-            let close = ON_LIMIT * (limits.upper - limits.lower);
-            let close = if close.is_finite() { close } else { ON_LIMIT };
-            !limits.is_locked() && (**q <= limits.lower + close || **q >= limits.upper - close)
+        let at_limit = joints.filter(|((_, limits), q)| {
+            let margin = LIMIT_TOLERANCE * (limits.upper - limits.lower);
+            let margin = if margin.is_finite() {
+                margin
+            } else {
+                LIMIT_TOLERANCE
+            };
+            !limits.is_locked() && (**q <= limits.lower + margin || **q >= limits.upper - margin)
         });
-        let names = standing.filter_map(|((id, _), _)| model.joints().get(id.index()));
+        let names = at_limit.filter_map(|((id, _), _)| model.joints().get(id.index()));
         names.map(|joint| joint.name.clone()).collect()
     }
 
     fn is_within_limits(&self, q: &[f64]) -> bool {
         let mut limits = self.set.model().limits().zip(q);
         let contained = limits.all(|(limits, &q)| limits.lower <= q && q <= limits.upper);
-        let followed = self.set.within_limits(q);
-        let mut follows = followed.iter().zip(q);
-        contained && follows.all(|(a, b)| (a - b).abs() <= FOLLOWS)
+        let expected = self.set.within_limits(q);
+        let mut mimics = expected.iter().zip(q);
+        contained && mimics.all(|(a, b)| (a - b).abs() <= MIMIC_TOLERANCE)
     }
 
-    fn cost(&mut self, question: ProblemInstance<'_>, q: &[f64]) -> f64 {
-        let problem = question.problem();
+    fn cost(&mut self, instance: ProblemInstance<'_>, q: &[f64]) -> f64 {
+        let problem = instance.problem();
         let mut x = vec![0.0; problem.variables()];
         if problem.parameters().reduce(q, &mut x).is_err() {
             return f64::NAN;
         }
         self.residual.resize(problem.rows(), 0.0);
         let scratch = self.scratch.get_or_insert_with(|| problem.scratch());
-        Evaluation::new(question, scratch).residual(&x, &mut self.residual);
+        Evaluation::new(instance, scratch).residual(&x, &mut self.residual);
         0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
     }
 }

@@ -25,8 +25,8 @@
 //!         "lazy"
 //!     }
 //!
-//!     fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
-//!         Answer::at(question.start.to_vec())
+//!     fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+//!         Answer::at(instance.start.to_vec())
 //!     }
 //! }
 //!

@@ -14,12 +14,12 @@ pub fn performance_profile(times: &[Vec<Option<f64>>]) -> Vec<Vec<(f64, f64)>> {
         .map(|problem| {
             let solved = times
                 .iter()
-                .filter_map(|own| own.get(problem).copied().flatten());
+                .filter_map(|solver_times| solver_times.get(problem).copied().flatten());
             solved.fold(f64::INFINITY, f64::min)
         })
         .collect();
-    let ratios = |own: &Vec<Option<f64>>| {
-        let pairs = own.iter().zip(&fastest);
+    let ratios = |solver_times: &Vec<Option<f64>>| {
+        let pairs = solver_times.iter().zip(&fastest);
         share_within(
             pairs.filter_map(|(time, best)| Some((*time)? / best)),
             problems,

@@ -7,13 +7,13 @@ use std::time::Duration;
 use crate::clock;
 
 /// Largest number of marks: 100 000 of 60 variables are 50 MB.
-const MOST_MARKS: usize = 100_000;
+const MAX_MARKS: usize = 100_000;
 
 /// Configuration after an iteration, with the solver's time until then.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mark {
     pub(crate) at: Duration,
-    pub(crate) place: Vec<f64>,
+    pub(crate) configuration: Vec<f64>,
 }
 
 /// Recorder of a solver's marks. Off in the untraced solve, on in the traced one. Clones share the marks, for observers
@@ -23,7 +23,7 @@ pub struct Trace(Option<Rc<RefCell<Recording>>>);
 
 #[derive(Debug)]
 struct Recording {
-    worked: Duration,
+    solver_time: Duration,
     /// Time of the last resume, by [`clock::now`].
     resumed: Duration,
     marks: Vec<Mark>,
@@ -41,7 +41,7 @@ impl Trace {
     /// A trace whose clock starts now.
     pub(crate) fn on() -> Self {
         Self(Some(Rc::new(RefCell::new(Recording {
-            worked: Duration::ZERO,
+            solver_time: Duration::ZERO,
             resumed: clock::now(),
             marks: Vec::new(),
             translated: 0,
@@ -56,23 +56,23 @@ impl Trace {
 
     /// Records the configuration after an iteration, and the start before the first. Variables of the solver's own need
     /// a later [`translate`](Self::translate). The clock is stopped meanwhile.
-    pub fn mark(&self, place: &[f64]) {
+    pub fn mark(&self, configuration: &[f64]) {
         self.paused(|recording| {
-            if recording.marks.len() < MOST_MARKS {
+            if recording.marks.len() < MAX_MARKS {
                 recording.marks.push(Mark {
-                    at: recording.worked,
-                    place: place.to_vec(),
+                    at: recording.solver_time,
+                    configuration: configuration.to_vec(),
                 });
             }
         });
     }
 
     /// Converts the marks since the last translation to configurations. The clock is stopped meanwhile.
-    pub fn translate(&self, configuration: impl Fn(&[f64]) -> Vec<f64>) {
+    pub fn translate(&self, to_configuration: impl Fn(&[f64]) -> Vec<f64>) {
         self.paused(|recording| {
             let first = recording.translated;
             for mark in recording.marks.iter_mut().skip(first) {
-                mark.place = configuration(&mark.place);
+                mark.configuration = to_configuration(&mark.configuration);
             }
             recording.translated = recording.marks.len();
         });
@@ -80,11 +80,11 @@ impl Trace {
 
     /// Returns the marks, and the total time of the solver.
     pub(crate) fn finish(self) -> (Vec<Mark>, Duration) {
-        let mut found = (Vec::new(), Duration::ZERO);
+        let mut result = (Vec::new(), Duration::ZERO);
         self.paused(|recording| {
-            found = (std::mem::take(&mut recording.marks), recording.worked);
+            result = (std::mem::take(&mut recording.marks), recording.solver_time);
         });
-        found
+        result
     }
 
     fn paused(&self, work: impl FnOnce(&mut Recording)) {
@@ -95,7 +95,7 @@ impl Trace {
             return;
         };
         let resumed = recording.resumed;
-        recording.worked += now.saturating_sub(resumed);
+        recording.solver_time += now.saturating_sub(resumed);
         work(&mut recording);
         recording.resumed = clock::now();
     }

@@ -53,11 +53,11 @@ def solve(
 
     Raises ``InvalidValueError`` for other shapes.
     """
-    own, arrays = _solving.question(asked, targets, solver, missing, weights, joint_origins)
-    given = tuple(jnp.asarray(array, float) for array in arrays)
+    query, arrays = _solving.make_query(asked, targets, solver, missing, weights, joint_origins)
+    jax_arrays = tuple(jnp.asarray(array, float) for array in arrays)
     start = jnp.asarray(start, float)
-    _solving.check_shapes(own, [array.shape for array in given], start.shape)
-    return _solve(own, given, start)
+    _solving.check_shapes(query, [array.shape for array in jax_arrays], start.shape)
+    return _solve(query, jax_arrays, start)
 
 
 def _numbers(array: Any) -> Floats:
@@ -68,57 +68,57 @@ def _is_traced(arrays: tuple[Any, ...]) -> bool:
     return any(isinstance(array, jax.core.Tracer) for array in arrays)
 
 
-def _solve_on_host(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Floats:
-    q = _solving.solve(own, [_numbers(target) for target in targets], _numbers(start))
+def _solve_on_host(query: _solving.Query, targets: tuple[Any, ...], start: Any) -> Floats:
+    q = _solving.solve(query, [_numbers(target) for target in targets], _numbers(start))
     return q.astype(start.dtype)
 
 
 def _pull_on_host(
-    own: _solving.Question, targets: tuple[Any, ...], start: Any, q: Any, by_q: Any
+    query: _solving.Query, targets: tuple[Any, ...], start: Any, q: Any, by_q: Any
 ) -> tuple[Floats, ...]:
     numbers = [_numbers(target) for target in targets]
-    slopes = _solving.pull(own, numbers, _numbers(start), _numbers(q), _numbers(by_q))
+    slopes = _solving.pull(query, numbers, _numbers(start), _numbers(q), _numbers(by_q))
     return tuple(slope.astype(target.dtype) for slope, target in zip(slopes, targets, strict=True))
 
 
 # Compiled once for each query and shape: queries are hashable, and equal queries compare equal.
 @partial(jax.jit, static_argnums=0)
-def _solve_traced(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
-    shapes = [target.shape[: target.ndim - own.target_axes(k)] for k, target in enumerate(targets)]
+def _solve_traced(query: _solving.Query, targets: tuple[Any, ...], start: Any) -> Any:
+    shapes = [target.shape[: target.ndim - query.target_axes(k)] for k, target in enumerate(targets)]
     batch = np.broadcast_shapes(*shapes, start.shape[:-1])
-    shape = jax.ShapeDtypeStruct((*batch, own.length), start.dtype)
-    on_host = partial(_solve_on_host, own)
+    shape = jax.ShapeDtypeStruct((*batch, query.length), start.dtype)
+    on_host = partial(_solve_on_host, query)
     return jax.pure_callback(on_host, shape, targets, start, vmap_method="broadcast_all")
 
 
 @partial(jax.jit, static_argnums=0)
 def _pull_traced(
-    own: _solving.Question, targets: tuple[Any, ...], start: Any, q: Any, by_q: Any
+    query: _solving.Query, targets: tuple[Any, ...], start: Any, q: Any, by_q: Any
 ) -> tuple[Any, ...]:
     shapes = tuple(jax.ShapeDtypeStruct(target.shape, target.dtype) for target in targets)
-    on_host = partial(_pull_on_host, own)
+    on_host = partial(_pull_on_host, query)
     pulled = jax.pure_callback(on_host, shapes, targets, start, q, by_q, vmap_method="broadcast_all")
     return tuple(pulled)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _solve(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
+def _solve(query: _solving.Query, targets: tuple[Any, ...], start: Any) -> Any:
     if _is_traced((*targets, start)):
-        return _solve_traced(own, targets, start)
-    return jnp.asarray(_solve_on_host(own, targets, start))
+        return _solve_traced(query, targets, start)
+    return jnp.asarray(_solve_on_host(query, targets, start))
 
 
-def _forward(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
-    q = _solve(own, targets, start)
+def _forward(query: _solving.Query, targets: tuple[Any, ...], start: Any) -> Any:
+    q = _solve(query, targets, start)
     return q, (targets, start, q)
 
 
-def _backward(own: _solving.Question, kept: Any, by_q: Any) -> Any:
-    targets, start, q = kept
+def _backward(query: _solving.Query, saved: Any, by_q: Any) -> Any:
+    targets, start, q = saved
     if _is_traced((*targets, start, q, by_q)):
-        slopes = _pull_traced(own, targets, start, q, by_q)
+        slopes = _pull_traced(query, targets, start, q, by_q)
     else:
-        slopes = tuple(jnp.asarray(slope) for slope in _pull_on_host(own, targets, start, q, by_q))
+        slopes = tuple(jnp.asarray(slope) for slope in _pull_on_host(query, targets, start, q, by_q))
     return slopes, jnp.zeros_like(start)
 
 

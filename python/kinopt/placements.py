@@ -9,7 +9,7 @@ from .errors import InvalidValueError
 from .types import Floats
 
 #: Largest deviation of a given matrix from a rotation: the rounding error of numbers with two digits.
-_ROUGH = 0.02
+_ROTATION_TOLERANCE = 0.02
 
 
 def placement(
@@ -29,33 +29,33 @@ def placement(
     Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that
     mirror or deviate by more than 0.02 from a rotation, more than one rotation.
     """
-    given = {"wxyz": wxyz, "xyzw": xyzw, "matrix": matrix}
-    given = {name: value for name, value in given.items() if value is not None}
-    if len(given) > 1:
-        raise InvalidValueError(f"a placement has one rotation, not {' and '.join(given)}")
-    place = _numbers(position, "position")
+    rotations = {"wxyz": wxyz, "xyzw": xyzw, "matrix": matrix}
+    rotations = {name: value for name, value in rotations.items() if value is not None}
+    if len(rotations) > 1:
+        raise InvalidValueError(f"a placement has one rotation, not {' and '.join(rotations)}")
+    translation = _numbers(position, "position")
     if wxyz is not None:
         rotation = _of_quaternion(_numbers(wxyz, "wxyz"), "wxyz")
     elif xyzw is not None:
         rotation = _of_quaternion(np.roll(_numbers(xyzw, "xyzw"), 1, axis=-1), "xyzw")
     elif matrix is not None:
-        whole = _numbers(matrix, "matrix")
-        if whole.shape[-2:] == (4, 4):
-            place = place + whole[..., :3, 3]
-            whole = whole[..., :3, :3]
-        rotation = _nearest_rotation(whole)
+        full_matrix = _numbers(matrix, "matrix")
+        if full_matrix.shape[-2:] == (4, 4):
+            translation = translation + full_matrix[..., :3, 3]
+            full_matrix = full_matrix[..., :3, :3]
+        rotation = _nearest_rotation(full_matrix)
     else:
         rotation = np.eye(3)
-    if place.shape[-1:] != (3,) or place.ndim > 2:
-        raise InvalidValueError(f"position has shape {place.shape}, expected (3,) or (N, 3)")
+    if translation.shape[-1:] != (3,) or translation.ndim > 2:
+        raise InvalidValueError(f"position has shape {translation.shape}, expected (3,) or (N, 3)")
     try:
-        many = np.broadcast_shapes(place.shape[:-1], rotation.shape[:-2])
+        batch_shape = np.broadcast_shapes(translation.shape[:-1], rotation.shape[:-2])
     except ValueError:
-        shapes = f"{place.shape[:-1]} positions, {rotation.shape[:-2]} rotations"
+        shapes = f"{translation.shape[:-1]} positions, {rotation.shape[:-2]} rotations"
         raise InvalidValueError(f"expected equal numbers, or one of either: {shapes}") from None
-    placed = np.zeros((*many, 4, 4))
+    placed = np.zeros((*batch_shape, 4, 4))
     placed[..., :3, :3] = rotation
-    placed[..., :3, 3] = place
+    placed[..., :3, 3] = translation
     placed[..., 3, 3] = 1.0
     return placed
 
@@ -95,7 +95,7 @@ def _nearest_rotation(matrix: Floats) -> Floats:
     left, _, right = np.linalg.svd(matrix)
     nearest = np.asarray(left @ right)
     off = float(np.abs(nearest - matrix).max(initial=0.0))
-    if off > _ROUGH or (np.linalg.det(nearest) < 0).any():
+    if off > _ROTATION_TOLERANCE or (np.linalg.det(nearest) < 0).any():
         raise InvalidValueError(f"matrix is no rotation: it is {off:.2g} from the nearest, or mirrors")
     return nearest
 

@@ -77,10 +77,10 @@ class Task:
         _check_number("scale", self.scale)
         self._keep("level", _level(self.level))
 
-    def _with(self, given: Mapping[str, object]) -> Task:
+    def _with(self, changes: Mapping[str, object]) -> Task:
         """The task with other values of these keywords."""
         changed = copy(self)
-        for name, value in given.items():
+        for name, value in changes.items():
             changed._keep(name, value)
         Task.__post_init__(changed)
         return changed
@@ -108,8 +108,8 @@ class Task:
             self._keep("joint_weights", dict(weights))
         elif isinstance(weights, str):
             if weights not in words:
-                known = " or ".join(f'"{word}"' for word in words)
-                raise InvalidValueError(f"joint_weights must be numbers or {known}, not {weights!r}")
+                allowed = " or ".join(f'"{word}"' for word in words)
+                raise InvalidValueError(f"joint_weights must be numbers or {allowed}, not {weights!r}")
         elif weights is not None:
             self._numbers("joint_weights", None)
 
@@ -119,23 +119,23 @@ class Task:
             return
         if not isinstance(masses, Mapping):
             raise InvalidValueError(f"masses must be a dict by frame, not {masses!r}")
-        kept = {}
-        for frame, given in masses.items():
+        point_masses = {}
+        for frame, value in masses.items():
             self._check_name("a frame of masses", frame, optional=False)
-            mass, at = given if isinstance(given, Sequence) and len(given) == 2 else (given, (0.0, 0.0, 0.0))
+            mass, position = value if isinstance(value, Sequence) and len(value) == 2 else (value, (0.0, 0.0, 0.0))
             _check_number(f"the mass of {frame}", mass)
-            kept[frame] = (float(mass), _compiled.numbers(at, f"the position of the mass of {frame}", 3))
-        self._keep("masses", kept)
+            point_masses[frame] = (float(mass), _compiled.numbers(position, f"the position of the mass of {frame}", 3))
+        self._keep("masses", point_masses)
 
     def __repr__(self) -> str:
         shown = []
-        for own in fields(self):
-            value = getattr(self, own.name)
+        for item in fields(self):
+            value = getattr(self, item.name)
             if isinstance(value, np.ndarray):
                 value = value.tolist()
-            default = list(own.default) if isinstance(own.default, tuple) else own.default
+            default = list(item.default) if isinstance(item.default, tuple) else item.default
             if default is MISSING or value != default:
-                shown.append(f"{own.name}={value!r}")
+                shown.append(f"{item.name}={value!r}")
         return f"{type(self).__name__}({', '.join(shown)})"
 
 
@@ -620,33 +620,33 @@ class Bounded(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.task, Task) or isinstance(self.task, Within):
-            raise InvalidValueError(f"Within takes one of the other tasks, not {self.task!r}")
+        if not isinstance(self.task, Task) or isinstance(self.task, Bounded):
+            raise InvalidValueError(f"Bounded takes one of the other tasks, not {self.task!r}")
         if self.half_width is not None:
             if (self.lower, self.upper) != (-inf, inf):
-                raise InvalidValueError("Within takes half_width, or lower and upper, not both")
+                raise InvalidValueError("Bounded takes half_width, or lower and upper, not both")
             _check_number("half_width", self.half_width)
             self._keep("lower", -self.half_width)
             self._keep("upper", self.half_width)
             self._keep("half_width", None)
         _check_number("lower", self.lower)
         _check_number("upper", self.upper)
-        for own in fields(Task):
-            if getattr(self, own.name) == own.default:
-                self._keep(own.name, getattr(self.task, own.name))
+        for item in fields(Task):
+            if getattr(self, item.name) == item.default:
+                self._keep(item.name, getattr(self.task, item.name))
 
     @classmethod
-    def at_most(cls, task: Task, upper: float) -> Within:
+    def at_most(cls, task: Task, upper: float) -> Bounded:
         """Rows of at most ``upper`` cost nothing. Raises as the class does."""
         return cls(task, upper=upper)
 
     @classmethod
-    def at_least(cls, task: Task, lower: float) -> Within:
+    def at_least(cls, task: Task, lower: float) -> Bounded:
         """Rows of at least ``lower`` cost nothing. Raises as the class does."""
         return cls(task, lower=lower)
 
     @classmethod
-    def between(cls, task: Task, lower: float, upper: float) -> Within:
+    def between(cls, task: Task, lower: float, upper: float) -> Bounded:
         """Rows from ``lower`` to ``upper`` cost nothing; either may be infinite. Raises as the class does."""
         return cls(task, lower=lower, upper=upper)
 
@@ -730,10 +730,10 @@ def _names(what: str, names: Sequence[str]) -> tuple[str, ...]:
 
 def _level(level: object) -> int:
     """Reads a level as an int; accepts ``numpy``'s integers too."""
-    whole = operator.index(level) if hasattr(level, "__index__") and not isinstance(level, bool) else -1
-    if not 0 <= whole < 2**32:
+    index = operator.index(level) if hasattr(level, "__index__") and not isinstance(level, bool) else -1
+    if not 0 <= index < 2**32:
         raise InvalidValueError(f"level must be a whole number of at least 0, not {level!r}")
-    return whole
+    return index
 
 
 def _check_number(what: str, value: object) -> None:
@@ -744,6 +744,7 @@ def _check_number(what: str, value: object) -> None:
 
 
 __all__ = [
+    "Bounded",
     "Camera",
     "CenterOfMass",
     "Distance",
@@ -765,5 +766,4 @@ __all__ = [
     "Smoothness",
     "SupportPolygon",
     "Task",
-    "Within",
 ]

@@ -52,11 +52,11 @@ def solve(
 
     Raises ``InvalidValueError`` for other shapes, and ``NoDerivativeError`` if ``missing`` is "raise".
     """
-    own, tensors = _solving.question(asked, targets, solver, missing, weights, joint_origins)
-    some = next((own for own in [*tensors, start] if isinstance(own, torch.Tensor)), None)
-    kind = {"dtype": torch.float64} if some is None else {"dtype": some.dtype, "device": some.device}
+    query, tensors = _solving.make_query(asked, targets, solver, missing, weights, joint_origins)
+    sample = next((tensor for tensor in [*tensors, start] if isinstance(tensor, torch.Tensor)), None)
+    kind = {"dtype": torch.float64} if sample is None else {"dtype": sample.dtype, "device": sample.device}
     tensors = [torch.as_tensor(tensor, **kind) for tensor in tensors]
-    return _Solve.apply(own, torch.as_tensor(start, **kind), *tensors)
+    return _Solve.apply(query, torch.as_tensor(start, **kind), *tensors)
 
 
 def _numbers(tensor: Any) -> Floats:
@@ -67,10 +67,10 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc]
     """Solves in the forward pass, applies the reverse product in the backward pass."""
 
     @staticmethod
-    def forward(ctx: Any, own: _solving.Question, start: Any, *targets: Any) -> Any:
+    def forward(ctx: Any, query: _solving.Query, start: Any, *targets: Any) -> Any:
         numbers = [_numbers(target) for target in targets]
-        q = _solving.solve(own, numbers, _numbers(start))
-        ctx.own, ctx.q, ctx.start = own, q, _numbers(start)
+        q = _solving.solve(query, numbers, _numbers(start))
+        ctx.query, ctx.q, ctx.start = query, q, _numbers(start)
         ctx.save_for_backward(*targets)
         return torch.as_tensor(q).to(start)
 
@@ -79,6 +79,6 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc]
     def backward(ctx: Any, by_q: Any) -> Any:
         targets = ctx.saved_tensors
         numbers = [_numbers(target) for target in targets]
-        slopes = _solving.pull(ctx.own, numbers, ctx.start, ctx.q, _numbers(by_q))
+        slopes = _solving.pull(ctx.query, numbers, ctx.start, ctx.q, _numbers(by_q))
         moved = [torch.as_tensor(slope).to(target) for slope, target in zip(slopes, targets, strict=True)]
         return None, None, *moved

@@ -51,20 +51,20 @@ pub(crate) fn vector<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vec
 }
 
 /// One query or several: configurations of shape (k,) or (N, k), numbers of shape () or (N,).
-pub(crate) struct Questions<'py> {
+pub(crate) struct Queries<'py> {
     numbers: Numbers<'py, IxDyn>,
     columns: usize,
     /// Number of queries; `None` for a single one without an axis.
     count: Option<usize>,
 }
 
-impl<'py> Questions<'py> {
+impl<'py> Queries<'py> {
     /// Reads configurations of `columns` numbers each; `what` names them in messages.
     pub(crate) fn rows(value: &Bound<'py, PyAny>, what: &str, columns: usize) -> PyResult<Self> {
         let numbers: Numbers<'py, IxDyn> = numbers(value, what, "an array")?;
         let count = match numbers.shape() {
-            [own] if *own == columns => None,
-            [count, own] if *own == columns => Some(*count),
+            [last] if *last == columns => None,
+            [count, last] if *last == columns => Some(*count),
             shape => {
                 return Err(invalid(format!(
                     "{what} has shape {}, expected ({columns},) or (N, {columns})",
@@ -127,19 +127,19 @@ impl<'py> Questions<'py> {
     pub(crate) fn each<T: Send>(
         &self,
         py: Python<'py>,
-        room: &mut [T],
+        buffer: &mut [T],
         at_a_time: usize,
         mut work: impl FnMut(&[f64], &mut [T]) -> PyResult<()> + Send,
     ) -> PyResult<()> {
         let count = self.count.unwrap_or(1);
-        let width = room.len() / count.max(1);
+        let width = buffer.len() / count.max(1);
         let (q, columns) = (&*self.numbers, self.columns);
         for first in (0..count).step_by(at_a_time) {
             py.check_signals()?;
             py.detach(|| {
                 (first..count.min(first + at_a_time)).try_for_each(|i| {
                     let q = &q[i * columns..(i + 1) * columns];
-                    work(q, &mut room[i * width..(i + 1) * width])
+                    work(q, &mut buffer[i * width..(i + 1) * width])
                 })
             })?;
         }
@@ -210,8 +210,8 @@ pub(crate) fn table<const R: usize, const C: usize>(
         )));
     }
     let mut table = [[0.0; C]; R];
-    for (own, row) in table.iter_mut().zip(rows.chunks_exact(C)) {
-        own.copy_from_slice(row);
+    for (target, row) in table.iter_mut().zip(rows.chunks_exact(C)) {
+        target.copy_from_slice(row);
     }
     Ok(table)
 }
@@ -328,7 +328,7 @@ pub(crate) fn convert<'py, T: Element>(
 }
 
 /// Size in bytes from which numpy allocates the array: it raises an error when memory does not suffice.
-const LARGE: usize = 1 << 20;
+const LARGE_ARRAY_BYTES: usize = 1 << 20;
 
 /// Allocates an array of zeros.
 ///
@@ -338,33 +338,36 @@ pub(crate) fn zeros<'py, T: Element, D: Dimension>(
     shape: D,
 ) -> PyResult<Bound<'py, PyArray<T, D>>> {
     let lengths = shape.slice().to_vec();
-    let count = (lengths.iter()).try_fold(size_of::<T>(), |bytes, own| bytes.checked_mul(*own));
-    if count.is_some_and(|bytes| bytes < LARGE) {
+    let count =
+        (lengths.iter()).try_fold(size_of::<T>(), |bytes, length| bytes.checked_mul(*length));
+    if count.is_some_and(|bytes| bytes < LARGE_ARRAY_BYTES) {
         return Ok(PyArray::zeros(py, shape, false));
     }
-    let told = shape_text(&lengths);
+    let shape_words = shape_text(&lengths);
     let array = numpy(py)?.call_method1(intern!(py, "zeros"), (lengths, T::get_dtype(py)));
     let array = array.map_err(|error| match error.is_instance_of::<PyMemoryError>(py) {
         true => error,
         // Larger than the address space.
-        false => PyMemoryError::new_err(format!("an array of shape {told} is too large: {error}")),
+        false => PyMemoryError::new_err(format!(
+            "an array of shape {shape_words} is too large: {error}"
+        )),
     })?;
     Ok(array.cast_into::<PyArray<T, D>>()?)
 }
 
 /// Returns the caller's array to write rows into, or a new one.
-pub(crate) fn room<'py>(
+pub(crate) fn output_rows<'py>(
     py: Python<'py>,
     out: Option<&Bound<'py, PyAny>>,
     rows: usize,
     columns: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let array = room_of::<f64>(py, out, &[rows, columns])?;
+    let array = output_array::<f64>(py, out, &[rows, columns])?;
     Ok(array.cast_into::<PyArray2<f64>>()?)
 }
 
 /// Returns the caller's array of any shape to write into, or a new one.
-pub(crate) fn room_of<'py, T: Element>(
+pub(crate) fn output_array<'py, T: Element>(
     py: Python<'py>,
     out: Option<&Bound<'py, PyAny>>,
     shape: &[usize],
@@ -395,10 +398,10 @@ pub(crate) fn fill<T: Element, D: Dimension>(
     array: &Bound<'_, PyArray<T, D>>,
     fill: impl FnOnce(&mut [T]) -> PyResult<()>,
 ) -> PyResult<()> {
-    let mut room = array
+    let mut writable = array
         .try_readwrite()
         .map_err(|_| invalid("out is being read or written to by another call, or is an input"))?;
-    let numbers = room
+    let numbers = writable
         .as_slice_mut()
         .map_err(|error| invalid(error.to_string()))?;
     fill(numbers)
@@ -421,19 +424,21 @@ pub(crate) enum Picked {
 pub(crate) fn pick(index: &Bound<'_, PyAny>, count: usize) -> PyResult<Picked> {
     let py = index.py();
     match index.extract::<isize>() {
-        Ok(i) if !index.is_instance_of::<PyBool>() => return place(i, count).map(Picked::One),
+        Ok(i) if !index.is_instance_of::<PyBool>() => {
+            return resolve_index(i, count).map(Picked::One);
+        }
         Err(error) if error.is_instance_of::<PyOverflowError>(py) => {
             return Err(out_of_range(index, count));
         }
         _ => {}
     }
     let all = PyArray1::from_iter(py, 0..count as i64);
-    let some = all.as_any().get_item(index)?;
-    let places = some.cast::<PyArray1<i64>>().ok();
-    let places = places.and_then(|places| places.try_readonly().ok());
-    match places {
-        Some(places) => Ok(Picked::Some(
-            places.as_array().iter().map(|&i| i as usize).collect(),
+    let picked = all.as_any().get_item(index)?;
+    let indices = picked.cast::<PyArray1<i64>>().ok();
+    let indices = indices.and_then(|indices| indices.try_readonly().ok());
+    match indices {
+        Some(indices) => Ok(Picked::Some(
+            indices.as_array().iter().map(|&i| i as usize).collect(),
         )),
         None => Err(PyIndexError::new_err(
             "an index is a whole number, a slice, a mask of shape (N,) or a list of whole numbers",
@@ -442,15 +447,15 @@ pub(crate) fn pick(index: &Bound<'_, PyAny>, count: usize) -> PyResult<Picked> {
 }
 
 /// Resolves an index that may count from the end.
-pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
-    let place = if i < 0 {
+pub(crate) fn resolve_index(i: isize, count: usize) -> PyResult<usize> {
+    let index = if i < 0 {
         i.checked_add_unsigned(count)
     } else {
         Some(i)
     };
-    let place = place.and_then(|place| usize::try_from(place).ok());
-    place
-        .filter(|&place| place < count)
+    let index = index.and_then(|index| usize::try_from(index).ok());
+    index
+        .filter(|&index| index < count)
         .ok_or_else(|| out_of_range(i, count))
 }
 

@@ -98,8 +98,8 @@ impl PoseBounds {
 
 fn axis(name: &str) -> PyResult<Axis> {
     let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-    let known = axes.iter().find(|(own, _)| *own == name);
-    known
+    let entry = axes.iter().find(|(letter, _)| *letter == name);
+    entry
         .map(|&(_, axis)| axis)
         .ok_or_else(|| kinopt::model::UnknownName::new("axis", name, ["x", "y", "z"]))
         .or_raise()

@@ -46,7 +46,7 @@ pub(crate) fn explained<'py>(
     text: impl Fn(usize) -> PyResult<String>,
 ) -> PyResult<Bound<'py, PyAny>> {
     if let Some(i) = i {
-        let text = text(arrays::place(i, count)?)?;
+        let text = text(arrays::resolve_index(i, count)?)?;
         return Ok(text.into_pyobject(py)?.into_any());
     }
     let mut texts = Vec::with_capacity(count);

@@ -16,7 +16,7 @@ use crate::placement::to_numbers;
 use crate::pool::Pool;
 
 /// Configurations between two checks for signals.
-const PIECE: usize = 4096;
+const ROWS_AT_A_TIME: usize = 4096;
 
 /// Forward kinematics of frames of a model: compiled once, usable from any number of threads.
 ///
@@ -45,25 +45,26 @@ struct Frames {
     names: Vec<String>,
     /// Model of the frames and the names as given; None for all.
     model: Py<PyAny>,
-    given: Option<Vec<String>>,
+    requested_names: Option<Vec<String>>,
 }
 
 impl Frames {
     /// Resolves the frames and compiles their kinematics.
     fn compile(
         model: &Bound<'_, PyAny>,
-        given: Option<Vec<String>>,
+        requested_names: Option<Vec<String>>,
     ) -> PyResult<(Self, Kinematics)> {
-        let own = model_of(model)?;
-        let (names, kinematics) = match &given {
+        let inner_model = model_of(model)?;
+        let (names, kinematics) = match &requested_names {
             None => {
-                let names = own.frames().iter().map(|frame| frame.name.clone());
-                (names.collect(), Kinematics::new(&own))
+                let names = inner_model.frames().iter().map(|frame| frame.name.clone());
+                (names.collect(), Kinematics::new(&inner_model))
             }
             Some(names) => {
                 let ids: Result<Vec<FrameId>, _> =
-                    names.iter().map(|name| own.frame(name)).collect();
-                let kinematics = Kinematics::of_frames(&own, &ids.or_raise()?).or_raise()?;
+                    names.iter().map(|name| inner_model.frame(name)).collect();
+                let kinematics =
+                    Kinematics::of_frames(&inner_model, &ids.or_raise()?).or_raise()?;
                 (names.clone(), kinematics)
             }
         };
@@ -71,14 +72,14 @@ impl Frames {
         let frames = Self {
             names,
             model,
-            given,
+            requested_names,
         };
         Ok((frames, kinematics))
     }
 
     /// Pickles a class from its arguments.
     fn pickled<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_class::<T>(py, (self.model.bind(py), self.given.clone()))
+        pickling::by_class::<T>(py, (self.model.bind(py), self.requested_names.clone()))
     }
 }
 
@@ -96,31 +97,32 @@ fn for_each_configuration<'py, T: Clone + Send + Sync>(
     if axes(q)? < 2 {
         let q = arrays::vector_of(q, "q", dof)?;
         let mut numbers = vec![0.0; length];
-        pool.with(|memory| compute(memory, &q, &mut numbers))
+        pool.with(|workspace| compute(workspace, &q, &mut numbers))
             .or_raise()?;
         return Ok(arrays::list(py, &numbers).reshape(shape)?.into_any());
     }
     let q = arrays::rows(q, "q", dof)?;
-    let mut whole = vec![q.shape()[0]];
-    whole.extend_from_slice(shape);
-    let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&whole))?;
-    let mut room = array
+    let mut full_shape = vec![q.shape()[0]];
+    full_shape.extend_from_slice(shape);
+    let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&full_shape))?;
+    let mut writable = array
         .try_readwrite()
         .map_err(|error| invalid(error.to_string()))?;
-    let numbers = room
+    let numbers = writable
         .as_slice_mut()
         .map_err(|error| invalid(error.to_string()))?;
     if dof > 0 && length > 0 {
         let pieces = q
-            .chunks(PIECE * dof)
-            .zip(numbers.chunks_mut(PIECE * length));
+            .chunks(ROWS_AT_A_TIME * dof)
+            .zip(numbers.chunks_mut(ROWS_AT_A_TIME * length));
         for (piece, (q, numbers)) in pieces.enumerate() {
             py.check_signals()?;
             let each = || {
-                pool.with(|memory| {
+                pool.with(|workspace| {
                     let rows = q.chunks_exact(dof).zip(numbers.chunks_exact_mut(length));
                     for (i, (q, numbers)) in rows.enumerate() {
-                        compute(memory, q, numbers).map_err(|error| (piece * PIECE + i, error))?;
+                        compute(workspace, q, numbers)
+                            .map_err(|error| (piece * ROWS_AT_A_TIME + i, error))?;
                     }
                     Ok(())
                 })
@@ -129,7 +131,7 @@ fn for_each_configuration<'py, T: Clone + Send + Sync>(
             done.map_err(|(row, error)| invalid(format!("row {row} of q: {error}")))?;
         }
     }
-    drop(room);
+    drop(writable);
     Ok(array.into_any())
 }
 
@@ -155,7 +157,7 @@ impl ForwardKinematics {
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn place<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let dof = self.pool.template().variables();
-        let place = |kinematics: &mut Kinematics, q: &[f64], numbers: &mut [f64]| {
+        let write_placements = |kinematics: &mut Kinematics, q: &[f64], numbers: &mut [f64]| {
             let placements = kinematics.place(q)?;
             for (sixteen, placement) in numbers.chunks_exact_mut(16).zip(placements) {
                 sixteen.copy_from_slice(&to_numbers(placement));
@@ -163,7 +165,7 @@ impl ForwardKinematics {
             Ok(())
         };
         let shape = [self.frames.names.len(), 4, 4];
-        for_each_configuration(q, &shape, &self.pool, place, dof)
+        for_each_configuration(q, &shape, &self.pool, write_placements, dof)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

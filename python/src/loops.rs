@@ -8,7 +8,7 @@ use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Questions, fill};
+use crate::arrays::{self, Queries, fill};
 use crate::error::OrRaise;
 use crate::has_model::model_of;
 use crate::model::first_seed;
@@ -18,7 +18,7 @@ use crate::problem::parameters_of;
 use crate::robot::Robot;
 
 /// Rows between two checks for signals.
-const PIECE: usize = 16;
+const ROWS_AT_A_TIME: usize = 16;
 
 /// Loop in the form of Python: its name, "connect" or "weld", the names of its frames, and the placements in these
 /// frames.
@@ -76,11 +76,11 @@ impl NamedLoop {
 
     /// Returns the loop between these frames.
     pub(crate) fn of(&self, frames: [FrameId; 2]) -> Loop {
-        let own = match self.kind {
+        let joined = match self.kind {
             LoopKind::Weld => Loop::weld(&self.name, frames),
             _ => Loop::connect(&self.name, frames),
         };
-        own.at(self.places)
+        joined.at(self.places)
     }
 
     /// Arguments of `new`.
@@ -99,21 +99,21 @@ impl NamedLoop {
 /// Raises `UnknownNameError` for an unknown joint, `InvalidValueError` if no joint is passive or a joint does not move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct LoopClosure {
-    of: Py<PyAny>,
+    python_model: Py<PyAny>,
     model: Arc<kinopt::Model>,
     dependent: Vec<JointId>,
 }
 
 impl LoopClosure {
-    /// Calls `question` with the loop closure of the library, which borrows the model.
-    fn ask<T>(
+    /// Calls `compute` with the loop closure of the library, which borrows the model.
+    fn with_closure<T>(
         &self,
         py: Python<'_>,
-        question: impl FnOnce(&kinopt::ik::LoopClosure<'_>) -> PyResult<T>,
+        compute: impl FnOnce(&kinopt::ik::LoopClosure<'_>) -> PyResult<T>,
     ) -> PyResult<T> {
-        let of = self.of.bind(py);
-        let parameters = parameters_of(of, &self.model);
-        question(&kinopt::ik::LoopClosure::new(parameters, &self.dependent).or_raise()?)
+        let python_model = self.python_model.bind(py);
+        let parameters = parameters_of(python_model, &self.model);
+        compute(&kinopt::ik::LoopClosure::new(parameters, &self.dependent).or_raise()?)
     }
 }
 
@@ -122,24 +122,24 @@ impl LoopClosure {
     #[new]
     #[pyo3(signature = (model, dependent = None))]
     fn new(model: &Bound<'_, PyAny>, dependent: Option<Vec<String>>) -> PyResult<Self> {
-        let own = model_of(model)?;
+        let inner_model = model_of(model)?;
         let dependent = match (&dependent, model.cast::<Robot>()) {
             (Some(names), _) => {
-                let joints = names.iter().map(|name| own.joint(name));
+                let joints = names.iter().map(|name| inner_model.joint(name));
                 joints.collect::<Result<_, _>>().or_raise()?
             }
             (None, Ok(robot)) => {
                 let passive = robot.get().inner.passive_joints().iter().copied();
-                passive.filter(|id| own.moves_a_loop(*id)).collect()
+                passive.filter(|id| inner_model.moves_a_loop(*id)).collect()
             }
             (None, Err(_)) => Vec::new(),
         };
         let closure = Self {
-            of: model.clone().unbind(),
-            model: own,
+            python_model: model.clone().unbind(),
+            model: inner_model,
             dependent,
         };
-        closure.ask(model.py(), |_| Ok(()))?;
+        closure.with_closure(model.py(), |_| Ok(()))?;
         Ok(closure)
     }
 
@@ -161,13 +161,13 @@ impl LoopClosure {
     fn close<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = q.py();
         let width = self.model.configuration_len();
-        let rows = Questions::rows(q, "q", width)?;
+        let rows = Queries::rows(q, "q", width)?;
         let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&rows.shape(&[width])))?;
-        self.ask(py, |closure| {
-            fill(&array, |room| {
-                rows.each(py, room, PIECE, |row, to| {
-                    to.copy_from_slice(row);
-                    closure.close(to).or_raise()
+        self.with_closure(py, |closure| {
+            fill(&array, |buffer| {
+                rows.each(py, buffer, ROWS_AT_A_TIME, |row, row_buffer| {
+                    row_buffer.copy_from_slice(row);
+                    closure.close(row_buffer).or_raise()
                 })
             })
         })?;
@@ -180,9 +180,9 @@ impl LoopClosure {
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn gaps(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<(String, f64, f64)>> {
         let numbers = arrays::vector_of(q, "q", self.model.configuration_len())?;
-        let gaps = self.ask(q.py(), |closure| closure.gaps(&numbers).or_raise())?;
-        let told = gaps.into_iter().map(|gap| (gap.name, gap.gap, gap.angle));
-        Ok(told.collect())
+        let gaps = self.with_closure(q.py(), |closure| closure.gaps(&numbers).or_raise())?;
+        let rows = gaps.into_iter().map(|gap| (gap.name, gap.gap, gap.angle));
+        Ok(rows.collect())
     }
 
     /// A configuration within all limits whose loops are closed, shape (nq,). Starts from a random configuration and
@@ -197,12 +197,13 @@ impl LoopClosure {
         seed: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let seed = seed.map_or(Ok(0), first_seed)?;
-        let drawn = self.ask(py, |closure| closure.random_configuration(seed).or_raise())?;
+        let drawn =
+            self.with_closure(py, |closure| closure.random_configuration(seed).or_raise())?;
         Ok(arrays::list(py, &drawn))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_class::<Self>(py, (self.of.bind(py), self.dependent()))
+        pickling::by_class::<Self>(py, (self.python_model.bind(py), self.dependent()))
     }
 
     fn __repr__(&self) -> String {

@@ -7,7 +7,7 @@ use kinopt::model::Masses;
 use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{Questions, fill};
+use crate::arrays::{Queries, fill};
 use crate::error::{OrRaise, invalid};
 use crate::rig::Rig;
 use crate::robot::Robot;
@@ -16,7 +16,7 @@ use crate::robot::Robot;
 pub(crate) const DENSITY: f64 = 1000.0;
 
 /// Rows between two checks for signals.
-const PIECE: usize = 256;
+const ROWS_AT_A_TIME: usize = 256;
 
 /// Centre of mass at one configuration, shape (3,), or at several, shape (N, 3).
 pub(crate) fn centres<'py>(
@@ -24,12 +24,12 @@ pub(crate) fn centres<'py>(
     model: &kinopt::Model,
     masses: &Masses,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let q_rows = Questions::rows(q, "q", model.configuration_len())?;
+    let q_rows = Queries::rows(q, "q", model.configuration_len())?;
     let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3])))?;
-    fill(&array, |room| {
-        q_rows.each(q.py(), room, PIECE, |q, to| {
+    fill(&array, |buffer| {
+        q_rows.each(q.py(), buffer, ROWS_AT_A_TIME, |q, row_buffer| {
             let centre = centre_of_mass(model, masses, q).or_raise()?;
-            to.copy_from_slice(&centre.to_array());
+            row_buffer.copy_from_slice(&centre.to_array());
             Ok(())
         })
     })?;
@@ -42,13 +42,13 @@ pub(crate) fn centres_jacobians<'py>(
     model: &kinopt::Model,
     masses: &Masses,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let q_rows = Questions::rows(q, "q", model.configuration_len())?;
+    let q_rows = Queries::rows(q, "q", model.configuration_len())?;
     let columns = model.degrees_of_freedom();
     let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3, columns])))?;
-    fill(&array, |room| {
-        q_rows.each(q.py(), room, PIECE, |q, to| {
+    fill(&array, |buffer| {
+        q_rows.each(q.py(), buffer, ROWS_AT_A_TIME, |q, row_buffer| {
             let jacobian = centre_of_mass_jacobian(model, masses, q).or_raise()?;
-            to.copy_from_slice(jacobian.transpose().as_slice());
+            row_buffer.copy_from_slice(jacobian.transpose().as_slice());
             Ok(())
         })
     })?;

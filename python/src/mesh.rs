@@ -66,10 +66,10 @@ impl TriangleMesh {
     /// Positions of the vertices, shape (V, 3), float32, in the unit of the model; read-only.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let made = self
+        let array = self
             .positions
-            .get_or_try_init(py, || kept(to_array(py, self.inner.positions(), 3)?));
-        Ok(made?.bind(py).clone())
+            .get_or_try_init(py, || read_only(to_array(py, self.inner.positions(), 3)?));
+        Ok(array?.bind(py).clone())
     }
 
     /// Normals of the vertices as given, shape (V, 3), float32, read-only; None without normals.
@@ -78,21 +78,21 @@ impl TriangleMesh {
         if self.inner.normals().is_empty() {
             return Ok(None);
         }
-        let made = self
+        let array = self
             .normals
-            .get_or_try_init(py, || kept(to_array(py, self.inner.normals(), 3)?));
-        Ok(Some(made?.bind(py).clone()))
+            .get_or_try_init(py, || read_only(to_array(py, self.inner.normals(), 3)?));
+        Ok(Some(array?.bind(py).clone()))
     }
 
     /// Vertex indices of the triangles from 0, shape (F, 3), uint32, read-only.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let made = self.triangles.get_or_try_init(py, || {
+        let array = self.triangles.get_or_try_init(py, || {
             let corners: &[u32] = bytemuck::cast_slice(self.inner.triangles());
             let array = PyArray1::from_slice(py, corners);
-            kept(array.reshape([self.inner.triangles().len(), 3])?)
+            read_only(array.reshape([self.inner.triangles().len(), 3])?)
         });
-        Ok(made?.bind(py).clone())
+        Ok(array?.bind(py).clone())
     }
 
     /// The mesh with other positions, shape (V, 3), and normals, shape (V, 3) or None.
@@ -168,7 +168,7 @@ impl TriangleMesh {
 }
 
 /// Read-only array.
-fn kept<T: numpy::Element>(array: Bound<'_, PyArray2<T>>) -> PyResult<Py<PyArray2<T>>> {
+fn read_only<T: numpy::Element>(array: Bound<'_, PyArray2<T>>) -> PyResult<Py<PyArray2<T>>> {
     array
         .getattr("flags")?
         .setattr("writeable", false)

@@ -46,8 +46,13 @@ impl Reconfiguration {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
-        let parts = (own.index, own.joint.clone(), own.distance, own.length);
+        let reconfiguration = slf.get();
+        let parts = (
+            reconfiguration.index,
+            reconfiguration.joint.clone(),
+            reconfiguration.distance,
+            reconfiguration.length,
+        );
         pickling::by_rebuild::<Self>(slf.py(), parts)
     }
 
@@ -83,9 +88,14 @@ impl MissedPoint {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
-        let errors = (own.position_error, own.orientation_error);
-        let parts = (own.index, errors.0, errors.1, own.reason.clone());
+        let missed_point = slf.get();
+        let errors = (missed_point.position_error, missed_point.orientation_error);
+        let parts = (
+            missed_point.index,
+            errors.0,
+            errors.1,
+            missed_point.reason.clone(),
+        );
         pickling::by_rebuild::<Self>(slf.py(), parts)
     }
 
@@ -194,11 +204,11 @@ impl PathSolution {
         corner_tolerance: f64,
         grid_points: usize,
     ) -> PyResult<Trajectory> {
-        let (py, own) = (slf.py(), slf.get());
+        let (py, solution) = (slf.py(), slf.get());
         let arm_inner = arm.map(|arm| Arc::clone(&arm.get().inner));
-        let mut limits = own.timing_limits(acceleration_limits, velocity_limits)?;
+        let mut limits = solution.timing_limits(acceleration_limits, velocity_limits)?;
         if let Some(jerks) = jerk_limits {
-            limits = limits.with_jerk_limits(&own.one_each(jerks, "jerk_limits")?);
+            limits = limits.with_jerk_limits(&solution.one_each(jerks, "jerk_limits")?);
         }
         if let Some(arm) = arm_inner.as_deref() {
             limits = limits.with_arm(arm);
@@ -219,7 +229,7 @@ impl PathSolution {
         let limits = limits
             .with_corner_tolerance(corner_tolerance)
             .with_grid_points(grid_points);
-        let inner = py.detach(|| own.timed(&limits)).or_raise()?;
+        let inner = py.detach(|| solution.timed(&limits)).or_raise()?;
         // Unpickling recreates the trajectory from the solution.
         let options = PyDict::new(py);
         for (name, value) in [
@@ -236,7 +246,7 @@ impl PathSolution {
         options.set_item("grid_points", grid_points)?;
         Ok(Trajectory {
             inner,
-            joint_names: own.joint_names.clone(),
+            joint_names: solution.joint_names.clone(),
             solution: slf.clone().unbind(),
             options: options.unbind(),
         })
@@ -272,27 +282,27 @@ impl PathSolution {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
+        let solution = slf.get();
         let deviation = (
-            own.largest_deviation,
-            own.largest_deviation_at,
-            own.largest_turn,
-            own.largest_turn_at,
+            solution.largest_deviation,
+            solution.largest_deviation_at,
+            solution.largest_turn,
+            solution.largest_turn_at,
         );
         let lists = (
-            own.reconfigured_at.clone(),
-            own.missed.clone(),
-            own.blocked.clone(),
+            solution.reconfigured_at.clone(),
+            solution.missed.clone(),
+            solution.blocked.clone(),
         );
         let rest = (
-            own.entry,
-            own.length,
-            own.read_as.clone(),
-            own.rates.clone(),
+            solution.entry,
+            solution.length,
+            solution.read_as.clone(),
+            solution.rates.clone(),
         );
         let parts = (
-            own.q.clone(),
-            own.joint_names.clone(),
+            solution.q.clone(),
+            solution.joint_names.clone(),
             rest,
             deviation,
             lists,
@@ -335,28 +345,28 @@ impl PathSolution {
 
 /// Largest speed and acceleration of the tool.
 fn tool_limits(
-    given: Option<&Bound<'_, PyAny>>,
+    value: Option<&Bound<'_, PyAny>>,
     what: &str,
     units: &str,
 ) -> PyResult<Option<(f64, f64)>> {
-    let pair = |given: &Bound<'_, PyAny>| {
-        let shown = arrays::shown(given);
+    let pair = |value: &Bound<'_, PyAny>| {
+        let shown = arrays::shown(value);
         let fault = |_| {
             invalid(format!(
                 "{what} is {shown}: (speed, acceleration) in {units}"
             ))
         };
-        given.extract::<(f64, f64)>().map_err(fault)
+        value.extract::<(f64, f64)>().map_err(fault)
     };
-    given.map(pair).transpose()
+    value.map(pair).transpose()
 }
 
 impl PathSolution {
     /// Returns one number for each joint, from a list or from one number for all.
-    fn one_each(&self, given: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
-        match given.extract::<f64>() {
+    fn one_each(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
+        match value.extract::<f64>() {
             Ok(one) => Ok(vec![one; self.joint_names.len()]),
-            Err(_) => arrays::copied(given, what),
+            Err(_) => arrays::copied(value, what),
         }
     }
 
@@ -366,9 +376,9 @@ impl PathSolution {
         acceleration_limits: Option<&Bound<'_, PyAny>>,
         velocity_limits: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<TimingLimits<'static>> {
-        let limits = |given: Option<&Bound<'_, PyAny>>, what: &str, own: &[f64]| match given {
-            None => Ok(own.to_vec()),
-            Some(given) => self.one_each(given, what),
+        let limits = |value: Option<&Bound<'_, PyAny>>, what: &str, defaults: &[f64]| match value {
+            None => Ok(defaults.to_vec()),
+            Some(value) => self.one_each(value, what),
         };
         let [velocities, accelerations] = &self.rates;
         let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
@@ -433,23 +443,23 @@ pub(crate) fn solve_path(
         ("any-start", Traversal::AnyStart),
     ];
     let path = path.with_traversal(one_of(traversal, "traversal", traversals)?);
-    let own = Arc::clone(&arm.get().inner);
-    let others = tools
+    let inner_arm = Arc::clone(&arm.get().inner);
+    let other_arms = tools
         .iter()
         .flatten()
         .map(|arm| Arc::clone(&arm.get().inner));
-    let others: Vec<_> = others.collect();
+    let other_arms: Vec<_> = other_arms.collect();
     let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
         value.map(|value| arrays::copied(value, what)).transpose()
     };
     let (start, end) = (numbers(start, "start")?, numbers(end, "end")?);
     let weights = numbers(joint_weights, "joint_weights")?;
     let solution = py.detach(|| {
-        let mut solver = PathSolver::new(&own)
+        let mut solver = PathSolver::new(&inner_arm)
             .with_max_step(max_step)
             .with_samples(samples)
             .with_times_kept(keep_times)
-            .with_tools(others.iter().map(|arm| &**arm));
+            .with_tools(other_arms.iter().map(|arm| &**arm));
         if let Some(start) = &start {
             solver = solver.with_start(start);
         }
@@ -461,10 +471,10 @@ pub(crate) fn solve_path(
         }
         solver.solve(&path)
     });
-    Ok(tell(&own, solution.or_raise()?, read_as))
+    Ok(path_solution(&inner_arm, solution.or_raise()?, read_as))
 }
 
-fn tell(
+fn path_solution(
     arm: &kinopt::Arm,
     solution: kinopt::motion::path::PathSolution,
     read_as: Option<String>,
@@ -550,17 +560,17 @@ fn read(
 
 /// Returns the value of a word; the first of all without a word.
 fn one_of<const N: usize, T: Copy>(
-    given: Option<&Bound<'_, PyAny>>,
+    argument: Option<&Bound<'_, PyAny>>,
     what: &str,
     all: [(&str, T); N],
 ) -> PyResult<T> {
     let valid = all.map(|(word, _)| word);
-    let Some(given) = given else {
+    let Some(argument) = argument else {
         return Ok(all[0].1);
     };
-    let word = arrays::word(given, what, &valid)?;
-    let found = all.iter().find(|(known, _)| *known == word);
-    found.map(|(_, value)| *value).ok_or_else(|| {
+    let word = arrays::word(argument, what, &valid)?;
+    let entry = all.iter().find(|(known, _)| *known == word);
+    entry.map(|(_, value)| *value).ok_or_else(|| {
         invalid(format!(
             "{what} must be one of {}, not {word:?}",
             valid.join(", ")
@@ -570,8 +580,8 @@ fn one_of<const N: usize, T: Copy>(
 
 fn point(row: usize, numbers: &[f64], order: QuaternionOrder) -> PyResult<Placement<f64>> {
     let &[x, y, z, a, b, c, d] = numbers else {
-        let place = numbers.first_chunk().copied().unwrap_or([f64::NAN; 3]);
-        return Ok(Placement::translation(Vector3::from(place)));
+        let position = numbers.first_chunk().copied().unwrap_or([f64::NAN; 3]);
+        return Ok(Placement::translation(Vector3::from(position)));
     };
     let (w, v) = match order {
         QuaternionOrder::WFirst => (a, Vector3::new(b, c, d)),

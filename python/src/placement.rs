@@ -9,7 +9,7 @@ use crate::arrays::{self, shape_text};
 use crate::error::invalid;
 
 /// Largest deviation of the last row from 0 0 0 1.
-const LAST_ROW: f64 = 1e-9;
+const LAST_ROW_TOLERANCE: f64 = 1e-9;
 
 /// Placements of targets, borrowed as numbers.
 pub(crate) struct Placements<'py>(arrays::Numbers<'py, numpy::ndarray::Ix3>);
@@ -66,9 +66,9 @@ fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
 fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
     let last = [m[12], m[13], m[14], m[15] - 1.0];
     // Negated test: NaN fails it.
-    let fine = last.iter().all(|value| value.abs() <= LAST_ROW);
+    let is_valid = last.iter().all(|value| value.abs() <= LAST_ROW_TOLERANCE);
     let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
-    fine.then(|| {
+    is_valid.then(|| {
         Placement::new(
             Matrix3::from_columns(column(0), column(1), column(2)),
             column(3),

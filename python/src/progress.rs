@@ -15,19 +15,19 @@ impl Progress {
     /// Reads None, a callable of (done, total), or True for a progress bar.
     pub(crate) fn new(
         py: Python<'_>,
-        given: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
         total: usize,
     ) -> PyResult<Self> {
-        let report = match given {
+        let report = match progress {
             None => None,
-            Some(given) if given.cast::<PyBool>().is_ok() => match given.is_truthy()? {
+            Some(progress) if progress.cast::<PyBool>().is_ok() => match progress.is_truthy()? {
                 true => Some(py.import("kinopt.progress")?.call_method0("bar")?.unbind()),
                 false => None,
             },
-            Some(given) if given.is_callable() => Some(given.clone().unbind()),
-            Some(given) => {
+            Some(progress) if progress.is_callable() => Some(progress.clone().unbind()),
+            Some(progress) => {
                 return Err(invalid(format!(
-                    "progress must be True or a function of (done, total), not {given}"
+                    "progress must be True or a function of (done, total), not {progress}"
                 )));
             }
         };

@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use crate::problem::{is_raised, raise_later, raised};
 
 /// Time between two checks for signals.
-const PERIOD: Duration = Duration::from_millis(5);
+const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(5);
 /// Calls between two reads of the clock, which costs more than the rest of a call.
-const CALLS: u32 = 16;
+const CALLS_PER_CLOCK_READ: u32 = 16;
 
 thread_local! {
-    static CALLED: Cell<u32> = const { Cell::new(0) };
-    static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
+    static CALL_COUNT: Cell<u32> = const { Cell::new(0) };
+    static NEXT_CHECK: Cell<Option<Instant>> = const { Cell::new(None) };
 }
 
 /// Runs `work` without the GIL. If a signal handler raises, the work stops and its exception is raised.
@@ -29,17 +29,17 @@ pub(crate) fn interruptible<T: Send>(
 }
 
 fn is_stopped() -> bool {
-    let called = CALLED.get().wrapping_add(1);
-    CALLED.set(called);
-    if !called.is_multiple_of(CALLS) {
+    let called = CALL_COUNT.get().wrapping_add(1);
+    CALL_COUNT.set(called);
+    if !called.is_multiple_of(CALLS_PER_CLOCK_READ) {
         return is_raised();
     }
     let now = Instant::now();
-    if NEXT.get().is_none_or(|next| now >= next) {
+    if NEXT_CHECK.get().is_none_or(|next| now >= next) {
         if let Err(error) = Python::attach(|py| py.check_signals()) {
             raise_later(error);
         }
-        NEXT.set(Some(now + PERIOD));
+        NEXT_CHECK.set(Some(now + SIGNAL_CHECK_INTERVAL));
     }
     is_raised()
 }

@@ -235,14 +235,14 @@ impl Srdf {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (q, model) = (self.configuration(at)?, &self.robot.get().model);
         let lock = PyDict::new(py);
-        for joint in self.leading(&self.inner.passive_joints) {
-            let own = &model.joints()[joint.index()];
-            let Some(first) = model.coordinate(joint) else {
+        for id in self.leading(&self.inner.passive_joints) {
+            let joint = &model.joints()[id.index()];
+            let Some(first) = model.coordinate(id) else {
                 continue;
             };
-            match &q[first..first + own.kind.coordinates()] {
-                [value] => lock.set_item(&own.name, *value)?,
-                quaternion => lock.set_item(&own.name, quaternion.to_vec())?,
+            match &q[first..first + joint.kind.coordinates()] {
+                [value] => lock.set_item(&joint.name, *value)?,
+                quaternion => lock.set_item(&joint.name, quaternion.to_vec())?,
             }
         }
         let options = PyDict::new(py);

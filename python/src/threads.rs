@@ -9,13 +9,13 @@ use crate::error::invalid;
 
 /// Idle thread pool for the next call: starting sixteen threads takes half a millisecond, the time of two hundred
 /// poses.
-struct Waiting {
+struct IdlePool {
     /// Process that started the threads: a forked process has none of them.
     process: u32,
     pool: Arc<ThreadPool>,
 }
 
-static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
+static IDLE_POOLS: Mutex<Vec<IdlePool>> = Mutex::new(Vec::new());
 
 /// Returns a pool of `threads` threads (None: one for each core), at most as many as there are jobs and cores. Returns
 /// `None` if one thread suffices.
@@ -25,19 +25,20 @@ pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<T
         return Ok(None);
     }
     // If the lock is taken, or was during a fork, this call starts a pool of its own.
-    let mut waiting = WAITING.try_lock().ok();
+    let mut idle_pools = IDLE_POOLS.try_lock().ok();
     let process = std::process::id();
-    let mut pools = waiting.iter().flat_map(|pools| pools.iter());
-    let usable =
-        |own: &&Waiting| own.process == process && own.pool.current_num_threads() == threads;
-    if let Some(own) = pools.find(usable) {
-        return Ok(Some(Arc::clone(&own.pool)));
+    let mut pools = idle_pools.iter().flat_map(|pools| pools.iter());
+    let usable = |idle_pool: &&IdlePool| {
+        idle_pool.process == process && idle_pool.pool.current_num_threads() == threads
+    };
+    if let Some(idle_pool) = pools.find(usable) {
+        return Ok(Some(Arc::clone(&idle_pool.pool)));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = Arc::new(pool.map_err(|error| invalid(format!("threads: {error}")))?);
-    if let Some(waiting) = &mut waiting {
+    if let Some(idle_pools) = &mut idle_pools {
         let pool = Arc::clone(&pool);
-        waiting.push(Waiting { process, pool });
+        idle_pools.push(IdlePool { process, pool });
     }
     Ok(Some(pool))
 }

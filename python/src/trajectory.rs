@@ -49,7 +49,7 @@ impl Trajectory {
     ///
     /// Raises `InvalidValueError` if `time` holds no numbers.
     fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {
-        let times = arrays::Questions::numbers(time, "time")?;
+        let times = arrays::Queries::numbers(time, "time")?;
         let width = self.joint_names.len();
         let mut rows: [Vec<f64>; 3] = Default::default();
         let mut point = path::TrajectoryPoint::default();
@@ -81,12 +81,12 @@ impl Trajectory {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let (py, own) = (slf.py(), slf.get());
+        let (py, trajectory) = (slf.py(), slf.get());
         let method = py.get_type::<PathSolution>().getattr("trajectory")?;
         let partial = py.import("functools")?.getattr("partial")?;
-        let made = partial.call((method,), Some(own.options.bind(py)))?;
-        let arguments = (own.solution.clone_ref(py),);
-        Ok((made, arguments).into_pyobject(py)?.into_any())
+        let constructor = partial.call((method,), Some(trajectory.options.bind(py)))?;
+        let arguments = (trajectory.solution.clone_ref(py),);
+        Ok((constructor, arguments).into_pyobject(py)?.into_any())
     }
 }
 
@@ -97,8 +97,8 @@ impl TrajectoryPoint {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let (py, own) = (slf.py(), slf.get());
-        let parts = [&own.q, &own.velocity, &own.acceleration];
+        let (py, point) = (slf.py(), slf.get());
+        let parts = [&point.q, &point.velocity, &point.acceleration];
         let [q, velocity, acceleration] = parts.map(|part| part.clone_ref(py));
         crate::pickling::by_rebuild::<Self>(py, (q, velocity, acceleration))
     }

@@ -10,7 +10,7 @@ use crate::arrays::{self, Numbers, shape_text};
 use crate::error::invalid;
 
 /// Largest deviation of the last row from 0 0 0 1.
-const LAST_ROW: f32 = 1e-6;
+const LAST_ROW_TOLERANCE: f32 = 1e-6;
 
 /// Sixteen numbers, row-major.
 pub(crate) fn to_numbers(transform: &Affine3A) -> [f32; 16] {
@@ -29,9 +29,9 @@ pub(crate) fn to_numbers(transform: &Affine3A) -> [f32; 16] {
 }
 
 /// Writes transforms one after another.
-pub(crate) fn write(transforms: &[Affine3A], room: &mut [f32]) {
-    for (transform, room) in transforms.iter().zip(room.chunks_exact_mut(16)) {
-        room.copy_from_slice(&to_numbers(transform));
+pub(crate) fn write(transforms: &[Affine3A], buffer: &mut [f32]) {
+    for (transform, buffer) in transforms.iter().zip(buffer.chunks_exact_mut(16)) {
+        buffer.copy_from_slice(&to_numbers(transform));
     }
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<Affine
     let transforms = numbers.chunks_exact(16).enumerate().map(|(i, m)| {
         let last = [m[12], m[13], m[14], m[15] - 1.0];
         // Negated test: NaN fails it.
-        if !last.iter().all(|value| value.abs() <= LAST_ROW) {
+        if !last.iter().all(|value| value.abs() <= LAST_ROW_TOLERANCE) {
             return Err(invalid(format!(
                 "{what} {i}: the last row of the matrix is {:?}, not [0, 0, 0, 1]",
                 &m[12..]
@@ -140,7 +140,7 @@ impl Order {
 }
 
 /// Returns the given one of two arguments, with its order.
-pub(crate) fn given<'a, 'py>(
+pub(crate) fn quaternion_argument<'a, 'py>(
     xyzw: Option<&'a Bound<'py, PyAny>>,
     wxyz: Option<&'a Bound<'py, PyAny>>,
     what: &str,

@@ -94,15 +94,15 @@ impl Part {
     }
 
     /// Output buffers for this attribute only.
-    pub(crate) fn of(self, room: &mut [f32]) -> PosedVertices<'_> {
-        let room = bytemuck::cast_slice_mut(room);
+    pub(crate) fn of(self, buffer: &mut [f32]) -> PosedVertices<'_> {
+        let buffer = bytemuck::cast_slice_mut(buffer);
         match self {
             Self::Positions => PosedVertices {
-                positions: room,
+                positions: buffer,
                 ..PosedVertices::default()
             },
             Self::Normals => PosedVertices {
-                normals: room,
+                normals: buffer,
                 ..PosedVertices::default()
             },
         }

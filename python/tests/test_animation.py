@@ -87,11 +87,11 @@ def test_playback_repeats(chain):
 def test_events_fire_once_per_passage(chain):
     clip = nod(chain)
     for steps in (1, 7, 100):
-        playhead, heard = Playhead(), []
+        playhead, events = Playhead(), []
         for _ in range(steps):
-            heard += clip.fired(playhead.advance(6 / steps), "loop")
-        assert [name for name, _ in heard] == ["left", "right"] * 3
-        assert np.allclose([at for _, at in heard], [0.5, 1.5, 2.5, 3.5, 4.5, 5.5], atol=1e-6)
+            events += clip.fired(playhead.advance(6 / steps), "loop")
+        assert [name for name, _ in events] == ["left", "right"] * 3
+        assert np.allclose([at for _, at in events], [0.5, 1.5, 2.5, 3.5, 4.5, 5.5], atol=1e-6)
     assert len(clip.fired(Playhead().advance(1e6), "loop", most=5)) == 5
 
 
@@ -244,8 +244,8 @@ def test_poses_are_built_from_arrays(chain):
         np.cos(total[:, 0]) + np.cos(total[:, 1]), np.sin(total[:, 0]) + np.sin(total[:, 1])
     ]
     assert np.abs(heads[:, :2] - expected).max() < 1e-5
-    room = np.empty((4, 3, 4, 4), np.float32)
-    assert chain.local_to_model(poses, out=room) is room
+    buffer = np.empty((4, 3, 4, 4), np.float32)
+    assert chain.local_to_model(poses, out=buffer) is buffer
     at_rest = chain.skinning_transforms(chain.local_to_model(chain.rest))
     assert np.allclose(at_rest, np.eye(4), atol=1e-6)
 
@@ -321,9 +321,9 @@ def test_morph_targets_are_added_and_mixed():
     )
     assert list(between.vertices) == [1, 4]
     shapes = pickle.loads(pickle.dumps(BlendShapes({"calm": rest, "other": expected})))
-    room = np.empty_like(rest)
-    assert shapes.blend([0.5, 0.5], out=room) is room
-    assert np.allclose(room, (rest + expected) / 2, atol=1e-6)
+    buffer = np.empty_like(rest)
+    assert shapes.blend([0.5, 0.5], out=buffer) is buffer
+    assert np.allclose(buffer, (rest + expected) / 2, atol=1e-6)
     for wrong in ([1.0], [np.nan, 0], [0.5, 0.6]):
         with pytest.raises(kinopt.InvalidValueError):
             shapes.blend(wrong)

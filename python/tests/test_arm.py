@@ -114,16 +114,16 @@ def test_forked_process_does_not_wait_for_threads(arm, targets):
 
 
 def test_unreached_target_reports_error_and_reason(arm):
-    far = np.eye(4)
-    far[:3, 3] = 3.0, 0.0, 0.0
-    solution = arm.solve(far, START)
+    unreachable = np.eye(4)
+    unreachable[:3, 3] = 3.0, 0.0, 0.0
+    solution = arm.solve(unreachable, START)
     assert not solution.reached and solution.position_error > 1
     assert "Not reached" in solution.explain()
-    batch = arm.solve_batch([far, far], START)
+    batch = arm.solve_batch([unreachable, unreachable], START)
     assert batch.explain(0) == solution.explain()
     assert batch.explain() == [solution.explain()] * 2
     assert not batch.reached.any()
-    assert not arm.distinct(far, START)
+    assert not arm.distinct(unreachable, START)
 
 
 def test_distinct_solutions_differ_and_reach(arm, targets):
@@ -136,8 +136,8 @@ def test_distinct_solutions_differ_and_reach(arm, targets):
 
 
 def test_path_is_followed_without_jumps(arm):
-    way = np.linspace(0, 1, 200)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.5, -0.3, 0.4])
-    path = arm.base_from_tool(START + way)
+    change = np.linspace(0, 1, 200)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.5, -0.3, 0.4])
+    path = arm.base_from_tool(START + change)
     track = arm.track(path, START)
     assert track.reached.all() and track.jumps == [] and len(track) == 200
     assert np.abs(np.diff(track.q, axis=0)).max() < 0.05
@@ -227,11 +227,11 @@ def test_arm_is_shared_by_threads(arm, targets):
     want = arm.solve_batch(targets, START).q
     found = np.zeros_like(want)
 
-    def ask(part):
+    def solve_part(part):
         for i in range(part, 300, 8):
             found[i] = arm.solve(targets[i], START).q
 
-    threads = [threading.Thread(target=ask, args=(part,)) for part in range(8)]
+    threads = [threading.Thread(target=solve_part, args=(part,)) for part in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -240,11 +240,11 @@ def test_arm_is_shared_by_threads(arm, targets):
 
 
 def test_progress_is_reported_and_its_exception_stops(arm, targets):
-    heard = []
+    calls = []
     many = np.repeat(targets, 20, axis=0)
-    arm.solve_batch(many, START, progress=lambda done, total: heard.append((done, total)))
-    assert heard[-1] == (6000, 6000) and len(heard) > 1
-    assert [done for done, _ in heard] == sorted(done for done, _ in heard)
+    arm.solve_batch(many, START, progress=lambda done, total: calls.append((done, total)))
+    assert calls[-1] == (6000, 6000) and len(calls) > 1
+    assert [done for done, _ in calls] == sorted(done for done, _ in calls)
 
     def stop(done, total):
         raise KeyboardInterrupt

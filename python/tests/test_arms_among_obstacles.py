@@ -35,12 +35,12 @@ def arm(panda: kinopt.Robot) -> kinopt.Arm:
 
 def test_solutions_are_collision_free(arm: kinopt.Arm) -> None:
     random = np.random.default_rng(4)
-    asked = reached = 0
-    while asked < 40:
+    count = reached = 0
+    while count < 40:
         q = random.uniform(arm.lower, arm.upper)
         if arm.collisions(q):
             continue
-        asked += 1
+        count += 1
         solution = arm.solve(arm.base_from_tool(q), random.uniform(arm.lower, arm.upper))
         reached += solution.reached
         assert solution.reached == (arm.collisions(solution.q) == [])
@@ -139,8 +139,8 @@ def test_invalid_worlds_and_margins_raise(panda: kinopt.Robot, arm: kinopt.Arm) 
 def test_allowed_collisions_are_ignored(panda: kinopt.Robot) -> None:
     world = table()
     arm = kinopt.Arm(panda, "base", "flange", world=world)
-    place = arm.base_from_tool(Q)[:3, 3]
-    world.add_sphere("ball", 0.1, pose=place)
+    position = arm.base_from_tool(Q)[:3, 3]
+    world.add_sphere("ball", 0.1, pose=position)
     touching = {pair.first for pair in arm.with_world(world).collisions(Q)}
     assert touching
     for link in sorted(touching):

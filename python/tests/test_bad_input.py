@@ -22,7 +22,7 @@ import kinopt
 MODELS = Path(__file__).parents[2] / "models"
 CALLS = 6000
 # These write files, or block.
-LEFT_ALONE = {"write", "save", "run", "serve", "show", "wait", "main"}
+EXCLUDED_MEMBERS = {"write", "save", "run", "serve", "show", "wait", "main"}
 
 
 def things():
@@ -90,14 +90,14 @@ def junk(draw):
 
 def members(value):
     for name in dir(value):
-        if name.strip("_") not in LEFT_ALONE and not name.startswith("_"):
+        if name.strip("_") not in EXCLUDED_MEMBERS and not name.startswith("_"):
             yield name
 
 
 def public(module):
     for name in getattr(module, "__all__", []):
         found = getattr(module, name)
-        if name not in LEFT_ALONE and not inspect.ismodule(found):
+        if name not in EXCLUDED_MEMBERS and not inspect.ismodule(found):
             if not (inspect.isclass(found) and issubclass(found, BaseException)):
                 yield found
 
@@ -218,16 +218,16 @@ def test_interrupt_stops_a_long_batch():
 
 
 @pytest.mark.parametrize(
-    ("ask", "words"),
+    ("call", "words"),
     [
         (lambda b: b.joint("s", axis="x"), "axis must be three numbers, not 'x'"),
         (lambda b: b.ball("s", axis="x"), "axis must be three numbers, not 'x'"),
         (lambda b: b.ball("s", about=[1.0]), "about must be three numbers"),
         (lambda b: b.ball("s", twist=1.0), "twist must be"),
         (lambda b: b.ball("s", angle="a"), "angle must be a number"),
-        (lambda b: b.free("s", room=1.0), "room must be .* 3 times"),
+        (lambda b: b.free("s", bounds=1.0), "bounds must be .* 3 times"),
         (lambda b: b.planar("s", normal="z"), "normal must be"),
-        (lambda b: b.planar("s", room=[(0.0, 1.0)]), "room must be .* 2 times"),
+        (lambda b: b.planar("s", bounds=[(0.0, 1.0)]), "bounds must be .* 2 times"),
         (lambda b: b.planar("s", yaw="far"), "yaw must be"),
         (lambda b: b.universal("s", axes="xy"), "axes must be"),
         (lambda b: b.universal("s", limits=3), "limits must be"),
@@ -236,12 +236,12 @@ def test_interrupt_stops_a_long_batch():
     ],
 )
 def test_builders_name_the_argument(
-    ask: Callable[[Any], object], words: str
+    call: Callable[[Any], object], words: str
 ) -> None:
     builder = kinopt.ModelBuilder("m")
     builder.frame("f")
     with pytest.raises(kinopt.InvalidValueError, match=words):
-        ask(builder)
+        call(builder)
 
 
 def test_ball_joint_with_one_number_is_named() -> None:
@@ -251,7 +251,7 @@ def test_ball_joint_with_one_number_is_named() -> None:
     builder.frame("foot", "knee")
     model = builder.build()
     q = model.neutral()
-    for ask in (
+    for call in (
         lambda: kinopt.Problem(model, [kinopt.tasks.Posture({"hip": 1.0})]),
         lambda: kinopt.Problem(model, [kinopt.tasks.JointCoupling({"hip": 1.0, "knee": 1.0})]),
         lambda: kinopt.Problem(
@@ -259,6 +259,6 @@ def test_ball_joint_with_one_number_is_named() -> None:
         ),
     ):
         with pytest.raises(kinopt.InvalidValueError, match="`hip` is a ball"):
-            ask()
+            call()
     with pytest.raises(kinopt.InvalidValueError, match="the interpolation parameter .* NaN"):
         model.interpolate(q, q, float("nan"))

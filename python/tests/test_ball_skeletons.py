@@ -100,8 +100,8 @@ def test_total_angle_is_equal_in_file_and_dict(wave: Path, tmp_path: Path) -> No
     side.write_text('{"Arm": {"angle": 30}}')
     for cones in (side, {"Arm": {"angle": np.radians(30)}}):
         figure = kinopt.BallSkeleton.read(wave, cones=cones)
-        for own in (figure, pickle.loads(pickle.dumps(figure))):
-            (arm,) = (joint for joint in own.model.joints if joint.name == "Arm")
+        for skeleton in (figure, pickle.loads(pickle.dumps(figure))):
+            (arm,) = (joint for joint in skeleton.model.joints if joint.name == "Arm")
             assert arm.angle == pytest.approx(np.radians(30), abs=1e-15)
 
 

@@ -29,16 +29,16 @@ def table(height: float = 0.15) -> kinopt.World:
 
 
 def problem(panda: kinopt.Robot, world: kinopt.World | None = None, margin: float = 0.005) -> kinopt.Problem:
-    asked = [tasks.Point("tool", [0.5, 0.1, 0.5], name="tool")]
-    return kinopt.Problem(panda, asked, world=world or table(), margin=margin)
+    stated_tasks = [tasks.Point("tool", [0.5, 0.1, 0.5], name="tool")]
+    return kinopt.Problem(panda, stated_tasks, world=world or table(), margin=margin)
 
 
 def test_solutions_are_collision_free_or_name_pairs(panda: kinopt.Robot) -> None:
     stated, solver = problem(panda), kinopt.Solver()
     random = np.random.default_rng(5)
     for _ in range(20):
-        place = random.uniform([0.3, -0.4, 0.2], [0.6, 0.4, 0.7])
-        solution = solver.solve(stated, START, {"tool": place})
+        position = random.uniform([0.3, -0.4, 0.2], [0.6, 0.4, 0.7])
+        solution = solver.solve(stated, START, {"tool": position})
         assert (stated.collisions(solution.q) == []) == (solution.collisions == [])
         assert solution.reached == (solution.goals_reached and solution.collisions == [])
     inside = solver.solve(stated, START, {"tool": [0.7, 0.0, 0.15]})
@@ -50,16 +50,16 @@ def test_drag_slides_along_the_table(panda: kinopt.Robot) -> None:
     stated = problem(panda)
     drag = kinopt.Drag(stated, START)
     checked = kinopt.Problem(panda, world=table(), margin=0.0)
-    places = []
+    positions = []
     for x in np.linspace(0.45, 0.6, 60):
         solution = drag.advance({"tool": [x, 0.1, 0.1]})
         assert checked.collisions(drag.q) == []
-        places.append(kinopt.frame_placement(panda, "tool", drag.q)[:3, 3])
+        positions.append(kinopt.frame_placement(panda, "tool", drag.q)[:3, 3])
     assert not solution.reached
     assert any(pair.second == "table" or pair.first == "table" for pair in solution.collisions)
     # It slides along the table.
-    assert places[-1][2] > 0.17
-    assert places[-1][0] > places[0][0] - 0.05
+    assert positions[-1][2] > 0.17
+    assert positions[-1][0] > positions[0][0] - 0.05
 
 
 def test_problem_copies_the_world(panda: kinopt.Robot) -> None:
@@ -84,9 +84,9 @@ def test_rig_avoids_self_collision() -> None:
     stated, free = kinopt.Problem(rig, [belly], margin=0.0), kinopt.Problem(rig, [belly])
     through = kinopt.Solver().solve(free, rest)
     assert stated.collisions(through.q) != []
-    kept = kinopt.Solver().solve(stated, rest)
-    assert kept.reached == (stated.collisions(kept.q) == [] and kept.goals_reached)
-    assert not kept.reached
+    solution = kinopt.Solver().solve(stated, rest)
+    assert solution.reached == (stated.collisions(solution.q) == [] and solution.goals_reached)
+    assert not solution.reached
 
 
 def test_model_without_shapes_raises(panda: kinopt.Robot) -> None:

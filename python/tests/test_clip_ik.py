@@ -23,8 +23,8 @@ def wave() -> tuple[kinopt.Skeleton, Clip]:
 
 def tip(edited: EditedClip | Clip, bone: str, length: float, time: float) -> np.ndarray:
     clip = edited.clip if isinstance(edited, EditedClip) else edited
-    place = clip.armature.model_from_bone(clip.sample(time), bone)
-    return np.asarray((place @ np.array([length, 0, 0, 1]))[:3], dtype=float)
+    placement = clip.armature.model_from_bone(clip.sample(time), bone)
+    return np.asarray((placement @ np.array([length, 0, 0, 1]))[:3], dtype=float)
 
 
 def test_hand_reaches_while_feet_stay_planted(wave: tuple[kinopt.Skeleton, Clip]) -> None:
@@ -40,7 +40,7 @@ def test_hand_reaches_while_feet_stay_planted(wave: tuple[kinopt.Skeleton, Clip]
     assert {stance.bone for stance in edited.stances} == {"left_foot", "right_foot"}
     assert max(stance.slide for stance in edited.stances) < 1e-4
     assert max(stance.stray for stance in edited.stances) < 1e-3
-    assert max(led.miss for led in edited.led) < 1e-4
+    assert max(result.miss for result in edited.led) < 1e-4
     assert edited.root_moved == 0.0
     length = skeleton.bones[skeleton.bone_names.index("left_hand")].length
     np.testing.assert_allclose(tip(edited, "left_hand", length, 1.8), target, atol=1e-4)

@@ -41,7 +41,7 @@ def test_pairs_are_read_edited_and_sampled(ur5e: kinopt.Robot) -> None:
 def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
     model = ur5e.collision_model()
     spheres = model.spheres(0.03)
-    assert len(spheres) == spheres.count == sum(len(own) for own in spheres.spheres.values())
+    assert len(spheres) == spheres.count == sum(len(link_spheres) for link_spheres in spheres.spheres.values())
     assert 0 < spheres.max_protrusion <= 0.03
     assert spheres.pairs == model.pairs
     # The base's cylinder of radius 0.075 from z = 0 to 0.09.
@@ -50,11 +50,11 @@ def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
     points = np.stack(
         [0.075 * share * np.cos(angle), 0.075 * share * np.sin(angle), random.uniform(0, 0.09, 2000)], axis=1
     )
-    own, bound = spheres.spheres["base"], spheres.bounds["base"]
-    away = np.linalg.norm(points[:, None] - own[None, :, :3], axis=2) - own[:, 3]
+    link_spheres, bound = spheres.spheres["base"], spheres.bounds["base"]
+    away = np.linalg.norm(points[:, None] - link_spheres[None, :, :3], axis=2) - link_spheres[:, 3]
     assert away.min(axis=1).max() <= 1e-12
-    assert (np.linalg.norm(own[:, :3] - bound[:3], axis=1) + own[:, 3] <= bound[3] + 1e-12).all()
-    assert all(len(own) <= 5 for own in model.spheres(per_link=5).spheres.values())
+    assert (np.linalg.norm(link_spheres[:, :3] - bound[:3], axis=1) + link_spheres[:, 3] <= bound[3] + 1e-12).all()
+    assert all(len(link_spheres) <= 5 for link_spheres in model.spheres(per_link=5).spheres.values())
 
 
 def test_spheres_are_computed_once_per_model(ur5e: kinopt.Robot) -> None:
@@ -81,10 +81,10 @@ def test_spheres_round_trip_through_files(ur5e: kinopt.Robot, tmp_path: Path) ->
     for name in ("ur5e.yml", "ur5e.urdf"):
         read = kinopt.SphereModel.read(tmp_path / name, model)
         assert read.pairs == spheres.pairs
-        assert all(np.array_equal(read.spheres[link], own) for link, own in spheres.spheres.items())
+        assert all(np.array_equal(read.spheres[link], link_spheres) for link, link_spheres in spheres.spheres.items())
         assert read.max_protrusion == pytest.approx(spheres.max_protrusion, abs=1e-12)
-    own = kinopt.Robot.from_urdf(tmp_path / "ur5e.urdf").collision_model().spheres(0.1)
-    assert own.max_protrusion == 0.0 and own.count == spheres.count
+    link_spheres = kinopt.Robot.from_urdf(tmp_path / "ur5e.urdf").collision_model().spheres(0.1)
+    assert link_spheres.max_protrusion == 0.0 and link_spheres.count == spheres.count
     with pytest.raises(FileError):
         kinopt.SphereModel.read(tmp_path / "none.yml", model)
     (tmp_path / "bad.yml").write_text("collision_spheres:\n  palm:\n    - {center: [0, 0, 0], radius: 1}\n")
@@ -98,9 +98,9 @@ def test_arm_uses_spheres_enlarged_by_their_gap(tmp_path: Path) -> None:
     spheres = shapes.spheres(0.03)
     assert spheres.gap == 0.0
     lines = ["collision_spheres:"]
-    for link, own in spheres.spheres.items():
+    for link, link_spheres in spheres.spheres.items():
         lines.append(f"  {link}:")
-        lines += [f"    - {{center: [{x}, {y}, {z}], radius: {0.7 * radius}}}" for x, y, z, radius in own]
+        lines += [f"    - {{center: [{x}, {y}, {z}], radius: {0.7 * radius}}}" for x, y, z, radius in link_spheres]
     (tmp_path / "small.yml").write_text("\n".join(lines))
     small = kinopt.SphereModel.read(tmp_path / "small.yml", shapes)
     assert 0.01 < small.gap < 0.1
@@ -108,8 +108,8 @@ def test_arm_uses_spheres_enlarged_by_their_gap(tmp_path: Path) -> None:
     world.add_box("post", (0.1, 0.1, 0.6), (0.45, 0.0, 0.3))
     random = np.random.default_rng(3)
     arms = [
-        kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes.with_spheres(own))
-        for own in (spheres, small)
+        kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes.with_spheres(link_spheres))
+        for link_spheres in (spheres, small)
     ]
     by_shapes = kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes)
     start = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
@@ -123,8 +123,8 @@ def test_arm_uses_spheres_enlarged_by_their_gap(tmp_path: Path) -> None:
     changed = shapes.with_spheres(small).with_ignored("base", "hand")
     poses = random.uniform(arms[0].lower, arms[0].upper, (200, 7))
     clear = [
-        kinopt.Arm(panda, "base", "flange", world=world, collision_model=own).clear_by_spheres(poses)
-        for own in (changed, pickle.loads(pickle.dumps(changed)))
+        kinopt.Arm(panda, "base", "flange", world=world, collision_model=link_spheres).clear_by_spheres(poses)
+        for link_spheres in (changed, pickle.loads(pickle.dumps(changed)))
     ]
     assert (clear[0] == clear[1]).all() and 0 < clear[0].sum() < 200
 
@@ -158,7 +158,7 @@ def test_models_and_spheres_are_pickled(ur5e: kinopt.Robot) -> None:
     again, spheres_again = pickle.loads(pickle.dumps((model, spheres)))
     assert again.pairs == model.pairs and repr(again) == repr(model)
     assert spheres_again.spheres.keys() == spheres.spheres.keys()
-    assert all(np.array_equal(spheres_again.spheres[k], own) for k, own in spheres.spheres.items())
+    assert all(np.array_equal(spheres_again.spheres[k], link_spheres) for k, link_spheres in spheres.spheres.items())
 
 
 def test_invalid_arguments_raise(ur5e: kinopt.Robot) -> None:

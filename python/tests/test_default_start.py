@@ -45,7 +45,7 @@ def test_solve_without_start_begins_at_the_srdf_state(robot):
 
 def test_bool_of_solution_is_reached(robot):
     arm = kinopt.Arm(robot, "base", "flange", atlas=False, attempts=2)
-    near, far = arm.base_from_tool(arm.default_start), np.eye(4)
-    far[:3, 3] = 9.0
-    assert arm.solve(near) and not arm.solve(far)
-    assert bool(arm.solve(far)) is arm.solve(far).reached is False
+    near, unreachable = arm.base_from_tool(arm.default_start), np.eye(4)
+    unreachable[:3, 3] = 9.0
+    assert arm.solve(near) and not arm.solve(unreachable)
+    assert bool(arm.solve(unreachable)) is arm.solve(unreachable).reached is False

@@ -127,28 +127,28 @@ def public():
             yield f"{module_name}.{name}", found, not fault and is_made_by_a_caller(found)
             for member in () if fault else dir(found):
                 if not (member.startswith("_") or hasattr(object, member)):
-                    own = inspect.getattr_static(found, member)
-                    called = callable(own) or isinstance(own, (classmethod, staticmethod))
+                    attribute = inspect.getattr_static(found, member)
+                    called = callable(attribute) or isinstance(attribute, (classmethod, staticmethod))
                     # Fields of dataclasses with defaults are values here; the docstring of their class describes them.
-                    told = called or isinstance(own, property) or inspect.isgetsetdescriptor(own)
-                    if told and id(own) not in seen:
-                        seen.add(id(own))
+                    is_documented = called or isinstance(attribute, property) or inspect.isgetsetdescriptor(attribute)
+                    if is_documented and id(attribute) not in seen:
+                        seen.add(id(attribute))
                         yield f"{module_name}.{name}.{member}", getattr(found, member), called
 
 
 @pytest.mark.parametrize(("name", "found", "called"), list(public()), ids=lambda value: str(value)[:60])
 def test_docstrings_state_content_and_exceptions(name, found, called):
-    said = inspect.getdoc(found) or ""
-    assert len(said) > 10, f"{name} says nothing of itself"
-    raises = re.search(r"\b[Rr]aises?\b|\w+Error\b", said)
+    docstring = inspect.getdoc(found) or ""
+    assert len(docstring) > 10, f"{name} says nothing of itself"
+    raises = re.search(r"\b[Rr]aises?\b|\w+Error\b", docstring)
     if called:
         assert raises or name in CANNOT_RAISE, f"{name} does not say what it raises"
 
 
 def test_list_of_non_raising_names_exists():
     names = {name for name, _, called in public() if called}
-    known = {name for name in CANNOT_RAISE if name.startswith("kinopt.view") and "kinopt.view.Scene" not in names}
-    assert CANNOT_RAISE - names - known == set()
+    without_viewer = {name for name in CANNOT_RAISE if name.startswith("kinopt.view") and "kinopt.view.Scene" not in names}
+    assert CANNOT_RAISE - names - without_viewer == set()
 
 
 def test_every_field_is_documented():
@@ -157,8 +157,8 @@ def test_every_field_is_documented():
             found = getattr(module, name)
             if not hasattr(found, "__dataclass_fields__"):
                 continue
-            said = " ".join(inspect.getdoc(base) or "" for base in found.__mro__[:-1]) + (module.__doc__ or "")
+            docstring = " ".join(inspect.getdoc(base) or "" for base in found.__mro__[:-1]) + (module.__doc__ or "")
             for field in found.__dataclass_fields__:
                 if field.startswith("_"):
                     continue
-                assert re.search(rf"``{field}``|\b{field}\b", said), f"{name} says nothing of {field}"
+                assert re.search(rf"``{field}``|\b{field}\b", docstring), f"{name} says nothing of {field}"

@@ -19,16 +19,16 @@ def robot():
 
 def dragged(robot, **options):
     start = np.clip(np.array([0, 0.3, 0, -1.5, 0, 1.8, 0, 0.02, 0.02]), robot.lower, robot.upper)
-    place = kinopt.frame_placement(robot, "tool", start)
-    problem = kinopt.Problem(robot, [tasks.Pose("tool", place, name="hand")])
-    return kinopt.Drag(problem, start, **options), place, start
+    placement = kinopt.frame_placement(robot, "tool", start)
+    problem = kinopt.Problem(robot, [tasks.Pose("tool", placement, name="hand")])
+    return kinopt.Drag(problem, start, **options), placement, start
 
 
 def test_hand_follows_the_mouse(robot):
-    drag, place, start = dragged(robot)
+    drag, placement, start = dragged(robot)
     assert drag.solution is None and np.array_equal(drag.q, start)
     for step in range(100):
-        mouse = place.copy()
+        mouse = placement.copy()
         mouse[1, 3] += 0.002 * step
         solution = drag.advance({"hand": mouse})
         assert solution.reached and drag.jump is None
@@ -40,9 +40,9 @@ def test_hand_follows_the_mouse(robot):
 
 
 def test_jumping_target_is_reached_in_frames(robot):
-    drag, place, start = dragged(robot, max_move=0.05)
-    place[0, 3] -= 0.2
-    drag.set_targets({"hand": place})
+    drag, placement, start = dragged(robot, max_move=0.05)
+    placement[0, 3] -= 0.2
+    drag.set_targets({"hand": placement})
     solution = drag.advance()
     assert drag.is_speed_limited and not solution.reached
     assert any(limit.kind == "move" for limit in solution.active_limits)
@@ -53,35 +53,35 @@ def test_jumping_target_is_reached_in_frames(robot):
 
 
 def test_unreachable_target_is_reported(robot):
-    drag, place, _ = dragged(robot)
-    place[0, 3] = 3.0
+    drag, placement, _ = dragged(robot)
+    placement[0, 3] = 3.0
     for _ in range(60):
-        solution = drag.advance({"hand": place})
+        solution = drag.advance({"hand": placement})
         assert (solution.q >= robot.lower).all() and (solution.q <= robot.upper).all()
     assert not solution.reached and solution.is_out_of_reach
 
 
 def test_branch_changes_only_with_search(robot):
-    quiet, place, _ = dragged(robot)
+    quiet, placement, _ = dragged(robot)
     leaping, _, _ = dragged(robot, search=8, seed=1)
     # Upside down behind the base.
-    place[:3, 3] = [-0.4, 0.1, 0.4]
-    place[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    placement[:3, 3] = [-0.4, 0.1, 0.4]
+    placement[:3, :3] = np.diag([1.0, -1.0, -1.0])
     leaps = []
     for _ in range(60):
-        quiet.advance({"hand": place})
+        quiet.advance({"hand": placement})
         assert quiet.leap is None
-        leaping.advance({"hand": place})
+        leaping.advance({"hand": placement})
         leaps += [leaping.leap] if leaping.leap else []
     assert leaping.solution.cost <= quiet.solution.cost * (1 + 1e-3)
-    for leap in leaps:
-        assert leap.joint in robot.joint_names and leap.distance > 0
+    for jump in leaps:
+        assert jump.joint in robot.joint_names and jump.distance > 0
 
 
 def test_method_is_selectable(robot):
-    drag, place, _ = dragged(robot, solver=kinopt.Solver(methods.GaussNewton(), max_iterations=3))
-    place[2, 3] += 0.01
-    assert drag.follow({"hand": place}).reached
+    drag, placement, _ = dragged(robot, solver=kinopt.Solver(methods.GaussNewton(), max_iterations=3))
+    placement[2, 3] += 0.01
+    assert drag.follow({"hand": placement}).reached
     with pytest.raises(kinopt.InvalidValueError, match="ccd"):
         dragged(robot, solver=kinopt.Solver("ccd"))
 

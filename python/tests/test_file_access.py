@@ -159,22 +159,22 @@ def test_every_damaged_array_is_an_invalid_file(tmp_path: Path) -> None:
 def test_errors_about_a_map_name_its_file(tmp_path: Path) -> None:
     text = (MODELS / "aldebaran_nao.urdf").read_text().replace('velocity="0"', 'velocity="3"')
     nao = kinopt.Robot.from_urdf_text(text, "aldebaran_nao.urdf", base_joint="free")
-    places = np.zeros((5, 3, 3))
-    places[:, 0, 2], places[:, 1, 1], places[:, 2, 1] = 0.9, 0.15, -0.15
+    positions = np.zeros((5, 3, 3))
+    positions[:, 0, 2], positions[:, 1, 1], positions[:, 2, 1] = 0.9, 0.15, -0.15
     drives = {"hips": "torso", "left": "left_sole", "right": "right_sole"}
     path = tmp_path / "map.json"
 
-    def said(**change: object) -> str:
+    def message(**change: object) -> str:
         path.write_text(json.dumps({"joints": ["hips", "left", "right"], "drives": drives, **change}))
         with pytest.raises(InvalidValueError) as raised:
-            kinopt.retarget(places, nao, path)
+            kinopt.retarget(positions, nao, path)
         return str(raised.value)
 
-    assert str(path) in said(drives={"hips": "torso", "left": "left_soul"})
-    assert str(path) in said(drives={"lift": "left_sole"})
+    assert str(path) in message(drives={"hips": "torso", "left": "left_soul"})
+    assert str(path) in message(drives={"lift": "left_sole"})
     for wrong in ({"weight": 1e308}, {"scale": 1e308}, {"scale": 1e-308}, {"offset": [1e308, 0, 0]}):
-        assert str(path) in said(drives={**drives, "left": {"frame": "left_sole", **wrong}})
-    assert str(path) in said(drives={"hips": {"frame": 3}})
+        assert str(path) in message(drives={**drives, "left": {"frame": "left_sole", **wrong}})
+    assert str(path) in message(drives={"hips": {"frame": 3}})
 
 
 def test_sphere_models_of_huge_numbers_raise(tmp_path: Path) -> None:

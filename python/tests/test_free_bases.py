@@ -102,8 +102,8 @@ def test_jacobian_matches_motion_along_velocity(free: kinopt.Robot) -> None:
 
 
 def test_base_keeps_bounds_and_is_pickled() -> None:
-    room = {"x": (-0.1, 0.2), "y": (-1.0, 1.0)}
-    robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds=room)
+    bounds = {"x": (-0.1, 0.2), "y": (-1.0, 1.0)}
+    robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds=bounds)
     for same in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
         assert same.joint_names == robot.joint_names and np.array_equal(same.upper, robot.upper)
     problem = kinopt.Problem(robot, [tasks.Point("flange", [3.0, -2.0, 1.5])])
@@ -173,9 +173,9 @@ def test_invalid_arguments_are_named(free: kinopt.Robot) -> None:
         kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds={"z": (0.0, 1.0)})
     with pytest.raises(InvalidValueError, match="root_joint/x"):
         kinopt.Robot.from_urdf(UR5E, base_joint="free", base_bounds={"x": (1.0, 0.0)})
-    for room in ((float("nan"), 1.0), (0.0, float("nan"))):
+    for bounds in ((float("nan"), 1.0), (0.0, float("nan"))):
         with pytest.raises(kinopt.InvalidValueError, match="base_bounds along z"):
-            kinopt.Robot.from_urdf(UR5E, base_joint="free", base_bounds={"z": room})
+            kinopt.Robot.from_urdf(UR5E, base_joint="free", base_bounds={"z": bounds})
     builder = kinopt.ModelBuilder("arm")
     builder.ball("shoulder", swing=4.0)
     with pytest.raises(InvalidValueError, match="shoulder"):
@@ -225,8 +225,8 @@ def test_one_configuration_broadcasts(heavy: kinopt.Robot) -> None:
         for k, q in enumerate(many):
             assert (v[k] == heavy.difference(one, q)).all()
             assert (back[k] == heavy.difference(q, one)).all()
-        there = heavy.integrate(other, v)
-        assert np.allclose(heavy.center_of_mass(there), heavy.center_of_mass(many), atol=1e-12)
+        moved = heavy.integrate(other, v)
+        assert np.allclose(heavy.center_of_mass(moved), heavy.center_of_mass(many), atol=1e-12)
         assert heavy.interpolate(other, many, 0.5).shape == (5, 8)
     assert heavy.difference(one[None], one).shape == (1, 7)
     with pytest.raises(InvalidValueError, match="one row of either"):
@@ -241,8 +241,8 @@ def test_universal_joints_and_joint_coordinates() -> None:
     assert model.joint_names == ["wrist/first", "wrist/second"]
     assert (model.lower == [-1, -0.5]).all() and (model.upper == [1, 0.5]).all()
     a, b = 0.3, -0.4
-    place = kinopt.frame_placement(model, "hand", [a, b])[:3, 3]
-    assert np.allclose(place, [math.cos(a) * math.cos(b), math.sin(a) * math.cos(b), -math.sin(b)])
+    position = kinopt.frame_placement(model, "hand", [a, b])[:3, 3]
+    assert np.allclose(position, [math.cos(a) * math.cos(b), math.sin(a) * math.cos(b), -math.sin(b)])
     with pytest.raises(UnknownNameError, match=r"\.ball\(\), \.free\(\), \.planar\(\), \.universal\(\)"):
         kinopt.ModelBuilder("arm").joint("shoulder", "ball")
 
@@ -292,9 +292,9 @@ def test_residual_accepts_configuration_or_variables(free: kinopt.Robot) -> None
     assert problem.variables == 12 and q.shape == (13,)
     x = kinopt.ParameterMap(free).reduce(q)
     turned = np.concatenate([q[:3], -q[3:7], q[7:]])
-    for ask in (problem.residual, problem.jacobian, problem.gradient):
-        assert np.array_equal(ask(q), ask(x))
-        assert np.allclose(ask(turned), ask(x), rtol=0, atol=1e-12)
+    for evaluate in (problem.residual, problem.jacobian, problem.gradient):
+        assert np.array_equal(evaluate(q), evaluate(x))
+        assert np.allclose(evaluate(turned), evaluate(x), rtol=0, atol=1e-12)
     assert np.linalg.norm(problem.residual(q)[:6]) < 1e-5
     for other in (q[:11], np.append(q, 0.0)):
         with pytest.raises(InvalidValueError, match=r"expected variables, \(12,\), or a configuration, \(13,\)"):

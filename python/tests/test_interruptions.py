@@ -41,11 +41,11 @@ def interrupted(call: Callable[[], object], after: float = 0.3) -> float | None:
 def test_long_calls_react_to_an_interrupt() -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     model = robot.collision_model()
-    far = np.eye(4)
-    far[:3, 3] = 5.0
+    unreachable = np.eye(4)
+    unreachable[:3, 3] = 5.0
     arm = kinopt.Arm(robot, "base", "flange", attempts=100_000_000, atlas=False)
     for name, call in {
-        "solve": lambda: arm.solve(far),
+        "solve": lambda: arm.solve(unreachable),
         "with_pairs_sampled": lambda: model.with_pairs_sampled(10_000_000_000),
         "spheres": lambda: model.spheres(per_link=100_000_000),
     }.items():

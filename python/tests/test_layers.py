@@ -64,9 +64,9 @@ def test_state_machine_follows_parameters(leg):
     run.update(0.25)
     assert (run.state, run.leaving) == ("move", "idle") and 0 < run.fading < 1
     assert height() == pytest.approx(2 * run.fading, abs=1e-5)
-    heard = run.update(1.1)
+    events = run.update(1.1)
     assert run.fading is None and height() == 2
-    assert [(state, clip, name) for state, clip, name, _, _ in heard] == [("move", "walk", "step")]
+    assert [(state, clip, name) for state, clip, name, _, _ in events] == [("move", "walk", "step")]
     assert run.playing == [("walk", 1.0)]
     run.trigger("jump")
     assert run.parameters == {"speed": 1.0, "jump": True, "grounded": True}
@@ -90,8 +90,8 @@ def test_long_and_short_steps_end_equally(leg):
     for steps in (1, 50):
         run = StateMachineRun(machine)
         run.set_number("speed", 1.0)
-        heard = [event for _ in range(steps) for event in run.update(3.3 / steps)]
-        ends.append((run.state, len(heard), run.pose.translations))
+        events = [event for _ in range(steps) for event in run.update(3.3 / steps)]
+        ends.append((run.state, len(events), run.pose.translations))
     assert ends[0][:2] == ends[1][:2]
     assert np.allclose(ends[0][2], ends[1][2], atol=1e-5)
 
@@ -134,8 +134,8 @@ def test_aim_points_at_its_target(leg):
         pose = leg.rest
         assert aim.turn(pose, AimGoal(target, up=[0, 1, 0]))
         placed = leg.local_to_model(pose)[2]
-        way = unit(target - placed[:3, 3])
-        assert np.abs(placed[:3, 2] - way).max() < 1e-5
+        direction = unit(target - placed[:3, 3])
+        assert np.abs(placed[:3, 2] - direction).max() < 1e-5
         # The up axis stays in the plane of the direction to the target and the requested direction.
         assert abs(placed[:3, 0] @ [0, 1, 0]) < 1e-5
     for wrong in (lambda: AimGoal([np.nan, 0, 0]), lambda: AimGoal([1, 0, 0], weight=np.nan), lambda: LimbGoal([0, np.inf, 0])):
@@ -184,8 +184,8 @@ def test_angles_and_poses_convert():
     again = rig.skeleton.pose(angles.angles_of(poses))
     assert np.abs(again - rig.skeleton.pose(q)).max() < 1e-5
     assert isinstance(angles.pose_of(q[0]), Pose)
-    room = np.empty_like(q)
-    assert angles.angles_of(poses, out=room) is room
+    buffer = np.empty_like(q)
+    assert angles.angles_of(poses, out=buffer) is buffer
     with pytest.raises(kinopt.InvalidValueError, match="finite"):
         angles.pose_of(np.full_like(q[0], np.inf))
 
@@ -208,8 +208,8 @@ def test_crowd_is_bitwise_equal_on_any_threads(leg):
     expected[3] = 2
     assert np.abs(heights - expected).max() < 1e-5
     assert np.allclose(ours[7, 2, :3, 3], [0, 0.2, 0.3], atol=1e-4)
-    room = np.empty((40, 3, 4, 4), np.float32)
-    assert crowds[0].model_from_bone(out=room) is room
+    buffer = np.empty((40, 3, 4, 4), np.float32)
+    assert crowds[0].model_from_bone(out=buffer) is buffer
     with pytest.raises(IndexError):
         crowds[0].set_goal(40, 0, LimbGoal([0, 0, 0]))
     with pytest.raises(kinopt.InvalidValueError, match="bones"):

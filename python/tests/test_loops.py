@@ -63,8 +63,8 @@ def test_solution_closes_loops_or_names_open_ones():
         ("pin", "connect", ["coupler end", "rocker"])
     ]
     solver = kinopt.Solver()
-    far = kinopt.Problem(model, [tasks.Point("coupler end", [2.0, 1.0, 0.0])])
-    solution = solver.solve(far, [0.5, 0.5, 1.5])
+    unreachable = kinopt.Problem(model, [tasks.Point("coupler end", [2.0, 1.0, 0.0])])
+    solution = solver.solve(unreachable, [0.5, 0.5, 1.5])
     assert not solution.reached and solution.loops_closed and solution.open_loops == []
     assert abs(freudenstein(solution.q[0], solution.q[2])) < 1e-8
     assert [task.is_loop for task in solution.tasks] == [False, True]
@@ -109,9 +109,9 @@ def test_urdf_robot_keeps_loops_in_copies():
     hands = robot.with_loop("box", ["left_tool", "right_tool"], "weld", grips)
     hands = hands.with_passive_joints(robot.chain("torso", "right_tool"))
     for same in (hands, copy.deepcopy(hands), pickle.loads(pickle.dumps(hands))):
-        ((name, kind, frames, places),) = same.loops
+        ((name, kind, frames, placements),) = same.loops
         assert (name, kind, frames) == ("box", "weld", ["left_tool", "right_tool"])
-        np.testing.assert_array_equal(places, grips)
+        np.testing.assert_array_equal(placements, grips)
         assert same.passive_joints == hands.passive_joints
     problem = kinopt.Problem(hands, [tasks.Point("left_tool", [0.7, 0.2, 0.3])])
     solution = kinopt.Solver().solve(problem, hands.neutral())

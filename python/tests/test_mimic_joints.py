@@ -12,12 +12,12 @@ from kinopt import tasks
 MODELS = Path(__file__).parents[2] / "models"
 
 
-def gripper(own=(0.0, 0.5), offset=0.1, **options):
+def gripper(limits=(0.0, 0.5), offset=0.1, **options):
     """A drive from -0.2 to 0.8 rad, and a second finger, a mimic joint at twice its angle."""
     text = f"""<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/><link name="tip"/>
       <joint name="drive" type="revolute"><parent link="palm"/><child link="left"/><limit lower="-0.2" upper="0.8"/></joint>
       <joint name="other" type="revolute"><parent link="palm"/><child link="right"/><axis xyz="0 0 1"/>
-        <limit lower="{own[0]}" upper="{own[1]}"/><mimic joint="drive" multiplier="2" offset="{offset}"/></joint>
+        <limit lower="{limits[0]}" upper="{limits[1]}"/><mimic joint="drive" multiplier="2" offset="{offset}"/></joint>
       <joint name="end" type="fixed"><parent link="right"/><child link="tip"/><origin xyz="0.5 0 0"/></joint></robot>"""
     return kinopt.Robot.from_urdf_text(text, "gripper.urdf", **options)
 

@@ -31,9 +31,9 @@ def test_loops_and_mimic_joints_are_listed():
     assert robot.mimics["right"] == ("left", -1.5, pytest.approx(0.1))
     names = [(name, kind) for name, kind, _, _ in robot.loops]
     assert names[:3] == [("bar", "connect"), ("left/connect", "connect"), ("hold", "weld")]
-    _, _, frames, places = robot.loops[0]
+    _, _, frames, placements = robot.loops[0]
     assert frames == ["left_tip", "right_tip"]
-    np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
+    np.testing.assert_allclose(placements[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
 
 
 def test_omissions_are_reported_with_lines(tmp_path):

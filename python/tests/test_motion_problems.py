@@ -22,7 +22,7 @@ def arm() -> kinopt.Robot:
     return kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
 
 
-def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
+def jump(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
     """The tool's target jumps by 40 cm halfway, too fast for its joints."""
     rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
     tip = arm.frame_names[-1]
@@ -43,7 +43,7 @@ def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
 
 def test_motion_keeps_limits_and_reports_errors(arm: kinopt.Robot) -> None:
     rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
-    motion = leap(arm)
+    motion = jump(arm)
     assert (motion.frames, motion.time_step, motion.task_names) == (FRAMES, STEP, ["reach", "rest"])
     solved = motion.solve(rest)
     assert solved.q.shape == (FRAMES, 6) and len(solved) == FRAMES
@@ -93,7 +93,7 @@ def test_contact_and_fixed_frames_are_kept() -> None:
 
 
 def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
-    motion = leap(arm)
+    motion = jump(arm)
     ticks: list[float] = []
     solves: list[tuple[float, float]] = []
     done = threading.Event()
@@ -118,31 +118,31 @@ def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
 
 
 def test_invalid_arguments_are_named(arm: kinopt.Robot) -> None:
-    def says(kind: type[Exception], text: str, **options: object) -> None:
+    def assert_raises(kind: type[Exception], text: str, **options: object) -> None:
         with pytest.raises(kind, match=text):
-            leap(arm, **options)
+            jump(arm, **options)
 
-    says(kinopt.UnknownNameError, "task named `reech`", targets={"reech": np.zeros((FRAMES, 3))})
-    says(kinopt.InvalidValueError, "are 3 for 40 frames", targets={"reach": np.zeros((3, 3))})
+    assert_raises(kinopt.UnknownNameError, "task named `reech`", targets={"reech": np.zeros((FRAMES, 3))})
+    assert_raises(kinopt.InvalidValueError, "are 3 for 40 frames", targets={"reach": np.zeros((3, 3))})
     bad = np.zeros((FRAMES, 3))
     bad[7, 1] = np.nan
-    says(kinopt.InvalidValueError, "frame 7", targets={"reach": bad})
-    says(kinopt.InvalidValueError, "weights of reach", weights={"reach": [1.0, 2.0]})
-    says(kinopt.InvalidValueError, "frame 3", weights={"reach": [1.0] * 3 + [-1.0] * 37})
-    says(kinopt.UnknownNameError, "elbow", max_speeds={"elbow": 1.0})
-    says(kinopt.InvalidValueError, "max_speed", max_speeds={arm.coordinate_names[0]: -1.0})
-    says(kinopt.InvalidValueError, "rate cost", jerk=-1.0)
-    says(kinopt.UnknownNameError, "hip", acceleration=(1.0, {"hip": 2.0}))
-    says(kinopt.UnknownNameError, "foot", contacts=[kinopt.Contact("foot", 0, 5)])
+    assert_raises(kinopt.InvalidValueError, "frame 7", targets={"reach": bad})
+    assert_raises(kinopt.InvalidValueError, "weights of reach", weights={"reach": [1.0, 2.0]})
+    assert_raises(kinopt.InvalidValueError, "frame 3", weights={"reach": [1.0] * 3 + [-1.0] * 37})
+    assert_raises(kinopt.UnknownNameError, "elbow", max_speeds={"elbow": 1.0})
+    assert_raises(kinopt.InvalidValueError, "max_speed", max_speeds={arm.coordinate_names[0]: -1.0})
+    assert_raises(kinopt.InvalidValueError, "rate cost", jerk=-1.0)
+    assert_raises(kinopt.UnknownNameError, "hip", acceleration=(1.0, {"hip": 2.0}))
+    assert_raises(kinopt.UnknownNameError, "foot", contacts=[kinopt.Contact("foot", 0, 5)])
     tip = arm.frame_names[-1]
-    says(kinopt.InvalidValueError, "0 to 99", contacts=[kinopt.Contact(tip, 0, 99)])
-    says(kinopt.InvalidValueError, "first", first=np.zeros(3))
-    says(kinopt.InvalidValueError, "fixed frame is outside", last=np.full(6, 99.0))
+    assert_raises(kinopt.InvalidValueError, "0 to 99", contacts=[kinopt.Contact(tip, 0, 99)])
+    assert_raises(kinopt.InvalidValueError, "first", first=np.zeros(3))
+    assert_raises(kinopt.InvalidValueError, "fixed frame is outside", last=np.full(6, 99.0))
     with pytest.raises(kinopt.InvalidValueError, match="no frame"):
         kinopt.MotionProblem(arm, 0, STEP, [tasks.Posture(np.zeros(6))])
     with pytest.raises(kinopt.InvalidValueError, match="time_step"):
         kinopt.MotionProblem(arm, 3, 0.0, [tasks.Posture(np.zeros(6))])
-    motion = leap(arm)
+    motion = jump(arm)
     for start in (np.zeros(3), np.zeros((3, 6)), np.full(6, np.nan)):
         with pytest.raises(kinopt.InvalidValueError):
             motion.solve(start)

@@ -33,11 +33,11 @@ def problem(body):
 
 def test_move_is_speed_times_time_step(body, problem):
     start = body.neutral()
-    most = np.array([0.01, 0.02, 0.03] + [0.04] * 4 + [0.05] * 4 + [0.06])
-    solution = kinopt.Solver().solve(problem, start, max_move=most)
+    max_move = np.array([0.01, 0.02, 0.03] + [0.04] * 4 + [0.05] * 4 + [0.06])
+    solution = kinopt.Solver().solve(problem, start, max_move=max_move)
     q = solution.q
-    assert (np.abs(q - start)[[0, 1, 2, 11]] <= most[[0, 1, 2, 11]]).all()
-    assert np.allclose(np.abs(q[:3] - start[:3]), most[:3])
+    assert (np.abs(q - start)[[0, 1, 2, 11]] <= max_move[[0, 1, 2, 11]]).all()
+    assert np.allclose(np.abs(q[:3] - start[:3]), max_move[:3])
     assert angle(q[3:7], start[3:7]) <= 0.04 + 1e-7
     assert angle(q[7:11], start[7:11]) <= 0.05 + 1e-7
     held = {limit.joint for limit in solution.active_limits if limit.kind == "move"}
@@ -87,15 +87,15 @@ def test_geometric_methods_keep_moves_reject_balls(body, problem, method):
 @pytest.mark.parametrize("threads", [1, 3])
 def test_batch_limits_moves_from_each_start(body, problem, threads):
     starts = body.random_configuration(3, 20)
-    most = np.full(12, 0.03)
+    max_move = np.full(12, 0.03)
     solver = kinopt.Solver()
-    batch = solver.solve_batch(problem, starts, max_move=most, threads=threads)
+    batch = solver.solve_batch(problem, starts, max_move=max_move, threads=threads)
     plain = [0, 1, 2, 11]
     assert (np.abs(batch.q - starts)[:, plain] <= 0.03).all()
     turned = [max(angle(p[3:7], q[3:7]), angle(p[7:11], q[7:11])) for p, q in zip(batch.q, starts, strict=True)]
     assert max(turned) <= 0.03 + 1e-7
     for start, solution in zip(starts, batch, strict=True):
-        assert (solver.solve(problem, start, max_move=most).q == solution.q).all()
+        assert (solver.solve(problem, start, max_move=max_move).q == solution.q).all()
     one = solver.solve_batch(problem, starts[0], {0: np.stack([np.eye(4)] * 2)}, max_move={"elbow": 0.0})
     assert (one.q[:, 11] == starts[0, 11]).all()
     assert len(solver.solve_batch(problem, starts[:0], max_move=0.1)) == 0

@@ -37,9 +37,9 @@ SECTIONS = {
 }
 
 
-@pytest.mark.parametrize(("section", "there"), SECTIONS.items())
-def test_table_has_every_keyword(section, there):
-    assert named(section) == there
+@pytest.mark.parametrize(("section", "keywords_of_section"), SECTIONS.items())
+def test_table_has_every_keyword(section, keywords_of_section):
+    assert named(section) == keywords_of_section
 
 
 def test_page_on_choosing_names_existing_items():
@@ -53,8 +53,8 @@ def test_page_on_choosing_names_existing_items():
             if word in SECTIONS["Arms"]:
                 keyword += 1
                 continue
-            there = kinopt
+            item = kinopt
             for part in name.split("."):
-                there = getattr(there, part)
+                item = getattr(item, part)
             dotted += 1
     assert dotted > 20 and keyword > 10

@@ -63,9 +63,9 @@ def test_configuration_of_mujoco_places_equal_frames():
         data.qpos[:] = robot.to_mujoco(q)
         mujoco.mj_kinematics(model, data)
         for body in range(2, model.nbody):
-            own = kinopt.frame_placement(robot, model.body(body).name, q)
-            np.testing.assert_allclose(data.xpos[body], own[:3, 3], atol=1e-9)
-            np.testing.assert_allclose(data.xmat[body].reshape(3, 3), own[:3, :3], atol=1e-9)
+            placement = kinopt.frame_placement(robot, model.body(body).name, q)
+            np.testing.assert_allclose(data.xpos[body], placement[:3, 3], atol=1e-9)
+            np.testing.assert_allclose(data.xmat[body].reshape(3, 3), placement[:3, :3], atol=1e-9)
         np.testing.assert_allclose(robot.from_mujoco(data.qpos), q, atol=1e-15)
 
 

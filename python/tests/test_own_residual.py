@@ -28,13 +28,13 @@ def slope_at_target(frames):
     return np.hstack([np.eye(3), np.zeros((3, 3))])
 
 
-def own(**about):
+def user_residual(**about):
     return tasks.Residual(at_target, frames=["tool"], rows=3, name="own", **about)
 
 
 @pytest.mark.parametrize("jacobian", [None, slope_at_target])
 def test_residual_equals_the_library_task(robot, jacobian):
-    problem = kinopt.Problem(robot, [own(jacobian=jacobian)])
+    problem = kinopt.Problem(robot, [user_residual(jacobian=jacobian)])
     theirs = kinopt.Problem(robot, [tasks.Point("tool", TARGET)])
     x = robot.random_configuration(1)[:8]
     assert np.array_equal(problem.residual(x), theirs.residual(x))
@@ -46,8 +46,8 @@ def test_residual_equals_the_library_task(robot, jacobian):
     for start in robot.random_configuration(2, 10):
         solution = kinopt.Solver().solve(problem, start)
         assert solution.reached and solution.position_error <= 1e-6
-        place = kinopt.frame_placement(robot, "tool", solution.q)
-        assert np.linalg.norm(place[:3, 3] - TARGET) <= 1e-6
+        placement = kinopt.frame_placement(robot, "tool", solution.q)
+        assert np.linalg.norm(placement[:3, 3] - TARGET) <= 1e-6
 
 
 def test_residual_reads_frames_joints_or_both(robot):
@@ -102,10 +102,10 @@ def test_residual_accepts_bounds_weights_and_roles(robot):
     look = tasks.Point("flange", TARGET + 0.1)
     solution = kinopt.Solver().solve(kinopt.Problem(robot, [look, wish]), robot.neutral())
     assert solution.reached and solution.tasks[1].role == "preference"
-    room = kinopt.Problem(robot, [tasks.Bounded(own(), 0.05)])
-    solution = kinopt.Solver().solve(room, robot.neutral())
-    place = kinopt.frame_placement(robot, "tool", solution.q)
-    assert solution.reached and np.abs(place[:3, 3] - TARGET).max() < 0.05 + 1e-6
+    bounded = kinopt.Problem(robot, [tasks.Bounded(user_residual(), 0.05)])
+    solution = kinopt.Solver().solve(bounded, robot.neutral())
+    placement = kinopt.frame_placement(robot, "tool", solution.q)
+    assert solution.reached and np.abs(placement[:3, 3] - TARGET).max() < 0.05 + 1e-6
 
 
 class Mine(Exception):
@@ -138,7 +138,7 @@ def test_exception_propagates_unchanged(robot, after, where):
     assert caught.value is mine
     # No computation continues after the exception.
     assert calls[0] == after + 1
-    assert kinopt.Solver().solve(kinopt.Problem(robot, [own()]), robot.neutral()).reached
+    assert kinopt.Solver().solve(kinopt.Problem(robot, [user_residual()]), robot.neutral()).reached
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -155,7 +155,7 @@ def test_exception_propagates_from_batches(robot, threads):
 
 
 def test_results_are_bitwise_equal_on_any_thread(robot):
-    problem = kinopt.Problem(robot, [own(), tasks.Posture(robot.neutral())])
+    problem = kinopt.Problem(robot, [user_residual(), tasks.Posture(robot.neutral())])
     starts, solver = robot.random_configuration(5, 20), kinopt.Solver()
     alone = np.stack([solver.solve(problem, start).q for start in starts])
     assert np.array_equal(solver.solve_batch(problem, starts, threads=3).q, alone)
@@ -165,7 +165,7 @@ def test_results_are_bitwise_equal_on_any_thread(robot):
 
 
 def test_residual_may_solve_another_problem(robot):
-    inner, solver = kinopt.Problem(robot, [own()]), kinopt.Solver()
+    inner, solver = kinopt.Problem(robot, [user_residual()]), kinopt.Solver()
 
     def residual(q):
         return q[:1] - solver.solve(inner, robot.neutral()).q[0]
@@ -197,7 +197,7 @@ def test_results_of_wrong_shape_raise(robot, result):
 
 
 def test_residual_pickles_if_its_function_does(robot):
-    problem = kinopt.Problem(robot, [own(jacobian=slope_at_target)])
+    problem = kinopt.Problem(robot, [user_residual(jacobian=slope_at_target)])
     expected = kinopt.Solver().solve(problem, robot.neutral()).q
     for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem)):
         assert np.array_equal(kinopt.Solver().solve(twin, robot.neutral()).q, expected)

@@ -38,8 +38,8 @@ def test_line_is_one_segment(arm: kinopt.Arm) -> None:
     # No sample between the rows exceeds the reported bound.
     share = np.linspace(0, 1, 11)[:, None, None]
     between = solved.q[:-1] + share * np.diff(solved.q, axis=0)
-    wanted = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
-    away = arm.base_from_tool(between.reshape(-1, 7))[:, :3, 3].reshape(wanted.shape) - wanted
+    expected = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
+    away = arm.base_from_tool(between.reshape(-1, 7))[:, :3, 3].reshape(expected.shape) - expected
     assert np.linalg.norm(away, axis=-1).max() <= solved.largest_deviation + 1e-9 < 1e-3
 
 
@@ -117,10 +117,10 @@ def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> Non
     assert np.array_equal(limited.acceleration_limits, np.arange(1.0, 8.0))
     assert np.array_equal(robot.acceleration_limits[:7], np.arange(1.0, 8.0))
     solved = kinopt.solve_path(limited, sideways(limited))
-    for told in (solved, pickle.loads(pickle.dumps(solved))):
-        times = told.times()
+    for solution in (solved, pickle.loads(pickle.dumps(solved))):
+        times = solution.times()
         assert times.shape == (60,) and times[0] == 0.0 and np.all(np.diff(times) > 0)
-        speeds = np.abs(np.diff(told.q, axis=0)) / np.diff(times)[:, None]
+        speeds = np.abs(np.diff(solution.q, axis=0)) / np.diff(times)[:, None]
         assert speeds.max() <= 0.8 + 1e-9
     # Slower joints take longer; a single number applies to all.
     assert solved.times(0.1)[-1] > solved.times()[-1]

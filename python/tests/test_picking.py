@@ -100,14 +100,14 @@ def test_arm_jacobian_is_the_derivative_of_its_tool(robot):
         q = np.random.default_rng(3).uniform(arm.lower, arm.upper, (5, arm.degrees_of_freedom))
         all_at_once = arm.jacobian(q)
         assert all_at_once.shape == (5, 6, arm.degrees_of_freedom)
-        for own, jacobian in zip(q, all_at_once, strict=True):
-            assert np.array_equal(arm.jacobian(own), jacobian)
-            here = arm.base_from_tool(own)
-            for joint in range(len(own)):
-                step = np.zeros(len(own))
+        for configuration, jacobian in zip(q, all_at_once, strict=True):
+            assert np.array_equal(arm.jacobian(configuration), jacobian)
+            placement = arm.base_from_tool(configuration)
+            for joint in range(len(configuration)):
+                step = np.zeros(len(configuration))
                 step[joint] = 1e-6
-                rate = (arm.base_from_tool(own + step) - arm.base_from_tool(own - step)) / 2e-6
-                spin = rate[:3, :3] @ here[:3, :3].T
+                rate = (arm.base_from_tool(configuration + step) - arm.base_from_tool(configuration - step)) / 2e-6
+                spin = rate[:3, :3] @ placement[:3, :3].T
                 twist = [*rate[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
                 assert np.abs(jacobian[:, joint] - twist).max() < 1e-8
     for wrong in (np.zeros(3), np.full(arm.degrees_of_freedom, np.nan)):

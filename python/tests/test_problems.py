@@ -121,12 +121,12 @@ def test_pickled_problem_solves_bitwise_equally(robot, target):
         preferences="traded",
     )
     start = robot.random_configuration(4)
-    answer = kinopt.Solver().solve(problem, start)
+    solution = kinopt.Solver().solve(problem, start)
     for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem)):
         assert (twin.derivatives, twin.preferences) == ("dual", "traded")
         assert repr(twin) == repr(problem)
         again = kinopt.Solver().solve(twin, start)
-        assert np.array_equal(again.q, answer.q) and again.counts == answer.counts
+        assert np.array_equal(again.q, solution.q) and again.counts == solution.counts
 
 
 def test_targets_change_without_a_new_problem(robot, target):
@@ -219,9 +219,9 @@ def test_problem_is_shared_by_threads(robot):
     solver, start = kinopt.Solver(), robot.neutral()
     targets = [kinopt.frame_placement(robot, "tool", q) for q in robot.random_configuration(1, 60)]
 
-    def answer(target):
+    def solve(target):
         return solver.solve(problem, start, {"hand": target}).q
 
     with ThreadPoolExecutor(4) as pool:
-        together = list(pool.map(answer, targets))
-    assert all(np.array_equal(q, answer(target)) for q, target in zip(together, targets))
+        together = list(pool.map(solve, targets))
+    assert all(np.array_equal(q, solve(target)) for q, target in zip(together, targets))

@@ -29,7 +29,7 @@ from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 COUNT, BLOCK = 1000, 150
-ANSWERS = ["q", "reached", "position_error", "orientation_error", "attempts", "iterations"]
+RESULT_COLUMNS = ["q", "reached", "position_error", "orientation_error", "attempts", "iterations"]
 
 
 @pytest.fixture(scope="module")
@@ -74,10 +74,10 @@ def folder(tmp_path, targets):
 def assert_same(answers, want):
     """Asserts bitwise equal results, in the order of numbers."""
     answers = answers.sort_by("number")
-    assert answers.column_names == ["number", *ANSWERS]
+    assert answers.column_names == ["number", *RESULT_COLUMNS]
     assert answers["number"].to_pylist() == list(range(COUNT))
     assert np.array_equal(kr.numbers(answers, "q"), want.q)
-    for name in ANSWERS[1:]:
+    for name in RESULT_COLUMNS[1:]:
         assert np.array_equal(answers[name].to_numpy(), getattr(want, name)), name
 
 
@@ -116,7 +116,7 @@ def test_targets_of_any_arrow_kind_are_read(targets, kind):
 
 
 @pytest.mark.parametrize(
-    ("column", "says"),
+    ("column", "message"),
     [
         ([[1.0] * 16, None], "'target' has empty entries"),
         ([[1.0] * 15 + [None]], "'target' has empty entries"),
@@ -126,8 +126,8 @@ def test_targets_of_any_arrow_kind_are_read(targets, kind):
         ([[1.0] * 16], "target 0"),
     ],
 )
-def test_invalid_target_columns_raise(arm, column, says):
-    with pytest.raises(kinopt.InvalidValueError, match=says):
+def test_invalid_target_columns_raise(arm, column, message):
+    with pytest.raises(kinopt.InvalidValueError, match=message):
         kr.SolveArm(arm)(pa.table({"target": column}))
 
 
@@ -141,7 +141,7 @@ def test_invalid_input_raises_before_workers_start(arm, start, targets):
         kr.SolveArm(arm)(table)
     with pytest.raises(kinopt.InvalidValueError, match="one length"):
         kr.table(target=targets, number=[1, 2])
-    assert kr.SolveArm(arm, keep=[])(table).column_names == ANSWERS
+    assert kr.SolveArm(arm, keep=[])(table).column_names == RESULT_COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -177,26 +177,26 @@ def test_tables_solve_problems_equally(problem):
     start = np.zeros(problem.configuration_len)
     want = kinopt.Solver(seed=5).solve_batch(problem, start, targets)
     columns = {name: f"to_{name}" for name in targets}
-    asked = kr.table(number=np.arange(count), **{f"to_{name}": values for name, values in targets.items()})
+    target_table = kr.table(number=np.arange(count), **{f"to_{name}": values for name, values in targets.items()})
     solver = kr.SolveProblem(problem, start, targets=columns, solver=kinopt.Solver(seed=5))
     for solver in (solver, pickle.loads(pickle.dumps(solver))):
-        answers = solver(asked)
-        assert answers.column_names == ["number", *ANSWERS] and want.reached.mean() > 0.5
+        answers = solver(target_table)
+        assert answers.column_names == ["number", *RESULT_COLUMNS] and want.reached.mean() > 0.5
         assert np.array_equal(kr.numbers(answers, "q"), want.q)
-        for name in ANSWERS[1:]:
+        for name in RESULT_COLUMNS[1:]:
             assert np.array_equal(answers[name].to_numpy(), getattr(want, name)), name
     # Without targets there is one query for each row, here with its own start.
     starts = seeded.uniform(-0.2, 0.2, (3, len(start)))
     answers = kr.SolveProblem(problem, starts="from")(kr.table(**{"from": starts}))
     assert np.array_equal(kr.numbers(answers, "q"), kinopt.Solver().solve_batch(problem, starts).q)
     # No joint moves farther than `max_move`.
-    near = kr.SolveProblem(problem, start, targets=columns, max_move=0.05)(asked)
+    near = kr.SolveProblem(problem, start, targets=columns, max_move=0.05)(target_table)
     want = kinopt.Solver().solve_batch(problem, start, targets, max_move=0.05)
     assert np.array_equal(kr.numbers(near, "q"), want.q) and np.abs(want.q - start).max() <= 0.05
     with pytest.raises(kinopt.InvalidValueError):
-        kr.SolveProblem(problem, start, max_move=-1.0)(asked)
-    assert kr.SolveProblem(problem, start)(asked.select(["number"])).num_rows == count
-    assert kr.SolveProblem(problem, start, targets={"hand": "to_hand"})(asked.slice(0, 0)).num_rows == 0
+        kr.SolveProblem(problem, start, max_move=-1.0)(target_table)
+    assert kr.SolveProblem(problem, start)(target_table.select(["number"])).num_rows == count
+    assert kr.SolveProblem(problem, start, targets={"hand": "to_hand"})(target_table.slice(0, 0)).num_rows == 0
 
     with pytest.raises(kinopt.UnknownNameError, match="no task 'nose'"):
         kr.SolveProblem(problem, start, targets={"nose": "to_hand"})
@@ -205,7 +205,7 @@ def test_tables_solve_problems_equally(problem):
     with pytest.raises(kinopt.InvalidValueError, match="start"):
         kr.SolveProblem(problem)
     with pytest.raises(kinopt.InvalidValueError, match="'to_hand' has 3 numbers a row, not 16"):
-        kr.SolveProblem(problem, start, targets={"foot": "to_hand"})(asked)
+        kr.SolveProblem(problem, start, targets={"foot": "to_hand"})(target_table)
 
 
 def test_goals_in_other_units_have_empty_errors():
@@ -217,7 +217,7 @@ def test_goals_in_other_units_have_empty_errors():
 
 def test_table_may_be_empty_or_contain_starts(arm, targets, want):
     answers = kr.SolveArm(arm)(kr.table(target=targets[:0]))
-    assert answers.num_rows == 0 and answers.column_names == ANSWERS
+    assert answers.num_rows == 0 and answers.column_names == RESULT_COLUMNS
     starts = want.q[::-1].copy()
     answers = kr.SolveArm(arm, starts="from")(kr.table(target=targets, **{"from": starts}))
     assert np.array_equal(kr.numbers(answers, "q"), arm.solve_batch(targets, starts).q)
@@ -308,8 +308,8 @@ def test_killed_job_resumes_after_a_killed_worker(
     bad = targets[:BLOCK].copy()
     bad[7, 0, 0] = np.nan
     changed = kr.table(target=[*bad, *targets[:100]], number=np.arange(BLOCK + 100))
-    for here, there in zip(kr.write_blocks(changed, folder / "new", BLOCK), [names[2], names[5]]):
-        os.replace(folder / "new" / here, folder / "targets" / there)
+    for new_name, old_name in zip(kr.write_blocks(changed, folder / "new", BLOCK), [names[2], names[5]]):
+        os.replace(folder / "new" / new_name, folder / "targets" / old_name)
     with pytest.raises(kinopt.InvalidValueError, match=r"000002\.parquet: target 7: .*not finite"):
         kr.solve_files(folder / "targets", into, dies, workers=1)
     assert pq.read_table(into / names[5])["number"].to_pylist() == list(range(BLOCK, BLOCK + 100))

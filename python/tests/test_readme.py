@@ -76,8 +76,8 @@ def test_viewer_commands_open_a_page(language, block):
     with subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None
-            told = (line for line in process.stdout if "http://" in line)
-            url = re.search(r"http://\S+", next(told))
+            lines = (line for line in process.stdout if "http://" in line)
+            url = re.search(r"http://\S+", next(lines))
             assert url is not None
             with urllib.request.urlopen(url[0], timeout=120) as page:
                 assert page.status == 200

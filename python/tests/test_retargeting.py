@@ -33,16 +33,16 @@ MAP = {
 
 def sway(frames: int = 30) -> Floats:
     """A hip that sways over two feet."""
-    places = np.zeros((frames, 3, 3))
-    places[:, 0, 2] = 0.9
-    places[:, 0, 1] = 0.05 * np.sin(0.2 * np.arange(frames))
-    places[:, 1, 1], places[:, 2, 1] = 0.15, -0.15
-    return places
+    positions = np.zeros((frames, 3, 3))
+    positions[:, 0, 2] = 0.9
+    positions[:, 0, 1] = 0.05 * np.sin(0.2 * np.arange(frames))
+    positions[:, 1, 1], positions[:, 2, 1] = 0.15, -0.15
+    return positions
 
 
 def person(frames: int = 12) -> tuple[list[str], Floats]:
     """A subject with SMPL's joints, standing with hanging arms, that bends the knees."""
-    stands = {
+    standing = {
         "pelvis": (0, 0, 0.95), "hip": (0, 0.1, 0.9), "spine1": (0, 0, 1.05), "knee": (0.02, 0.1, 0.5),
         "spine2": (0, 0, 1.2), "ankle": (0, 0.1, 0.08), "spine3": (0, 0, 1.3), "foot": (0.13, 0.1, 0.02),
         "neck": (0, 0, 1.5), "collar": (0, 0.08, 1.42), "head": (0, 0, 1.6), "shoulder": (0, 0.18, 1.42),
@@ -53,12 +53,12 @@ def person(frames: int = 12) -> tuple[list[str], Floats]:
         "neck left_collar right_collar head left_shoulder right_shoulder left_elbow right_elbow left_wrist right_wrist "
         "left_hand right_hand"
     ).split()
-    places = np.zeros((frames, len(names), 3))
+    positions = np.zeros((frames, len(names), 3))
     for k, name in enumerate(names):
         side, _, part = name.rpartition("_")
-        x, y, z = stands[part]
-        places[:, k] = (x, -y if side == "right" else y, z)
-    return names, places
+        x, y, z = standing[part]
+        positions[:, k] = (x, -y if side == "right" else y, z)
+    return names, positions
 
 
 @pytest.fixture(scope="module")
@@ -75,8 +75,8 @@ def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
         assert found.fps == 30 and len(found) == 30
         assert all(nao.is_within_limits(q) for q in found.q)
         # Joint velocities, between successive frames.
-        most = nao.velocity_limits[7:] / 30
-        assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= most * (1 + 1e-12))
+        max_step = nao.velocity_limits[7:] / 30
+        assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= max_step * (1 + 1e-12))
         # The reported errors equal those of forward kinematics.
         assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
         assert np.isclose(found.errors.mean(), found.mean_error)
@@ -90,17 +90,17 @@ def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
 
 def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
     # A fast sideways motion, limited by the speed limits.
-    places = sway(20)
-    places[10:, 0, 1] += 0.3
-    found = kinopt.retarget(places, nao, MAP)
+    positions = sway(20)
+    positions[10:, 0, 1] += 0.3
+    found = kinopt.retarget(positions, nao, MAP)
     assert found.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.limits)
-    most = dict(zip(nao.joint_names, nao.velocity_limits / 30))
+    max_steps = dict(zip(nao.joint_names, nao.velocity_limits / 30))
     column = found.names.index
     for limit in found.limits:
         q = found.q[:, column(limit.joint)]
         if limit.bound.startswith("speed"):
             steps = np.abs(np.diff(q))[limit.first - 1 : limit.end - 1]
-            assert np.allclose(steps, most[limit.joint])
+            assert np.allclose(steps, max_steps[limit.joint])
         else:
             ends = nao.lower if limit.bound == "lower" else nao.upper
             assert np.allclose(q[limit.first : limit.end], ends[column(limit.joint)])
@@ -163,19 +163,19 @@ def test_capture_file_and_its_clip_are_equal(nao: kinopt.Robot, tmp_path: Path) 
 
 
 def test_shipped_capture_has_a_map(nao: kinopt.Robot) -> None:
-    names, places = person()
-    guess = kinopt.guess_map(Capture(places, names, 30), nao)
+    names, positions = person()
+    guess = kinopt.guess_map(Capture(positions, names, 30), nao)
     assert (guess.skeleton, guess.body) == ("smpl", "nao")
     # Its toes are in front of its ankles, unlike the frames of its feet.
     assert guess.map["drives"]["left_foot"]["offset"][0] > 0
 
 
 def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
-    names, places = person()
+    names, positions = person()
     # With a renamed link the body is not recognised.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
     nao = kinopt.Robot.from_urdf_text(text, "stranger.urdf", base_joint="free")
-    guess = kinopt.guess_map(Capture(places, names, 30), nao)
+    guess = kinopt.guess_map(Capture(positions, names, 30), nao)
     assert guess.skeleton == "smpl" and guess.body is None
     drives = guess.map["drives"]
     assert drives["left_knee"] == "left_calf" and drives["left_wrist"] == "left_wrist"
@@ -184,47 +184,47 @@ def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
     assert "left_foot" not in drives
     assert "left_toe: `left_foot` is where `left_ankle` is, so it is left out" in guess.notes
     assert any(note.startswith("chest") for note in guess.notes)
-    by_name = kinopt.retarget(places, nao, "smpl", fps=30)
+    by_name = kinopt.retarget(positions, nao, "smpl", fps=30)
     assert by_name.map == guess.map and by_name.notes == guess.notes
-    lying = kinopt.guess_map(Capture(places, names, 30, "y"), nao)
+    lying = kinopt.guess_map(Capture(positions, names, 30, "y"), nao)
     assert "the body is upright along z, but the upward axis is y" in lying.notes
     guess.save(tmp_path / "map.json")
-    again = kinopt.retarget(places, nao, tmp_path / "map.json", joints=names, fps=30)
+    again = kinopt.retarget(positions, nao, tmp_path / "map.json", joints=names, fps=30)
     assert np.array_equal(again.q, by_name.q)
     # Names of another convention.
     other = [name.replace("left_", "L_").replace("right_", "R_").title() for name in names]
-    assert len(kinopt.guess_map(Capture(places, other, 30), nao).map["drives"]) == len(drives)
+    assert len(kinopt.guess_map(Capture(positions, other, 30), nao).map["drives"]) == len(drives)
 
 
 def test_rig_is_a_target() -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid/humanoid.json")
-    names, places = person()
-    places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
-    found = kinopt.retarget(places, rig, "smpl", fps=30)
+    names, positions = person()
+    positions[:, :, 0] += 0.02 * np.arange(len(positions))[:, None]
+    found = kinopt.retarget(positions, rig, "smpl", fps=30)
     assert found.q.shape == (12, 7 + rig.model.configuration_len)
     assert found.q[-1, 0] - found.q[0, 0] > 0.1
     assert found.map["drives"]["left_foot"] == "left_toes"
 
 
 def test_frames_are_followed_one_by_one(nao: kinopt.Robot) -> None:
-    places = sway(40)
-    live = kinopt.RetargetFollower(places[:10], nao, MAP)
-    q = np.array([live.step(frame) for frame in places])
+    positions = sway(40)
+    live = kinopt.RetargetFollower(positions[:10], nao, MAP)
+    q = np.array([live.step(frame) for frame in positions])
     assert np.array_equal(live.q, q[-1]) and live.names == nao.coordinate_names and live.map == MAP
     assert all(nao.is_within_limits(row) for row in q)
     soles = kinopt.ForwardKinematics(nao, ["left_sole", "right_sole"]).place(q)[:, :, :3, 3]
     # Locked once they are known to be in contact.
     assert np.linalg.norm(soles[10:] - soles[10], axis=2).max() < 1e-3
     torso = kinopt.ForwardKinematics(nao, ["torso"]).place(q)[:, 0, 1, 3]
-    known = kinopt.retarget(places, nao, MAP).q
-    expected = kinopt.ForwardKinematics(nao, ["torso"]).place(known)[:, 0, 1, 3]
+    expected_q = kinopt.retarget(positions, nao, MAP).q
+    expected = kinopt.ForwardKinematics(nao, ["torso"]).place(expected_q)[:, 0, 1, 3]
     assert np.abs(torso - expected)[10:].max() < 0.01
     # If the capture loses a joint, the configuration stays.
-    lost = places[5].copy()
+    lost = positions[5].copy()
     lost[1] = np.nan
     assert np.array_equal(live.step(lost), q[-1])
     with pytest.raises(InvalidValueError):
-        live.step(places[0][:2])
+        live.step(positions[0][:2])
 
 
 def test_result_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -> None:
@@ -310,21 +310,21 @@ def test_invalid_arguments_are_named(nao: kinopt.Robot, tmp_path: Path) -> None:
 
 def test_self_collisions_are_avoided() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
-    places = sway(6) * np.array([1.0, 1.5, 1.0])
-    found = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
+    positions = sway(6) * np.array([1.0, 1.5, 1.0])
+    found = kinopt.retarget(positions, robot, MAP, keep_clear=0.002)
     apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], margin=0.002)
     assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
     assert not found.touching
-    follower = kinopt.RetargetFollower(places, robot, MAP, keep_clear=0.002)
-    assert robot.is_within_limits(follower.step(places[0]))
+    follower = kinopt.RetargetFollower(positions, robot, MAP, keep_clear=0.002)
+    assert robot.is_within_limits(follower.step(positions[0]))
     with pytest.raises(InvalidValueError, match="margin"):
-        kinopt.retarget(places, robot, MAP, keep_clear=-1.0)
+        kinopt.retarget(positions, robot, MAP, keep_clear=-1.0)
 
 
 def test_robot_avoids_a_world() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
-    places = sway(6) * np.array([1.0, 1.5, 1.0])
-    plain = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
+    positions = sway(6) * np.array([1.0, 1.5, 1.0])
+    plain = kinopt.retarget(positions, robot, MAP, keep_clear=0.002)
     # A pole at the position of the head without the pole.
     head = kinopt.frame_placement(robot, "head", plain.q[3])[:3, 3]
     world = kinopt.World()
@@ -332,21 +332,21 @@ def test_robot_avoids_a_world() -> None:
     apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], world=world, margin=0.002)
     assert any(apart.collisions(q) for q in plain.q)
     for whole in [False, True]:
-        found = kinopt.retarget(places, robot, MAP, world=world, margin=0.002, whole=whole)
+        found = kinopt.retarget(positions, robot, MAP, world=world, margin=0.002, whole=whole)
         assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
         assert len(found.touching) == 0
     # A pole at the position near the subject is farther away and thicker.
     persons = world.scaled(1 / plain.stride)
-    found = kinopt.retarget(places, robot, MAP, world=persons.scaled(plain.stride), margin=0.002)
+    found = kinopt.retarget(positions, robot, MAP, world=persons.scaled(plain.stride), margin=0.002)
     assert len(found.touching) == 0 and not any(apart.collisions(q) for q in found.q)
     with pytest.raises(InvalidValueError, match="times"):
         world.scaled(0.0)
-    follower = kinopt.RetargetFollower(places, robot, MAP, world=world, margin=0.002)
-    assert not apart.collisions(follower.step(places[0]))
+    follower = kinopt.RetargetFollower(positions, robot, MAP, world=world, margin=0.002)
+    assert not apart.collisions(follower.step(positions[0]))
     with pytest.raises(InvalidValueError, match="give one of them"):
-        kinopt.retarget(places, robot, MAP, world=world, margin=0.1, keep_clear=0.1)
+        kinopt.retarget(positions, robot, MAP, world=world, margin=0.1, keep_clear=0.1)
     with pytest.raises(InvalidValueError, match=r"world must be a kinopt\.World"):
-        kinopt.retarget(places, robot, MAP, world="boxes.json")  # type: ignore[arg-type]
+        kinopt.retarget(positions, robot, MAP, world="boxes.json")  # type: ignore[arg-type]
     figure = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     with pytest.raises(InvalidValueError, match="a Robot with collision shapes"):
         kinopt.retarget(STEPS, figure, world=world)
@@ -440,11 +440,11 @@ def test_repr_of_a_movement_is_one_line() -> None:
 
 
 def test_whole_movement_reports_progress() -> None:
-    heard: list[tuple[int, int]] = []
+    calls: list[tuple[int, int]] = []
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
     plain = kinopt.retarget(sway(40), robot, MAP, whole=True)
-    found = kinopt.retarget(sway(40), robot, MAP, whole=True, progress=lambda *now: heard.append(now))
-    assert heard[-1] == (40, 40) and heard == sorted(heard)
+    found = kinopt.retarget(sway(40), robot, MAP, whole=True, progress=lambda *now: calls.append(now))
+    assert calls[-1] == (40, 40) and calls == sorted(calls)
     np.testing.assert_array_equal(found.q, plain.q)
 
 
@@ -479,14 +479,14 @@ def test_whole_movement_ends_by_ctrl_c() -> None:
 def test_up_axis_is_detected(tmp_path: Path) -> None:
     nao = kinopt.Robot.from_urdf(NAO, base_joint="free")
     joints = ["Hips", "LeftFoot", "RightFoot"]
-    places = np.zeros((12, 3, 3))
-    places[:, 0, 2] = 0.9
-    places[:, 0, 1] = 0.02 * np.sin(np.arange(12))
-    places[:, 1, 1], places[:, 2, 1] = 0.1, -0.1
-    upright = kinopt.retarget(places, nao, joints=joints, fps=30)
+    positions = np.zeros((12, 3, 3))
+    positions[:, 0, 2] = 0.9
+    positions[:, 0, 1] = 0.02 * np.sin(np.arange(12))
+    positions[:, 1, 1], positions[:, 2, 1] = 0.1, -0.1
+    upright = kinopt.retarget(positions, nao, joints=joints, fps=30)
     assert upright.capture.up == "z" and not any("upward" in note for note in upright.notes)
     # The same motion with y upward.
-    turned = np.stack([places[..., 0], places[..., 2], -places[..., 1]], axis=-1)
+    turned = np.stack([positions[..., 0], positions[..., 2], -positions[..., 1]], axis=-1)
     detected = kinopt.retarget(turned, nao, joints=joints, fps=30)
     assert detected.capture.up == "y"
     assert "the body is upright along y, which is used as the upward axis: up= sets it" in detected.notes

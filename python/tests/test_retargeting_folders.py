@@ -61,16 +61,16 @@ def test_folder_resumes(folder: Path, tmp_path: Path) -> None:
 
 def test_options_apply_to_every_movement(folder: Path, tmp_path: Path) -> None:
     into = tmp_path / "into"
-    asked: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001, "world": kinopt.World()}
-    reports = retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
+    options: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001, "world": kinopt.World()}
+    reports = retarget_folder(folder / "deeper", NAO, into, MAP, **options)
     assert [report.error for report in reports] == [None]
     with np.load(into / "three.npz") as read:
-        assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **asked).q)
+        assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **options).q)
     with pytest.raises(InvalidValueError, match="results of other settings"):
         retarget_folder(folder / "deeper", NAO, into, MAP)
-    asked["world"].add_sphere("ball", 0.1, (3, 0, 0))
+    options["world"].add_sphere("ball", 0.1, (3, 0, 0))
     with pytest.raises(InvalidValueError, match=r"results of other settings.*\(world\)"):
-        retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
+        retarget_folder(folder / "deeper", NAO, into, MAP, **options)
 
 
 def test_changed_map_is_another_job(folder: Path, tmp_path: Path) -> None:

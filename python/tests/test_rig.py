@@ -55,12 +55,12 @@ def test_bones_match_a_chain_of_rotations(rig):
         expected = []
         for i, parent in enumerate(skeleton.parents):
             first, bend, second = row[3 * i : 3 * i + 3]
-            own = rotation_about(0, second) @ rotation_about(2, bend) @ rotation_about(0, first)
+            rotation = rotation_about(0, second) @ rotation_about(2, bend) @ rotation_about(0, first)
             if parent < 0:
                 start = rest[i]
             else:
                 start = expected[parent] @ np.linalg.inv(rest[parent]) @ rest[i]
-            expected.append(start @ own)
+            expected.append(start @ rotation)
         assert np.abs(placed - np.array(expected)).max() < 1e-12
     transforms = skeleton.skinning_transforms(q)
     assert np.allclose(transforms @ np.array(rest), posed, atol=1e-12)
@@ -123,17 +123,17 @@ def test_rest_pose_keeps_the_mesh(rig):
 def test_out_receives_result_without_a_copy(rig):
     q = poses(rig, 4)
     posing = rig.posing("dqs")
-    room = np.full((4, len(rig.mesh.positions), 3), np.nan, np.float32)
-    assert posing.positions(q, out=room) is room
-    assert np.array_equal(room, posing.positions(q))
-    assert posing.positions(q[2], out=room[0]).base is not None
-    assert np.array_equal(room[0], room[2])
-    for unfit in (room.astype(float), room[:, ::2], room[:3], [1, 2]):
+    buffer = np.full((4, len(rig.mesh.positions), 3), np.nan, np.float32)
+    assert posing.positions(q, out=buffer) is buffer
+    assert np.array_equal(buffer, posing.positions(q))
+    assert posing.positions(q[2], out=buffer[0]).base is not None
+    assert np.array_equal(buffer[0], buffer[2])
+    for unfit in (buffer.astype(float), buffer[:, ::2], buffer[:3], [1, 2]):
         with pytest.raises(kinopt.InvalidValueError, match="out must be a writable float32 array"):
             posing.positions(q, out=unfit)
-    room.flags.writeable = False
+    buffer.flags.writeable = False
     with pytest.raises(kinopt.InvalidValueError, match="writable"):
-        posing.positions(q, out=room)
+        posing.positions(q, out=buffer)
     frames = np.empty((4, len(rig.skeleton.bones), 4, 4))
     assert rig.skeleton.pose(q, out=frames) is frames
     assert np.array_equal(frames[1], rig.skeleton.pose(q[1]))
@@ -218,9 +218,9 @@ def test_skeleton_is_built_bone_by_bone():
     builder = kinopt.Skeleton.builder("arm")
     limits = [[-1, 1], [0, 2.5], [-1, 1]]
     builder.add("upper", length=0.3, limits=limits)
-    there = np.eye(4)
-    there[0, 3] = 0.3
-    builder.add("fore", "upper", length=0.3, model_from_rest=there, limits=limits)
+    placement = np.eye(4)
+    placement[0, 3] = 0.3
+    builder.add("fore", "upper", length=0.3, model_from_rest=placement, limits=limits)
     skeleton = builder.build()
     twin = kinopt.Skeleton("arm", skeleton.bones)
     for built in (skeleton, twin, pickle.loads(pickle.dumps(skeleton))):
@@ -320,8 +320,8 @@ def test_ball_skeleton_has_masses_of_its_rig():
     kilograms = np.array([kg for kg, _ in masses.values()])
     assert kilograms.min() > 0 and 40 < kilograms.sum() < 110
     placed = [kinopt.frame_placement(rig, frame, rest) for frame in masses]
-    places = [at[:3, :3] @ place + at[:3, 3] for at, (_, place) in zip(placed, masses.values(), strict=True)]
-    centre = kilograms @ np.array(places) / kilograms.sum()
+    positions = [at[:3, :3] @ position + at[:3, 3] for at, (_, position) in zip(placed, masses.values(), strict=True)]
+    centre = kilograms @ np.array(positions) / kilograms.sum()
     assert np.allclose(centre, rig.center_of_mass(rest), atol=1e-12)
     figure = kinopt.BallSkeleton(rig.skeleton, root="free")
     aim = centre + [0.02, -0.03, 0.01]
@@ -333,7 +333,7 @@ def test_ball_skeleton_has_masses_of_its_rig():
     solution = kinopt.Solver().solve(kinopt.Problem(figure.model, [task, *hold]), figure.model.neutral())
     assert solution.reached
     placed = [kinopt.frame_placement(figure.model, frame, solution.q) for frame in masses]
-    places = [at[:3, :3] @ place + at[:3, 3] for at, (_, place) in zip(placed, masses.values(), strict=True)]
-    assert np.allclose(kilograms @ np.array(places) / kilograms.sum(), aim, atol=2e-4)
+    positions = [at[:3, :3] @ position + at[:3, 3] for at, (_, position) in zip(placed, masses.values(), strict=True)]
+    assert np.allclose(kilograms @ np.array(positions) / kilograms.sum(), aim, atol=2e-4)
     with pytest.raises(kinopt.InvalidValueError, match="has no mesh"):
         _ = kinopt.Rig(rig.skeleton).masses

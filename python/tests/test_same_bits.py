@@ -37,15 +37,15 @@ def rust():
     packages = ["-p", "kinopt", "-p", "kinopt-cli", "-p", "kinopt-test-support"]
     build = ["cargo", "build", "--profile", "test", "--quiet", "--message-format=json", *packages, "--bin", "answers"]
     built = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-    said = [json.loads(line) for line in built.splitlines()]
-    (program,) = [one["executable"] for one in said if one.get("executable")]
+    messages = [json.loads(line) for line in built.splitlines()]
+    (program,) = [one["executable"] for one in messages if one.get("executable")]
 
-    def ask(*arguments, numbers):
-        asked = np.ascontiguousarray(numbers, "<f8").tobytes()
-        run = subprocess.run([program, *arguments], cwd=ROOT, check=True, input=asked, capture_output=True)
+    def run_program(*arguments, numbers):
+        input_bytes = np.ascontiguousarray(numbers, "<f8").tobytes()
+        run = subprocess.run([program, *arguments], cwd=ROOT, check=True, input=input_bytes, capture_output=True)
         return np.frombuffer(run.stdout, "<f8")
 
-    return ask
+    return run_program
 
 
 @pytest.mark.parametrize(("name", "base", "tip"), ARMS)
@@ -76,12 +76,12 @@ def test_problems_of_shipped_rigs_are_bitwise_equal(rust, name):
     # Targets of the tips are a part of a random pose, ten of them slightly out of reach.
     poses = rest + 0.3 * (skeleton.model.random_configuration(21, count) - rest)
     tips = [skeleton.tip(bone) for bone in bones]
-    places = [[kinopt.frame_placement(skeleton, tip, q)[:3, 3] for tip in tips] for q in poses]
-    targets = np.array(places)
+    positions = [[kinopt.frame_placement(skeleton, tip, q)[:3, 3] for tip in tips] for q in poses]
+    targets = np.array(positions)
     targets[::10, 0] *= 1.5
     answers = rust("rig", path, *bones, numbers=targets).reshape(count, len(rest))
 
-    hands = [kinopt.tasks.Point(tip, place, name=bone) for tip, place, bone in zip(tips, places[0], bones)]
+    hands = [kinopt.tasks.Point(tip, position, name=bone) for tip, position, bone in zip(tips, positions[0], bones)]
     problem = kinopt.Problem(skeleton, hands)
     moved = {bone: targets[:, i] for i, bone in enumerate(bones)}
     solutions = kinopt.Solver().solve_batch(problem, rest, moved, threads=2)

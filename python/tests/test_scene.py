@@ -83,16 +83,16 @@ def test_poses_are_written_into_out(scene):
     clip = scene.clip("wave")
     poses = clip.sample(np.linspace(0, 1, 6), "loop")
     assert len(poses) == 6
-    room = np.empty((6, len(scene.meshes[0].mesh.positions), 3), np.float32)
-    assert posing.positions(poses, out=room) is room
+    buffer = np.empty((6, len(scene.meshes[0].mesh.positions), 3), np.float32)
+    assert posing.positions(poses, out=buffer) is buffer
     for i in range(6):
-        assert np.array_equal(room[i], posing.positions(poses[i]))
-        assert np.array_equal(room[i], posing.mesh(poses[i]).positions)
+        assert np.array_equal(buffer[i], posing.positions(poses[i]))
+        assert np.array_equal(buffer[i], posing.mesh(poses[i]).positions)
     if scene.meshes[0].mesh.normals is not None:
         lengths = np.linalg.norm(posing.normals(poses), axis=-1)
         assert np.abs(lengths - 1).max() < 1e-5
     with pytest.raises(kinopt.InvalidValueError, match="out must be a writable float32 array"):
-        posing.positions(poses, out=room[:5])
+        posing.positions(poses, out=buffer[:5])
     with pytest.raises(kinopt.InvalidValueError, match="bones"):
         posing.positions(kinopt.MotionCapture.from_bytes(NOD).armature.rest)
 

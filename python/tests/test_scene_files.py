@@ -29,15 +29,15 @@ def walk(armature: animation.Armature, name: str = "walk") -> animation.Clip:
     root = armature.names[0]
     half = np.sqrt(0.5)
     builder = animation.Clip.builder(name, armature)
-    places = [[0, 0.5, 0], [1, 0.5, 0], [2, 0.5, 0]]
-    builder.channel(root, "translation", animation.KeyedCurve.linear(times, places))
+    positions = [[0, 0.5, 0], [1, 0.5, 0], [2, 0.5, 0]]
+    builder.channel(root, "translation", animation.KeyedCurve.linear(times, positions))
     turns = [[0, 0, 0, 1], [0, half, 0, half], [0, 1, 0, 0]]
     builder.channel(root, "rotation", animation.RotationCurve.slerp(times, xyzw=turns))
     return builder.build()
 
 
 def keys(clip: animation.Clip, prop: str) -> int:
-    curves = [curve for _, own, curve in clip.channels() if own == prop]
+    curves = [curve for _, bone_property, curve in clip.channels() if bone_property == prop]
     return sum(len(curve.times) for curve in curves if not isinstance(curve, animation.EulerCurve))
 
 
@@ -84,8 +84,8 @@ def test_clips_from_poses_are_thinned(scene: kinopt.Scene) -> None:
     fewer = through.with_fewer_keys(1e-4, 1e-3)
     assert keys(fewer, "translation") == 2 and keys(fewer, "rotation") <= 4
     for elapsed in (0.0, 0.7, 1.9):
-        own, other = clip.sample(elapsed), fewer.sample(elapsed)
-        np.testing.assert_allclose(own.translations, other.translations, atol=1.1e-4)
+        original, other = clip.sample(elapsed), fewer.sample(elapsed)
+        np.testing.assert_allclose(original.translations, other.translations, atol=1.1e-4)
     assert fewer.renamed("thin").name == "thin"
     assert keys(clip.baked(10), "translation") == 21
     with pytest.raises(kinopt.InvalidValueError, match="keys/s"):

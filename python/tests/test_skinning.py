@@ -45,10 +45,10 @@ def test_linear_blend_is_the_weighted_mean_of_transforms(rig):
     homogeneous = np.c_[rest, np.ones(len(rest))]
     posed = transforms(rig, 3)
     ours = weights.positions("lbs", posed, rest)
-    for transform, own in zip(posed, ours):
+    for transform, actual in zip(posed, ours):
         blended = np.einsum("vb,bij->vij", table, transform)
         expected = np.einsum("vij,vj->vi", blended, homogeneous)[:, :3]
-        assert np.abs(own - expected).max() < 1e-5
+        assert np.abs(actual - expected).max() < 1e-5
 
 
 def test_packed_and_unpacked_agree(rig):
@@ -104,9 +104,9 @@ def test_dual_quaternions_stretch_about_pivots_only(rig):
 def test_out_receives_the_result(rig):
     weights = MeshWeights(rig.weights)
     posed, rest = transforms(rig, 2), rig.mesh.positions
-    room = np.empty((2, len(rest), 3), np.float32)
-    assert weights.positions("lbs", posed, rest, out=room) is room
-    assert np.array_equal(room[1], weights.positions("lbs", posed[1], rest))
+    buffer = np.empty((2, len(rest), 3), np.float32)
+    assert weights.positions("lbs", posed, rest, out=buffer) is buffer
+    assert np.array_equal(buffer[1], weights.positions("lbs", posed[1], rest))
     for wrong in (posed[:, :-1], posed[..., :3], np.full_like(posed, np.nan)):
         with pytest.raises(kinopt.InvalidValueError):
             weights.positions("lbs", wrong, rest)
@@ -119,7 +119,7 @@ def test_out_receives_the_result(rig):
     raw = np.frombuffer(b"x" + rest.tobytes(), np.uint8)[1:].view(np.float32).reshape(-1, 3)
     assert not raw.flags.aligned
     for same in (strided, raw, rest.astype(float), rest.tolist()):
-        assert np.array_equal(weights.positions("lbs", posed[0], same), room[0])
+        assert np.array_equal(weights.positions("lbs", posed[0], same), buffer[0])
 
 
 def test_point_handles_move_nearby_vertices():
@@ -141,9 +141,9 @@ def test_cages_reproduce_affine_maps():
     assert binding.point_count == 30
     assert np.abs(binding.positions(cage.positions) - points).max() < 1e-5
     linear = np.array([[1, 0.3, 0], [0, 2, 0], [-0.1, 0, 1]])
-    room = np.empty((30, 3), np.float32)
-    assert binding.positions(cage.positions @ linear.T + [1, 2, 3], out=room) is room
-    assert np.abs(room - (points @ linear.T + [1, 2, 3])).max() < 1e-5
+    buffer = np.empty((30, 3), np.float32)
+    assert binding.positions(cage.positions @ linear.T + [1, 2, 3], out=buffer) is buffer
+    assert np.abs(buffer - (points @ linear.T + [1, 2, 3])).max() < 1e-5
     assert binding.coordinates(-1).sum() == pytest.approx(1, abs=1e-5)
     with pytest.raises(IndexError):
         binding.coordinates(30)

@@ -101,13 +101,13 @@ def test_velocity_gradient_and_matrix_agree(problem):
 
 
 def test_targets_of_the_solve_are_used(problem):
-    there = {"hand": [0.35, 0.32, 0.45]}
-    solution = kinopt.Solver().solve(problem, START, targets=there)
-    derivative = problem.derivative(solution.q, there)
+    targets = {"hand": [0.35, 0.32, 0.45]}
+    solution = kinopt.Solver().solve(problem, START, targets=targets)
+    derivative = problem.derivative(solution.q, targets)
     assert derivative.is_unique
     step = 2e-2
     moved = [
-        kinopt.Solver().solve(problem, solution.q, targets={"hand": there["hand"] + by}).q
+        kinopt.Solver().solve(problem, solution.q, targets={"hand": targets["hand"] + by}).q
         for by in (np.array([step, 0, 0]), np.array([-step, 0, 0]))
     ]
     shown = (moved[0] - moved[1]) / (2 * step)
@@ -128,8 +128,8 @@ def test_unknown_names_raise(problem):
 
 
 def test_unsolved_configuration_is_reported(problem):
-    far = {"hand": [3.0, 0.0, 0.0]}
-    derivative = problem.derivative(START, far)
+    unreachable = {"hand": [3.0, 0.0, 0.0]}
+    derivative = problem.derivative(START, unreachable)
     assert derivative.differentiability == "not_stationary" and not derivative.is_unique
 
 
@@ -166,23 +166,23 @@ def test_posture_gradients_are_by_configuration(length):
         [tasks.Point("flange", point, name="hand"), tasks.Posture(posture, name="rest", role="goal")],
     )
     solver = kinopt.Solver(gradient_tolerance=1e-13, step_tolerance=1e-13)
-    own, _ = _solving.question(problem, {"rest": posture}, solver, "raise")
+    question, _ = _solving.make_query(problem, {"rest": posture}, solver, "raise")
     start = body.normalise(posture)
     slope = np.linspace(-1, 1, 13)
 
     def scalar(rest):
-        return slope @ _solving.solve(own, [rest], start)
+        return slope @ _solving.solve(question, [rest], start)
 
-    q = _solving.solve(own, [posture], start)
-    (told,) = _solving.pull(own, [posture], start, q, slope)
-    assert told.shape == (13,)
+    q = _solving.solve(question, [posture], start)
+    (gradient,) = _solving.pull(question, [posture], start, q, slope)
+    assert gradient.shape == (13,)
     step = 1e-4
     shown = [
         (scalar(posture + step * unit) - scalar(posture - step * unit)) / (2 * step)
         for unit in np.eye(13)
     ]
-    np.testing.assert_allclose(told, shown, atol=5e-6)
-    assert abs(told[3:7] @ posture[3:7]) < 1e-12
+    np.testing.assert_allclose(gradient, shown, atol=5e-6)
+    assert abs(gradient[3:7] @ posture[3:7]) < 1e-12
 
 
 def pose(module, base, twist):
@@ -199,9 +199,9 @@ def pose(module, base, twist):
 
 def weighed(robot, target):
     """A pose traded against a posture, so that the solution depends on weights and lengths."""
-    asked = [tasks.Pose("flange", target, name="hand"), tasks.Posture(START, name="rest", weight=0.3)]
+    stated_tasks = [tasks.Pose("flange", target, name="hand"), tasks.Posture(START, name="rest", weight=0.3)]
     solver = kinopt.Solver(gradient_tolerance=1e-13, attempts=1, max_iterations=500)
-    return kinopt.Problem(robot, asked, preferences="traded"), solver
+    return kinopt.Problem(robot, stated_tasks, preferences="traded"), solver
 
 
 def test_weights_and_origins_are_replaced(robot, targets):
@@ -213,8 +213,8 @@ def test_weights_and_origins_are_replaced(robot, targets):
         tasks.Pose("flange", targets[0], name="hand", weight={"metres": 2.0, "radians": 0.5}),
         tasks.Posture(START, name="rest", weight=0.1),
     ]
-    own = kinopt.Problem(robot, stated, preferences="traded")
-    np.testing.assert_array_equal(solver.solve(heavier, START).q, solver.solve(own, START).q)
+    expected_problem = kinopt.Problem(robot, stated, preferences="traded")
+    np.testing.assert_array_equal(solver.solve(heavier, START).q, solver.solve(expected_problem, START).q)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(heavier)).weights, [2.0, 0.5, 0.1])
     longer = problem.with_joint_origins({"joint2": (0.0, 0.0, 0.5)})
     longer = longer.with_joint_origins({"joint3": (0.1, 0.0, 0.4)})
@@ -267,8 +267,8 @@ class TestTorch:
         base = torch.as_tensor(targets[0])
 
         def q(twist, rest):
-            asked = {"hand": pose(torch, base, twist), "rest": rest}
-            return kinopt.torch.solve(problem, asked, START, solver=solver)
+            inputs = {"hand": pose(torch, base, twist), "rest": rest}
+            return kinopt.torch.solve(problem, inputs, START, solver=solver)
 
         twist = torch.zeros(6, dtype=torch.float64, requires_grad=True)
         rest = torch.tensor(START, dtype=torch.float64, requires_grad=True)
@@ -323,10 +323,10 @@ class TestTorch:
             robot, [tasks.Posture(START, name="rest")], bounds={"joint1": (-1.0, START[0])}
         )
         rest = torch.tensor(START, dtype=torch.float64, requires_grad=True)
-        for missing, told in (("nan", np.isnan), ("zero", lambda grad: grad == 0.0)):
+        for missing, is_expected in (("nan", np.isnan), ("zero", lambda grad: grad == 0.0)):
             q = kinopt.torch.solve(problem, {"rest": rest}, START, missing=missing)
             (grad,) = torch.autograd.grad(q.sum(), rest)
-            assert told(grad.numpy()).all()
+            assert is_expected(grad.numpy()).all()
         q = kinopt.torch.solve(problem, {"rest": rest}, START, missing="raise")
         with pytest.raises(kinopt.torch.NoDerivativeError, match="on_limit"):
             q.sum().backward()
@@ -349,10 +349,10 @@ class TestJax:
             made = pose(jnp, jnp.asarray(targets[0]), twist)
             return (kinopt.jax.solve(arm, made, START) * jnp.arange(6.0)).sum()
 
-        told = jax.jit(jax.grad(cost))(jnp.zeros(6))
+        gradient = jax.jit(jax.grad(cost))(jnp.zeros(6))
         step = 1e-5
         shown = [(cost(step * unit) - cost(-step * unit)) / (2 * step) for unit in jnp.eye(6)]
-        np.testing.assert_allclose(told, shown, atol=1e-5)
+        np.testing.assert_allclose(gradient, shown, atol=1e-5)
 
     def test_vmap_and_leading_axes_agree(self, digits, arm, targets):
         jax, jnp = digits, digits.numpy
@@ -369,15 +369,15 @@ class TestJax:
         jax, jnp = digits, digits.numpy
         import kinopt.jax
 
-        def cost(asked):
-            return kinopt.jax.solve(problem, asked, START).sum()
+        def cost(inputs):
+            return kinopt.jax.solve(problem, inputs, START).sum()
 
-        asked = {"hand": jnp.array([0.4, 0.3, 0.4]), "posture": jnp.asarray(START)}
-        told = jax.grad(cost)(asked)
+        inputs = {"hand": jnp.array([0.4, 0.3, 0.4]), "posture": jnp.asarray(START)}
+        gradient = jax.grad(cost)(inputs)
         q = kinopt.Solver().solve(problem, START).q
         derivative = problem.derivative(q)
-        np.testing.assert_allclose(told["hand"], np.ones(6) @ derivative.by_target("hand"), atol=1e-7)
-        assert told["posture"].shape == (6,)
+        np.testing.assert_allclose(gradient["hand"], np.ones(6) @ derivative.by_target("hand"), atol=1e-7)
+        assert gradient["posture"].shape == (6,)
 
     def test_gradients_by_weights_match_differences(self, digits, robot, arm, targets):
         jax, jnp = digits, digits.numpy
@@ -393,9 +393,9 @@ class TestJax:
             return (q * jnp.arange(1.0, 7.0)).sum()
 
         at = jnp.array([[1.0, 0.3, 0.4, 0.02, 0.01, 0.45], [0.8, 0.5, 0.2, 0.0, 0.0, 0.4]])
-        told = jax.vmap(jax.grad(cost))(at)
+        gradients = jax.vmap(jax.grad(cost))(at)
         step = 1e-4
-        for numbers, slopes in zip(at, told, strict=True):
+        for numbers, slopes in zip(at, gradients, strict=True):
             shown = [
                 (cost(numbers + step * unit) - cost(numbers - step * unit)) / (2 * step)
                 for unit in jnp.eye(6)
@@ -421,8 +421,8 @@ class TestJax:
             lambda event, *_, **__: compiled.append(event) if "backend_compile" in event else None
         )
         one, many = digits.numpy.asarray(targets[0]), digits.numpy.asarray(targets[:2])
-        for of in (cost, cost_of_problem):
-            calls = [(of, one), (digits.grad(of), one), (digits.vmap(digits.grad(of)), many)]
+        for function in (cost, cost_of_problem):
+            calls = [(function, one), (digits.grad(function), one), (digits.vmap(digits.grad(function)), many)]
             for solve, given in calls:
                 solve(given)
                 before = len(compiled)

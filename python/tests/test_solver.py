@@ -21,20 +21,20 @@ def robot():
 
 @pytest.fixture(scope="module")
 def problem(robot):
-    place = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
-    return kinopt.Problem(robot, [tasks.Pose("tool", place, name="hand")])
+    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
+    return kinopt.Problem(robot, [tasks.Pose("tool", placement, name="hand")])
 
 
 @pytest.fixture(scope="module")
 def point(robot):
-    place = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
-    return kinopt.Problem(robot, [tasks.Point("tool", place[:3, 3], name="hand")])
+    placement = kinopt.frame_placement(robot, "tool", robot.random_configuration(3))
+    return kinopt.Problem(robot, [tasks.Point("tool", placement[:3, 3], name="hand")])
 
 
-def far(robot):
-    place = np.eye(4)
-    place[0, 3] = 5.0
-    return place
+def unreachable_target(robot):
+    placement = np.eye(4)
+    placement[0, 3] = 5.0
+    return placement
 
 
 OPTIMISERS = [
@@ -54,8 +54,8 @@ def test_methods_reach_poses_within_the_limits(robot, problem, method):
         solution = solver.solve(problem, start)
         assert solution.reached and solution.position_error <= 1e-6 and solution.orientation_error <= 1e-6
         assert (solution.q >= robot.lower).all() and (solution.q <= robot.upper).all()
-        place = kinopt.frame_placement(robot, "tool", solution.q)
-        assert np.abs(place[:3, 3] - problem.tasks[0].target[:3, 3]).max() <= 1e-6
+        placement = kinopt.frame_placement(robot, "tool", solution.q)
+        assert np.abs(placement[:3, 3] - problem.tasks[0].target[:3, 3]).max() <= 1e-6
 
 
 @pytest.mark.parametrize("method", [*SLOW, "ccd", methods.Ccd()], ids=str)
@@ -83,11 +83,11 @@ def test_geometric_methods_reach_points():
     limb = chain(2)
     for seed in range(10):
         q = 0.3 * model.random_configuration(seed)
-        place = kinopt.frame_placement(model, "tip", q)[:3, 3]
-        problem = kinopt.Problem(model, [tasks.Point("tip", place)])
+        position = kinopt.frame_placement(model, "tip", q)[:3, 3]
+        problem = kinopt.Problem(model, [tasks.Point("tip", position)])
         assert kinopt.Solver("fabrik").solve(problem, 0.9 * q).position_error < 1e-5
-        place = kinopt.frame_placement(limb, "tip", q[:6])[:3, 3]
-        problem = kinopt.Problem(limb, [tasks.Point("tip", place)])
+        position = kinopt.frame_placement(limb, "tip", q[:6])[:3, 3]
+        problem = kinopt.Problem(limb, [tasks.Point("tip", position)])
         pole = methods.TwoBone([0.0, 5.0, 0.0])
         assert kinopt.Solver(pole).solve(problem, 0.1 * q[:6]).reached
 
@@ -105,18 +105,18 @@ def test_search_limits_apply(robot, problem):
     start = robot.random_configuration(11)
     three = kinopt.Solver(max_iterations=3, attempts=1).solve(problem, start)
     assert (three.iterations, three.attempts, three.termination) == (3, 1, "iteration_limit")
-    missed = kinopt.Solver(attempts=5).solve(problem, start, {"hand": far(robot)})
+    missed = kinopt.Solver(attempts=5).solve(problem, start, {"hand": unreachable_target(robot)})
     assert missed.attempts == 5 and not missed.reached
     assert missed.is_out_of_reach and "Out of reach" in missed.explain()
-    late = kinopt.Solver(time_limit=0.0).solve(problem, start, {"hand": far(robot)})
+    late = kinopt.Solver(time_limit=0.0).solve(problem, start, {"hand": unreachable_target(robot)})
     assert late.termination == "time_limit"
-    agreed = kinopt.Solver(agreeing=2).solve(problem, start, {"hand": far(robot)})
+    agreed = kinopt.Solver(agreeing=2).solve(problem, start, {"hand": unreachable_target(robot)})
     assert agreed.agreeing >= 2 and agreed.attempts < 32
-    strict = kinopt.Solver(gradient_tolerance=1e-3).solve(problem, start, {"hand": far(robot)})
+    strict = kinopt.Solver(gradient_tolerance=1e-3).solve(problem, start, {"hand": unreachable_target(robot)})
     assert strict.iterations < missed.iterations * 32
-    other = kinopt.Solver(seed=5, attempts=5).solve(problem, start, {"hand": far(robot)})
+    other = kinopt.Solver(seed=5, attempts=5).solve(problem, start, {"hand": unreachable_target(robot)})
     assert other.counts != missed.counts
-    few = kinopt.Solver(restart_steps=10).solve(problem, start, {"hand": far(robot)})
+    few = kinopt.Solver(restart_steps=10).solve(problem, start, {"hand": unreachable_target(robot)})
     assert few.attempts <= 3
     kinopt.Solver(patience=np.inf, step_tolerance=1e-12).solve(problem, start)
 
@@ -168,25 +168,25 @@ def test_starts_may_be_lists_float32_or_strided(robot, problem):
 def test_solvers_and_solutions_are_pickled(robot, problem):
     start = robot.random_configuration(11)
     solver = kinopt.Solver(methods.GaussNewton(1e-7), attempts=7, seed=3, time_limit=100.0)
-    for targets in (None, {"hand": far(robot)}):
-        answer = solver.solve(problem, start, targets)
+    for targets in (None, {"hand": unreachable_target(robot)}):
+        solution = solver.solve(problem, start, targets)
         for twin in (pickle.loads(pickle.dumps(solver)), copy.deepcopy(solver)):
             assert repr(twin) == repr(solver)
-            assert np.array_equal(twin.solve(problem, start, targets).q, answer.q)
-        read = pickle.loads(pickle.dumps(answer))
-        assert np.array_equal(read.q, answer.q) and read.explain() == answer.explain()
-        assert repr(read) == repr(answer) and repr(read.tasks) == repr(answer.tasks)
-        assert repr(read.active_limits) == repr(answer.active_limits)
+            assert np.array_equal(twin.solve(problem, start, targets).q, solution.q)
+        read = pickle.loads(pickle.dumps(solution))
+        assert np.array_equal(read.q, solution.q) and read.explain() == solution.explain()
+        assert repr(read) == repr(solution) and repr(read.tasks) == repr(solution.tasks)
+        assert repr(read.active_limits) == repr(solution.active_limits)
 
 
 def test_solution_has_all_reports(robot, problem):
     start = robot.random_configuration(11)
-    solution = kinopt.Solver().solve(problem, start, {"hand": far(robot)})
+    solution = kinopt.Solver().solve(problem, start, {"hand": unreachable_target(robot)})
     assert solution.q is solution.q and not solution.q.flags.writeable
     [hand] = solution.tasks
     assert (hand.name, hand.frame, hand.role, hand.reached) == ("hand", "tool", "goal", False)
-    place = kinopt.frame_placement(robot, "tool", solution.q)
-    missed = np.linalg.norm(place[:3, 3] - [5, 0, 0])
+    placement = kinopt.frame_placement(robot, "tool", solution.q)
+    missed = np.linalg.norm(placement[:3, 3] - [5, 0, 0])
     assert solution.position_error == hand.position_error == pytest.approx(missed, rel=1e-12)
     assert hand.error("radians") == hand.orientation_error == solution.orientation_error
     assert {rows.quantity for rows in hand.rows} == {"metres", "radians"}
@@ -238,9 +238,9 @@ def batch(robot, n):
 
 def test_batch_equals_single_queries_on_any_threads(robot, problem):
     starts, targets = batch(robot, 60)
-    targets[7] = far(robot)
+    targets[7] = unreachable_target(robot)
     solver = kinopt.Solver()
-    single = [solver.solve(problem, q, {"hand": place}) for q, place in zip(starts, targets)]
+    single = [solver.solve(problem, q, {"hand": position}) for q, position in zip(starts, targets)]
     for threads in (1, 2, 5, None):
         solutions = solver.solve_batch(problem, starts, {"hand": targets}, threads=threads)
         assert len(solutions) == 60 and solutions.q.shape == (60, 9)
@@ -265,9 +265,9 @@ def test_batch_accepts_one_start_or_no_targets(robot, problem):
     one = solver.solve_batch(problem, starts[0], {"hand": list(targets)})
     assert np.array_equal(one[3].q, solver.solve(problem, starts[0], {"hand": targets[3]}).q)
     assert len(solver.solve_batch(problem, np.zeros((0, 9)))) == 0
-    told = []
-    solver.solve_batch(problem, starts, progress=lambda done, total: told.append((done, total)))
-    assert told[-1] == (5, 5)
+    calls = []
+    solver.solve_batch(problem, starts, progress=lambda done, total: calls.append((done, total)))
+    assert calls[-1] == (5, 5)
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,7 @@ def test_ctrl_c_stops_a_long_batch(robot, problem, threads):
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGALRM, handler)
-    beyond = kinopt.Problem(robot, [tasks.Pose("tool", far(robot))])
+    beyond = kinopt.Problem(robot, [tasks.Pose("tool", unreachable_target(robot))])
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.2)
         with pytest.raises(KeyboardInterrupt):

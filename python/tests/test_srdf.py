@@ -29,8 +29,8 @@ def door() -> kinopt.Robot:
 
 
 def test_groups_states_and_pairs_are_read(door: kinopt.Robot) -> None:
-    said = kinopt.Srdf.parse(SEMANTICS, door)
-    for srdf in (said, pickle.loads(pickle.dumps(said))):
+    semantics = kinopt.Srdf.parse(SEMANTICS, door)
+    for srdf in (semantics, pickle.loads(pickle.dumps(semantics))):
         assert srdf.groups == {"opening": ["hinge"], "all": ["hinge", "latch"]}
         assert srdf.states == [("ajar", "opening")]
         assert srdf.passive_joints == ["latch"]

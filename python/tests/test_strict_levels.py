@@ -24,17 +24,17 @@ def robot() -> kinopt.Robot:
     return kinopt.Robot.from_urdf(PANDA)
 
 
-def place(robot: kinopt.Robot, frame: str, q: np.ndarray) -> np.ndarray:
+def placement(robot: kinopt.Robot, frame: str, q: np.ndarray) -> np.ndarray:
     return kinopt.frame_placement(robot, frame, q)
 
 
 def miss(robot: kinopt.Robot, q: np.ndarray, frame: str, target: np.ndarray) -> float:
     """Distance of a frame's origin from a point."""
-    return float(np.linalg.norm(place(robot, frame, q)[:3, 3] - target))
+    return float(np.linalg.norm(placement(robot, frame, q)[:3, 3] - target))
 
 
 def test_tasks_added_singly_give_an_equal_problem(robot: kinopt.Robot) -> None:
-    target = place(robot, "tool", robot.random_configuration(3))
+    target = placement(robot, "tool", robot.random_configuration(3))
     start = robot.random_configuration(4)
     problem = kinopt.Problem(robot)
     hand = problem.add(tasks.Pose("tool", target, name="hand"))
@@ -53,7 +53,7 @@ def test_tasks_added_singly_give_an_equal_problem(robot: kinopt.Robot) -> None:
     assert [task.level for task in solution.tasks] == [0, 1]
     assert repr(problem.tasks) == repr(at_once.tasks) and repr(problem) == repr(at_once)
     # Indices are as good as names.
-    other = place(robot, "tool", robot.random_configuration(5))
+    other = placement(robot, "tool", robot.random_configuration(5))
     by_number = solver.solve(problem, start, {hand: other})
     assert by_number.tasks[hand].name == "hand"
     assert np.array_equal(by_number.q, solver.solve(at_once, start, {"hand": other}).q)
@@ -132,10 +132,10 @@ def test_level_is_an_integer(robot: kinopt.Robot, level: Any) -> None:
 
 def test_drag_keeps_its_initial_tasks(robot: kinopt.Robot) -> None:
     q = robot.random_configuration(6)
-    problem = kinopt.Problem(robot, [tasks.Point("tool", place(robot, "tool", q)[:3, 3], name="hand")])
+    problem = kinopt.Problem(robot, [tasks.Point("tool", placement(robot, "tool", q)[:3, 3], name="hand")])
     drag = kinopt.Drag(problem, q)
     problem.add(tasks.Point("link4", [9.0, 0.0, 0.0], name="elbow"))
-    solution = drag.advance({"hand": place(robot, "tool", q)[:3, 3]})
+    solution = drag.advance({"hand": placement(robot, "tool", q)[:3, 3]})
     assert solution.reached and [task.name for task in solution.tasks] == ["hand"]
     with pytest.raises(UnknownNameError, match="elbow"):
         drag.set_targets({"elbow": [0.0, 0.0, 0.0]})
@@ -154,8 +154,8 @@ def test_tasks_are_added_from_many_threads(robot: kinopt.Robot) -> None:
 def test_lower_level_never_changes_the_first(robot: kinopt.Robot) -> None:
     solver, conflicts, nearer = kinopt.Solver(), 0, 0
     for seed in range(12):
-        start, there, elsewhere = robot.random_configuration(seed, 3)
-        tool, elbow = place(robot, "tool", there), place(robot, "link4", elsewhere)[:3, 3]
+        start, target_q, other_q = robot.random_configuration(seed, 3)
+        tool, elbow = placement(robot, "tool", target_q), placement(robot, "link4", other_q)[:3, 3]
         alone = kinopt.Problem(robot, [tasks.Pose("tool", tool)])
         both = kinopt.Problem(robot)
         both.add(tasks.Point("link4", elbow, scale=1000.0), level=1)
@@ -174,7 +174,7 @@ def test_lower_level_never_changes_the_first(robot: kinopt.Robot) -> None:
 
 def test_drag_keeps_level_0_with_unreachable_level_1(robot: kinopt.Robot) -> None:
     q = robot.random_configuration(6)
-    tool, elbow = (place(robot, frame, q)[:3, 3] for frame in ("tool", "link4"))
+    tool, elbow = (placement(robot, frame, q)[:3, 3] for frame in ("tool", "link4"))
     problem = kinopt.Problem(robot)
     problem.add(tasks.Point("tool", tool))
     pulled = problem.add(tasks.Point("link4", elbow), level=1)

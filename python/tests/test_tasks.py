@@ -45,8 +45,8 @@ MASSES = {"link2": 3.0, "link3": (2.0, [0.1, 0.0, 0.2]), "tool": (1.5, (0.0, 0.1
 
 
 def centre(frames):
-    places = frames["link2"][:3, 3], (frames["link3"] @ [0.1, 0, 0.2, 1])[:3], (frames["tool"] @ [0, 0.1, 0, 1])[:3]
-    return np.average(places, axis=0, weights=[3.0, 2.0, 1.5])
+    positions = frames["link2"][:3, 3], (frames["link3"] @ [0.1, 0, 0.2, 1])[:3], (frames["tool"] @ [0, 0.1, 0, 1])[:3]
+    return np.average(positions, axis=0, weights=[3.0, 2.0, 1.5])
 
 
 def beyond(value, lower, upper):
@@ -58,8 +58,8 @@ def cases(robot):
     lower, upper = robot.lower, robot.upper
     rest = (lower + upper) / 2
 
-    def pose(place):
-        return np.r_[place[:3, 3] - TARGET, rotation_vector(place[:3, :3] @ POSE[:3, :3].T)]
+    def pose(placement):
+        return np.r_[placement[:3, 3] - TARGET, rotation_vector(placement[:3, :3] @ POSE[:3, :3].T)]
 
     def ray(at):
         along = np.array([1.0, 0.5, -0.2])
@@ -69,14 +69,14 @@ def cases(robot):
     def pixel(at):
         return np.array([500 * at[0] / at[2] + 320, 510 * at[1] / at[2] + 240]) - [300, 200]
 
-    def look(place):
-        axis, sight = place[:3, :3] @ [0, 0, 1], TARGET - place[:3, 3]
+    def look(placement):
+        axis, sight = placement[:3, :3] @ [0, 0, 1], TARGET - placement[:3, 3]
         sight /= np.linalg.norm(sight)
         turn = np.cross(axis, sight)
         return np.arctan2(np.linalg.norm(turn), axis @ sight) * turn / np.linalg.norm(turn)
 
-    def off(place, aim):
-        return np.arccos(np.clip(place[:3, :3] @ [0, 0, 1] @ aim / np.linalg.norm(aim), -1, 1))
+    def angle_beyond(placement, aim):
+        return np.arccos(np.clip(placement[:3, :3] @ [0, 0, 1] @ aim / np.linalg.norm(aim), -1, 1))
 
     def measure(q):
         jacobian = kinopt.frame_jacobian(robot, "tool", q)
@@ -162,11 +162,11 @@ def cases(robot):
         ),
         "gaze": (
             tasks.Gaze("tool", [0, 0, 2], 0.3, target=TARGET),
-            lambda f, q: [max(0, off(f["tool"], TARGET - f["tool"][:3, 3]) - 0.3)],
+            lambda f, q: [max(0, angle_beyond(f["tool"], TARGET - f["tool"][:3, 3]) - 0.3)],
         ),
         "gaze along": (
             tasks.Gaze("tool", [0, 0, 2], 0.3, direction=[0, 3, 4]),
-            lambda f, q: [max(0, off(f["tool"], normal) - 0.3)],
+            lambda f, q: [max(0, angle_beyond(f["tool"], normal) - 0.3)],
         ),
         "frame velocity": (
             tasks.FrameVelocity("tool", POSE, 0.5, linear=[0.1, 0.2, 0.3], angular=[0.3, 0.2, 0.1]),
@@ -246,22 +246,22 @@ def test_tasks_are_pickled(robot, name):
 def test_weights_tolerances_roles_and_names_apply():
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     q = robot.random_configuration(1)
-    place = kinopt.frame_placement(robot, "tool", q)
-    whole = tasks.Pose("tool", place, name="hand", weight={"metres": 2.0, "radians": 0.5}, scale=3.0)
+    placement = kinopt.frame_placement(robot, "tool", q)
+    whole = tasks.Pose("tool", placement, name="hand", weight={"metres": 2.0, "radians": 0.5}, scale=3.0)
     problem = kinopt.Problem(robot.model, [whole])
     x = robot.random_configuration(2)
-    plain = kinopt.Problem(robot.model, [tasks.Pose("tool", place, weight=1.0)]).residual(x)
+    plain = kinopt.Problem(robot.model, [tasks.Pose("tool", placement, weight=1.0)]).residual(x)
     assert np.allclose(problem.residual(x), plain * [6, 6, 6, 1.5, 1.5, 1.5], rtol=1e-14)
     assert problem.task_names == ["hand"]
-    far = place.copy()
-    far[0, 3] += 0.01
-    near = tasks.Pose("tool", far, tolerance={"metres": 0.011})
+    moved = placement.copy()
+    moved[0, 3] += 0.01
+    near = tasks.Pose("tool", moved, tolerance={"metres": 0.011})
     look = kinopt.Solver(max_iterations=0, attempts=1)
     assert look.solve(kinopt.Problem(robot.model, [near]), q).reached
-    strict = tasks.Pose("tool", far, tolerance=0.009)
+    strict = tasks.Pose("tool", moved, tolerance=0.009)
     assert not look.solve(kinopt.Problem(robot.model, [strict]), q).reached
-    assert look.solve(kinopt.Problem(robot.model, [tasks.Pose("tool", far)], tolerance=0.011), q).reached
-    wish = tasks.Pose("tool", far, role="preference")
+    assert look.solve(kinopt.Problem(robot.model, [tasks.Pose("tool", moved)], tolerance=0.011), q).reached
+    wish = tasks.Pose("tool", moved, role="preference")
     [report] = look.solve(kinopt.Problem(robot.model, [wish]), q).tasks
     assert report.role == "preference" and not report.reached
     assert report.position_error == pytest.approx(0.01)
@@ -270,7 +270,7 @@ def test_weights_tolerances_roles_and_names_apply():
     assert report.error("joint units") == 0.0 and report.error("metres") is None
     with pytest.raises(kinopt.UnknownNameError, match="no quantity named `miles`"):
         report.error("miles")
-    unasked = tasks.Pose("tool", far, weight={"metres": 0.0})
+    unasked = tasks.Pose("tool", moved, weight={"metres": 0.0})
     assert look.solve(kinopt.Problem(robot.model, [unasked]), q).reached
 
 
@@ -300,7 +300,7 @@ def test_cameras_project_and_invert():
     assert parallel.viewing_ray([0, 0]) is None
 
 
-WRONG = {
+INVALID_TASKS = {
     "no such frame": lambda: [tasks.Point("paw", [0, 0, 0])],
     "no such joint": lambda: [tasks.Posture({"elbow": 1.0})],
     "no frame": lambda: [tasks.Point(3, [0, 0, 0])],
@@ -377,18 +377,18 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("name", WRONG)
+@pytest.mark.parametrize("name", INVALID_TASKS)
 def test_invalid_arguments_raise(robot, name):
     with pytest.raises(kinopt.KinoptError):
-        kinopt.Problem(robot, WRONG[name]())
+        kinopt.Problem(robot, INVALID_TASKS[name]())
 
 
-LEANING = Path(__file__).parents[2] / "tests" / "kinematics" / "leaning.urdf"
+LEANING_ROBOT = Path(__file__).parents[2] / "tests" / "kinematics" / "leaning.urdf"
 
 
 def test_centres_of_mass_match_pinocchio():
     """The numbers of tests/kinematics/centre_of_mass.rs, of pin 4.1.0."""
-    robot = kinopt.Robot.from_urdf(LEANING)
+    robot = kinopt.Robot.from_urdf(LEANING_ROBOT)
     q = [0.3, -0.7, 1.9, 0.12]
     assert robot.mass == pytest.approx(27.8, abs=1e-12)
     expected = [0.11374155910125018, 0.0678258025247298, 0.6952314836559549]
@@ -411,14 +411,14 @@ def test_centres_of_mass_match_pinocchio():
 
 
 def test_one_sided_task_is_zero_within_bounds():
-    robot = kinopt.Robot.from_urdf(LEANING)
+    robot = kinopt.Robot.from_urdf(LEANING_ROBOT)
     q = np.array([0.1, 0.1, 0.1, 0.1])
     x, y, _ = robot.center_of_mass(q)
     sole = [[x + i, y + j, 0.0] for i in (-0.1, 0.1) for j in (-0.1, 0.1)]
     problem = kinopt.Problem(robot, [tasks.SupportPolygon(sole, margin=0.05)])
     assert np.array_equal(problem.residual(q), [0, 0]) and not problem.jacobian(q).any()
     # A custom residual may be one-sided too.
-    low = tasks.Residual(lambda places: places[0, 2, 3], frames=["trunk"], rows=1)
+    low = tasks.Residual(lambda placements: placements[0, 2, 3], frames=["trunk"], rows=1)
     height = kinopt.frame_placement(robot, "trunk", q)[2, 3]
     for limit, left in ((height + 0.1, 0.0), (height - 0.1, 0.1)):
         problem = kinopt.Problem(robot, [tasks.Bounded.at_most(low, limit)])
@@ -426,7 +426,7 @@ def test_one_sided_task_is_zero_within_bounds():
 
 
 def test_free_bases_balance_and_couple_joints():
-    robot = kinopt.Robot.from_urdf(LEANING, base_joint="free")
+    robot = kinopt.Robot.from_urdf(LEANING_ROBOT, base_joint="free")
     q = np.asarray(robot.random_configuration(4))
     # The plate is not fixed in the world here.
     assert robot.mass == pytest.approx(67.8) and len(q) == 11

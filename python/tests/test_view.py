@@ -118,9 +118,9 @@ def test_robot_is_placed_by_kinematics(scene, style):
     assert np.allclose(joint5, at @ kinopt.frame_placement(robot, "link5", q))
     low, high = body.box()
     assert (low < body.frame("hand")[:3, 3]).all() and (body.frame("hand")[:3, 3] < high).all()
-    places = [m.position for m in sent(scene, "SetPositionMessage").values()]
+    positions = [m.position for m in sent(scene, "SetPositionMessage").values()]
     origin = at @ kinopt.frame_placement(robot, "link6", q)
-    assert np.abs(np.array(places) - origin[:3, 3]).sum(axis=1).min() < 1e-9
+    assert np.abs(np.array(positions) - origin[:3, 3]).sum(axis=1).min() < 1e-9
 
 
 def rig():
@@ -148,12 +148,12 @@ def test_page_blends_as_library_except_cut_weights(scene):
     whole = character.weights.to_table()
     from kinopt.view.skin import fewer_influences
 
-    kept, cut = fewer_influences(whole)
+    strongest, cut = fewer_influences(whole)
     assert cut == body.cut
-    assert np.count_nonzero(kept, axis=1).max() == 4
-    assert np.abs(kept.sum(axis=1) - 1.0).max() < 1e-6
+    assert np.count_nonzero(strongest, axis=1).max() == 4
+    assert np.abs(strongest.sum(axis=1) - 1.0).max() < 1e-6
     few = np.count_nonzero(whole, axis=1) <= 3
-    assert np.abs(kept - whole)[few].max() < 1e-9
+    assert np.abs(strongest - whole)[few].max() < 1e-9
 
 
 def test_bones_without_a_mesh_have_bodies(scene):
@@ -222,11 +222,11 @@ def test_missing_meshes_are_replaced_by_capsules(scene, tmp_path):
 def test_large_and_small_models_are_scaled():
     for factor in (1e-3, 1.0, 100.0):
         builder = kinopt.ModelBuilder("chain", "units")
-        place = np.eye(4)
-        place[2, 3] = factor
+        placement = np.eye(4)
+        placement[2, 3] = factor
         builder.joint("one", axis=[1.0, 0.0, 0.0])
-        builder.joint("two", parent="one", parent_from_joint=place, axis=[1.0, 0.0, 0.0])
-        builder.frame("tip", "two", place)
+        builder.joint("two", parent="one", parent_from_joint=placement, axis=[1.0, 0.0, 0.0])
+        builder.frame("tip", "two", placement)
         with Scene(port=8210) as scene:
             body = scene.add(builder.build())
             assert 0.4 <= scene.drawn * 2.0 * factor <= 4.0
@@ -237,17 +237,17 @@ def test_large_and_small_models_are_scaled():
 def test_target_interpolates_between_positions(scene):
     body = scene.add(panda())
     target = scene.target("goal", body.frame("tool"))
-    heard = []
-    target.on_move(heard.append)
+    placements = []
+    target.on_move(placements.append)
     end = body.frame("tool")
     end[:3, 3] += [0.3, 0.0, 0.0]
     scene.loop.call(lambda: target._hear(end, "start"))
-    assert target.held and heard == []
+    assert target.held and placements == []
     scene.loop.call(lambda: target._hear(end, "update"))
-    while not heard or not np.array_equal(heard[-1], end):
+    while not placements or not np.array_equal(placements[-1], end):
         scene.loop.call(lambda: None)
-    ways = np.array([place[0, 3] for place in heard])
-    assert len(ways) >= 3 and (np.diff(ways) >= 0.0).all()
+    positions = np.array([placement[0, 3] for placement in placements])
+    assert len(positions) >= 3 and (np.diff(positions) >= 0.0).all()
     scene.loop.call(lambda: target._hear(end, "end"))
     assert not target.held
     assert np.array_equal(target.placement, end)
@@ -256,7 +256,7 @@ def test_target_interpolates_between_positions(scene):
 def test_script_error_is_shown_and_page_continues(scene, capsys):
     body = scene.add(panda())
     target = scene.target("goal", body.frame("tool"))
-    target.on_move(lambda place: 1 / 0)
+    target.on_move(lambda placement: 1 / 0)
     scene.loop.post(lambda: target._hear(np.eye(4), "end"))
     assert scene.loop.call(lambda: 7) == 7
     assert "ZeroDivisionError" in scene.loop.failure
@@ -314,8 +314,8 @@ def test_sliders_keep_loops_of_robot_closed(scene):
     assert is_closed(body.q)
     posing = Posing(body)
     for joint, value, follows in [("knee_motor", 0.5, "knee"), ("knee", 0.4, "knee_motor")]:
-        answer = posing.with_joint(joint, value, [])
-        assert answer.q[names.index(joint)] == value
-        assert is_closed(answer.q) and abs(answer.q[names.index(follows)]) > 0.2
+        solution = posing.with_joint(joint, value, [])
+        assert solution.q[names.index(joint)] == value
+        assert is_closed(solution.q) and abs(solution.q[names.index(follows)]) > 0.2
     # Not farther than the rod allows.
     np.testing.assert_array_equal(posing.with_joint("knee_motor", 1.6, []).q, body.q)

@@ -51,9 +51,9 @@ def test_page_opens_with_collision_free_motion():
 
 def test_rig_follows_the_movement():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
-    names, places = person()
-    places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
-    movement = kinopt.retarget(places, rig, "smpl", fps=30)
+    names, positions = person()
+    positions[:, :, 0] += 0.02 * np.arange(len(positions))[:, None]
+    movement = kinopt.retarget(positions, rig, "smpl", fps=30)
     with Scene(port=8251) as scene:
         body = scene.add(rig)
         clip = scene.add_movement(movement, body, beside=None)
@@ -68,10 +68,10 @@ def test_rig_follows_the_movement():
 def test_bones_connect_points_of_constant_distance():
     # A chain of three whose ends come near each other, and one next to it.
     turn = np.linspace(0.0, 2.5, 40)
-    places = np.zeros((40, 4, 3))
-    places[:, 1, 0] = 1.0
-    places[:, 2, 0] = 1.0 + np.cos(turn)
-    places[:, 2, 1] = np.sin(turn)
-    places[:, 3] = places[:, 2] + [0.0, 0.0, 0.5]
-    assert {tuple(sorted(bone)) for bone in bones_of(places).tolist()} == {(0, 1), (1, 2), (2, 3)}
-    assert JOINTS and bones_of(places[:, :1]).shape == (0, 2)
+    positions = np.zeros((40, 4, 3))
+    positions[:, 1, 0] = 1.0
+    positions[:, 2, 0] = 1.0 + np.cos(turn)
+    positions[:, 2, 1] = np.sin(turn)
+    positions[:, 3] = positions[:, 2] + [0.0, 0.0, 0.5]
+    assert {tuple(sorted(bone)) for bone in bones_of(positions).tolist()} == {(0, 1), (1, 2), (2, 3)}
+    assert JOINTS and bones_of(positions[:, :1]).shape == (0, 2)

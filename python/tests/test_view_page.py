@@ -38,26 +38,26 @@ def opened():
         page.scene.close()
 
 
-def drag(page, frame, way, moves=20):
-    """Drags a frame's gizmo by `way`, and waits until all motion ends."""
+def drag(page, frame, displacement, moves=20):
+    """Drags a frame's gizmo by `displacement`, and waits until all motion ends."""
     target = page.targets[frame]
     start = target.placement
 
-    def move(place, phase):
-        page.call(lambda: target._hear(place, phase, time.perf_counter()))
+    def move(placement, phase):
+        page.call(lambda: target._hear(placement, phase, time.perf_counter()))
 
     move(start, "start")
     for k in range(1, moves + 1):
-        place = start.copy()
-        place[:3, 3] += np.asarray(way) * k / moves
-        move(place, "update")
-    move(place, "end")
+        placement = start.copy()
+        placement[:3, 3] += np.asarray(displacement) * k / moves
+        move(placement, "update")
+    move(placement, "end")
     wait_until(lambda: not page.scene.loop._tickers)
     assert not page.scene.loop._tickers and page.scene.loop.failure is None
-    return place
+    return placement
 
 
-def off(page, frame):
+def target_distance(page, frame):
     return np.linalg.norm(page.body.frame(frame)[:3, 3] - page.targets[frame].placement[:3, 3])
 
 
@@ -76,7 +76,7 @@ def test_free_joint_of_file_is_the_base(opened, tmp_path):
     assert page.body.stands and page.body.can_hold and not page.turns
     foot = page.body.frame("foot")
     drag(page, "hand", [-0.2, 0.0, 0.1])
-    assert off(page, "hand") < 1e-4 and np.abs(page.body.frame("foot") - foot).max() < 1e-5
+    assert target_distance(page, "hand") < 1e-4 and np.abs(page.body.frame("foot") - foot).max() < 1e-5
     same = opened(tmp_path / "body.xml", base_joint="free")
     assert same.body.model.free_joints == ["float"]
 
@@ -102,7 +102,7 @@ def test_robot_on_free_base_is_dragged_as_a_whole(opened):
     before = page.body.q.copy()
     # Farther than the arm is long: the base follows.
     drag(page, "flange", [2.0, 0.0, 0.0], moves=60)
-    assert off(page, "flange") < 1e-4
+    assert target_distance(page, "flange") < 1e-4
     assert abs(np.linalg.norm(page.body.q[3:7]) - 1.0) < 1e-12
     assert np.linalg.norm(page.body.q[:3] - before[:3]) > 0.5
     sliders = [page.body.model.coordinate_names[index] for index in page.joints._sliders]
@@ -118,10 +118,10 @@ def test_robot_starts_crouched_over_its_feet(opened):
     knee = page.body.model.coordinate_names.index("left_knee_pitch")
     assert page.body.q[knee] > 0.2
     drag(page, "left_hand", [-0.05, 0.0, -0.25], moves=60)
-    assert off(page, "left_hand") < 1e-4
+    assert target_distance(page, "left_hand") < 1e-4
     assert page.body.q[knee] > 0.6
-    for foot, place in stood.items():
-        np.testing.assert_allclose(page.body.frame(foot), place, atol=1e-5)
+    for foot, placement in stood.items():
+        np.testing.assert_allclose(page.body.frame(foot), placement, atol=1e-5)
     with pytest.raises(kinopt.UnknownNameError, match="left_sole"):
         open_page(NAO, base_joint="free", hold=["left_sol"], port=8229)
 
@@ -130,9 +130,9 @@ def test_feet_stay_with_an_unreachable_hand_target(opened):
     page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
     stood = {foot: page.body.frame(foot) for foot in page.pinned}
     drag(page, "left_hand", [0.8, 0.3, 0.2], moves=60)
-    assert off(page, "left_hand") > 0.2
-    for foot, place in stood.items():
-        np.testing.assert_allclose(page.body.frame(foot), place, atol=1e-5)
+    assert target_distance(page, "left_hand") > 0.2
+    for foot, placement in stood.items():
+        np.testing.assert_allclose(page.body.frame(foot), placement, atol=1e-5)
     assert "Level 2 gives way" in page.answer.solution.explain()
 
 
@@ -142,11 +142,11 @@ def test_every_solver_follows_the_drag(opened):
     for solver in page.posing.solvers():
         page.call(lambda solver=solver: page.posing.choose(solver=solver))
         page.call(lambda solver=solver: page.set_turns(solver != "fabrik"))
-        for way in (0.05, -0.05):
-            drag(page, "tool", [0.0, way, -way])
+        for step in (0.05, -0.05):
+            drag(page, "tool", [0.0, step, -step])
         if solver not in ("ccd", "projected-gradient"):
             assert page.answer.solution.reached, solver
-        assert off(page, "tool") < 1e-2
+        assert target_distance(page, "tool") < 1e-2
         assert page.status.text.startswith(("Reached", "Missed"))
     assert (page.body.q >= page.body.model.lower).all() and (page.body.q <= page.body.model.upper).all()
 
@@ -177,21 +177,21 @@ def test_several_tips_stay_pinned_while_another_is_dragged(opened):
     page = opened(HUMANOID)
     assert page.pinned == set(page.targets) and len(page.pinned) == 5
     hand = "left_hand/tip"
-    kept = {frame: page.body.frame(frame)[:3, 3] for frame in page.pinned - {hand}}
+    positions = {frame: page.body.frame(frame)[:3, 3] for frame in page.pinned - {hand}}
     drag(page, hand, [0.1, 0.0, 0.4])
-    assert page.answer.solution.reached and off(page, hand) < 1e-5
-    for frame, place in kept.items():
-        assert np.linalg.norm(page.body.frame(frame)[:3, 3] - place) < 1e-5
+    assert page.answer.solution.reached and target_distance(page, hand) < 1e-5
+    for frame, position in positions.items():
+        assert np.linalg.norm(page.body.frame(frame)[:3, 3] - position) < 1e-5
     page.call(lambda: page.pin("head/tip", False))
     drag(page, hand, [0.0, 0.3, 0.0])
-    assert np.linalg.norm(page.body.frame("head/tip")[:3, 3] - kept["head/tip"]) > 1e-4
+    assert np.linalg.norm(page.body.frame("head/tip")[:3, 3] - positions["head/tip"]) > 1e-4
 
 
 def test_character_drag_has_no_jumps(opened):
     page = opened(HUMANOID)
     shown = []
-    place = page.body._place
-    page.body._place = lambda q: (shown.append(np.array(q)), place(q))[1]
+    draw = page.body._place
+    page.body._place = lambda q: (shown.append(np.array(q)), draw(q))[1]
     drag(page, "right_hand/tip", [1.5, 1.5, 1.5], moves=3)
     steps = np.abs(np.diff(np.array(shown), axis=0)).max(axis=1)
     assert len(shown) > 5 and steps.max() <= 0.15 + 1e-9
@@ -236,7 +236,7 @@ def test_any_frame_gets_and_loses_a_gizmo(opened):
     page.call(lambda: page.set_turns(False))
     before = page.body.frame("link4")[:3, 3]
     drag(page, "link4", [0.0, 0.05, 0.0])
-    assert np.linalg.norm(page.body.frame("link4")[:3, 3] - before) > 0.03 and off(page, "link4") < 0.02
+    assert np.linalg.norm(page.body.frame("link4")[:3, 3] - before) > 0.03 and target_distance(page, "link4") < 0.02
     page.call(lambda: page.remove_target("link4"))
     assert list(page.targets) == ["tool"] and page.dragged is None
     with pytest.raises(kinopt.UnknownNameError):
@@ -248,7 +248,7 @@ def test_keyframes_play_and_pause(opened):
     assert page.time._clip.span == (0.0, 3.0)
     page.call(lambda: page.time.show(1.0))
     # Pinned targets follow the clip, and hold their frames there during a drag.
-    assert all(off(page, frame) == 0.0 for frame in page.pinned)
+    assert all(target_distance(page, frame) == 0.0 for frame in page.pinned)
     rig = page.body.thing
     expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
     assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
@@ -294,10 +294,10 @@ def test_script_shows_a_robot_in_ten_lines():
     names = {}
     exec(script, names)
     scene, body, target = names["scene"], names["body"], names["target"]
-    place = target.placement
-    place[:3, 3] += [-0.2, 0.1, -0.2]
-    scene.loop.call(lambda: target._hear(place, "end"))
-    assert np.abs(body.frame("tool") - place).max() < 1e-5
+    placement = target.placement
+    placement[:3, 3] += [-0.2, 0.1, -0.2]
+    scene.loop.call(lambda: target._hear(placement, "end"))
+    assert np.abs(body.frame("tool") - placement).max() < 1e-5
     assert scene.loop.failure is None
     scene.close()
 
@@ -315,12 +315,12 @@ def test_tool_dragged_into_a_table_slides(opened):
     page = opened(PANDA, world=world, margin=0.002)
     stated = kinopt.Problem(page.body.thing, world=world)
     start = page.body.frame("tool")[:3, 3]
-    asked = drag(page, "tool", [0.1, -0.2, -0.9], moves=40)
+    requested = drag(page, "tool", [0.1, -0.2, -0.9], moves=40)
     assert stated.collisions(page.body.q) == []
     placed = page.body.frame("tool")[:3, 3]
     # It slides along the obstacle, which is named and red.
     assert np.linalg.norm(placed[:2] - start[:2]) > 0.05
-    assert placed[2] > asked[2, 3] + 0.02
+    assert placed[2] > requested[2, 3] + 0.02
     assert "Missed" in page.status.text and page.obstacles._marked
     # A moved obstacle is drawn at its new position, and avoided.
     name = world.names[0]
@@ -346,8 +346,8 @@ def test_every_kind_of_obstacle_is_drawn(opened):
     page = opened(PANDA, world=world)
     handles = page.obstacles._handles
     assert sorted(handles) == sorted(world.names)
-    place = page.body.frame("tool") @ np.array([0, 0, 0.1, 1.0])
-    assert np.allclose(handles["held"].position, place[:3] * page.scene.drawn)
+    position = page.body.frame("tool") @ np.array([0, 0, 0.1, 1.0])
+    assert np.allclose(handles["held"].position, position[:3] * page.scene.drawn)
     world.remove("ball")
     page.call(page.obstacles.refresh)
     assert "ball" not in page.obstacles._handles

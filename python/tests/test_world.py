@@ -192,14 +192,14 @@ def test_million_triangles_are_one_obstacle() -> None:
     n = 708
     u, v = np.meshgrid(*2 * [np.arange(n) * (2 * np.pi / n)], indexing="ij")
     r = 1 + 0.3 * np.cos(v)
-    places = np.stack([r * np.cos(u), r * np.sin(u), 0.3 * np.sin(v)], -1).reshape(-1, 3)
+    positions = np.stack([r * np.cos(u), r * np.sin(u), 0.3 * np.sin(v)], -1).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
     a, b, c, d = (
         ((i + di) % n * n + (j + dj) % n).ravel() for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1))
     )
     triangles = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
     world = kinopt.World()
-    world.add_mesh("torus", places, triangles)
+    world.add_mesh("torus", positions, triangles)
     assert len(triangles) > 1_000_000 and not world["torus"].notes
     world.add_sphere("hole", 0.1)
     world.add_sphere("inside", 0.1, (1, 0, 0))

@@ -17,8 +17,6 @@
 //!
 //! From keys to a skinned mesh:
 //!
-//! From keys to skin:
-//!
 //! ```
 //! use kinopt::animation::{Armature, Clip, Cursor, Playback};
 //! use kinopt::io::rig::Rig;
@@ -35,7 +33,7 @@
 //! builder.euler_clip(&rig.clip)?;
 //! let clip = builder.build();
 //!
-//! Each frame reuses these buffers.
+//! // Each frame reuses these buffers.
 //! let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
 //! let (mut model_from_bone, mut posed_from_rest) = (Vec::new(), Vec::new());
 //! clip.sample(0.5, Playback::Loop, &mut cursor, &mut pose)?;

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_keeps_its_place_and_leaves_the_bounds() {
+    fn start_keeps_its_value_and_leaves_the_bounds() {
         for (lower, upper) in RANGES {
             let transform = BoundsTransform::new(lower, upper);
             let middle = match transform {

@@ -12,6 +12,8 @@ use super::workspace::ArmWorkspace;
 const UNREACHED_DECAY: f64 = 0.9;
 /// Remaining fraction at which that motion counts as ended.
 const MIN_REMAINING_FRACTION: f64 = 1e-3;
+/// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
+const SIDE_OFFSET: f64 = 2e-3;
 /// Fraction of a measured stiffness that is kept from step to step.
 const STIFFNESS_DECAY: f64 = 0.9;
 
@@ -95,17 +97,16 @@ impl Branch {
         }
         if !self.target_rests {
             self.singularity_branch
-                .offset_to_side(workspace, f64::INFINITY);
+                .offset_to_side(workspace, SIDE_OFFSET);
         }
     }
 
-    /// Moves the workspace's x slightly to the side of a stretched arm, if the last step missed a target that moves.
+    /// Moves the workspace's x to the side of a stretched arm by `offset` radians.
     ///
-    /// The motion is at most `max_offset` radians per joint.
-    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, max_offset: f64) {
+    /// It moves only if the last step missed a target that moves.
+    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, offset: f64) {
         if self.is_unreached && !self.target_rests {
-            self.singularity_branch
-                .offset_to_side(workspace, max_offset);
+            self.singularity_branch.offset_to_side(workspace, offset);
         }
     }
 

@@ -322,7 +322,7 @@ mod tests {
     /// Many equal starts, more than lanes: every start has its full number of steps.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn each_start_takes_all_its_steps() {
+    fn continuation_takes_all_steps_of_each_start() {
         let robot = Robot::read("models/franka_panda.urdf").unwrap();
         let arm = Arm::new(&robot, "base", "tool").unwrap();
         let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];

@@ -62,18 +62,18 @@ impl Arm {
         query: &Query<'_>,
     ) -> Termination {
         let n = self.joint_count();
-        let wanted = self.attempts_at(query.target);
+        let attempts = self.attempts_at(query.target);
         let iterations = self.options.iterations;
         let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
         workspace.attempt_ends.clear();
         workspace.outcomes.clear();
         let mut first = 0;
-        while first < wanted && total_iterations(&workspace.outcomes) < budget {
+        while first < attempts && total_iterations(&workspace.outcomes) < budget {
             let group = match query.deadline {
                 Some(_) => TIMED_GROUP_ATTEMPTS,
                 None => GROUP_ATTEMPTS,
             };
-            let count = group.min(wanted - first);
+            let count = group.min(attempts - first);
             self.run_attempts(workspace, query, first, count);
             if first == 0 && !query.is_late() {
                 self.continue_first(workspace, query);
@@ -94,7 +94,7 @@ impl Arm {
         // By distance, then by number: no two are equal.
         let ranking = &mut workspace.ranking;
         ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if query.is_late() && first < wanted {
+        if query.is_late() && first < attempts {
             Termination::TimeLimit
         } else {
             Termination::Reached

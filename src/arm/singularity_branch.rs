@@ -10,8 +10,6 @@ use nalgebra::Vector6;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
-/// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
-const SIDE_OFFSET: f64 = 2e-3;
 /// Tool motion below which a carried direction counts as null space, as a fraction of the longest Jacobian column.
 const CARRIED_TOLERANCE: f64 = 0.05;
 /// Tool motion below which a corrected direction counts as null space, as a fraction of the longest Jacobian column.
@@ -77,10 +75,9 @@ impl SingularityBranch {
         }
     }
 
-    /// Moves the workspace's x slightly to this side, by at most `max_offset` radians, within the bounds.
-    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, max_offset: f64) {
+    /// Moves the workspace's x to this side by `offset` radians, within the bounds.
+    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, offset: f64) {
         if self.known {
-            let offset = SIDE_OFFSET.min(max_offset);
             for (projected, direction) in workspace.projected.iter_mut().zip(&self.direction) {
                 *projected = offset * direction;
             }

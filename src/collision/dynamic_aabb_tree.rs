@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn few_changes_share_the_large_tree() {
+    fn dynamic_tree_few_changes_share_the_large_tree() {
         let all = (0..1000).map(|number| (number, "old", around(number as f64)));
         let first = DynamicAabbTree::new(all);
         assert_eq!(matches(&first, 10.2), [(10, "old")]);

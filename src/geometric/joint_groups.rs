@@ -189,9 +189,9 @@ impl<'a> PointLayout<'a> {
 
         let points =
             (0..self.points.len()).map(|point| is_rotation_centre[point] || is_pinned(point));
-        let kept: Vec<bool> = points.collect();
+        let is_kept: Vec<bool> = points.collect();
         let groups = group(&positioned, |joint| tree.joint_above(joint));
-        self.compact(&kept, &is_rotation_centre, groups, pins)
+        self.compact(&is_kept, &is_rotation_centre, groups, pins)
     }
 
     /// Numbers the kept points.

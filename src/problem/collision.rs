@@ -107,7 +107,7 @@ mod tests {
     use super::{BodyKind, Collision};
 
     #[test]
-    fn a_link_and_an_obstacle_of_one_name_are_two() {
+    fn link_and_obstacle_of_equal_name_are_distinct() {
         let pair = Collision::new("hand", "table", -0.01);
         let closer = Collision::new("hand", "table", -0.02).met_on_the_way();
         assert!(pair.is_of_same_pair(&closer));

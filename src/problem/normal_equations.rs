@@ -245,15 +245,15 @@ mod tests {
     /// Covers limbs with and without a coupling task, and knees with separate variables and with a mimic joint. Points
     /// are between bounds and at the edges of cones.
     #[test]
-    fn they_are_what_the_jacobian_makes() {
+    fn normal_equations_match_dense_jacobian() {
         let mut random = RandomStream::new(7, 0);
         let (model, knees) = body();
-        let own = ParameterMap::free(&model);
+        let all_free = ParameterMap::free(&model);
         let coupled = ParameterMap::builder(&model).with_coupled(knees[1], knees[0], -0.8, 0.1);
         let coupled = coupled.build().unwrap();
         for (map, ties) in [
-            (&own, false),
-            (&own, true),
+            (&all_free, false),
+            (&all_free, true),
             (&coupled, false),
             (&coupled, true),
         ] {

@@ -128,27 +128,27 @@ impl Schedule {
     /// The trials in order.
     pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
         let agreeing = self.restarts.agreeing;
-        let quick = match self.attempts {
+        let quick_attempts = match self.attempts {
             attempts if self.kind == Kind::Quick && attempts > 1 => {
                 attempts.min(STALLED_ATTEMPTS_BEFORE_BEST)
             }
             _ => 0,
         };
         // Only converged attempts can agree.
-        let later = match quick > 0 && agreeing.is_none() {
+        let later = match quick_attempts > 0 && agreeing.is_none() {
             true => Trial::Quick,
             false => Trial::Full,
         };
-        let best = (quick > 0).then_some(Trial::FinishBest);
-        let first = (quick > 0 && agreeing.is_none()).then_some(Trial::FinishFirst);
+        let best = (quick_attempts > 0).then_some(Trial::FinishBest);
+        let first = (quick_attempts > 0 && agreeing.is_none()).then_some(Trial::FinishFirst);
         let at_last = (self.kind != Kind::Sweeps).then_some(Trial::FinishAtLast);
-        let nearby = (quick > 0).then_some(Trial::NearbyFirst);
-        (0..quick.min(1))
+        let nearby = (quick_attempts > 0).then_some(Trial::NearbyFirst);
+        (0..quick_attempts.min(1))
             .map(Trial::Quick)
             .chain(nearby)
-            .chain((1..quick).map(Trial::Quick))
+            .chain((1..quick_attempts).map(Trial::Quick))
             .chain(best)
-            .chain((quick..self.attempts).map(later))
+            .chain((quick_attempts..self.attempts).map(later))
             .chain(best)
             .chain(first)
             .chain(at_last)

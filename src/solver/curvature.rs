@@ -88,7 +88,7 @@ pub(super) struct Differences {
     x: Vec<f64>,
     residual: Vec<f64>,
     gradient: Vec<f64>,
-    gradient_here: Vec<f64>,
+    gradient_at_x: Vec<f64>,
     /// Weights of the variables in a probe.
     weights: Vec<f64>,
     /// Probe, and the product of J with it.
@@ -107,7 +107,7 @@ impl Differences {
             (&mut self.x, n),
             (&mut self.residual, m),
             (&mut self.gradient, n),
-            (&mut self.gradient_here, n),
+            (&mut self.gradient_at_x, n),
             (&mut self.weights, n),
             (&mut self.probe, n),
             (&mut self.image, m),
@@ -135,15 +135,15 @@ impl Differences {
     ///
     /// Short columns, of joints near a tip, then count as much as long ones in the equations for the generators.
     /// Variables at a bound are left out, as probes go to both sides.
-    fn weigh(&mut self, problem: &dyn LeastSquares, at: &SolverState) {
-        let short = SHORT_COLUMN * at.column_norm;
+    fn weight_variables(&mut self, problem: &dyn LeastSquares, at: &SolverState) {
+        let min_column = SHORT_COLUMN * at.column_norm;
         let space = problem.space();
         for &j in &at.free {
             let unit = at.step_scale.get(j).copied().unwrap_or(1.0);
             let column = at.jacobian.column(j).norm() * unit;
-            let (below, above) = space.room(&at.x, j);
-            if below.min(above) > 2.0 * PROBE_LENGTH * unit {
-                let length = column.max(short) / unit;
+            let (max_decrease, max_increase) = space.room(&at.x, j);
+            if max_decrease.min(max_increase) > 2.0 * PROBE_LENGTH * unit {
+                let length = column.max(min_column) / unit;
                 self.weights[j] = 1.0 / (length * length);
             }
         }
@@ -158,9 +158,9 @@ impl Differences {
         if length == 0.0 {
             return;
         }
-        let share = PROBE_LENGTH / length;
+        let fraction = PROBE_LENGTH / length;
         let space = problem.space();
-        space.integrate_share(&at.x, share, &self.probe, &mut self.x);
+        space.integrate_share(&at.x, fraction, &self.probe, &mut self.x);
         self.gradient(problem);
         self.image.fill(0.0);
         let rows = self.image.len().max(1);
@@ -170,7 +170,7 @@ impl Differences {
         }
         for &j in &at.free {
             let column = &at.jacobian.as_slice()[j * rows..(j + 1) * rows];
-            let change = (self.gradient[j] - self.gradient_here[j]) / share;
+            let change = (self.gradient[j] - self.gradient_at_x[j]) / fraction;
             self.product[j] = change - dot(column, &self.image);
         }
     }
@@ -239,8 +239,8 @@ impl Curvature {
     }
 
     /// ½ sᵀ S s for the last step s, 0 until S is learnt.
-    fn bend(&mut self, at: &SolverState) -> f64 {
-        let whole = match self.is_separable {
+    fn second_order_cost(&mut self, at: &SolverState) -> f64 {
+        let quadratic_form = match self.is_separable {
             true => {
                 let jacobian = &at.jacobian;
                 let generators = &self.generators;
@@ -252,22 +252,27 @@ impl Curvature {
             }
             false => quadratic(&self.matrix, &at.step),
         };
-        0.5 * whole
+        0.5 * quadratic_form
     }
 
     /// ½ sᵀ S s if steps use S, else 0: the second-order part of the predicted cost.
-    pub(super) fn bend_in_use(&mut self, at: &SolverState) -> f64 {
-        if self.in_use { self.bend(at) } else { 0.0 }
+    pub(super) fn second_order_cost_in_use(&mut self, at: &SolverState) -> f64 {
+        if self.in_use {
+            self.second_order_cost(at)
+        } else {
+            0.0
+        }
     }
 
     /// Records a step that will be accepted, before x moves and J is evaluated again.
     ///
     /// `linear` is the cost that JᵀJ predicted for it.
-    pub(super) fn note(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
-        let bent = linear + self.bend(at);
-        self.in_use = !self.is_unknown() && (bent - new_cost).abs() < (linear - new_cost).abs();
-        let slow = new_cost > SLOW * at.cost;
-        self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
+    pub(super) fn record_step(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
+        let curved_cost = linear + self.second_order_cost(at);
+        self.in_use =
+            !self.is_unknown() && (curved_cost - new_cost).abs() < (linear - new_cost).abs();
+        let is_slow = new_cost > SLOW * at.cost;
+        self.slow_steps = if is_slow { self.slow_steps + 1 } else { 0 };
         self.pending = self.slow_steps >= SLOW_STEPS || !self.is_unknown();
         if !self.pending {
             return;
@@ -282,7 +287,7 @@ impl Curvature {
     }
 
     /// Returns true if S should be computed from differences.
-    pub(super) fn wants_differences(&self, cost: f64, column_norm: f64) -> bool {
+    pub(super) fn needs_differences(&self, cost: f64, column_norm: f64) -> bool {
         let is_due = match self.is_separable {
             true => self.slow_steps >= SLOW_STEPS,
             false => self.slow_steps > 0 && self.slow_steps.is_multiple_of(SLOWER_STEPS),
@@ -293,43 +298,44 @@ impl Curvature {
     /// Computes S = H − JᵀJ over the free variables, with H from differences of the gradient at x.
     ///
     /// Returns the number of gradients evaluated.
-    pub(super) fn take(
+    pub(super) fn compute_dense(
         &mut self,
         problem: &mut dyn LeastSquares,
         at: &SolverState,
-        room: &mut Differences,
+        differences: &mut Differences,
     ) -> usize {
         let SolverState {
             x, free, jacobian, ..
         } = at;
         let n = x.len();
-        room.reserve(at.residual.len(), n);
+        differences.reserve(at.residual.len(), n);
         self.pending = false;
         self.in_use = true;
         refill(&mut self.matrix, n * n, 0.0);
-        room.x.copy_from_slice(x);
+        differences.x.copy_from_slice(x);
         // Evaluated like all later gradients, so that rounding cancels: the gradient in memory may be Jᵀr.
-        room.gradient(problem);
-        std::mem::swap(&mut room.gradient, &mut room.gradient_here);
+        differences.gradient(problem);
+        std::mem::swap(&mut differences.gradient, &mut differences.gradient_at_x);
         let columns = |j: usize| jacobian.column(j);
         for &j in free {
             let unit = at.step_scale.get(j).copied().unwrap_or(1.0);
             let step = RELATIVE_STEP * x[j].abs().max(unit);
             // Into the bounds, where the problem is defined; a narrower range is crossed.
             let space = problem.space();
-            let (below, above) = space.room(x, j);
-            let step = match above >= below {
-                true => step.min(above),
-                false => -step.min(below),
+            let (max_decrease, max_increase) = space.room(x, j);
+            let step = match max_increase >= max_decrease {
+                true => step.min(max_increase),
+                false => -step.min(max_decrease),
             };
-            let taken = space.integrate_one(x, j, step, &mut room.x);
-            room.gradient(problem);
-            problem.space().return_one(x, j, &mut room.x);
+            let rounded_step = space.integrate_one(x, j, step, &mut differences.x);
+            differences.gradient(problem);
+            problem.space().return_one(x, j, &mut differences.x);
             for &k in free {
-                let change = (room.gradient[k] - room.gradient_here[k]) / taken;
-                let half = 0.5 * (change - columns(j).dot(&columns(k)));
-                self.matrix[j * n + k] += half;
-                self.matrix[k * n + j] += half;
+                let change =
+                    (differences.gradient[k] - differences.gradient_at_x[k]) / rounded_step;
+                let half_difference = 0.5 * (change - columns(j).dot(&columns(k)));
+                self.matrix[j * n + k] += half_difference;
+                self.matrix[k * n + j] += half_difference;
             }
         }
         free.len() + 1
@@ -338,32 +344,37 @@ impl Curvature {
     /// Computes a semiseparable S over the free variables from differences of the gradient along probes at x.
     ///
     /// Returns the number of gradients evaluated. If S repeatedly has not this form, the search continues with a dense S.
-    pub(super) fn take_separable(
+    pub(super) fn compute_separable(
         &mut self,
         problem: &mut dyn LeastSquares,
         at: &SolverState,
-        room: &mut Differences,
+        differences: &mut Differences,
         normal: &mut SemiseparableNormal,
     ) -> usize {
         let (m, n) = (at.residual.len(), at.x.len());
-        room.reserve(m, n);
+        differences.reserve(m, n);
         let is_first = self.generators.is_empty();
         refill(&mut self.generators, m * n, 0.0);
-        room.x.copy_from_slice(&at.x);
+        differences.x.copy_from_slice(&at.x);
         // Evaluated like the others, so that rounding cancels: the gradient in memory may be Jᵀr.
-        room.gradient(problem);
-        std::mem::swap(&mut room.gradient, &mut room.gradient_here);
-        room.weigh(problem, at);
+        differences.gradient(problem);
+        std::mem::swap(&mut differences.gradient, &mut differences.gradient_at_x);
+        differences.weight_variables(problem, at);
         for k in 0..m {
             for &j in &at.free {
-                room.probe[j] = room.weights[j] * at.jacobian[(k, j)];
+                differences.probe[j] = differences.weights[j] * at.jacobian[(k, j)];
             }
-            room.multiply_probe(problem, at);
+            differences.multiply_probe(problem, at);
             for &j in &at.free {
-                self.generators[j * m + k] = room.product[j];
+                self.generators[j * m + k] = differences.product[j];
             }
         }
-        normal.recover(&at.jacobian, &room.weights, &at.free, &mut self.generators);
+        normal.recover(
+            &at.jacobian,
+            &differences.weights,
+            &at.free,
+            &mut self.generators,
+        );
         self.in_use = true;
         if !is_first {
             self.pending = false;
@@ -373,26 +384,26 @@ impl Curvature {
         for (k, &j) in at.free.iter().enumerate() {
             let column = at.jacobian.column(j);
             let ramp = (k + 1) as f64 / at.free.len() as f64;
-            room.probe[j] = ramp * room.weights[j] * column.sum();
+            differences.probe[j] = ramp * differences.weights[j] * column.sum();
         }
-        room.multiply_probe(problem, at);
-        let whole = dot(&room.product, &room.product);
+        differences.multiply_probe(problem, at);
+        let squared_product = dot(&differences.product, &differences.product);
         let generators = &self.generators;
         let jacobian = &at.jacobian;
-        room.x.fill(0.0);
+        differences.x.fill(0.0);
         Semiseparable {
             jacobian,
             generators,
         }
-        .add_product(&room.probe, &mut room.x, &mut self.sum);
-        let wrong = at.free.iter().map(|&j| {
-            let error = room.x[j] - room.product[j];
+        .add_product(&differences.probe, &mut differences.x, &mut self.sum);
+        let squared_error = at.free.iter().map(|&j| {
+            let error = differences.x[j] - differences.product[j];
             error * error
         });
-        let wrong = wrong.sum::<f64>();
+        let squared_error = squared_error.sum::<f64>();
         // Away from a minimum, the three columns of a ball joint depend on their order, and S may be known later.
         self.pending = false;
-        if wrong > FORM_ERROR * FORM_ERROR * whole {
+        if squared_error > FORM_ERROR * FORM_ERROR * squared_product {
             self.in_use = false;
             self.generators.clear();
             self.failed_checks += 1;
@@ -402,7 +413,7 @@ impl Curvature {
     }
 
     /// Updates S by the recorded step, with the gradient after it.
-    pub(super) fn learn(&mut self, gradient: &[f64]) {
+    pub(super) fn update(&mut self, gradient: &[f64]) {
         if !std::mem::take(&mut self.pending) || self.is_separable {
             return;
         }
@@ -418,27 +429,31 @@ impl Curvature {
             *y_sharp = g - *y_sharp;
         }
         // A step that barely changed the slope is no basis for an update.
-        let along = dot(change, &self.step);
+        let change_dot_step = dot(change, &self.step);
         let negligible =
             NEGLIGIBLE_COSINE * (dot(change, change) * dot(&self.step, &self.step)).sqrt();
-        if along.is_nan() || along <= negligible {
+        if change_dot_step.is_nan() || change_dot_step <= negligible {
             return;
         }
         // Sizing (section 4 of the same paper): S must shrink with the residual.
-        let held = quadratic(&self.matrix, &self.step);
-        let wanted = dot(sharp, &self.step);
-        if held != 0.0 {
-            let size = (wanted / held).abs().min(1.0);
+        let current = quadratic(&self.matrix, &self.step);
+        let required = dot(sharp, &self.step);
+        if current != 0.0 {
+            let size = (required / current).abs().min(1.0);
             self.matrix.iter_mut().for_each(|entry| *entry *= size);
         }
         multiply_symmetric(&self.matrix, &self.step, &mut self.missing);
         for (missing, &y_sharp) in self.missing.iter_mut().zip(sharp.iter()) {
             *missing = y_sharp - *missing;
         }
-        let excess = dot(&self.missing, &self.step) / (along * along);
+        let excess = dot(&self.missing, &self.step) / (change_dot_step * change_dot_step);
         for (i, row) in self.matrix.chunks_exact_mut(n).enumerate() {
-            add_scaled(row, self.missing[i] / along - excess * change[i], change);
-            add_scaled(row, change[i] / along, &self.missing);
+            add_scaled(
+                row,
+                self.missing[i] / change_dot_step - excess * change[i],
+                change,
+            );
+            add_scaled(row, change[i] / change_dot_step, &self.missing);
         }
     }
 }

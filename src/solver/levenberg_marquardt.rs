@@ -101,37 +101,38 @@ impl Method for LevenbergMarquardt {
 
     answers! {
         fn needs_jacobian(&self) -> bool = true;
-        fn control(&self, own: &Self::State) -> f64 = own.damping;
-        fn fits(&self, own: &Self::State, variables: usize) -> bool = own.curvature.fits(variables);
+        fn control(&self, state: &Self::State) -> f64 = state.damping;
+        fn fits(&self, state: &Self::State, variables: usize) -> bool = state.curvature.fits(variables);
     }
 
     fn check(&self) -> Result<(), BadOption> {
         BadOption::check("initial_damping", self.initial, POSITIVE)
     }
 
-    fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
-        (own.damping, own.growth, own.per_cost) = (0.0, 0.0, 0.0);
-        own.curvature.reset(rows, variables);
-        own.buffers.reserve(rows, variables);
+    fn reserve(&self, state: &mut Self::State, rows: usize, variables: usize) {
+        (state.damping, state.growth, state.per_cost) = (0.0, 0.0, 0.0);
+        state.curvature.reset(rows, variables);
+        state.buffers.reserve(rows, variables);
     }
 
-    fn begin(&self, own: &mut Self::State, at: &SolverState) {
-        own.growth = 2.0;
-        own.per_cost = self.initial;
-        own.damping = match self.damping {
+    fn begin(&self, state: &mut Self::State, at: &SolverState) {
+        state.growth = 2.0;
+        state.per_cost = self.initial;
+        state.damping = match self.damping {
             Damping::GainRatio => self.initial * at.column_norm * at.column_norm,
             Damping::ErrorProportional => self.initial * at.cost,
         };
     }
 
-    fn step(&self, own: &mut Self::State, at: &mut Iterate<'_>) -> Step {
-        own.learn_curvature(at);
-        if !own.solve_curved(at) {
-            own.buffers.normal.step(at.state, own.damping);
+    fn step(&self, state: &mut Self::State, at: &mut Iterate<'_>) -> Step {
+        state.learn_curvature(at);
+        if !state.solve_curved(at) {
+            state.buffers.normal.step(at.state, state.damping);
         }
         at.project_step();
-        let linear = at.model_cost();
-        let promised = at.cost - linear - own.curvature.bend_in_use(at.state);
+        let linear_cost = at.model_cost();
+        let predicted_decrease =
+            at.cost - linear_cost - state.curvature.second_order_cost_in_use(at.state);
         let trial_cost = at.evaluate_trial();
         let decrease = at.cost - trial_cost;
         let accepted = decrease > 0.0;
@@ -140,35 +141,35 @@ impl Method for LevenbergMarquardt {
             Damping::GainRatio if accepted => {
                 // Projection and curvature may leave a model that predicts no decrease for a step that achieves one.
                 // That is no reason to raise λ.
-                let ratio = if promised > 0.0 {
-                    decrease / promised
+                let ratio = if predicted_decrease > 0.0 {
+                    decrease / predicted_decrease
                 } else {
                     1.0
                 };
                 let gain_offset = 2.0 * ratio - 1.0;
                 let cube = gain_offset * gain_offset * gain_offset;
                 let damping_factor = (1.0 - cube).max(1.0 / 3.0);
-                own.damping *= damping_factor.min(trial_cost / at.cost);
-                own.growth = 2.0;
+                state.damping *= damping_factor.min(trial_cost / at.cost);
+                state.growth = 2.0;
             }
             Damping::GainRatio => {
-                own.damping *= own.growth;
-                own.growth *= 2.0;
+                state.damping *= state.growth;
+                state.growth *= 2.0;
             }
             Damping::ErrorProportional => {
                 if !accepted {
-                    own.per_cost *= 4.0;
+                    state.per_cost *= 4.0;
                 } else if trial_cost < 0.25 * at.cost {
-                    own.per_cost *= 0.5;
+                    state.per_cost *= 0.5;
                 }
-                own.damping = own.per_cost * trial_cost.min(at.cost);
+                state.damping = state.per_cost * trial_cost.min(at.cost);
             }
         }
         if !accepted {
             return Step::Refused;
         }
-        own.curvature.note(at, linear, trial_cost);
-        own.buffers.normal.forget();
+        state.curvature.record_step(at, linear_cost, trial_cost);
+        state.buffers.normal.forget();
         at.accept();
         Step::Taken
     }
@@ -187,24 +188,24 @@ impl LevenbergMarquardtState {
     /// Updates S by the last step, or computes it from differences.
     fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
         let Iterate { problem, state: at } = iterate;
-        if self.curvature.wants_differences(at.cost, at.column_norm) {
+        if self.curvature.needs_differences(at.cost, at.column_norm) {
             let Buffers {
                 differences,
                 curved,
                 ..
             } = &mut self.buffers;
-            let taken = match self.curvature.is_separable() {
+            let gradient_count = match self.curvature.is_separable() {
                 true => {
                     let normal = &mut curved.semiseparable;
                     self.curvature
-                        .take_separable(*problem, at, differences, normal)
+                        .compute_separable(*problem, at, differences, normal)
                 }
-                false => self.curvature.take(*problem, at, differences),
+                false => self.curvature.compute_dense(*problem, at, differences),
             };
-            at.counts.residuals += taken;
-            at.counts.gradients += taken;
+            at.counts.residuals += gradient_count;
+            at.counts.gradients += gradient_count;
         } else {
-            self.curvature.learn(&at.gradient);
+            self.curvature.update(&at.gradient);
         }
     }
 

@@ -165,8 +165,8 @@ pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
         (1.0 - half * cos / sin) / squared
     };
     let column = |unit: Vector3<f64>| {
-        let once = phi.cross(unit);
-        unit - once * 0.5 + phi.cross(once) * coefficient
+        let crossed = phi.cross(unit);
+        unit - crossed * 0.5 + phi.cross(crossed) * coefficient
     };
     let [x, y, z] = Vector3::UNITS.map(column);
     Matrix3::from_columns(x, y, z)
@@ -205,12 +205,12 @@ pub fn rotation_exp_jacobian<S: Scalar>(phi: Vector3<S>) -> Matrix3<S> {
             -1.0 / 6_227_020_800.0,
         ],
     );
-    let once = S::select(small, near_once, (S::one() - cos) / safe);
-    let twice = S::select(small, near_twice, (angle - sin) / (safe * angle));
+    let first_coefficient = S::select(small, near_once, (S::one() - cos) / safe);
+    let second_coefficient = S::select(small, near_twice, (angle - sin) / (safe * angle));
     let column = |unit: Vector3<f64>| {
         let unit = Vector3::constant(unit);
         let crossed = phi.cross(unit);
-        unit + crossed * once + phi.cross(crossed) * twice
+        unit + crossed * first_coefficient + phi.cross(crossed) * second_coefficient
     };
     let [x, y, z] = Vector3::UNITS;
     Matrix3::from_columns(column(x), column(y), column(z))

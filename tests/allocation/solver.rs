@@ -50,8 +50,8 @@ fn drag() -> Drag {
     }
 }
 
-fn move_target(drag: &mut Drag, random: &mut Random, by: f64) {
-    let to = drag.at_rest + random.vector(by);
+fn move_target(drag: &mut Drag, random: &mut Random, size: f64) {
+    let to = drag.at_rest + random.vector(size);
     drag.targets.get_mut(drag.task).unwrap().set_target(to);
 }
 
@@ -183,11 +183,11 @@ fn frames_of_a_drag_allocate_nothing() {
     let mut random = Random::new(9);
     // Out of reach and back, with perturbations where a frame settles on a miss.
     for frame in 0..40 {
-        let by = if frame % 20 < 10 { 5.0 } else { 0.02 };
+        let size = if frame % 20 < 10 { 5.0 } else { 0.02 };
         let to = if frame % 4 == 0 {
-            at_rest + random.vector(by)
+            at_rest + random.vector(size)
         } else {
-            at_rest * by
+            at_rest * size
         };
         let allocated = allocations(|| {
             drag.target_mut(task).unwrap().set_target(to);

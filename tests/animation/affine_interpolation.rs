@@ -93,8 +93,8 @@ fn decomposition_reproduces_any_map() {
             }
         }
         for (t, end) in [(0.0, m), (1.0, DMat3::IDENTITY)] {
-            let got = interpolate_affine(&linear(m), &linear(DMat3::IDENTITY), t).unwrap();
-            let error = (got.matrix3 - end).to_cols_array();
+            let actual = interpolate_affine(&linear(m), &linear(DMat3::IDENTITY), t).unwrap();
+            let error = (actual.matrix3 - end).to_cols_array();
             assert!(error.iter().all(|e| e.abs() <= 1e-13 * size.max(1.0)));
         }
     }

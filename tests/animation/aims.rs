@@ -27,8 +27,8 @@ fn direction(random: &mut Random) -> Vec3A {
 
 fn turned(aim: &Aim, armature: &Armature, pose: &Pose, goal: &AimGoal) -> Option<(Pose, Affine3A)> {
     let mut posed = pose.clone();
-    let there = aim.turn(armature, &mut posed, goal).unwrap();
-    if !there {
+    let reached = aim.turn(armature, &mut posed, goal).unwrap();
+    if !reached {
         assert_eq!(&posed, pose);
         return None;
     }
@@ -45,11 +45,11 @@ fn aim_takes_the_shortest_arc_to_the_target() {
         let aim = Aim::new(&armature, hand, forward * 3.0).unwrap();
         let goal = AimGoal::at(target);
         let (posed, after) = turned(&aim, &armature, &pose, &goal).unwrap();
-        let way = (target - before.translation).normalize();
+        let direction = (target - before.translation).normalize();
         let points = after.transform_vector3a(forward);
-        assert!(points.cross(way).length() < 1e-5 && points.dot(way) > 0.0);
+        assert!(points.cross(direction).length() < 1e-5 && points.dot(direction) > 0.0);
         // The arc is as long as the angle between the two directions: no roll.
-        let angle = before.transform_vector3a(forward).angle_between(way);
+        let angle = before.transform_vector3a(forward).angle_between(direction);
         let [was, is] = [before, after].map(|m| Quat::from_mat3a(&m.matrix3));
         assert!((apart(was, is) - angle).abs() < 1e-3);
         // Half the weight gives half the rotation, and no other bone moves.
@@ -74,27 +74,33 @@ fn up_axis_is_upright_then_twisted() {
             continue;
         }
         let target = before.translation + direction(&mut random);
-        let asked = direction(&mut random);
+        let up_direction = direction(&mut random);
         let aim = Aim::new(&armature, hand, forward)
             .unwrap()
             .with_up(up)
             .unwrap();
         let goal = AimGoal {
-            up: Some(asked * 5.0),
+            up: Some(up_direction * 5.0),
             ..AimGoal::at(target)
         };
         let (_, after) = turned(&aim, &armature, &pose, &goal).unwrap();
-        let way = (target - before.translation).normalize();
-        assert!(after.transform_vector3a(forward).cross(way).length() < 1e-5);
-        let across = |v: Vec3A| v.reject_from(way).normalize();
-        if asked.cross(way).length() > 0.05 {
+        let aim_direction = (target - before.translation).normalize();
+        assert!(
+            after
+                .transform_vector3a(forward)
+                .cross(aim_direction)
+                .length()
+                < 1e-5
+        );
+        let across = |v: Vec3A| v.reject_from(aim_direction).normalize();
+        if up_direction.cross(aim_direction).length() > 0.05 {
             let is = across(after.transform_vector3a(up));
-            assert!(is.dot(across(asked)) > 1.0 - 1e-5);
+            assert!(is.dot(across(up_direction)) > 1.0 - 1e-5);
         }
         let twist = random.within(-3.0, 3.0) as f32;
         let goal = AimGoal { twist, ..goal };
         let (_, twisted) = turned(&aim, &armature, &pose, &goal).unwrap();
-        let about = Quat::from_axis_angle(way.into(), twist);
+        let about = Quat::from_axis_angle(aim_direction.into(), twist);
         let expected = about * after.transform_vector3a(up);
         assert!((twisted.transform_vector3a(up) - expected).length() < 1e-5);
     }
@@ -119,8 +125,8 @@ fn line_from_an_offset_passes_the_target() {
         };
         let from = after.transform_point3a(offset);
         let points = after.transform_vector3a(forward);
-        let way = target - from;
-        assert!(points.cross(way).length() < 2e-5 && points.dot(way) > -1e-5);
+        let direction = target - from;
+        assert!(points.cross(direction).length() < 2e-5 && points.dot(direction) > -1e-5);
     }
     assert!((1..150).contains(&short), "{short}");
 }
@@ -140,9 +146,9 @@ fn scaled_bone_aims_from_its_offset() {
         let aim = Aim::new(&armature, hand, forward).unwrap();
         let aim = aim.with_offset(offset).unwrap();
         let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(target)).unwrap();
-        let way = target - after.transform_point3a(offset);
+        let direction = target - after.transform_point3a(offset);
         let points = after.transform_vector3a(forward).normalize();
-        assert!(points.cross(way).length() < 2e-5 && points.dot(way) > 0.0);
+        assert!(points.cross(direction).length() < 2e-5 && points.dot(direction) > 0.0);
     }
 }
 

@@ -12,7 +12,7 @@ use support::random::Random;
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
 
 fn armature(bones: usize, random: &mut Random) -> Armature {
-    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
+    let mut number = |range: f32| range * random.within(-1.0, 1.0) as f32;
     let mut made: Vec<ArmatureBone> = Vec::new();
     for index in 0..bones {
         let turn = [3.0, 1.5, 3.0].map(&mut number);
@@ -30,7 +30,7 @@ fn armature(bones: usize, random: &mut Random) -> Armature {
     Armature::new(made, Vec::new()).unwrap()
 }
 
-fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
     armature.local_to_model(pose, &mut model_from_bone).unwrap();
     model_from_bone
@@ -51,7 +51,7 @@ fn skeleton_and_armature_poses_agree() {
                 .collect();
             bridge.pose_of(&q, &mut pose).unwrap();
             let placed = skeleton.pose(&q).unwrap();
-            for (bone, ours) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+            for (bone, ours) in skeleton.bone_ids().zip(model_transforms(&armature, &pose)) {
                 let apart = ours.translation.as_dvec3()
                     - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
                 assert!(apart.length() < 1e-4, "{apart}");
@@ -83,7 +83,7 @@ fn hand_of_an_armature_reaches_its_target() {
         layer.set_goal(hand, target, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         assert!(layer.apply(&mut pose).unwrap().unwrap().reached);
-        let found = places(&armature, &pose)[7]
+        let found = model_transforms(&armature, &pose)[7]
             .translation
             .as_dvec3()
             .to_array();
@@ -141,17 +141,17 @@ fn rest_pose_can_be_replaced() {
         let turn = Quat::from_rotation_y(random.within(-1.0, 1.0) as f32);
         pose.set_rotation(bone, turn).unwrap();
     }
-    let expected = places(&armature, &pose);
+    let expected = model_transforms(&armature, &pose);
     let posed = armature.clone().at_rest_in(&pose).unwrap();
-    assert_eq!(places(&posed, posed.rest()), expected);
+    assert_eq!(model_transforms(&posed, posed.rest()), expected);
     for (rest_from_model, model_from_rest) in posed.rest_from_model().iter().zip(&expected) {
         assert!((*rest_from_model * *model_from_rest).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }
     let skeleton = posed.skeleton("one", |_| FREE).unwrap();
     let placed = skeleton.pose(&vec![0.0; skeleton.angles()]).unwrap();
-    for (bone, place) in skeleton.bone_ids().zip(&expected) {
-        let apart =
-            place.translation.as_dvec3() - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
+    for (bone, placement) in skeleton.bone_ids().zip(&expected) {
+        let apart = placement.translation.as_dvec3()
+            - glam::DVec3::from(placed.tail(bone).unwrap().to_array());
         assert!(apart.length() < 1e-5);
     }
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
@@ -177,8 +177,8 @@ fn bones_rotate_freely_or_are_locked() {
         .collect();
     let skeleton = armature.turning_skeleton("turning", &turning).unwrap();
     for bone in armature.bone_ids() {
-        let own = skeleton.bone(&armature.names()[bone.index()]).unwrap();
-        for limits in skeleton.bones()[own.index()].limits {
+        let skeleton_bone = skeleton.bone(&armature.names()[bone.index()]).unwrap();
+        for limits in skeleton.bones()[skeleton_bone.index()].limits {
             let free = limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY;
             assert_eq!(
                 (free, limits.is_locked()),

@@ -15,10 +15,11 @@ use support::random::Random;
 
 /// Number of bones. The first one is motionless, like a scene's node above the hips, and so are some further ones.
 const BONES: usize = 14;
-const STILL: [usize; 3] = [0, 6, 13];
+const MOTIONLESS_BONES: [usize; 3] = [0, 6, 13];
 
-fn turn(random: &mut Random, most: f64) -> Quat {
-    let [x, y, z] = [most, 0.5 * most, most].map(|most| random.within(-most, most) as f32);
+fn turn(random: &mut Random, max_angle: f64) -> Quat {
+    let [x, y, z] = [max_angle, 0.5 * max_angle, max_angle]
+        .map(|half_range| random.within(-half_range, half_range) as f32);
     Quat::from_euler(EulerRot::ZYX, x, y, z)
 }
 
@@ -41,7 +42,9 @@ fn figure(armature: &Armature, cones: &Cones, root: SkeletonRoot) -> BallSkeleto
         true => [Limits::new(0.0, 0.0); 3],
         false => [Limits::UNBOUNDED; 3],
     };
-    let skeleton = armature.skeleton("one", |bone| limits(STILL.contains(&bone.index())));
+    let skeleton = armature.skeleton("one", |bone| {
+        limits(MOTIONLESS_BONES.contains(&bone.index()))
+    });
     BallSkeleton::new(skeleton.unwrap(), cones, root).unwrap()
 }
 
@@ -52,10 +55,10 @@ fn placed(armature: &Armature, pose: &Pose) -> Vec<(DAffine3, DQuat)> {
         let local = pose.local(bone).unwrap();
         let rotation = local.rotation.as_dquat().normalize();
         let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
-        let own = DAffine3::from_scale_rotation_translation(scale, rotation, at);
+        let local = DAffine3::from_scale_rotation_translation(scale, rotation, at);
         let above = armature.parent(bone).map(|parent| placed[parent.index()]);
         let (above, turned) = above.unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY));
-        placed.push((above * own, turned * rotation));
+        placed.push((above * local, turned * rotation));
     }
     placed
 }
@@ -71,7 +74,7 @@ fn any_pose(armature: &Armature, moved: bool, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature
         .bone_ids()
-        .filter(|bone| !STILL.contains(&bone.index()))
+        .filter(|bone| !MOTIONLESS_BONES.contains(&bone.index()))
     {
         pose.set_rotation(bone, turn(random, 3.0)).unwrap();
         let is_root = armature
@@ -103,13 +106,13 @@ fn kinematics_equal_the_armatures_matrices() {
             assert_eq!(q.len(), figure.model().configuration_len());
             let ours = figure.pose(&q).unwrap();
             for (bone, (affine, rotation)) in armature.bone_ids().zip(placed(&armature, &pose)) {
-                let own = ours.model_from_bone[bone.index()];
-                let at = DVec3::from(own.translation.to_array());
+                let placement = ours.model_from_bone[bone.index()];
+                let at = DVec3::from(placement.translation.to_array());
                 assert!(
                     (affine.translation - at).length() < 1e-12 * 20.0,
                     "{bone:?}"
                 );
-                for (axis, ours) in DVec3::AXES.into_iter().zip(axes(&own)) {
+                for (axis, ours) in DVec3::AXES.into_iter().zip(axes(&placement)) {
                     assert!((rotation * axis - ours).length() < 1e-12, "{bone:?}");
                 }
             }
@@ -141,7 +144,7 @@ fn neutral_configuration_is_the_rest_pose() {
         let model = figure.model();
         let turning = armature
             .bone_ids()
-            .filter(|bone| !STILL.contains(&bone.index()));
+            .filter(|bone| !MOTIONLESS_BONES.contains(&bone.index()));
         let joints: BTreeSet<_> = turning.flat_map(|bone| figure.joints(bone)).collect();
         let moving: BTreeSet<_> = model.moving_joints().iter().copied().collect();
         assert_eq!(joints, moving);
@@ -263,7 +266,7 @@ fn cone_axis_is_the_bone_by_default() {
 fn cones_of_other_bones_are_rejected() {
     let random = &mut Random::new(34);
     let armature = armature(random);
-    let limits = |bone: kinopt::skeleton::BoneId| match STILL.contains(&bone.index()) {
+    let limits = |bone: kinopt::skeleton::BoneId| match MOTIONLESS_BONES.contains(&bone.index()) {
         true => [Limits::new(0.0, 0.0); 3],
         false => [Limits::UNBOUNDED; 3],
     };

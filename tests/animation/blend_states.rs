@@ -85,10 +85,10 @@ fn phase_continues_as_the_number_changes() {
         let [length, _] = expected(speed, 1.0);
         phase += 0.013 / f64::from(length);
         let shown = step(&mut run, 0.013);
-        let place = phase.fract();
+        let fraction = phase.fract();
         // At the seam of the loop, rounding decides between end and start.
-        if (0.001..0.999).contains(&place) {
-            near(shown, expected(speed, place as f32));
+        if (0.001..0.999).contains(&fraction) {
+            near(shown, expected(speed, fraction as f32));
         }
     }
 }
@@ -98,10 +98,10 @@ fn playing_clips_and_event_weights_are_reported() {
     let mut run = moving(1.5);
     let playing: Vec<(&str, f32)> = run.playing().collect();
     assert_eq!(playing, [("walk", 0.75), ("run", 0.25)]);
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     run.update(1.0, |fired| {
         assert_eq!(fired.state, "move");
-        heard.push((
+        events.push((
             fired.clip.to_owned(),
             fired.event.name.clone(),
             fired.weight,
@@ -110,7 +110,7 @@ fn playing_clips_and_event_weights_are_reported() {
     .unwrap();
     let expected = [("walk", "walk half", 0.75), ("run", "run half", 0.25)];
     assert_eq!(
-        heard,
+        events,
         expected.map(|(c, e, w)| (c.to_owned(), e.to_owned(), w))
     );
     run.set_number("speed", 3.0).unwrap();
@@ -157,7 +157,7 @@ fn synchronised_state_starts_at_the_same_phase() {
     };
     // After 3.25 s a walk of 2 s is 1.25 s into its second cycle. In ping-pong playback it is 0.75 s before its start,
     // and held it is at its end.
-    for (playback, place) in [("loop", 0.625), ("ping_pong", 0.375), ("hold", 1.0)] {
+    for (playback, position) in [("loop", 0.625), ("ping_pong", 0.375), ("hold", 1.0)] {
         for speed in [1.0, -1.0] {
             let mut run = run_of(&text(playback, speed));
             step(&mut run, 3.25);
@@ -166,7 +166,7 @@ fn synchronised_state_starts_at_the_same_phase() {
             assert_eq!(run.state(), "run");
             let [x, y] = step(&mut run, 0.25);
             // The clip starts again at the ends of its loop.
-            let shown = place + 0.25 * speed;
+            let shown = position + 0.25 * speed;
             if (0.0..1.0).contains(&shown) {
                 assert!((x - shown as f32).abs() < 1e-6 && y == 20.0, "{x} {y}");
             }
@@ -184,7 +184,7 @@ fn synchronised_state_starts_at_the_same_phase() {
 /// that it follows, not with the jump.
 #[test]
 fn interrupted_fade_keeps_phase_with_its_source() {
-    for (interruption, from, place) in [
+    for (interruption, from, expected) in [
         ("source", "\"from\": \"walk\", ", 0.75),
         ("either", "\"from\": \"walk\", ", 0.75),
         ("target", "\"from\": \"jump\", ", 0.5),
@@ -215,7 +215,7 @@ fn interrupted_fade_keeps_phase_with_its_source() {
         let [x, y] = step(&mut run, 0.0);
         assert_eq!(run.state(), "run");
         assert!(
-            (x - place).abs() < 1e-6 && y == 20.0,
+            (x - expected).abs() < 1e-6 && y == 20.0,
             "{interruption}, {from}: {x} {y}"
         );
     }

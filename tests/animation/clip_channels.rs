@@ -15,9 +15,9 @@ use super::baked_clips::at;
 #[test]
 fn channels_round_trip_for_any_rest() {
     let random = &mut Random::new(61);
-    let own = armature(5, random);
-    let rest = pose(&own, random);
-    let other = own.clone().at_rest_in(&rest).unwrap();
+    let source = armature(5, random);
+    let rest = pose(&source, random);
+    let other = source.clone().at_rest_in(&rest).unwrap();
     let times = vec![0.5, 1.0, 2.0];
     let smile = KeyedCurve::linear(times.clone(), vec![0.1, 0.9, 0.4]).unwrap();
     let turns = vec![
@@ -26,12 +26,12 @@ fn channels_round_trip_for_any_rest() {
         Quat::from_rotation_z(1.0),
     ];
     let ways = vec![Vec3A::X, Vec3A::Y, Vec3A::Z];
-    let bone = own.bone("bone 2").unwrap();
+    let bone = source.bone("bone 2").unwrap();
     let moving = [
         Channel::Rotation(RotationCurve::slerp(times.clone(), turns).unwrap()),
         Channel::Translation(KeyedCurve::linear(times, ways).unwrap()),
     ];
-    let mut builder = Clip::builder("nod", &own);
+    let mut builder = Clip::builder("nod", &source);
     for channel in moving.clone() {
         builder.channel(bone, channel).unwrap();
     }
@@ -59,7 +59,7 @@ fn channels_round_trip_for_any_rest() {
     assert_eq!(again.span(), clip.span());
     for step in 0..=12 {
         let time = step as f32 / 8.0;
-        let apart = difference(&at(&again, &other, time), &at(&clip, &own, time));
+        let apart = difference(&at(&again, &other, time), &at(&clip, &source, time));
         assert!(apart < 1e-6, "{apart} at {time}");
     }
 }

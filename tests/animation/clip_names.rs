@@ -23,7 +23,7 @@ const NAMES: [&str; 6] = [
 #[test]
 fn unique_suffix_of_a_name_is_accepted() {
     let clips = clips(&NAMES);
-    for (asked, meant) in [
+    for (query, meant) in [
         ("Walk", "Armature|Walk"),
         ("SlowWalk", "Armature|SlowWalk"),
         ("Armature|Run", "Armature|Run"),
@@ -31,7 +31,7 @@ fn unique_suffix_of_a_name_is_accepted() {
         ("001", "Walk.001"),
         ("Idle", "Idle"),
     ] {
-        assert_eq!(Clip::named(&clips, asked).unwrap().name(), meant, "{asked}");
+        assert_eq!(Clip::named(&clips, query).unwrap().name(), meant, "{query}");
     }
     // A full name has precedence over a last part, and of equal names the first clip is found.
     let same = self::clips(&["a|b", "b", "b", "c|d", "c|d"]);

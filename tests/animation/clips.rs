@@ -71,22 +71,22 @@ fn random_clip(armature: &Armature, random: &mut Random) -> (Clip, Vec<(usize, C
     let mut channels = Vec::new();
     let shared = times(random);
     for index in 0..armature.bones() {
-        let of = |random: &mut Random| match random.below(2) {
+        let times_of = |random: &mut Random| match random.below(2) {
             0 => shared.clone(),
             _ => times(random),
         };
         if random.below(4) > 0 {
-            let times = of(random);
+            let times = times_of(random);
             channels.push((
                 index,
                 Channel::Translation(vectors(random, &times, Vec3A::ZERO)),
             ));
         }
         if random.below(4) > 0 {
-            let times = of(random);
+            let times = times_of(random);
             channels.push((index, Channel::Scale(vectors(random, &times, Vec3A::ONE))));
         }
-        let times = of(random);
+        let times = times_of(random);
         match random.below(6) {
             0 => {}
             1 => {
@@ -149,8 +149,8 @@ fn sampled_pose_equals_the_curves_in_any_order() {
                 .unwrap();
             let time = time.max(f64::from(start)).min(f64::from(end));
             let expected = expected(&armature, &channels, time as f32);
-            let off = difference(&pose, &expected);
-            assert!(off < 5e-5, "{off} at {elapsed}");
+            let deviation = difference(&pose, &expected);
+            assert!(deviation < 5e-5, "{deviation} at {elapsed}");
             assert!(pose.rotations().iter().all(|q| q.is_normalized()));
         }
     }
@@ -171,13 +171,13 @@ fn loops_and_ping_pong_repeat() {
         pose
     };
     for share in [0.1, 0.35, 0.8] {
-        let own = at(share * length, Playback::Hold);
+        let held = at(share * length, Playback::Hold);
         for cycle in [-3.0, -1.0, 0.0, 1.0, 7.0] {
             let looped = at((cycle + share) * length, Playback::Loop);
-            assert!(difference(&own, &looped) < 1e-3);
-            let there = at((2.0 * cycle + share) * length, Playback::PingPong);
+            assert!(difference(&held, &looped) < 1e-3);
+            let forward = at((2.0 * cycle + share) * length, Playback::PingPong);
             let back = at((2.0 * cycle - share) * length, Playback::PingPong);
-            assert!(difference(&own, &there) < 1e-3 && difference(&own, &back) < 1e-3);
+            assert!(difference(&held, &forward) < 1e-3 && difference(&held, &back) < 1e-3);
         }
     }
     let start = at(0.0, Playback::Hold);
@@ -380,8 +380,8 @@ fn rig_keyframes_match_its_angles() {
                     .to_array()
                     .map(|x| x as f32);
                 let along = Vec3A::X * skeleton.bones()[bone.index()].length as f32;
-                let off = (model.transform_point3a(along) - Vec3A::from(tip)).length();
-                assert!(off < 1e-4, "{off}");
+                let deviation = (model.transform_point3a(along) - Vec3A::from(tip)).length();
+                assert!(deviation < 1e-4, "{deviation}");
             }
         }
     }
@@ -405,8 +405,8 @@ fn morph_weights_are_sampled_with_bones() {
     ] {
         clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
             .unwrap();
-        for (got, expected) in pose.morph_weights().iter().zip([smile, frown]) {
-            assert!((got - expected).abs() < 1e-6);
+        for (actual, expected) in pose.morph_weights().iter().zip([smile, frown]) {
+            assert!((actual - expected).abs() < 1e-6);
         }
     }
 }
@@ -573,7 +573,7 @@ fn channels_are_sorted_by_bone() {
         assert_eq!(channels.len(), added);
         let order: Vec<_> = channels
             .iter()
-            .map(|(bone, own)| (*bone, matches!(own, Channel::Rotation(_))))
+            .map(|(bone, channel)| (*bone, matches!(channel, Channel::Rotation(_))))
             .collect();
         assert!(order.is_sorted(), "{order:?}");
     }

@@ -40,7 +40,7 @@ fn degrees_become_radians() {
 
 #[test]
 fn errors_name_the_path() {
-    for (text, place, reason) in [
+    for (text, location, reason) in [
         (r#"{"a": {"swing": 0}}"#, "a.swing", "0 degrees"),
         (r#"{"a": {"swing": 181}}"#, "a.swing", "181 degrees"),
         (
@@ -90,7 +90,7 @@ fn errors_name_the_path() {
     ] {
         let error = cones::from_bytes(text.as_bytes(), "man.json").unwrap_err();
         let message = error.to_string();
-        let found = message.contains(place) && message.contains(reason);
+        let found = message.contains(location) && message.contains(reason);
         assert!(
             message.starts_with("man.json: ") && found,
             "{text}: {message}"

@@ -131,20 +131,20 @@ fn clips_of_other_armatures_are_rejected() {
 fn character_without_clips_reaches_from_rest() {
     let mut random = Random::new(34);
     let (mut crowd, _, limb) = crowd(&mut random);
-    let wanted = goal(&mut random);
-    crowd.add(Vec::new()).unwrap().goals_mut()[0] = wanted;
+    let new_goal = goal(&mut random);
+    crowd.add(Vec::new()).unwrap().goals_mut()[0] = new_goal;
     for _ in 0..3 {
         crowd.advance(0.1).unwrap();
     }
     // By a weight, and not from the previous frame.
     for weight in [1.0, 0.5, 0.0] {
-        let wanted = LimbGoal { weight, ..wanted };
-        crowd.characters_mut()[CHARACTERS].goals_mut()[0] = wanted;
+        let new_goal = LimbGoal { weight, ..new_goal };
+        crowd.characters_mut()[CHARACTERS].goals_mut()[0] = new_goal;
         for _ in 0..2 {
             crowd.advance(0.1).unwrap();
         }
         let mut pose = crowd.armature().rest().clone();
-        limb.reach(crowd.armature(), &mut pose, &wanted).unwrap();
+        limb.reach(crowd.armature(), &mut pose, &new_goal).unwrap();
         assert_eq!(crowd.characters()[CHARACTERS].pose(), &pose, "{weight}");
     }
 }

@@ -18,14 +18,14 @@ fn handle(time: f64, value: f64) -> BezierHandle<f64> {
 fn linear_keys_of_a_jump_have_constant_speed() {
     let keys = [[0.0, 0.0, 0.0], [0.0, 3.0, 0.0], [5.0, 0.0, 0.0]].map(DVec3::from_array);
     let curve = KeyedCurve::linear(vec![0.0, 1.0, 2.0], keys.to_vec()).unwrap();
-    for (time, place) in [
+    for (time, expected) in [
         (0.0, [0.0, 0.0, 0.0]),
         (0.5, [0.0, 1.5, 0.0]),
         (1.0, [0.0, 3.0, 0.0]),
         (1.5, [2.5, 1.5, 0.0]),
         (2.0, [5.0, 0.0, 0.0]),
     ] {
-        assert_eq!(curve.at(time), DVec3::from_array(place), "{time} s");
+        assert_eq!(curve.at(time), DVec3::from_array(expected), "{time} s");
     }
     // With easings, it passes the same positions at other times.
     let easings = vec![Easing::QuadraticOut, Easing::QuadraticIn, Easing::Linear];
@@ -53,8 +53,8 @@ fn each_segment_uses_its_easing() {
         for u in [0.1, 0.4, 0.5, 0.8, 0.99] {
             let share: f64 = easings[key].at(u);
             let expected = values[key] + (values[key + 1] - values[key]) * share;
-            let got = curve.at(times[key] + u * length);
-            assert!((got - expected).abs() < 1e-9, "{:?} {u}", easings[key]);
+            let actual = curve.at(times[key] + u * length);
+            assert!((actual - expected).abs() < 1e-9, "{:?} {u}", easings[key]);
         }
     }
 }
@@ -92,11 +92,12 @@ fn bezier_curve_passes_points_of_its_segments() {
     for _ in 0..100 {
         let times = vec![0.0, 0.4, 2.0, 2.5];
         let values: Vec<DVec3> = (0..4).map(|_| point(&mut random)).collect();
-        let room = |key: usize| times.get(key + 1).map_or(1.0, |next| next - times[key]);
-        let before = |key: usize| key.checked_sub(1).map_or(1.0, room);
+        let interval = |key: usize| times.get(key + 1).map_or(1.0, |next| next - times[key]);
+        let before = |key: usize| key.checked_sub(1).map_or(1.0, interval);
         let mut handles = Vec::new();
         for key in 0..4 {
-            let [back, ahead] = [before(key), room(key)].map(|room| room * random.unit());
+            let [back, ahead] =
+                [before(key), interval(key)].map(|interval| interval * random.unit());
             let [arriving, leaving] = [-back, ahead].map(|time| BezierHandle {
                 time,
                 value: point(&mut random),
@@ -226,11 +227,20 @@ fn invalid_curves_are_rejected_by_name() {
     let what = "handle";
     assert_eq!(error, KeyError::NonFiniteValue { key: 1, what });
     let error = KeyedCurve::bezier(vec![0.0, 1.0], vec![0.0, 1.0], vec![]).unwrap_err();
-    assert_eq!(error.to_string(), "0 pairs of handles for 2 keys");
+    assert_eq!(
+        error.to_string(),
+        "0 pairs of handles for 2 keys; there must be one for each key"
+    );
     let error = KeyedCurve::eased(vec![0.0, 1.0], vec![0.0, 1.0], vec![Easing::Linear]);
-    assert_eq!(error.unwrap_err().to_string(), "1 easings for 2 keys");
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "1 easings for 2 keys; there must be one for each key"
+    );
     let error = RotationCurve::eased(vec![0.0], vec![Quat::IDENTITY], vec![]).unwrap_err();
-    assert_eq!(error.to_string(), "0 easings for 1 keys");
+    assert_eq!(
+        error.to_string(),
+        "0 easings for 1 keys; there must be one for each key"
+    );
     let empty = RotationCurve::slerp(vec![], vec![]).unwrap_err();
     assert_eq!(empty, KeyError::Empty);
     let empty: Result<KeyedCurve<f64>, _> = KeyedCurve::eased(vec![], vec![], vec![]);

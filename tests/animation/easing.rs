@@ -75,8 +75,8 @@ fn bezier_easing_passes_points_of_its_curve() {
                 + 6.0 * (1.0 - u) * u * f64::from(second[0] - first[0])
                 + 3.0 * u * u * f64::from(1.0 - second[0]);
             if slope_in_time > 1e-2 {
-                let got = f64::from(easing.at(along(0) as f32));
-                assert!((got - along(1)).abs() < 1e-4, "{case} {u}: {got}");
+                let actual = f64::from(easing.at(along(0) as f32));
+                assert!((actual - along(1)).abs() < 1e-4, "{case} {u}: {actual}");
             }
         }
     }
@@ -107,11 +107,11 @@ fn bezier_easings_match_css() {
         let [first, second] = handles.map(|handle| handle.map(|x| x as f32));
         let easing = Easing::Bezier(BezierEasing::new(first, second).unwrap());
         for (k, value) in (1..).zip(values) {
-            let got = easing.at(0.25 * f64::from(k));
+            let actual = easing.at(0.25 * f64::from(k));
             // Handles are stored in single precision.
             assert!(
-                (got - value).abs() < 1e-7,
-                "{handles:?}: {got}, not {value}"
+                (actual - value).abs() < 1e-7,
+                "{handles:?}: {actual}, not {value}"
             );
         }
     }

@@ -95,11 +95,11 @@ fn kochanek_bartels_contains_the_other_splines() {
     let mut random = Random::new(1);
     for _ in 0..20 {
         let keys = uneven(&mut random);
-        let own = track(&keys);
-        let alike = |c| EulerInterpolation::kochanek_bartels(&own, c);
+        let source = track(&keys);
+        let alike = |c| EulerInterpolation::kochanek_bartels(&source, c);
         let smooth = clip(&keys, &EulerInterpolation::CatmullRom);
         let zeros = clip(&keys, &alike(controls(0.0, 0.0, 0.0)));
-        assert_eq!(smooth, EulerClip::new(vec![own.clone()]).unwrap());
+        assert_eq!(smooth, EulerClip::new(vec![source.clone()]).unwrap());
         for part in 0..=200 {
             let time = keys[0].0 + (keys[5].0 - keys[0].0) * f64::from(part) / 200.0;
             for (a, b) in at(&smooth, time).iter().zip(at(&zeros, time)) {
@@ -151,10 +151,10 @@ fn curves_pass_all_keys_and_match_vector_curves() {
             for part in 0..=100 {
                 let time = keys[0].0 + (keys[5].0 - keys[0].0) * f64::from(part) / 100.0;
                 let (ours, theirs) = (DVec3::from(at(&clip, time)), curve.at(time));
-                let off = (ours - theirs).length();
+                let deviation = (ours - theirs).length();
                 assert!(
-                    off < 1e-12 * (1.0 + theirs.length()),
-                    "{between:?}: {off:e}"
+                    deviation < 1e-12 * (1.0 + theirs.length()),
+                    "{between:?}: {deviation:e}"
                 );
             }
         }

@@ -35,13 +35,13 @@ fn wavy(armature: &Armature, random: &mut Random) -> Clip {
 }
 
 fn keys(clip: &Clip, armature: &Armature) -> usize {
-    let of = |channel: &Channel| match channel {
+    let key_count = |channel: &Channel| match channel {
         Channel::Translation(curve) | Channel::Scale(curve) => curve.times().len(),
         Channel::Rotation(curve) => curve.times().len(),
         _ => unreachable!(),
     };
     let channels = clip.channels(armature).unwrap();
-    channels.iter().map(|(_, channel)| of(channel)).sum()
+    channels.iter().map(|(_, channel)| key_count(channel)).sum()
 }
 
 #[test]
@@ -193,8 +193,8 @@ fn changed_clips_keep_their_duration() {
     builder.event(0.5, "step").unwrap();
     let clip = builder.build();
     let fewer = clip.with_fewer_keys(&armature, &KeyTolerance::EXACT);
-    let elsewhere = clip.at_rest_in(&armature, &armature);
-    for changed in [fewer, elsewhere] {
+    let rebased = clip.at_rest_in(&armature, &armature);
+    for changed in [fewer, rebased] {
         let changed = changed.unwrap();
         assert_eq!(changed.span(), [-0.5, 4.25]);
         assert_eq!(changed.duration(), 4.75);

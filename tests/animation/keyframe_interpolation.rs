@@ -108,10 +108,10 @@ fn even_times_give_the_catmull_rom_matrix() {
                 classic(four.map(|v| -2.0 * v), u),
                 classic(four.map(|v| v * v), u),
             ];
-            for (got, want) in q.iter().zip(expected) {
+            for (actual, want) in q.iter().zip(expected) {
                 assert!(
-                    (got - want).abs() < 1e-13,
-                    "{got} is not {want} at {time} s"
+                    (actual - want).abs() < 1e-13,
+                    "{actual} is not {want} at {time} s"
                 );
             }
         }
@@ -147,13 +147,13 @@ fn line_through_uneven_keys_stays_a_line() {
     for part in 0..=1000 {
         let time = -0.3 + 9.8 * f64::from(part) / 1000.0;
         let time = time.clamp(-0.3, 9.5);
-        for (got, want) in sample(&clip, 1, time, Playback::Hold)
+        for (actual, want) in sample(&clip, 1, time, Playback::Hold)
             .iter()
             .zip(line(time))
         {
             assert!(
-                (got - want).abs() < 2e-14,
-                "{got} is not {want} at {time} s"
+                (actual - want).abs() < 2e-14,
+                "{actual} is not {want} at {time} s"
             );
         }
     }
@@ -234,6 +234,6 @@ fn invalid_samples_are_errors() {
 #[test]
 fn tracks_without_keys_are_reported() {
     let clip = clip(3, &[(2, &[]), (0, &[(0.0, [0.1, 0.2, 0.3])]), (1, &[])]);
-    let told: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
-    assert_eq!((clip.tracks().len(), told), (1, vec![2, 1]));
+    let keyless: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
+    assert_eq!((clip.tracks().len(), keyless), (1, vec![2, 1]));
 }

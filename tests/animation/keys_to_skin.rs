@@ -27,8 +27,8 @@ struct Keys {
 impl Keys {
     fn random(random: &mut Random) -> Self {
         let times = vec![0.0, 0.3, 1.1, 1.5, 2.75];
-        let each = |random: &mut Random, of: &mut dyn FnMut(&mut Random) -> f32| {
-            times.iter().map(|_| of(random)).collect::<Vec<f32>>()
+        let each = |random: &mut Random, sample: &mut dyn FnMut(&mut Random) -> f32| {
+            times.iter().map(|_| sample(random)).collect::<Vec<f32>>()
         };
         let morphs = (0..2).map(|_| each(random, &mut |random| random.unit() as f32));
         let morphs = morphs.collect();
@@ -156,7 +156,7 @@ fn pipeline_matches_double_precision() {
                 .iter()
                 .map(|w| w.translation.length())
                 .fold(1.0, f64::max);
-            for (vertex, got) in posed.positions().iter().enumerate() {
+            for (vertex, actual) in posed.positions().iter().enumerate() {
                 let base = rest[vertex].as_dvec3();
                 let moves = shapes.iter().zip(&shares);
                 let moves = moves.map(|(shape, share)| (shape[vertex].as_dvec3() - base) * *share);
@@ -166,8 +166,8 @@ fn pipeline_matches_double_precision() {
                     let moved = world[bone] * bind[bone].inverse();
                     moved.transform_point3(shaped) * influence.weight
                 });
-                let off = (got.as_dvec3() - sum.sum::<DVec3>()).length();
-                assert!(off < 1e-5 * size, "{off} of {size} at {time} s");
+                let deviation = (actual.as_dvec3() - sum.sum::<DVec3>()).length();
+                assert!(deviation < 1e-5 * size, "{deviation} of {size} at {time} s");
             }
         }
     }

@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, Limb, LimbError, LimbGoal};
 use support::armatures::{bone, rotation, vector};
-use support::limbs::{END, arm, bent, largest_turn, limb, places, reachable, turn};
+use support::limbs::{END, arm, bent, joint_positions, largest_turn, limb, reachable, turn};
 use support::random::Random;
 
 #[test]
@@ -14,18 +14,20 @@ fn elbow_never_flips_at_the_upper_bone() {
     let mut random = Random::new(96);
     for _ in 0..50 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let radius = (before.end - before.root).length();
-        let way = (before.end - before.root) / radius;
+        let direction = (before.end - before.root) / radius;
         // Circle through the end and the line of the upper bone, and slightly off that line.
-        let aside = (before.mid - before.root).reject_from(way).normalize();
+        let aside = (before.mid - before.root)
+            .reject_from(direction)
+            .normalize();
         let aside = (aside + vector(&mut random, 0.05))
-            .reject_from(way)
+            .reject_from(direction)
             .normalize();
         let mut last = pose.clone();
         for step in 0..150 {
             let (sin, cos) = (0.02 * step as f32).sin_cos();
-            let goal = LimbGoal::at(before.root + (way * cos + aside * sin) * radius);
+            let goal = LimbGoal::at(before.root + (direction * cos + aside * sin) * radius);
             let mut posed = pose.clone();
             limb.reach(&armature, &mut posed, &goal).unwrap();
             assert!(largest_turn(&last, &posed) < 0.05, "step {step}");
@@ -44,12 +46,12 @@ fn straight_limb_without_a_pole_does_not_roll() {
         let lower = armature.bone("lower").unwrap();
         pose.set_local(lower, armature.rest().local(lower).unwrap())
             .unwrap();
-        let before = places(&armature, &pose);
-        let way = (before.end - before.root).normalize();
+        let before = joint_positions(&armature, &pose);
+        let direction = (before.end - before.root).normalize();
         // Next to the end, at equal distance from the root: the shortest rotation to it is 0.02 rad.
-        let across = vector(&mut random, 1.0).reject_from(way).normalize();
+        let across = vector(&mut random, 1.0).reject_from(direction).normalize();
         let goal =
-            LimbGoal::at(before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
+            LimbGoal::at(before.root + (direction * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
         assert!(largest_turn(&pose, &posed) < 0.03);
@@ -75,10 +77,10 @@ fn stretched_limb_bends_about_its_hinge() {
         let noise = [0.0, -0.02][case % 2];
         turn(&armature, &mut pose, "lower", Quat::from_rotation_z(noise));
         let limb = limb(&armature).with_hinge(Vec3A::Z * 3.0).unwrap();
-        let goal = LimbGoal::at(reachable(&mut random, &places(&armature, &pose)));
+        let goal = LimbGoal::at(reachable(&mut random, &joint_positions(&armature, &pose)));
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
-        assert!((places(&armature, &posed).end - goal.target).length() < 2e-5);
+        assert!((joint_positions(&armature, &posed).end - goal.target).length() < 2e-5);
         let elbow = posed
             .local(armature.bone("lower").unwrap())
             .unwrap()
@@ -132,7 +134,7 @@ fn twist_rotates_the_limb_about_its_target_line() {
     let mut random = Random::new(99);
     for case in 0..100 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let plain = LimbGoal {
             pole: (case % 2 == 0).then(|| before.root + vector(&mut random, 1.0)),
             ..LimbGoal::at(reachable(&mut random, &before))
@@ -141,12 +143,12 @@ fn twist_rotates_the_limb_about_its_target_line() {
         let reached = |goal: &LimbGoal| {
             let mut posed = pose.clone();
             limb.reach(&armature, &mut posed, goal).unwrap();
-            places(&armature, &posed)
+            joint_positions(&armature, &posed)
         };
         let untwisted = reached(&plain);
         let twisted = reached(&LimbGoal { twist, ..plain });
-        let way = (plain.target - before.root).normalize();
-        let about = Quat::from_axis_angle(way.into(), twist);
+        let limb_direction = (plain.target - before.root).normalize();
+        let about = Quat::from_axis_angle(limb_direction.into(), twist);
         let elbow = before.root + about * (untwisted.mid - before.root);
         assert!((twisted.mid - elbow).length() < 1e-4);
         assert!((twisted.end - plain.target).length() < 2e-5);
@@ -157,8 +159,8 @@ fn twist_rotates_the_limb_about_its_target_line() {
         };
         let [untwisted_half, twisted_half] =
             [0.0, twist].map(|twist| reached(&LimbGoal { twist, ..half }));
-        let way = (untwisted_half.end - before.root).normalize();
-        let about = Quat::from_axis_angle(way.into(), 0.5 * twist);
+        let half_direction = (untwisted_half.end - before.root).normalize();
+        let about = Quat::from_axis_angle(half_direction.into(), 0.5 * twist);
         let elbow = before.root + about * (untwisted_half.mid - before.root);
         assert!((twisted_half.mid - elbow).length() < 1e-4);
         let ignored = reached(&LimbGoal {
@@ -174,14 +176,14 @@ fn softened_limb_never_gets_straight() {
     let armature = arm();
     let mut random = Random::new(100);
     let pose = bent(&armature, &mut random);
-    let before = places(&armature, &pose);
+    let before = joint_positions(&armature, &pose);
     let direction = rotation(&mut random, 3.0) * Vec3A::X;
     let length = 0.55;
-    let distance = |limb: &Limb, asked: f32| {
+    let distance = |limb: &Limb, target_distance: f32| {
         let mut posed = pose.clone();
-        let goal = LimbGoal::at(before.root + direction * asked);
+        let goal = LimbGoal::at(before.root + direction * target_distance);
         limb.reach(&armature, &mut posed, &goal).unwrap();
-        let end = places(&armature, &posed).end - before.root;
+        let end = joint_positions(&armature, &posed).end - before.root;
         assert!(end.normalize().dot(direction) > 1.0 - 1e-6);
         end.length()
     };

@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, EndRotation, Limb, LimbError, LimbGoal, Pose};
 use support::armatures::{apart, model_by_ancestors, rotation};
-use support::limbs::{arm, bent, limb, places, reachable, turn};
+use support::limbs::{arm, bent, joint_positions, limb, reachable, turn};
 use support::random::Random;
 
 fn to_hand(armature: &Armature) -> Limb {
@@ -32,7 +32,7 @@ fn cases() -> impl Iterator<Item = (Armature, Pose, LimbGoal, Quat)> {
         let armature = arm();
         let mut pose = bent(&armature, &mut random);
         turn(&armature, &mut pose, "hand", rotation(&mut random, 1.5));
-        let target = reachable(&mut random, &places(&armature, &pose));
+        let target = reachable(&mut random, &joint_positions(&armature, &pose));
         let goal = LimbGoal {
             weight: random.within(0.0, 1.0) as f32,
             ..LimbGoal::at(target)
@@ -83,17 +83,17 @@ fn held_end_keeps_its_rotation() {
 
 #[test]
 fn end_goal_rotates_by_its_weight() {
-    for (armature, pose, goal, wanted) in cases() {
+    for (armature, pose, goal, target_rotation) in cases() {
         let followed = hand(&armature, &reached(&armature, &pose, &goal));
-        let way = apart(followed, wanted);
+        let angle = apart(followed, target_rotation);
         for weight in [0.25, 0.5, 1.0] {
             // The negative quaternion, or one of another length, is the same rotation.
-            let rotation = wanted * if weight == 0.5 { -3.0 } else { 1.0 };
+            let rotation = target_rotation * if weight == 0.5 { -3.0 } else { 1.0 };
             let end = EndRotation::Goal { rotation, weight };
             let posed = reached(&armature, &pose, &LimbGoal { end, ..goal });
             let turned = hand(&armature, &posed);
-            assert!((apart(followed, turned) - weight * way).abs() < 1e-4);
-            assert!((apart(turned, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            assert!((apart(followed, turned) - weight * angle).abs() < 1e-4);
+            assert!((apart(turned, target_rotation) - (1.0 - weight) * angle).abs() < 1e-4);
             // With a position weight of zero, the hand rotates and the arm does not move.
             let still = LimbGoal {
                 end: EndRotation::Goal {
@@ -104,7 +104,7 @@ fn end_goal_rotates_by_its_weight() {
                 ..goal
             };
             let posed = reached(&armature, &pose, &still);
-            assert!(apart(hand(&armature, &posed), wanted) < 2e-5);
+            assert!(apart(hand(&armature, &posed), target_rotation) < 2e-5);
             assert_eq!(posed.rotations()[..5], pose.rotations()[..5]);
         }
     }

@@ -4,7 +4,7 @@
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Limb, LimbError, LimbGoal};
 use support::armatures::{difference, rotation, vector};
-use support::limbs::{END, Places, arm, bent, limb, places, reachable};
+use support::limbs::{END, JointPositions, arm, bent, joint_positions, limb, reachable};
 use support::random::Random;
 
 #[test]
@@ -14,7 +14,7 @@ fn end_moves_by_its_weight_and_hinge_is_kept() {
     let mut random = Random::new(91);
     for _ in 0..300 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let target = reachable(&mut random, &before);
         for weight in [1.0, 0.5, 0.1] {
             let mut posed = pose.clone();
@@ -23,7 +23,7 @@ fn end_moves_by_its_weight_and_hinge_is_kept() {
                 ..LimbGoal::at(target)
             };
             limb.reach(&armature, &mut posed, &goal).unwrap();
-            let after = places(&armature, &posed);
+            let after = joint_positions(&armature, &posed);
             let mut share = before.end + (target - before.end) * weight;
             // On the straight segment the weighted target may be nearer to the root than the bones can fold.
             let distance = (share - before.root).length();
@@ -67,7 +67,7 @@ fn zero_weight_and_nan_change_nothing() {
         assert_eq!(posed, pose);
     }
     // A target at the current end moves nothing but by rounding.
-    let target = places(&armature, &pose).end;
+    let target = joint_positions(&armature, &pose).end;
     let mut posed = pose.clone();
     let goal = LimbGoal::at(target);
     limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
@@ -90,12 +90,12 @@ fn unreachable_target_stretches_the_limb() {
     let mut random = Random::new(93);
     for _ in 0..50 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let direction = rotation(&mut random, 3.0) * Vec3A::X;
         let mut posed = pose.clone();
         let goal = LimbGoal::at(before.root + direction * 7.0);
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
-        let after = places(&armature, &posed);
+        let after = joint_positions(&armature, &posed);
         assert!((after.end - (before.root + direction * 0.55)).length() < 1e-4);
         assert!(posed.rotations().iter().all(|q| q.is_normalized()));
     }
@@ -112,7 +112,7 @@ fn elbow_moves_towards_the_pole() {
             pose.set_local(lower, armature.rest().local(lower).unwrap())
                 .unwrap();
         }
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let target = reachable(&mut random, &before);
         let pole = before.root + vector(&mut random, 1.0);
         let mut posed = pose.clone();
@@ -121,7 +121,7 @@ fn elbow_moves_towards_the_pole() {
             ..LimbGoal::at(target)
         };
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
-        let after = places(&armature, &posed);
+        let after = joint_positions(&armature, &posed);
         assert!((after.end - target).length() < 2e-5);
         let along = (target - after.root).normalize();
         let across = |p: Vec3A| (p - after.root) - along * (p - after.root).dot(along);
@@ -140,8 +140,8 @@ fn invalid_limb_bones_are_named() {
     assert!(error.to_string().contains("`upper`") && error.to_string().contains("`lower`"));
     assert!(Limb::new(&armature, bone("upper"), bone("upper"), END).is_err());
     assert!(Limb::new(&armature, bone("bystander"), bone("lower"), END).is_err());
-    let bad = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
-    assert_eq!(bad, LimbError::BadEnd);
+    let invalid = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
+    assert_eq!(invalid, LimbError::BadEnd);
     let mut random = Random::new(95);
     let other = support::armatures::armature(30, &mut random);
     let stranger = other.bone_at(29).unwrap();
@@ -155,17 +155,20 @@ fn bend_follows_by_the_shortest_rotation() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(97);
-    let mut far = 0;
+    let mut large_turns = 0;
     for _ in 0..60 {
         let pose = bent(&armature, &mut random);
-        let before = places(&armature, &pose);
+        let before = joint_positions(&armature, &pose);
         let target = reachable(&mut random, &before);
         let mut posed = pose.clone();
         let goal = LimbGoal::at(target);
         limb.reach(&armature, &mut posed, &goal).unwrap();
-        let after = places(&armature, &posed);
-        let across = |own: &Places| (own.mid - own.root).cross(own.end - own.root);
-        let [old, new] = [&before, &after].map(|own| (own.end - own.root).normalize());
+        let after = joint_positions(&armature, &posed);
+        let across = |positions: &JointPositions| {
+            (positions.mid - positions.root).cross(positions.end - positions.root)
+        };
+        let [old, new] =
+            [&before, &after].map(|positions| (positions.end - positions.root).normalize());
         if old.dot(new) < -0.9 || across(&after).length() < 1e-3 {
             continue;
         }
@@ -173,7 +176,7 @@ fn bend_follows_by_the_shortest_rotation() {
         let carried = turn * across(&before).normalize();
         let apart = (across(&after).normalize() - carried).length();
         assert!(apart < 1e-3, "{apart}");
-        far += usize::from(old.dot(new) < 0.5);
+        large_turns += usize::from(old.dot(new) < 0.5);
     }
-    assert!(far > 10, "{far}");
+    assert!(large_turns > 10, "{large_turns}");
 }

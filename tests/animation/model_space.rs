@@ -47,34 +47,34 @@ fn placed_bone_has_the_given_placement() {
         let armature = armature(12, &mut random);
         let before = unscaled(&armature, &mut random);
         let bone = armature.bone_at(random.below(12)).unwrap();
-        let wanted = Affine3A::from_scale_rotation_translation(
+        let target = Affine3A::from_scale_rotation_translation(
             (Vec3A::ONE * random.within(0.5, 2.0) as f32).into(),
             rotation(&mut random, 3.0),
             vector(&mut random, 4.0).into(),
         );
         let mut after = before.clone();
         armature
-            .set_model_from_bone(&mut after, bone, wanted)
+            .set_model_from_bone(&mut after, bone, target)
             .unwrap();
         let all = placed(&armature, &after);
-        assert!(near(&all[bone.index()], &wanted, 2e-5));
+        assert!(near(&all[bone.index()], &target, 2e-5));
         assert!(near(
             &armature.model_from_bone(&after, bone).unwrap(),
-            &wanted,
+            &target,
             2e-5
         ));
         only_below(&armature, &before, &after, bone);
 
         // A bone placed at its current placement is unchanged.
         let mut again = before.clone();
-        let there = armature.model_from_bone(&before, bone).unwrap();
+        let placement = armature.model_from_bone(&before, bone).unwrap();
         assert!(near(
-            &there,
+            &placement,
             &placed(&armature, &before)[bone.index()],
             2e-5
         ));
         armature
-            .set_model_from_bone(&mut again, bone, there)
+            .set_model_from_bone(&mut again, bone, placement)
             .unwrap();
         let same = again.local(bone).unwrap().to_affine();
         assert!(near(&same, &before.local(bone).unwrap().to_affine(), 2e-5));
@@ -92,19 +92,19 @@ fn bone_rotates_in_model_space() {
             false => unscaled(&armature, &mut random),
         };
         let bone = armature.bone_at(random.below(12)).unwrap();
-        let wanted = rotation(&mut random, 3.0);
+        let target = rotation(&mut random, 3.0);
         let mut after = before.clone();
         // A direction of any length is valid.
         armature
-            .set_model_rotation(&mut after, bone, wanted * 3.0)
+            .set_model_rotation(&mut after, bone, target * 3.0)
             .unwrap();
-        assert!(apart(armature.model_rotation(&after, bone).unwrap(), wanted) < 1e-5);
+        assert!(apart(armature.model_rotation(&after, bone).unwrap(), target) < 1e-5);
         let (old, new) = (before.local(bone).unwrap(), after.local(bone).unwrap());
         assert_eq!((old.translation, old.scale), (new.translation, new.scale));
         only_below(&armature, &before, &after, bone);
         if !scaled {
             let matrix = placed(&armature, &after)[bone.index()].matrix3;
-            assert!(matrix.abs_diff_eq(Mat3A::from_quat(wanted), 2e-5));
+            assert!(matrix.abs_diff_eq(Mat3A::from_quat(target), 2e-5));
         }
     }
 }
@@ -116,13 +116,13 @@ fn bone_moves_in_model_space() {
         let armature = armature(12, &mut random);
         let before = pose(&armature, &mut random);
         let bone = armature.bone_at(random.below(12)).unwrap();
-        let wanted = vector(&mut random, 4.0);
+        let target = vector(&mut random, 4.0);
         let mut after = before.clone();
         armature
-            .set_model_translation(&mut after, bone, wanted)
+            .set_model_translation(&mut after, bone, target)
             .unwrap();
         let origin = placed(&armature, &after)[bone.index()].translation;
-        assert!(origin.abs_diff_eq(wanted, 1e-4), "{origin} {wanted}");
+        assert!(origin.abs_diff_eq(target, 1e-4), "{origin} {target}");
         let (old, new) = (before.local(bone).unwrap(), after.local(bone).unwrap());
         assert_eq!((old.rotation, old.scale), (new.rotation, new.scale));
         only_below(&armature, &before, &after, bone);
@@ -187,29 +187,29 @@ fn invalid_edits_change_nothing() {
     let at = |index| armature.bone_at(index).unwrap();
     let mut pose = armature.rest().clone();
     let turn = Affine3A::from_rotation_z(0.5);
-    let said = armature.set_model_from_bone(&mut pose, at(1), turn);
-    assert_eq!(said, Err(LocalError::Flattened { bone: 1 }));
-    let said = armature.set_model_translation(&mut pose, at(1), Vec3A::Y);
-    assert_eq!(said, Err(LocalError::Flattened { bone: 1 }));
-    let said = armature.set_model_from_bone(&mut pose, at(3), turn);
-    assert_eq!(said, Err(LocalError::Sheared { bone: 3 }));
+    let result = armature.set_model_from_bone(&mut pose, at(1), turn);
+    assert_eq!(result, Err(LocalError::Flattened { bone: 1 }));
+    let result = armature.set_model_translation(&mut pose, at(1), Vec3A::Y);
+    assert_eq!(result, Err(LocalError::Flattened { bone: 1 }));
+    let result = armature.set_model_from_bone(&mut pose, at(3), turn);
+    assert_eq!(result, Err(LocalError::Sheared { bone: 3 }));
     let nowhere = Affine3A::from_translation(glam::Vec3::NAN);
-    let said = armature.set_model_from_bone(&mut pose, at(3), nowhere);
-    assert_eq!(said, Err(LocalError::NotFinite { bone: 3 }));
+    let result = armature.set_model_from_bone(&mut pose, at(3), nowhere);
+    assert_eq!(result, Err(LocalError::NotFinite { bone: 3 }));
     let point = Affine3A::from_scale(glam::Vec3::ZERO);
-    let said = armature.set_model_from_bone(&mut pose, at(2), point);
-    assert_eq!(said, Err(LocalError::Sheared { bone: 2 }));
+    let result = armature.set_model_from_bone(&mut pose, at(2), point);
+    assert_eq!(result, Err(LocalError::Sheared { bone: 2 }));
     let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-    let said = armature.set_model_rotation(&mut pose, at(3), zero);
-    assert_eq!(said, Err(LocalError::ZeroRotation { bone: 3 }));
+    let result = armature.set_model_rotation(&mut pose, at(3), zero);
+    assert_eq!(result, Err(LocalError::ZeroRotation { bone: 3 }));
     assert_eq!(&pose, armature.rest());
 
     let few = Armature::new(vec![bone("one", None, Vec3A::ONE)], Vec::new()).unwrap();
     let mut other = few.rest().clone();
-    let said = armature.set_model_rotation(&mut other, at(0), Quat::IDENTITY);
-    assert!(matches!(said, Err(LocalError::Size(_))));
-    let said = few.model_from_bone(few.rest(), at(3));
-    assert_eq!(said, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
+    let result = armature.set_model_rotation(&mut other, at(0), Quat::IDENTITY);
+    assert!(matches!(result, Err(LocalError::Size(_))));
+    let result = few.model_from_bone(few.rest(), at(3));
+    assert_eq!(result, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
 }
 
 /// Flattening is judged by proportions: tiny bones place their children as large ones do.

@@ -83,10 +83,10 @@ fn decomposition_agrees_with_that_of_space() {
             let flat = interpolate_plane_affine(&linear(m), &linear(other), 0.3).unwrap();
             let space = interpolate_affine(&wide(m), &wide(other), 0.3).unwrap();
             for k in 0..2 {
-                let off = space.matrix3.col(k).truncate() - flat.matrix2.col(k);
+                let offset = space.matrix3.col(k).truncate() - flat.matrix2.col(k);
                 // If the angles differ by half a turn, both directions are equally short.
                 let turn = (parts.angle - 0.4).rem_euclid(2.0 * PI) - PI;
-                assert!(off.length() < 1e-12 || turn.abs() < 1e-9, "{case}");
+                assert!(offset.length() < 1e-12 || turn.abs() < 1e-9, "{case}");
             }
         }
     }

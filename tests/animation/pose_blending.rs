@@ -31,13 +31,13 @@ fn cross_fade_is_slerp_of_each_bone() {
             let mut blended = from.clone();
             blended.cross_fade(&to, share).unwrap();
             let rotations = from.rotations().iter().zip(to.rotations());
-            for ((a, b), got) in rotations.zip(blended.rotations()) {
-                assert!(apart(*got, slerp(*a, *b, share)) < 5e-5);
-                assert!((got.length() - 1.0).abs() < 1e-6);
+            for ((a, b), actual) in rotations.zip(blended.rotations()) {
+                assert!(apart(*actual, slerp(*a, *b, share)) < 5e-5);
+                assert!((actual.length() - 1.0).abs() < 1e-6);
             }
             let moved = from.translations().iter().zip(to.translations());
-            for ((a, b), got) in moved.zip(blended.translations()) {
-                assert!((*got - (*a + (*b - *a) * share)).length() < 1e-6);
+            for ((a, b), actual) in moved.zip(blended.translations()) {
+                assert!((*actual - (*a + (*b - *a) * share)).length() < 1e-6);
             }
         }
         let mut end = from.clone();
@@ -83,10 +83,10 @@ fn masked_bones_are_unchanged() {
             _ if under(index) => &to,
             _ => &from,
         };
-        let (got, expected) = (blended.local(bone).unwrap(), expected.local(bone).unwrap());
-        assert!(apart(got.rotation, expected.rotation) < 1e-5, "{index}");
-        assert!((got.translation - expected.translation).length() < 1e-6);
-        assert!((got.scale - expected.scale).length() < 1e-6);
+        let (actual, expected) = (blended.local(bone).unwrap(), expected.local(bone).unwrap());
+        assert!(apart(actual.rotation, expected.rotation) < 1e-5, "{index}");
+        assert!((actual.translation - expected.translation).length() < 1e-6);
+        assert!((actual.scale - expected.scale).length() < 1e-6);
     }
     assert_eq!(blended.morph_weights()[0], from.morph_weights()[0]);
     assert!((blended.morph_weights()[1] - to.morph_weights()[1]).abs() < 1e-6);
@@ -276,13 +276,16 @@ fn mask_rejects_weights_outside_0_to_1() {
     let bone = armature.bone_at(2).unwrap();
     let mask = || BoneMask::all(&armature);
     for share in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
-        let told = [
+        let results = [
             mask().with_bone(bone, share),
             mask().with_subtree(&armature, bone, share),
             mask().with_morph_target(0, share),
         ];
-        for told in told {
-            assert!(matches!(told, Err(MaskError::BadShare { .. })), "{told:?}");
+        for result in results {
+            assert!(
+                matches!(result, Err(MaskError::BadShare { .. })),
+                "{result:?}"
+            );
         }
     }
     for share in [0.0, 1.0] {

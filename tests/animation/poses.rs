@@ -207,11 +207,14 @@ fn points_fixed_to_a_bone_move_with_it() {
     let rest = model_by_ancestors(&armature, armature.rest());
     let posed = model_by_ancestors(&armature, &pose);
     for bone in 0..30 {
-        let own = support::armatures::vector(&mut random, 0.5);
-        let expected = posed[bone].transform_point3a(own);
-        let at_rest = rest[bone].transform_point3a(own);
-        let off = (skin[bone].transform_point3a(at_rest) - expected).length();
-        assert!(off < 1e-4 * (1.0 + expected.length()), "{bone}: {off}");
+        let point = support::armatures::vector(&mut random, 0.5);
+        let expected = posed[bone].transform_point3a(point);
+        let at_rest = rest[bone].transform_point3a(point);
+        let deviation = (skin[bone].transform_point3a(at_rest) - expected).length();
+        assert!(
+            deviation < 1e-4 * (1.0 + expected.length()),
+            "{bone}: {deviation}"
+        );
     }
 }
 
@@ -226,7 +229,7 @@ fn invalid_local_transforms_fail_or_are_repaired() {
     let zero = with(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
     let refused = pose.set_local(bone, zero).unwrap_err();
     assert_eq!(refused, LocalError::ZeroRotation { bone: 1 });
-    for bad in [
+    for invalid in [
         with(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
         LocalTransform {
             translation: Vec3A::INFINITY,
@@ -237,13 +240,16 @@ fn invalid_local_transforms_fail_or_are_repaired() {
             ..good
         },
     ] {
-        let refused = pose.set_local(bone, bad).unwrap_err();
+        let refused = pose.set_local(bone, invalid).unwrap_err();
         assert_eq!(refused, LocalError::NotFinite { bone: 1 });
     }
     let big = support::armatures::armature(9, &mut random);
     let stranger = big.bone_at(8).unwrap();
     let refused = pose.set_local(stranger, good).unwrap_err();
-    assert_eq!(refused.to_string(), "bone 8 does not exist; the pose has 3");
+    assert_eq!(
+        refused.to_string(),
+        "bone 8 does not exist; the pose has 3 bones"
+    );
     assert_eq!(&pose, armature.rest());
     for length in [1e-30, 0.5, 3.0, 1e30] {
         pose.set_local(bone, with(good.rotation * length)).unwrap();

@@ -67,8 +67,8 @@ fn product_equals_that_of_the_components() {
         let parts = |c: Q| [c.w, c.v.x, c.v.y, c.v.z];
         let mut product = [0.0; 4];
         for (row, left) in table.iter().zip(parts(a)) {
-            for (&(sign, place), right) in row.iter().zip(parts(b)) {
-                product[place] += sign * left * right;
+            for (&(sign, index), right) in row.iter().zip(parts(b)) {
+                product[index] += sign * left * right;
             }
         }
         assert!(apart(a * b, q(product[0], product[1], product[2], product[3])) < 1e-14);

@@ -95,7 +95,7 @@ fn angles_are_chosen_within_limits() {
         });
         let skeleton = builder.build().unwrap();
         let bridge = EulerPoseMap::new(&skeleton);
-        let q = limits.map(|own| random.within(own.lower, own.upper));
+        let q = limits.map(|limits| random.within(limits.lower, limits.upper));
         let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
         bridge.pose_of(&q, &mut pose).unwrap();
         let mut back = [0.0; 3];
@@ -130,17 +130,17 @@ fn reach_layer_moves_tips_by_their_weights() {
         };
         let clip = within(&mut random, 0.4, 0.6);
         let goal = within(&mut random, 0.35, 0.65);
-        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        let (mut pose, mut goal_pose) = (armature.rest().clone(), armature.rest().clone());
         bridge.pose_of(&clip, &mut pose).unwrap();
-        bridge.pose_of(&goal, &mut there).unwrap();
+        bridge.pose_of(&goal, &mut goal_pose).unwrap();
         let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
         let mut untouched = pose.clone();
         assert!(layer.apply(&mut untouched).unwrap().is_none());
         assert_eq!(untouched, pose);
 
         let weights = [1.0, 0.5];
-        let wanted = [0, 1].map(|k| {
-            let [from, to] = [&pose, &there].map(|pose| tip(&armature, &rig, pose, tips[k]));
+        let targets = [0, 1].map(|k| {
+            let [from, to] = [&pose, &goal_pose].map(|pose| tip(&armature, &rig, pose, tips[k]));
             let target = skeleton
                 .pose(&goal)
                 .unwrap()
@@ -153,8 +153,8 @@ fn reach_layer_moves_tips_by_their_weights() {
         let solution = layer.apply(&mut posed).unwrap().unwrap();
         if solution.reached {
             reached += 1;
-            for (k, wanted) in wanted.into_iter().enumerate() {
-                assert!((tip(&armature, &rig, &posed, tips[k]) - wanted).length() < 1e-4);
+            for (k, target) in targets.into_iter().enumerate() {
+                assert!((tip(&armature, &rig, &posed, tips[k]) - target).length() < 1e-4);
             }
         }
         // Bones without a tip below them stay as in the clip.
@@ -191,12 +191,12 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
                 .map(|l| l.lower + (l.upper - l.lower) * random.within(low, high))
                 .collect()
         };
-        let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
+        let (mut pose, mut goal_pose) = (armature.rest().clone(), armature.rest().clone());
         bridge
             .pose_of(&within(&mut random, 0.45, 0.55), &mut pose)
             .unwrap();
         bridge
-            .pose_of(&within(&mut random, 0.4, 0.6), &mut there)
+            .pose_of(&within(&mut random, 0.4, 0.6), &mut goal_pose)
             .unwrap();
         let turned = |pose: &Pose, bone: BoneId| {
             Quat::from_mat3a(&model_by_ancestors(&armature, pose)[bone.index()].matrix3)
@@ -205,7 +205,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
         let mut layer = ReachLayer::holding(skeleton, tips, tips, Solver::default()).unwrap();
         for (case, weight) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let mut posed = pose.clone();
-            let target = tip(&armature, &rig, &there, moves);
+            let target = tip(&armature, &rig, &goal_pose, moves);
             let from = tip(&armature, &rig, &pose, moves);
             let near = (from + (target - from) * weight).to_array().map(f64::from);
             // With weight 0 a small displacement, and pinned.
@@ -215,18 +215,18 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
                 near
             };
             layer.set_goal(moves, near, 1.0).unwrap();
-            let wanted = turned(&there, moves);
+            let target_rotation = turned(&goal_pose, moves);
             layer
-                .set_rotation(moves, wanted * -2.0, f64::from(weight))
+                .set_rotation(moves, target_rotation * -2.0, f64::from(weight))
                 .unwrap();
             if !layer.apply(&mut posed).unwrap().unwrap().reached {
                 continue;
             }
             reached[case] += 1;
             let [was, is] = [&pose, &posed].map(|pose| turned(pose, moves));
-            let way = apart(was, wanted);
-            assert!((apart(was, is) - weight * way).abs() < 1e-4);
-            assert!((apart(is, wanted) - (1.0 - weight) * way).abs() < 1e-4);
+            let angle = apart(was, target_rotation);
+            assert!((apart(was, is) - weight * angle).abs() < 1e-4);
+            assert!((apart(is, target_rotation) - (1.0 - weight) * angle).abs() < 1e-4);
             // The other end is pinned at its placement.
             assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
         }
@@ -267,8 +267,8 @@ fn weights_are_clamped_to_0_and_1() {
     };
     let mut pose = armature.rest().clone();
     bridge.pose_of(&inward(0.5), &mut pose).unwrap();
-    let there = skeleton.pose(&inward(0.52)).unwrap();
-    let target = there.tip(skeleton, bone).unwrap();
+    let goal_pose = skeleton.pose(&inward(0.52)).unwrap();
+    let target = goal_pose.tip(skeleton, bone).unwrap();
     let mut layer = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default()).unwrap();
     let mut applied = |goal: f64, turn: f64| {
         layer.set_goal(bone, target, goal).unwrap();
@@ -310,8 +310,8 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
 
     // A target that is not finite is an error, and the previous one stays.
-    for bad in [f64::NAN, f64::INFINITY] {
-        let error = layer.set_goal(bone, [bad, 0.0, 0.0], 0.0).unwrap_err();
+    for invalid in [f64::NAN, f64::INFINITY] {
+        let error = layer.set_goal(bone, [invalid, 0.0, 0.0], 0.0).unwrap_err();
         assert!(error.to_string().contains("not finite"), "{error}");
         assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
     }
@@ -368,13 +368,13 @@ fn tip_distance_includes_the_bones_scale() {
         let from = tip(&armature, &rig, &pose, bone);
         let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
         let mut moved = pose.clone();
-        let wanted = from + Vec3A::new(0.004, -0.003, 0.002);
+        let target = from + Vec3A::new(0.004, -0.003, 0.002);
         layer
-            .set_goal(bone, wanted.to_array().map(f64::from), 1.0)
+            .set_goal(bone, target.to_array().map(f64::from), 1.0)
             .unwrap();
         assert!(layer.apply(&mut moved).unwrap().unwrap().reached, "{seed}");
-        let off = (tip(&armature, &rig, &moved, bone) - wanted).length();
-        assert!(off < 2e-5, "{seed}: {off}");
+        let deviation = (tip(&armature, &rig, &moved, bone) - target).length();
+        assert!(deviation < 2e-5, "{seed}: {deviation}");
     }
 }
 
@@ -382,7 +382,7 @@ fn tip_distance_includes_the_bones_scale() {
 /// unreachable.
 #[test]
 fn longer_bones_extend_the_reported_reach() {
-    let mut told = 0;
+    let mut count = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
         let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
@@ -399,12 +399,12 @@ fn longer_bones_extend_the_reported_reach() {
         layer.set_goal(bone, behind.map(f64::from), 1.0).unwrap();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
         if !solution.reached {
-            told += 1;
+            count += 1;
             let words = solution.explain();
             assert!(!words.contains("Out of reach"), "{seed}: {words}");
         }
     }
-    assert!(told > 0);
+    assert!(count > 0);
 }
 
 /// A pose with longer bones is another problem, although its rotations are equal.

@@ -18,8 +18,8 @@ fn tip(armature: &Armature, skeleton: &Skeleton, pose: &Pose, bone: BoneId) -> V
     model_by_ancestors(armature, pose)[bone.index()].transform_point3a(along)
 }
 
-fn target(of: Vec3A) -> kinopt::spatial::Vector3<f64> {
-    of.to_array().map(f64::from).into()
+fn target(position: Vec3A) -> kinopt::spatial::Vector3<f64> {
+    position.to_array().map(f64::from).into()
 }
 
 /// Moves every bone in its parent and scales it uniformly.
@@ -50,39 +50,39 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
         let (clip, goal) = (within(0.4, 0.6), within(0.35, 0.65));
         let mut pose = armature.rest().clone();
         move_and_scale(&mut pose, &armature, &mut random);
-        let mut there = pose.clone();
+        let mut goal_pose = pose.clone();
         bridge.pose_of(&clip, &mut pose).unwrap();
-        bridge.pose_of(&goal, &mut there).unwrap();
+        bridge.pose_of(&goal, &mut goal_pose).unwrap();
 
         let mut layer = ReachLayer::holding(skeleton, tips, &tips[1..], Solver::default()).unwrap();
-        let wanted = tip(&armature, skeleton, &there, tips[0]);
-        let kept = tip(&armature, skeleton, &pose, tips[1]);
-        layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+        let goal_position = tip(&armature, skeleton, &goal_pose, tips[0]);
+        let unchanged = tip(&armature, skeleton, &pose, tips[1]);
+        layer.set_goal(tips[0], target(goal_position), 1.0).unwrap();
         let mut posed = pose.clone();
-        let told: Vec<f64> = {
+        let reported: Vec<f64> = {
             let solution = layer.apply(&mut posed).unwrap().unwrap();
             reached += usize::from(solution.reached);
             let reports = solution.tasks().take(2);
             reports.map(|task| task.rows[0].error).collect()
         };
-        let shown = [(tips[0], wanted), (tips[1], kept)]
+        let shown = [(tips[0], goal_position), (tips[1], unchanged)]
             .map(|(bone, at)| (tip(&armature, skeleton, &posed, bone) - at).length());
-        for (told, shown) in told.iter().zip(shown) {
+        for (reported, shown) in reported.iter().zip(shown) {
             assert!(
-                (told - f64::from(shown)).abs() < 1e-5,
-                "seed {seed}: {told} {shown}"
+                (reported - f64::from(shown)).abs() < 1e-5,
+                "seed {seed}: {reported} {shown}"
             );
         }
         // A pinned hand keeps its rotation.
         let turned = |pose: &Pose| {
-            let own = model_by_ancestors(&armature, pose)[tips[1].index()];
+            let placement = model_by_ancestors(&armature, pose)[tips[1].index()];
             Quat::from_mat3a(&glam::Mat3A::from_cols(
-                own.matrix3.x_axis.normalize(),
-                own.matrix3.y_axis.normalize(),
-                own.matrix3.z_axis.normalize(),
+                placement.matrix3.x_axis.normalize(),
+                placement.matrix3.y_axis.normalize(),
+                placement.matrix3.z_axis.normalize(),
             ))
         };
-        if told.iter().all(|error| *error < 1e-5) {
+        if reported.iter().all(|error| *error < 1e-5) {
             assert!(apart(turned(&pose), turned(&posed)) < 1e-3);
         }
         assert_eq!(posed.translations(), pose.translations());
@@ -99,8 +99,8 @@ fn moving_hips_alone_change_the_problem() {
     let armature = Armature::of_skeleton(skeleton);
     let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
     let mut pose = armature.rest().clone();
-    let wanted = tip(&armature, skeleton, &pose, tips[0]);
-    layer.set_goal(tips[0], target(wanted), 1.0).unwrap();
+    let goal_position = tip(&armature, skeleton, &pose, tips[0]);
+    layer.set_goal(tips[0], target(goal_position), 1.0).unwrap();
     // Nothing to do: the search ends where it begins.
     let steps = layer.apply(&mut pose).unwrap().unwrap().iterations;
     assert_eq!(steps, 0);
@@ -109,10 +109,13 @@ fn moving_hips_alone_change_the_problem() {
     let mut local = pose.local(root).unwrap();
     local.translation += Vec3A::new(0.2, -0.1, 0.1);
     pose.set_local(root, local).unwrap();
-    let told = layer.apply(&mut pose).unwrap().unwrap();
-    let told = told.tasks().next().unwrap().rows[0].error;
-    let shown = (tip(&armature, skeleton, &pose, tips[0]) - wanted).length();
-    assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
+    let solution = layer.apply(&mut pose).unwrap().unwrap();
+    let reported = solution.tasks().next().unwrap().rows[0].error;
+    let shown = (tip(&armature, skeleton, &pose, tips[0]) - goal_position).length();
+    assert!(
+        (reported - f64::from(shown)).abs() < 1e-5,
+        "{reported} {shown}"
+    );
 }
 
 /// Captured walks whose hips travel several metres.
@@ -148,12 +151,15 @@ fn captured_walk_is_reached_in_place() {
             .sample(time, Playback::Hold, &mut cursor, &mut pose)
             .unwrap();
         let at = tip(armature, &skeleton, &pose, hand);
-        let wanted = at + Vec3A::new(0.02, 0.03, -0.02) * size as f32;
-        layer.set_goal(hand, target(wanted), 1.0).unwrap();
+        let goal_position = at + Vec3A::new(0.02, 0.03, -0.02) * size as f32;
+        layer.set_goal(hand, target(goal_position), 1.0).unwrap();
         reached += usize::from(layer.apply(&mut pose).unwrap().unwrap().reached);
         let shown = tip(armature, &skeleton, &pose, hand);
-        let off = f64::from((shown - wanted).length()) / size;
-        assert!(off < 1e-5, "frame {frame}: {off} of the figure's size");
+        let deviation = f64::from((shown - goal_position).length()) / size;
+        assert!(
+            deviation < 1e-5,
+            "frame {frame}: {deviation} of the figure's size"
+        );
     }
     assert_eq!(reached, 40);
 }

@@ -38,7 +38,7 @@ fn walk(up: Vec3, rounds: f32, random: &mut Random) -> (Armature, Clip) {
     (armature, clip)
 }
 
-fn place(armature: &Armature, pose: &Pose) -> Affine3A {
+fn bone_placement(armature: &Armature, pose: &Pose) -> Affine3A {
     let mut places = Vec::new();
     armature.local_to_model(pose, &mut places).unwrap();
     places[2]
@@ -50,10 +50,10 @@ fn placed(armature: &Armature, pose: &Pose, turn: Quat, to: Vec3) -> Pose {
     let mut places = Vec::new();
     armature.local_to_model(pose, &mut places).unwrap();
     let above = places[armature.parent(bone).unwrap().index()];
-    let (_, stands, _) = above.to_scale_rotation_translation();
+    let (_, parent_rotation, _) = above.to_scale_rotation_translation();
     let mut local = pose.local(bone).unwrap();
     local.translation = above.inverse().transform_point3a(to.into());
-    local.rotation = (stands.inverse() * turn).normalize();
+    local.rotation = (parent_rotation.inverse() * turn).normalize();
     let mut posed = pose.clone();
     posed.set_local(bone, local).unwrap();
     posed
@@ -75,12 +75,15 @@ fn extracted_and_applied_motion_gives_the_clip() {
         let again = in_place
             .with_root_motion(&armature, bone, &motion, RATE)
             .unwrap();
-        let start = place(&armature, &at(&clip, &armature, 0.0));
+        let start = bone_placement(&armature, &at(&clip, &armature, 0.0));
         for frame in 0..=60 {
             let time = frame as f32 / 30.0;
-            let was = place(&armature, &at(&clip, &armature, time));
-            assert!(near(place(&armature, &at(&again, &armature, time)), was));
-            let stays = place(&armature, &at(&in_place, &armature, time));
+            let was = bone_placement(&armature, &at(&clip, &armature, time));
+            assert!(near(
+                bone_placement(&armature, &at(&again, &armature, time)),
+                was
+            ));
+            let stays = bone_placement(&armature, &at(&in_place, &armature, time));
             assert!(near(motion.at(time) * stays, was));
             // It stays above its start position, at its height.
             let moved = stays.translation - start.translation;
@@ -119,8 +122,8 @@ fn motion_continues_over_loop_ends() {
     assert_eq!(motion.after(7.0, Playback::Hold), whole);
     assert_eq!(motion.after(3.0, Playback::PingPong), motion.at(1.0));
     // Twelve thousand loops later: the same circle.
-    let far = motion.after(24_000.0, Playback::Loop);
-    assert!(far.is_finite() && far.translation.length() < 10.0);
+    let after_hours = motion.after(24_000.0, Playback::Loop);
+    assert!(after_hours.is_finite() && after_hours.translation.length() < 10.0);
 }
 
 #[test]

@@ -32,28 +32,31 @@ fn euler_angles_round_trip_in_gimbal_lock() {
                 let beta = end + distance * (middle - end).signum();
                 let angles = [outer[0], beta, outer[1]];
                 let q = order.to_quaternion(angles);
-                let got = order.from_quaternion(q);
+                let actual = order.from_quaternion(q);
                 // At the threshold itself rounding decides.
                 if distance != 1e-9 {
-                    assert_eq!(got.gimbal_lock, distance < 1e-9);
+                    assert_eq!(actual.gimbal_lock, distance < 1e-9);
                 }
-                let again = order.to_quaternion(got.angles);
-                let allowed = if got.gimbal_lock { 2e-9 } else { 1e-14 };
-                assert!(apart(q, again) < allowed, "{order:?} {angles:?}: {got:?}");
-                assert!(got.angles.iter().all(|angle| angle.abs() <= PI));
+                let again = order.to_quaternion(actual.angles);
+                let allowed = if actual.gimbal_lock { 2e-9 } else { 1e-14 };
+                assert!(
+                    apart(q, again) < allowed,
+                    "{order:?} {angles:?}: {actual:?}"
+                );
+                assert!(actual.angles.iter().all(|angle| angle.abs() <= PI));
                 // The negative quaternion of the same rotation.
                 let other = order.from_quaternion(-q);
                 assert!(other.angles.iter().all(|angle| angle.abs() <= PI));
                 assert!(apart(q, order.to_quaternion(other.angles)) < allowed);
                 let (low, high) = (ends[0] - 1e-12, ends[1] + 1e-12);
-                assert!(low <= got.angles[1] && got.angles[1] <= high);
+                assert!(low <= actual.angles[1] && actual.angles[1] <= high);
                 if distance >= 0.2 {
-                    for (a, b) in got.angles.iter().zip(angles) {
+                    for (a, b) in actual.angles.iter().zip(angles) {
                         assert!((a - b).abs() < 1e-13);
                     }
                 }
-                if got.gimbal_lock {
-                    assert_eq!(got.angles[2], 0.0);
+                if actual.gimbal_lock {
+                    assert_eq!(actual.angles[2], 0.0);
                 }
             }
         }
@@ -190,9 +193,9 @@ fn x_then_y_then_z_equals_zyx_order() {
 fn gimbal_lock_merges_two_angles() {
     // With β = 90° only α − γ counts; the third degree of freedom is lost.
     let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
-    for by in [0.1, -0.9, 2.0] {
-        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7 + by), 1e-15));
-        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7), 0.05));
+    for shift in [0.1, -0.9, 2.0] {
+        assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + shift, 0.7 + shift), 1e-15));
+        assert!(!locked(0.3, 0.7).abs_diff_eq(locked(0.3 + shift, 0.7), 0.05));
     }
     let found = EulerOrder::Zyx.from_matrix(&locked(0.3, 0.7));
     assert!(found.gimbal_lock);

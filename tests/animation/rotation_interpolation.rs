@@ -33,8 +33,8 @@ fn slerp_matches_the_table() {
     ];
     for (t, degrees, wxyz) in table {
         let q = slerp(Quat::IDENTITY, end, t);
-        for (got, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
-            assert!((got - expected).abs() < 5.1e-4, "{t}: {q}");
+        for (actual, expected) in [q.w, q.x, q.y, q.z].iter().zip(wxyz) {
+            assert!((actual - expected).abs() < 5.1e-4, "{t}: {q}");
         }
         let angle = 2.0 * q.w.clamp(-1.0, 1.0).acos().to_degrees();
         assert!((angle - degrees).abs() < 1e-3, "{t}: {angle}");
@@ -101,18 +101,18 @@ fn euler_angle_lines_are_uneven_and_longer() {
         let angles = std::array::from_fn(|k| from[k] + t * rate[k]);
         (order.to_quaternion(angles).as_quat(), angles[1])
     };
-    let (mut way, mut speeds) = (0.0, Vec::new());
+    let (mut total_angle, mut speeds) = (0.0, Vec::new());
     for step in 0..100 {
         let t = f64::from(step) / 100.0;
         let turned = apart(at(t).0, at(t + 0.01).0);
         let [z, y, x] = rate;
         let speed = (z * z + y * y + x * x - 2.0 * z * x * at(t + 0.005).1.sin()).sqrt();
         assert!((f64::from(turned) - 0.01 * speed).abs() < 2e-5);
-        way += turned;
+        total_angle += turned;
         speeds.push(speed);
     }
     let direct = apart(at(0.0).0, at(1.0).0);
-    assert!(way > 1.2 * direct, "{way} for {direct}");
+    assert!(total_angle > 1.2 * direct, "{total_angle} for {direct}");
     assert!(speeds[0] > 2.0 * speeds[99], "{speeds:?}");
 }
 
@@ -141,9 +141,12 @@ fn nearly_equal_and_opposite_rotations_are_safe() {
         ] {
             let to = from * Quat::from_axis_angle(axis, angle);
             for (t, sign) in [(0.0, 1.0), (0.3, -1.0), (0.5, 1.0), (1.0, -1.0)] {
-                let got = slerp(from, to * sign, t);
-                assert!(got.is_finite() && (got.length() - 1.0).abs() < 1e-6);
-                assert!((apart(from, got) - t * angle).abs() < 4e-6, "{angle} {t}");
+                let actual = slerp(from, to * sign, t);
+                assert!(actual.is_finite() && (actual.length() - 1.0).abs() < 1e-6);
+                assert!(
+                    (apart(from, actual) - t * angle).abs() < 4e-6,
+                    "{angle} {t}"
+                );
             }
         }
         // A rotation and its negative are the same one.
@@ -159,10 +162,10 @@ fn directions_rotate_in_their_plane_evenly() {
         let to = rotation(&mut random).xyz().normalize();
         let angle = from.angle_between(to);
         for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
-            let got = slerp_vectors(from, to, t);
-            assert!((got.length() - 1.0).abs() < 1e-5);
-            assert!((from.angle_between(got) - t * angle).abs() < 1e-3);
-            assert!(got.dot(from.cross(to)).abs() < 1e-5);
+            let actual = slerp_vectors(from, to, t);
+            assert!((actual.length() - 1.0).abs() < 1e-5);
+            assert!((from.angle_between(actual) - t * angle).abs() < 1e-3);
+            assert!(actual.dot(from.cross(to)).abs() < 1e-5);
         }
         let opposite = slerp_vectors(from, -from, 0.5);
         assert!(opposite.dot(from).abs() < 1e-5 && (opposite.length() - 1.0).abs() < 1e-5);
@@ -190,8 +193,8 @@ fn both_slerp_formulas_agree() {
             let ours = slerp(from, to, t as f32).as_dquat();
             assert!((both - turned).length() < 1e-6 && (both - ours).length() < 2e-6);
             // Opposite quaternions are one rotation: the sign is changed first.
-            let far = slerp(from, -to, t as f32).as_dquat();
-            assert!((both - far).length() < 2e-6);
+            let other_cover = slerp(from, -to, t as f32).as_dquat();
+            assert!((both - other_cover).length() < 2e-6);
         }
     }
 }
@@ -284,8 +287,8 @@ fn rotation_hermite_has_no_kink_at_uneven_times() {
             let arriving = per_second(before, first.at(1.0 - u), first.at(1.0), u);
             let leaving = per_second(after, second.at(0.0), second.at(u), u);
             for rate in [arriving, leaving] {
-                let off = (rate - rates[key]).length() / rates[key].length().max(1.0);
-                assert!(off < 0.03, "{off}");
+                let deviation = (rate - rates[key]).length() / rates[key].length().max(1.0);
+                assert!(deviation < 0.03, "{deviation}");
             }
         }
     }
@@ -348,8 +351,8 @@ fn rotation_hermite_about_one_axis_is_cubic() {
             let rest = 1.0 - u;
             let cubic =
                 u * u * (3.0 - 2.0 * u) * angle + u * rest * (rest * leaving - u * arriving);
-            let off = apart(segment.at(u), about_z(0.25 + cubic));
-            assert!(off < 1e-5, "{angle} at {u}: off by {off}");
+            let deviation = apart(segment.at(u), about_z(0.25 + cubic));
+            assert!(deviation < 1e-5, "{angle} at {u}: off by {deviation}");
         }
     }
 }
@@ -373,8 +376,11 @@ fn cubic_rotation_uses_its_tangents() {
             + Vec4::from(keys[1]) * (u * u * (3.0 - 2.0 * u))
             - arriving * (2.0 * u * u * rest);
         let expected = Quat::from_vec4(sum.normalize());
-        let got = curve.at(1.0 + 2.0 * u);
-        assert!(got.abs_diff_eq(expected, 1e-5), "{u}: {got} {expected}");
+        let actual = curve.at(1.0 + 2.0 * u);
+        assert!(
+            actual.abs_diff_eq(expected, 1e-5),
+            "{u}: {actual} {expected}"
+        );
     }
 }
 
@@ -386,8 +392,8 @@ fn mean_rates_of_a_steady_rotation_are_its_rate() {
     let sides = [1.0, -1.0, -1.0, 1.0, -1.0];
     let at = |(time, side): (&f32, f32)| Quat::from_scaled_axis(rate * *time) * side;
     let rotations: Vec<Quat> = times.iter().zip(sides).map(at).collect();
-    for (key, got) in mean_rates(&times, &rotations).iter().enumerate() {
-        assert!((*got - rate).length() < 1e-5, "key {key}: {got}");
+    for (key, actual) in mean_rates(&times, &rotations).iter().enumerate() {
+        assert!((*actual - rate).length() < 1e-5, "key {key}: {actual}");
     }
 }
 
@@ -401,8 +407,8 @@ fn steady_rotation_stays_even_at_uneven_keys() {
     let smooth = RotationCurve::smooth(times, keys).unwrap();
     for step in 0..=46 {
         let time = 0.05 * step as f32;
-        let off = apart(smooth.at(time), turned(time));
-        assert!(off < 1e-5, "{time} s: off by {off}");
+        let deviation = apart(smooth.at(time), turned(time));
+        assert!(deviation < 1e-5, "{time} s: off by {deviation}");
     }
 }
 
@@ -429,8 +435,8 @@ fn key_signs_do_not_change_the_curve() {
             }
         }
         let turned = [a, b, first[2]];
-        for (own, mean) in mean_rates(&times, &turned).iter().zip(&means) {
-            assert!((*own - *mean).length() < 1e-5);
+        for (mean_rate, mean) in mean_rates(&times, &turned).iter().zip(&means) {
+            assert!((*mean_rate - *mean).length() < 1e-5);
         }
     }
 }

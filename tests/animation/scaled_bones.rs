@@ -30,7 +30,7 @@ const SCALES: [[[f32; 3]; 2]; 8] = [
 
 /// Root with two arms of four bones each, rotated at random in the rest pose.
 fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
-    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
+    let mut number = |range: f32| range * random.within(-1.0, 1.0) as f32;
     let bones = (0..9).map(|index| ArmatureBone {
         name: format!("bone {index}"),
         parent: match index {
@@ -51,20 +51,20 @@ fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
     Armature::new(bones.collect(), Vec::new()).unwrap()
 }
 
-fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
     armature.local_to_model(pose, &mut model_from_bone).unwrap();
     model_from_bone
 }
 
-/// The armature in another pose: each bone is rotated by up to `most` radians about each axis.
-fn turned(armature: &Armature, most: f64, random: &mut Random) -> Pose {
+/// The armature in another pose: each bone is rotated by up to `max_angle` radians about each axis.
+fn turned(armature: &Armature, max_angle: f64, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature.bone_ids() {
-        let [x, y, z] = [0; 3].map(|_| random.within(-most, most) as f32);
-        let own = pose.local(bone).unwrap().rotation;
+        let [x, y, z] = [0; 3].map(|_| random.within(-max_angle, max_angle) as f32);
+        let rotation = pose.local(bone).unwrap().rotation;
         let turn = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);
-        pose.set_rotation(bone, own * turn).unwrap();
+        pose.set_rotation(bone, rotation * turn).unwrap();
     }
     pose
 }
@@ -93,7 +93,7 @@ fn skeleton_at_rest_has_the_joints_of_the_armature() {
         for (bone, placed) in skeleton
             .bones()
             .iter()
-            .zip(places(armature, armature.rest()))
+            .zip(model_transforms(armature, armature.rest()))
         {
             let tail = glam::DVec3::from(bone.rest_tail().to_array());
             let apart = tail.distance(placed.translation.as_dvec3());
@@ -121,10 +121,10 @@ fn mirrored_skeleton_turns_as_its_armature() {
             angles.angles_of(&pose, &mut q).unwrap();
             turns.configuration_of(&pose, &mut balls).unwrap();
             let placed = [skeleton.pose(&q).unwrap(), figure.pose(&balls).unwrap()];
-            for (bone, own) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+            for (bone, placement) in skeleton.bone_ids().zip(model_transforms(&armature, &pose)) {
                 for placed in &placed {
                     let tail = glam::DVec3::from(placed.tail(bone).unwrap().to_array());
-                    let apart = tail.distance(own.translation.as_dvec3());
+                    let apart = tail.distance(placement.translation.as_dvec3());
                     assert!(apart < 1e-5, "{scales:?}: {apart}");
                 }
             }
@@ -133,8 +133,8 @@ fn mirrored_skeleton_turns_as_its_armature() {
             turns.pose_of(&balls, &mut by_turns).unwrap();
             for back in [by_angles, by_turns] {
                 let pairs = back.rotations().iter().zip(pose.rotations());
-                for (back, own) in pairs {
-                    assert!(back.dot(*own).abs() > 1.0 - 1e-5, "{scales:?}");
+                for (back, original) in pairs {
+                    assert!(back.dot(*original).abs() > 1.0 - 1e-5, "{scales:?}");
                 }
             }
         }
@@ -148,17 +148,25 @@ fn reach_layer_brings_the_scaled_armature_there() {
         let skeleton = armature.skeleton("one", free).unwrap();
         let hands = [4, 8].map(|index| bone(armature, index));
         let mut layer = ReachLayer::new(&skeleton, &hands, Solver::default()).unwrap();
-        let wanted = places(armature, &turned(armature, 0.7, random));
+        let target_transforms = model_transforms(armature, &turned(armature, 0.7, random));
         for hand in hands {
-            let target = wanted[hand.index()].translation.as_dvec3().to_array();
+            let target = target_transforms[hand.index()]
+                .translation
+                .as_dvec3()
+                .to_array();
             layer.set_goal(hand, target, 1.0).unwrap();
         }
         let mut pose = armature.rest().clone();
         let reached = layer.apply(&mut pose).unwrap().unwrap().reached;
-        let placed = places(armature, &pose);
+        let placed = model_transforms(armature, &pose);
         for hand in hands.map(BoneId::index) {
-            let off = placed[hand].translation.distance(wanted[hand].translation);
-            assert!(off < 1e-5, "{case}: bone {hand} is off by {off}");
+            let deviation = placed[hand]
+                .translation
+                .distance(target_transforms[hand].translation);
+            assert!(
+                deviation < 1e-5,
+                "{case}: bone {hand} is off by {deviation}"
+            );
         }
         assert!(reached, "{case}");
     });
@@ -172,8 +180,8 @@ fn drag_brings_the_scaled_armature_there() {
         let mut skeleton = armature.skeleton("one", free).unwrap();
         let angles = EulerPoseMap::new(&skeleton);
         let hand = bone(armature, 4);
-        let wanted = places(armature, &turned(armature, 0.4, random));
-        let target = wanted[4].translation;
+        let target_transforms = model_transforms(armature, &turned(armature, 0.4, random));
+        let target = target_transforms[4].translation;
         let goal = target.as_dvec3().to_array();
         let mut problem = Problem::builder(skeleton.model());
         problem.add(Point::new(skeleton.tip(hand), goal));
@@ -188,8 +196,13 @@ fn drag_brings_the_scaled_armature_there() {
             drag.move_joints(skeleton.model()).unwrap();
             frames += 1;
         }
-        let off = places(armature, &pose)[4].translation.distance(target);
-        assert!(off < 1e-5, "{case}: {off} after {frames} frames");
+        let deviation = model_transforms(armature, &pose)[4]
+            .translation
+            .distance(target);
+        assert!(
+            deviation < 1e-5,
+            "{case}: {deviation} after {frames} frames"
+        );
     });
 }
 
@@ -262,10 +275,17 @@ fn reach_layer_that_misses_reports_the_armature() {
         layer.set_goal(hand, goal, 1.0).unwrap();
         let mut pose = armature.rest().clone();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
-        let told = solution.tasks().next().unwrap().rows[0].error;
-        let shown = f64::from(places(armature, &pose)[4].translation.distance(target));
+        let reported = solution.tasks().next().unwrap().rows[0].error;
+        let shown = f64::from(
+            model_transforms(armature, &pose)[4]
+                .translation
+                .distance(target),
+        );
         assert!(!solution.reached, "{case}");
-        assert!((told - shown).abs() < 1e-5, "{case}: {told} {shown}");
+        assert!(
+            (reported - shown).abs() < 1e-5,
+            "{case}: {reported} {shown}"
+        );
     });
 }
 
@@ -277,15 +297,17 @@ fn limb_brings_the_scaled_armature_there() {
         let mut moved = armature.rest().clone();
         for bone in [upper, lower] {
             let turn = Quat::from_rotation_z(random.within(-0.7, 0.7) as f32);
-            let own = moved.local(bone).unwrap().rotation;
-            moved.set_rotation(bone, own * turn).unwrap();
+            let rotation = moved.local(bone).unwrap().rotation;
+            moved.set_rotation(bone, rotation * turn).unwrap();
         }
-        let target = places(armature, &moved)[4].translation;
+        let target = model_transforms(armature, &moved)[4].translation;
         let mut pose = armature.rest().clone();
         limb.reach(armature, &mut pose, &LimbGoal::at(target))
             .unwrap();
-        let off = places(armature, &pose)[4].translation.distance(target);
-        assert!(off < 1e-5, "{case}: {off}");
+        let deviation = model_transforms(armature, &pose)[4]
+            .translation
+            .distance(target);
+        assert!(deviation < 1e-5, "{case}: {deviation}");
     });
 }
 
@@ -302,13 +324,13 @@ fn aim_points_the_axis_that_the_pose_shows() {
             aim.turn(armature, &mut pose, &AimGoal::at(target)).unwrap(),
             "{case}"
         );
-        let placed = places(armature, &pose)[4];
+        let placed = model_transforms(armature, &pose)[4];
         let from = placed.transform_point3a(offset);
         let along = placed.transform_vector3a(Vec3A::Z).normalize();
-        let off = (target - from).reject_from_normalized(along).length();
+        let deviation = (target - from).reject_from_normalized(along).length();
         assert!(
-            off < 2e-5 && along.dot(target - from) > 0.0,
-            "{case}: {off}"
+            deviation < 2e-5 && along.dot(target - from) > 0.0,
+            "{case}: {deviation}"
         );
     });
 }
@@ -320,7 +342,7 @@ fn clip_ik_brings_the_scaled_armature_there() {
         let clip = Clip::through_poses("sway", armature, &[0.0, 0.5, 1.0], &poses).unwrap();
         let hand = bone(armature, 4);
         // Well within reach: in other directions a sheared arm is shorter.
-        let moved = places(armature, &turned(armature, 0.3, random));
+        let moved = model_transforms(armature, &turned(armature, 0.3, random));
         let target = moved[1].translation.lerp(moved[4].translation, 0.8);
         let reach = Reach::to(hand, target.as_dvec3()).unwrap();
         let edited = ClipIk::new(armature)
@@ -338,8 +360,10 @@ fn clip_ik_brings_the_scaled_armature_there() {
                 .clip
                 .sample(time, hold, &mut cursor, &mut pose)
                 .unwrap();
-            let off = places(armature, &pose)[4].translation.distance(target);
-            assert!(off < 1e-5, "{case}: {off} at {time} s");
+            let deviation = model_transforms(armature, &pose)[4]
+                .translation
+                .distance(target);
+            assert!(deviation < 1e-5, "{case}: {deviation} at {time} s");
             assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
         }
     });
@@ -359,9 +383,9 @@ fn scale_notes_name_bones_with_children() {
     let random = &mut Random::new(80);
     let scaled = armature([[1.0, 1.001, 1.0], [1.0, -1.0, 1.0]], random);
     let notes = scaled.scale_notes();
-    let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = notes.iter().map(ToString::to_string).collect();
     assert_eq!(
-        told,
+        messages,
         [
             "bone `bone 0`: its scale (1, 1.001, 1) shears the bones that rotate below it",
             "bone `bone 3`: its scale (1, -1, 1) mirrors the bones that rotate below it",
@@ -372,8 +396,8 @@ fn scale_notes_name_bones_with_children() {
     assert_eq!(plain.rest().rotations(), scaled.rest().rotations());
     assert_eq!(plain.rest().translations(), scaled.rest().translations());
     let inverses = plain.rest_from_model();
-    for (own, inverse) in places(&plain, plain.rest()).iter().zip(inverses) {
-        assert!((*own * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
+    for (placement, inverse) in model_transforms(&plain, plain.rest()).iter().zip(inverses) {
+        assert!((*placement * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     }
 }
 
@@ -384,14 +408,14 @@ fn model_rotation_of_a_mirrored_bone_is_the_one_set() {
     let armature = armature(SCALES[4], random);
     for index in 0..armature.bones() {
         let mut pose = turned(&armature, 1.0, random);
-        let own = bone(&armature, index);
-        let before = places(&armature, &pose)[index].matrix3;
+        let bone = bone(&armature, index);
+        let before = model_transforms(&armature, &pose)[index].matrix3;
         let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.9);
-        let rotation = armature.model_rotation(&pose, own).unwrap();
+        let rotation = armature.model_rotation(&pose, bone).unwrap();
         armature
-            .set_model_rotation(&mut pose, own, turn * rotation)
+            .set_model_rotation(&mut pose, bone, turn * rotation)
             .unwrap();
-        let after = places(&armature, &pose)[index].matrix3;
+        let after = model_transforms(&armature, &pose)[index].matrix3;
         let expected = glam::Mat3A::from_quat(turn) * before;
         assert!(after.abs_diff_eq(expected, 1e-5), "{index}");
     }

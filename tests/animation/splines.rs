@@ -58,8 +58,8 @@ fn any_knots_equal_the_pyramid_algorithm() {
         for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
             let t = knots.of(&p);
             for u in [0.0, 0.1, 0.5, 0.9, 1.0] {
-                let off = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
-                assert!(off < 1e-12, "{knots:?} {off}");
+                let deviation = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
+                assert!(deviation < 1e-12, "{knots:?} {deviation}");
             }
         }
     }
@@ -76,12 +76,12 @@ fn path_through_points_equals_its_segments() {
             assert!((ours - expected).abs() < 1e-14);
         }
         for i in 1..7 {
-            let own = [p[i - 1], p[i], p[i + 1], p[i + 2]];
+            let points = [p[i - 1], p[i], p[i + 1], p[i + 2]];
             let at = [t[i - 1], t[i], t[i + 1], t[i + 2]];
             for u in [0.0, 0.2, 0.5, 0.9] {
-                let expected = catmull_rom_at_knots(own, at, u);
-                let got = path.at(lerp(t[i], t[i + 1], u));
-                assert!((got - expected).length() < 1e-12, "{knots:?} {i} {u}");
+                let expected = catmull_rom_at_knots(points, at, u);
+                let actual = path.at(lerp(t[i], t[i + 1], u));
+                assert!((actual - expected).length() < 1e-12, "{knots:?} {i} {u}");
             }
         }
         // The first segment uses the mirror image of its end at its start as its neighbour.
@@ -162,10 +162,14 @@ fn bezier_stays_within_its_hull() {
         let curve = CubicBezier::new(points(&mut random));
         for _ in 0..40 {
             let [out] = points::<1>(&mut random);
-            let far = |p: DVec3| p.dot(out);
-            let furthest = curve.points.map(far).into_iter().fold(f64::MIN, f64::max);
+            let along_outward = |p: DVec3| p.dot(out);
+            let furthest = curve
+                .points
+                .map(along_outward)
+                .into_iter()
+                .fold(f64::MIN, f64::max);
             for u in 0..=20 {
-                assert!(far(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
+                assert!(along_outward(curve.position(f64::from(u) / 20.0)) <= furthest + 1e-14);
             }
         }
     }
@@ -299,7 +303,10 @@ fn invalid_keys_are_named_or_repaired() {
     let several = curve(&[0.0, 1.0, 2.0], &[0.0, f32::NAN, f32::NAN]).unwrap_err();
     assert!(several.to_string().contains("key 1"), "{several}");
     let count = curve(&[0.0], &[1.0, 2.0]).unwrap_err();
-    assert_eq!(count.to_string(), "2 values for 1 keys");
+    assert_eq!(
+        count.to_string(),
+        "2 values for 1 keys; there must be one for each key"
+    );
     let tangents = KeyedCurve::cubic(vec![0.0], vec![1.0], vec![[f32::NAN; 2]]).unwrap_err();
     assert!(matches!(
         tangents,
@@ -334,7 +341,7 @@ fn knots_are_powers_of_distances() {
     assert_eq!(Knots::Uniform.of(&points), [0.0, 1.0, 2.0]);
     assert_eq!(Knots::Chordal.of(&points), [0.0, 4.0, 13.0]);
     let centripetal = Knots::Centripetal.of(&points);
-    let off = |(knot, wanted): (&f64, f64)| (knot - wanted).abs();
-    let off = centripetal.iter().zip([0.0, 2.0, 5.0]).map(off);
-    assert!(off.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
+    let deviation_of = |(knot, expected): (&f64, f64)| (knot - expected).abs();
+    let deviation_of = centripetal.iter().zip([0.0, 2.0, 5.0]).map(deviation_of);
+    assert!(deviation_of.fold(0.0, f64::max) < 1e-14, "{centripetal:?}");
 }

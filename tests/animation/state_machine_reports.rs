@@ -85,16 +85,16 @@ fn bounded_events_are_reported() {
     let definition: StateMachineDefinition = serde_json::from_str(definition).unwrap();
     let machine = Arc::new(StateMachine::new(&definition, &[buzz]).unwrap());
     let mut run = StateMachineRun::new(machine, armature.rest()).unwrap();
-    let heard = |run: &mut StateMachineRun, seconds: f64| {
-        let mut heard = 0;
-        run.update(seconds, |_| heard += 1).unwrap();
-        (heard, run.events_left_out())
+    let count_events = |run: &mut StateMachineRun, seconds: f64| {
+        let mut count = 0;
+        run.update(seconds, |_| count += 1).unwrap();
+        (count, run.events_left_out())
     };
-    assert_eq!(heard(&mut run, 4e-8 * 9.5), (5, false));
-    let most = StateMachineRun::MOST_EVENTS;
-    assert_eq!(heard(&mut run, 0.016), (most, true));
-    assert_eq!(heard(&mut run, 1e9), (most, true));
-    assert_eq!(heard(&mut run, 0.0), (0, false));
+    assert_eq!(count_events(&mut run, 4e-8 * 9.5), (5, false));
+    let max_events = StateMachineRun::MOST_EVENTS;
+    assert_eq!(count_events(&mut run, 0.016), (max_events, true));
+    assert_eq!(count_events(&mut run, 1e9), (max_events, true));
+    assert_eq!(count_events(&mut run, 0.0), (0, false));
 }
 
 /// Also if the state that passed too many events was left within the update.
@@ -124,15 +124,15 @@ fn event_weight_is_that_of_its_state() {
     let mut run = run_of(MACHINE);
     run.update(0.2, |_| {}).unwrap();
     run.trigger("go").unwrap();
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     run.update(0.9, |fired| {
-        heard.push((fired.state.to_owned(), fired.weight))
+        events.push((fired.state.to_owned(), fired.weight))
     })
     .unwrap();
-    assert_eq!(heard.len(), 1);
+    assert_eq!(events.len(), 1);
     assert!(
-        heard[0].0 == "idle" && (heard[0].1 - 0.7).abs() < 1e-5,
-        "{heard:?}"
+        events[0].0 == "idle" && (events[0].1 - 0.7).abs() < 1e-5,
+        "{events:?}"
     );
 }
 
@@ -191,9 +191,9 @@ fn number_bounds_are_exclusive() {
 fn fade_reports_events_of_both_states() {
     let mut run = run_of(MACHINE);
     run.trigger("go").unwrap();
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     run.update(4.0, |fired| {
-        heard.push((
+        events.push((
             fired.state.to_owned(),
             fired.event.name.clone(),
             fired.weight,
@@ -208,7 +208,7 @@ fn fade_reports_events_of_both_states() {
     ];
     let expected =
         expected.map(|(state, event, weight)| (state.to_owned(), event.to_owned(), weight));
-    assert_eq!(heard, expected);
+    assert_eq!(events, expected);
 }
 
 #[test]
@@ -238,8 +238,8 @@ fn state_waits_for_clip_and_seconds() {
         (run.state(), run.seconds(), hips(&run)),
         ("idle", 0.125, [0.125, 0.0])
     );
-    let bad = MACHINE.replace("2.5", "-2.5");
-    let words = machine(&bad).unwrap_err().to_string();
+    let invalid = MACHINE.replace("2.5", "-2.5");
+    let words = machine(&invalid).unwrap_err().to_string();
     assert!(
         words.contains("transitions[2].after_seconds") && words.contains("-2.5"),
         "{words}"
@@ -283,9 +283,9 @@ fn non_finite_numbers_are_rejected_with_their_path() {
         ),
     ];
     for (damage, path) in damages {
-        let mut bad = definition.clone();
-        damage(&mut bad);
-        let error = StateMachine::new(&bad, &clips()).unwrap_err();
+        let mut invalid = definition.clone();
+        damage(&mut invalid);
+        let error = StateMachine::new(&invalid, &clips()).unwrap_err();
         assert_eq!(error.path, path);
     }
 }

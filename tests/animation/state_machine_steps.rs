@@ -27,10 +27,10 @@ const COMBO: &str = r#"{
   ]
 }"#;
 
-type Heard = Vec<String>;
+type EventLog = Vec<String>;
 
-fn step(run: &mut StateMachineRun, seconds: f64, heard: &mut Heard) {
-    run.update(seconds, |fired| heard.push(fired.event.name.clone()))
+fn step(run: &mut StateMachineRun, seconds: f64, events: &mut EventLog) {
+    run.update(seconds, |fired| events.push(fired.event.name.clone()))
         .unwrap();
 }
 
@@ -51,19 +51,19 @@ fn long_step_equals_short_steps() {
     for _ in 0..40 {
         let seconds = random.within(0.0, 5.0);
         let [mut long, mut short] = [run_of(COMBO), run_of(COMBO)];
-        let mut heard = [Heard::new(), Heard::new()];
+        let mut events = [EventLog::new(), EventLog::new()];
         long.trigger("hit").unwrap();
         short.trigger("hit").unwrap();
-        step(&mut long, seconds, &mut heard[0]);
+        step(&mut long, seconds, &mut events[0]);
         let steps = 1 + random.below(400);
         for _ in 0..steps {
-            step(&mut short, seconds / steps as f64, &mut heard[1]);
+            step(&mut short, seconds / steps as f64, &mut events[1]);
         }
         // A transition that time opens at the end of a step is taken at the start of the next one.
-        step(&mut long, 1e-7, &mut heard[0]);
-        step(&mut short, 1e-7, &mut heard[1]);
+        step(&mut long, 1e-7, &mut events[0]);
+        step(&mut short, 1e-7, &mut events[1]);
         same(&long, &short);
-        let [long, short] = &mut heard;
+        let [long, short] = &mut events;
         long.sort();
         short.sort();
         assert_eq!(long, short, "{seconds} s in {steps} steps");
@@ -117,13 +117,13 @@ fn random_machines_are_step_invariant() {
         let text = any_machine(&mut random);
         let seconds = random.within(0.0, 3.0);
         let [mut long, mut short] = [run_of(&text), run_of(&text)];
-        step(&mut long, seconds, &mut Heard::new());
+        step(&mut long, seconds, &mut EventLog::new());
         let steps = 1 + random.below(100);
         for _ in 0..steps {
-            step(&mut short, seconds / steps as f64, &mut Heard::new());
+            step(&mut short, seconds / steps as f64, &mut EventLog::new());
         }
-        step(&mut long, 1e-7, &mut Heard::new());
-        step(&mut short, 1e-7, &mut Heard::new());
+        step(&mut long, 1e-7, &mut EventLog::new());
+        step(&mut short, 1e-7, &mut EventLog::new());
         let at = (long.state(), long.leaving(), short.state(), short.leaving());
         assert_eq!(
             (at.0, at.1),
@@ -146,12 +146,12 @@ fn step_passes_through_a_chain_of_states() {
     // the third (0.6 s) may interrupt it: idle since 1.72 s, completely faded by 1.97 s.
     let mut run = run_of(COMBO);
     run.trigger("hit").unwrap();
-    step(&mut run, 2.22, &mut Heard::new());
+    step(&mut run, 2.22, &mut EventLog::new());
     assert_eq!((run.state(), run.fading()), ("idle", None));
     let [x, y] = hips(&run);
     assert!((x - 0.5).abs() < 1e-5 && y == 0.0, "{x} {y}");
     // The trigger was used once: nothing happens again.
-    step(&mut run, 10.0, &mut Heard::new());
+    step(&mut run, 10.0, &mut EventLog::new());
     assert_eq!(run.state(), "idle");
 }
 
@@ -160,7 +160,7 @@ fn rest_of_a_step_is_spent_in_the_new_state() {
     let mut run = run_of(COMBO);
     run.set_flag("dead", true).unwrap();
     // After the fade of 0.3 s the pose is that of the new state.
-    step(&mut run, 0.75, &mut Heard::new());
+    step(&mut run, 0.75, &mut EventLog::new());
     assert_eq!((run.state(), run.fading()), ("down", None));
     assert_eq!(hips(&run), [0.75, 0.0]);
 }
@@ -179,37 +179,37 @@ fn met_conditions_pass_several_states_at_once() {
       ]
     }"#;
     let mut run = run_of(text);
-    step(&mut run, 0.25, &mut Heard::new());
+    step(&mut run, 0.25, &mut EventLog::new());
     assert_eq!((run.state(), hips(&run)), ("run", [0.25, 20.0]));
 }
 
 #[test]
 fn cycle_of_transitions_ends() {
-    let ring = |way: &str| {
+    let ring = |mode: &str| {
         format!(
             r#"{{
           "parameters": {{"on": true}},
           "initial": "a",
           "states": [{{"name": "a", "clip": "stand"}}, {{"name": "b", "clip": "walk"}}, {{"name": "c", "clip": "jump"}}],
-          "transitions": [{{"from": "a", "to": "b"{way}}}, {{"from": "b", "to": "c"{way}}}, {{"from": "c", "to": "a"{way}}}]
+          "transitions": [{{"from": "a", "to": "b"{mode}}}, {{"from": "b", "to": "c"{mode}}}, {{"from": "c", "to": "a"{mode}}}]
         }}"#
         )
     };
     // Without durations: one round, and the time is spent at the start.
     let mut run = run_of(&ring(""));
-    step(&mut run, 0.25, &mut Heard::new());
+    step(&mut run, 0.25, &mut EventLog::new());
     assert_eq!((run.state(), hips(&run)), ("a", [0.25, 0.0]));
     // With durations: 1 + 2 + 0.5 s a round, so after 9 s it is 2 s into the third round.
     let mut run = run_of(&ring(r#", "after": 1.0"#));
-    step(&mut run, 9.0, &mut Heard::new());
+    step(&mut run, 9.0, &mut EventLog::new());
     let [x, y] = hips(&run);
     assert_eq!((run.state(), y), ("b", 10.0));
     assert!((x - 1.0).abs() < 1e-6, "{x}");
     // Beyond the maximum number of transitions the last state entered keeps the remaining time.
     let mut run = run_of(&ring(r#", "after": 1.0"#));
-    step(&mut run, 1000.0, &mut Heard::new());
-    let most = StateMachineRun::MOST_TRANSITIONS;
-    assert_eq!(run.state(), ["a", "b", "c"][most % 3]);
+    step(&mut run, 1000.0, &mut EventLog::new());
+    let max_transitions = StateMachineRun::MOST_TRANSITIONS;
+    assert_eq!(run.state(), ["a", "b", "c"][max_transitions % 3]);
 }
 
 #[test]
@@ -217,9 +217,9 @@ fn invalid_steps_take_no_time() {
     let machine: Arc<StateMachine> = Arc::new(machine(COMBO).unwrap());
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut run = run_of(COMBO);
-        step(&mut run, 0.25, &mut Heard::new());
+        step(&mut run, 0.25, &mut EventLog::new());
         let before = hips(&run);
-        step(&mut run, seconds, &mut Heard::new());
+        step(&mut run, seconds, &mut EventLog::new());
         assert_eq!(hips(&run), before);
         assert_eq!(machine.states().next(), Some(run.state()));
     }
@@ -228,12 +228,12 @@ fn invalid_steps_take_no_time() {
 /// A transition that requires a number of cycles and a time waits for both.
 #[test]
 fn longer_of_two_waits_applies() {
-    for (after, seconds, wanted) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
+    for (after, seconds, end_time) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
         let mut run = run_of(&format!(
             r#"{{"initial": "a", "states": [{{"name": "a", "clip": "walk"}}, {{"name": "b", "clip": "run"}}],
             "transitions": [{{"from": "a", "to": "b", "after": {after}, "after_seconds": {seconds}}}]}}"#
         ));
-        run.update(wanted - 0.01, |_| {}).unwrap();
+        run.update(end_time - 0.01, |_| {}).unwrap();
         assert_eq!(run.state(), "a");
         run.update(0.02, |_| {}).unwrap();
         assert_eq!(run.state(), "b");

@@ -169,23 +169,23 @@ fn events_have_their_states_weight() {
             }"#,
         );
         run.trigger("go").unwrap();
-        let mut heard = Vec::new();
+        let mut events = Vec::new();
         for _ in 0..steps {
             run.update(0.95 / f64::from(steps), |fired| {
-                heard.push((fired.event.name.clone(), fired.weight));
+                events.push((fired.event.name.clone(), fired.weight));
             })
             .unwrap();
         }
-        heard.sort_by(|a, b| (&a.0, a.1).partial_cmp(&(&b.0, b.1)).unwrap());
+        events.sort_by(|a, b| (&a.0, a.1).partial_cmp(&(&b.0, b.1)).unwrap());
         let expected = [
             ("jump half", 0.25),
             ("jump half", 0.75),
             ("stand half", 0.5),
         ];
-        assert_eq!(heard.len(), expected.len(), "{heard:?}");
-        for ((name, weight), expected) in heard.iter().zip(expected) {
+        assert_eq!(events.len(), expected.len(), "{events:?}");
+        for ((name, weight), expected) in events.iter().zip(expected) {
             assert_eq!(name, expected.0);
-            assert!((weight - expected.1).abs() < 1e-6, "{heard:?}");
+            assert!((weight - expected.1).abs() < 1e-6, "{events:?}");
         }
     }
 }
@@ -193,12 +193,12 @@ fn events_have_their_states_weight() {
 #[test]
 fn events_come_from_the_states_clip() {
     let mut run = run();
-    let mut heard = Vec::new();
+    let mut events = Vec::new();
     for _ in 0..30 {
-        run.update(0.1, |fired| heard.push(fired.event.name.clone()))
+        run.update(0.1, |fired| events.push(fired.event.name.clone()))
             .unwrap();
     }
-    assert_eq!(heard, ["stand half"; 3]);
+    assert_eq!(events, ["stand half"; 3]);
 }
 
 #[test]

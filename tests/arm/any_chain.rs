@@ -74,7 +74,7 @@ impl Case<'_> {
     fn all_solved(&self, builder: &ArmBuilder<'_>, searches: &[Search], count: usize) {
         for &search in searches {
             let mut builder = builder.clone().with_search(search);
-            if !ONE.contains(&search) {
+            if !SINGLE_SOLUTION_SEARCHES.contains(&search) {
                 // Building an atlas takes longer than these few solves.
                 builder = builder.with_atlas(false);
             }
@@ -82,13 +82,13 @@ impl Case<'_> {
             let mut random = Random(21);
             for _ in 0..count {
                 let truth = random.configuration(&arm);
-                let wanted = self.base_from_tool(&arm, &truth);
+                let target = self.base_from_tool(&arm, &truth);
                 let start = random.configuration(&arm);
-                let all = arm.solve_all(placement(&wanted), &start).unwrap();
+                let all = arm.solve_all(placement(&target), &start).unwrap();
                 assert!(!all.is_empty(), "{search:?} {truth:?} {start:?}");
                 for solution in &all {
                     let found = self.base_from_tool(&arm, &solution.q);
-                    let (metres, radians) = apart(&found, &wanted);
+                    let (metres, radians) = apart(&found, &target);
                     assert!(
                         solution.reached && metres <= 1e-6 && radians <= 1e-6,
                         "{search:?} {metres:e} {radians:e} {truth:?} {start:?} {}",
@@ -96,9 +96,13 @@ impl Case<'_> {
                     );
                     assert!(within_limits(&arm, &solution.q));
                 }
-                if let Search::Distinct { distance: far, .. } = search {
+                if let Search::Distinct {
+                    distance: min_distance,
+                    ..
+                } = search
+                {
                     for (i, a) in all.iter().enumerate() {
-                        assert!(all[..i].iter().all(|b| distance(&a.q, &b.q) > far));
+                        assert!(all[..i].iter().all(|b| distance(&a.q, &b.q) > min_distance));
                     }
                 }
             }
@@ -110,8 +114,8 @@ const DISTINCT: Search = Search::Distinct {
     k: 3,
     distance: 0.4,
 };
-const ALL: [Search; 4] = [Search::Start, Search::First, Search::Nearest, DISTINCT];
-const ONE: [Search; 2] = [Search::Start, Search::First];
+const ALL_SEARCHES: [Search; 4] = [Search::Start, Search::First, Search::Nearest, DISTINCT];
+const SINGLE_SOLUTION_SEARCHES: [Search; 2] = [Search::Start, Search::First];
 
 fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
     Case {
@@ -135,7 +139,7 @@ fn mimic_joint_inside_the_chain_is_solved() {
     // -0.7 <= 0.2 - elbow / 2 <= 1.1 narrows the elbow to [-1.8, 1.8].
     let elbow = arm.limits().nth(1).unwrap();
     assert!((elbow.lower + 1.8).abs() < 1e-15 && (elbow.upper - 1.8).abs() < 1e-15);
-    plain(&tree, "mount", "hand").all_solved(&builder, &ALL, 6);
+    plain(&tree, "mount", "hand").all_solved(&builder, &ALL_SEARCHES, 6);
 }
 
 #[test]
@@ -148,7 +152,7 @@ fn source_joint_outside_the_chain_is_solved() {
     let mut free: Vec<_> = arm.joints().collect();
     free.sort_unstable();
     assert_eq!(free, ["elbow", "lift", "pan", "pitch", "roll", "shoulder"]);
-    plain(&tree, "world", "hand").all_solved(&builder, &ONE, 6);
+    plain(&tree, "world", "hand").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 6);
     // In a configuration of the whole robot mimic joints follow their source joints.
     let q = [0.3, 0.4, 0.2, 1.0, 0.1, 0.25];
     let mut all = robot.model().neutral();
@@ -167,9 +171,9 @@ fn base_in_another_branch_is_solved() {
         let robot = Robot::parse(text, "coupled.urdf").unwrap();
         let tree = Tree::parse(text);
         let builder = Arm::builder(&robot, "camera", "hand");
-        plain(&tree, "camera", "hand").all_solved(&builder, &ONE, 4);
+        plain(&tree, "camera", "hand").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 4);
         let builder = Arm::builder(&robot, "palm", "camera");
-        plain(&tree, "palm", "camera").all_solved(&builder, &ONE, 4);
+        plain(&tree, "palm", "camera").all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 4);
     }
 }
 
@@ -215,7 +219,7 @@ fn subset_of_the_joints_is_solved() {
         held: &held,
         ..plain(&tree, "base", "flange")
     };
-    case.all_solved(&builder, &ALL, 4);
+    case.all_solved(&builder, &ALL_SEARCHES, 4);
     // Three joints remain: few poses are reachable, and those are solved.
     let mut q = robot.model().neutral();
     let held = [
@@ -237,7 +241,7 @@ fn subset_of_the_joints_is_solved() {
         held: &held,
         ..plain(&tree, "base", "flange")
     };
-    case.all_solved(&builder, &ONE, 8);
+    case.all_solved(&builder, &SINGLE_SOLUTION_SEARCHES, 8);
     let mut all = vec![0.0; robot.model().degrees_of_freedom()];
     arm.configuration(&[0.5, -1.0, 0.3], &mut all).unwrap();
     for (name, value) in held
@@ -264,7 +268,7 @@ fn prismatic_chain_is_solved() {
     text.push_str("</robot>");
     let robot = Robot::parse(&text, "gantry.urdf").unwrap();
     let builder = Arm::builder(&robot, "l0", "l3");
-    plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL, 6);
+    plain(&Tree::parse(&text), "l0", "l3").all_solved(&builder, &ALL_SEARCHES, 6);
 }
 
 #[test]
@@ -337,11 +341,13 @@ fn ids_and_world_equal_names() {
     }
     // An id of a larger model is reported like an unknown name.
     let larger = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    let far = larger.model().frame_ids().last().unwrap();
-    let error = Arm::new(&robot, Base::World, far).unwrap_err().to_string();
+    let foreign_frame = larger.model().frame_ids().last().unwrap();
+    let error = Arm::new(&robot, Base::World, foreign_frame)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("camera"), "{error}");
-    let far = larger.model().joint_ids().last().unwrap();
-    let builder = Arm::builder(&robot, Base::World, "hand").with_only([far], &[]);
+    let foreign_frame = larger.model().joint_ids().last().unwrap();
+    let builder = Arm::builder(&robot, Base::World, "hand").with_only([foreign_frame], &[]);
     let error = builder.joints().unwrap_err().to_string();
     assert!(error.contains("shoulder"), "{error}");
 }

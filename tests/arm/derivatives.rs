@@ -29,8 +29,11 @@ fn derivative_of_six_joints_is_exact() {
         let derivative = arm.derivative(target, &q).unwrap();
         assert_eq!(derivative.differentiability, Differentiability::Unique);
         let followed = jacobian.at(&q).unwrap() * &derivative.by_target;
-        let off = (followed - own_axes(&target)).amax();
-        assert!(off < 1e-9 * (1.0 + derivative.by_target.amax()), "{off}");
+        let difference = (followed - own_axes(&target)).amax();
+        assert!(
+            difference < 1e-9 * (1.0 + derivative.by_target.amax()),
+            "{difference}"
+        );
     }
 }
 
@@ -48,8 +51,8 @@ fn derivative_of_seven_joints_has_minimum_norm() {
         assert_eq!(derivative.differentiability, many);
         let inverse = jacobian.at(&q).unwrap().clone().pseudo_inverse(1e-12);
         let shortest = inverse.unwrap() * own_axes(&target);
-        let off = (&derivative.by_target - &shortest).amax();
-        assert!(off < 1e-9 * (1.0 + shortest.amax()), "{off}");
+        let difference = (&derivative.by_target - &shortest).amax();
+        assert!(difference < 1e-9 * (1.0 + shortest.amax()), "{difference}");
     }
 }
 
@@ -72,14 +75,14 @@ fn derivative_of_a_miss_matches_repeated_solves() {
     for axis in 0..3 {
         let along = |share: f64| {
             let mut moved = target;
-            let mut by = [0.0; 3];
-            by[axis] = share * step;
-            moved.translation += moved.rotation * Vector3::from(by);
+            let mut offset = [0.0; 3];
+            offset[axis] = share * step;
+            moved.translation += moved.rotation * Vector3::from(offset);
             na::DVector::from_vec(arm.solve(moved, &solution.q).unwrap().q)
         };
         let shown = (along(1.0) - along(-1.0)) / (2.0 * step);
-        let off = (derivative.by_target.column(axis) - shown).amax();
-        assert!(off < 1e-3, "{axis}: {off}");
+        let difference = (derivative.by_target.column(axis) - shown).amax();
+        assert!(difference < 1e-3, "{axis}: {difference}");
     }
 }
 

@@ -18,9 +18,9 @@ fn elbow_returns_on_its_branch() {
     for elbow in [0.5, -0.5] {
         for lift in [-1.9, -1.2, -0.6] {
             for wrist in [[-1.7, -1.1, 0.2], [0.4, 1.3, -0.8], [1.9, 0.9, 1.5]] {
-                for way in [[0.0; 3], [0.1, 0.07, -0.05]] {
+                for direction in [[0.0; 3], [0.1, 0.07, -0.05]] {
                     let start = [0.3, lift, elbow, wrist[0], wrist[1], wrist[2]];
-                    check(&arm, &start, way.into(), start[0]);
+                    check(&arm, &start, direction.into(), start[0]);
                 }
             }
         }
@@ -43,9 +43,9 @@ fn elbow_returns_on_its_branch_after_long_motion() {
 
 /// Moves out of reach from the shoulder, or slightly off that line, and back. Before that, the first joint moves from
 /// `from`.
-fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>, from: f64) {
+fn check(arm: &Arm, start: &[f64; 6], offset: Vector3<f64>, from: f64) {
     let first = arm.base_from_tool(start).unwrap();
-    let direction = first.translation + beside;
+    let direction = first.translation + offset;
     let direction = direction * (1.0 / direction.norm());
     let at = |step: usize| {
         Placement::new(
@@ -72,14 +72,17 @@ fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>, from: f64) {
     let missed = !solution.reached;
     for step in (0..STEPS).rev() {
         follower.advance(at(step), &mut solution).unwrap();
-        let (there, reached) = &out[step];
-        let off = distance(&solution.q, there);
+        let (target_q, reached) = &out[step];
+        let distance_to_target = distance(&solution.q, target_q);
         let both = *reached && solution.reached;
-        assert!(!both || off < 1e-2, "{start:?}, step {step}: {off}");
+        assert!(
+            !both || distance_to_target < 1e-2,
+            "{start:?}, step {step}: {distance_to_target}"
+        );
     }
-    let off = distance(&solution.q, start);
+    let distance_to_start = distance(&solution.q, start);
     assert!(
-        missed && solution.reached && off < 1e-3,
-        "{start:?}: {off} {missed}"
+        missed && solution.reached && distance_to_start < 1e-3,
+        "{start:?}: {distance_to_start} {missed}"
     );
 }

@@ -33,21 +33,25 @@ fn flipped(text: &str) -> String {
 }
 
 /// Steps of a line of this length, a rest at its end, and the way back.
-fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Placement<f64>> {
-    let there = (0..steps).chain([steps; 8]).chain((0..steps).rev());
-    let at = |k: u32| from.translation + way * (f64::from(k) / f64::from(steps));
-    there
+fn out_and_back(
+    from: &Placement<f64>,
+    displacement: Vector3<f64>,
+    steps: u32,
+) -> Vec<Placement<f64>> {
+    let order = (0..steps).chain([steps; 8]).chain((0..steps).rev());
+    let at = |k: u32| from.translation + displacement * (f64::from(k) / f64::from(steps));
+    order
         .map(|k| Placement::new(from.rotation, at(k)))
         .collect()
 }
 
-type Told = (Vec<f64>, bool, Termination);
+type Outcome = (Vec<f64>, bool, Termination);
 
-fn outcome(solution: &Solution) -> Told {
+fn outcome(solution: &Solution) -> Outcome {
     (solution.q.clone(), solution.reached, solution.termination)
 }
 
-fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Told> {
+fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Outcome> {
     let mut follower = arm.follower(start).unwrap();
     let steps = targets.iter().map(|target| {
         let mut solution = Solution::default();

@@ -63,13 +63,13 @@ fn reached_poses_are_confirmed_by_matrices() {
             let at =
                 |q: &[f64]| -> Vec<(&str, f64)> { arm.joints().zip(q.iter().copied()).collect() };
             // Target by independent matrices; the arm may reject it as no rigid motion.
-            let wanted = tree.base_from_tip(base, tip, &at(&truth));
-            let Ok(solution) = arm.solve(placement(&wanted), &start) else {
+            let target = tree.base_from_tip(base, tip, &at(&truth));
+            let Ok(solution) = arm.solve(placement(&target), &start) else {
                 continue;
             };
             let values = at(&solution.q);
             let found = tree.base_from_tip(base, tip, &values);
-            let (metres, radians) = apart(&found, &wanted);
+            let (metres, radians) = apart(&found, &target);
             if solution.reached {
                 reached += 1;
                 assert!(

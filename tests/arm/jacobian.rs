@@ -21,12 +21,12 @@ fn twist(arm: &Arm, q: &[f64], joint: usize) -> [f64; 6] {
     let linear = (ahead.translation - behind.translation) * (0.5 / STEP);
     // The angular velocity is half the sum of the axes crossed with their differences.
     let axes = |m: &Matrix3<f64>| [m.x, m.y, m.z];
-    let here = axes(&arm.base_from_tool(q).unwrap().rotation);
+    let tool_axes = axes(&arm.base_from_tool(q).unwrap().rotation);
     let (ahead, behind) = (axes(&ahead.rotation), axes(&behind.rotation));
     let mut angular = Vector3::zero();
     for k in 0..3 {
         let rate = (ahead[k] - behind[k]) * (0.5 / STEP);
-        angular += here[k].cross(rate) * 0.5;
+        angular += tool_axes[k].cross(rate) * 0.5;
     }
     let ([a, b, c], [d, e, f]) = (linear.to_array(), angular.to_array());
     [a, b, c, d, e, f]

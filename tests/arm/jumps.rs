@@ -32,7 +32,7 @@ fn jumps_are_short_and_leave_no_state() {
     let arm = arm.with_atlas(false).with_global_search_on_miss(true);
     let arm = arm.build().unwrap();
     let mut random = Random(7);
-    let (mut jumps, mut far, mut after) = (0, 0, [0, 0]);
+    let (mut jumps, mut too_long, mut after) = (0, 0, [0, 0]);
     for _ in 0..40 {
         let start = random.configuration(&arm);
         let end = random.configuration(&arm);
@@ -57,8 +57,8 @@ fn jumps_are_short_and_leave_no_state() {
                 let q = nearest_turns(&arm, &other.q, &before);
                 other.reached.then(|| distance(&q, &before))
             });
-            let least = others.fold(f64::INFINITY, f64::min);
-            far += usize::from(length > least + 1e-6);
+            let shortest = others.fold(f64::INFINITY, f64::min);
+            too_long += usize::from(length > shortest + 1e-6);
             let mut fresh = arm.follower(&solution.q).unwrap();
             let mut begun = Solution::default();
             fresh.advance(at(step + 1), &mut begun).unwrap();
@@ -72,7 +72,10 @@ fn jumps_are_short_and_leave_no_state() {
         }
     }
     // Attempts rarely miss the nearest solution.
-    assert!(jumps >= 15 && far * 10 <= jumps, "{far} of {jumps}");
+    assert!(
+        jumps >= 15 && too_long * 10 <= jumps,
+        "{too_long} of {jumps}"
+    );
     assert!(after[1] <= after[0] + jumps / 2, "{after:?} of {jumps}");
 }
 
@@ -94,16 +97,18 @@ fn reported_jumps_are_those_of_the_track() {
         let [first, second, third] = ends.each_ref().map(|q| arm.base_from_tool(q).unwrap());
         let mut points = Vec::new();
         for [from, to] in [[first, second], [second, third]] {
-            let (from, way) = (from.translation, to.translation - from.translation);
+            let (from, displacement) = (from.translation, to.translation - from.translation);
             let shares = (0..60).map(|step| f64::from(step) / 60.0);
-            points.extend(shares.map(|share| Placement::new(first.rotation, from + way * share)));
+            points.extend(
+                shares.map(|share| Placement::new(first.rotation, from + displacement * share)),
+            );
         }
         let track = arm.track(&points, &ends[0]).unwrap();
-        let far = far_steps(&track);
+        let expected_steps = far_steps(&track);
         let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
-        assert_eq!(jumps.collect::<Vec<_>>(), far, "{seed}");
-        tracks += usize::from(!far.is_empty());
-        reported += far.len();
+        assert_eq!(jumps.collect::<Vec<_>>(), expected_steps, "{seed}");
+        tracks += usize::from(!expected_steps.is_empty());
+        reported += expected_steps.len();
     }
     assert!(
         tracks == 2 && reported > 10,

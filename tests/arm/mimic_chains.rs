@@ -14,17 +14,17 @@ use support::urdf_matrices::{Tree, apart, placement};
 /// Solves random poses and returns the number of misses.
 fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: usize) -> usize {
     let mut random = Random(seed);
-    let place = |q: &[f64]| {
+    let forward_kinematics = |q: &[f64]| {
         let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
         tree.base_from_tip(base, tip, &values)
     };
     let results = (0..count).map(|_| {
-        let wanted = place(&random.configuration(arm));
-        let solution = arm.solve(placement(&wanted), &random.configuration(arm));
+        let target = forward_kinematics(&random.configuration(arm));
+        let solution = arm.solve(placement(&target), &random.configuration(arm));
         let solution = solution.unwrap();
         assert!(within_limits(arm, &solution.q));
         if solution.reached {
-            let (metres, radians) = apart(&place(&solution.q), &wanted);
+            let (metres, radians) = apart(&forward_kinematics(&solution.q), &target);
             assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
         }
         !solution.reached
@@ -77,8 +77,8 @@ fn attempts_end_in_different_solutions() {
             continue;
         }
         let mut random = Random(number);
-        let wanted = arm.base_from_tool(&random.configuration(&arm)).unwrap();
-        let found = arm.solve_all(wanted, &random.configuration(&arm)).unwrap();
+        let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let found = arm.solve_all(target, &random.configuration(&arm)).unwrap();
         assert!(found.len() >= 110, "chain {number}: {}", found.len());
         looked_at += 1;
     }
@@ -110,9 +110,9 @@ fn nao_reaches_from_foot_to_foot() {
         robot("aldebaran_nao"),
         Tree::read("../models/aldebaran_nao.urdf"),
     );
-    for way in [("left_sole", "right_sole"), ("right_sole", "left_sole")] {
-        let arm = Arm::new(&nao, way.0, way.1).unwrap();
-        assert_eq!(missed(&arm, &tree, way, 3, cases(200, 20)), 0);
+    for ends in [("left_sole", "right_sole"), ("right_sole", "left_sole")] {
+        let arm = Arm::new(&nao, ends.0, ends.1).unwrap();
+        assert_eq!(missed(&arm, &tree, ends, 3, cases(200, 20)), 0);
     }
 }
 
@@ -173,13 +173,13 @@ fn source_joints_make_no_whole_turns() {
     let arm = Arm::builder(&robot, "l0", "l2");
     let arm = arm.with_atlas(false).build().unwrap();
     for k in 0..12 {
-        let there = [0.5 * f64::from(k) - 3.0];
-        let goal = arm.base_from_tool(&there).unwrap();
+        let target_q = [0.5 * f64::from(k) - 3.0];
+        let goal = arm.base_from_tool(&target_q).unwrap();
         for turns in [-9.0, -5.0, 6.0, 10.0] {
             let solution = arm.solve(goal, &[turns]).unwrap();
             assert!(
                 solution.reached,
-                "{there:?} from {turns}: {}",
+                "{target_q:?} from {turns}: {}",
                 solution.explain()
             );
         }
@@ -240,7 +240,7 @@ fn mimic_velocity_limits_apply_to_source_joints() {
             at + 1
         )
     };
-    for (ratio, wanted) in [(-0.5, 2.0), (0.25, 3.0), (4.0, 0.25)] {
+    for (ratio, limit) in [(-0.5, 2.0), (0.25, 3.0), (4.0, 0.25)] {
         let follows = format!("<mimic joint=\"j0\" multiplier=\"{ratio}\"/>");
         let text = format!(
             "<robot name=\"fast\"><link name=\"l0\"/>{}{}{}</robot>",
@@ -250,7 +250,7 @@ fn mimic_velocity_limits_apply_to_source_joints() {
         );
         let robot = Robot::parse(&text, "fast.urdf").unwrap();
         let arm = Arm::new(&robot, "l0", "l3").unwrap();
-        assert_eq!(arm.velocity_limits(), [wanted, 5.0]);
+        assert_eq!(arm.velocity_limits(), [limit, 5.0]);
     }
 }
 
@@ -331,9 +331,9 @@ fn any_source_joint_keeps_its_turn() {
         let target = arm.base_from_tool(&q).unwrap();
         let start: Vec<f64> = q.iter().map(|q| q + 13.0).collect();
         let solution = arm.solve(target, &start).unwrap();
-        let there = arm.base_from_tool(&solution.q).unwrap();
-        let away = (there.translation - target.translation).norm();
-        assert_eq!(solution.reached, away <= 1e-6, "{away}");
+        let reached_pose = arm.base_from_tool(&solution.q).unwrap();
+        let distance = (reached_pose.translation - target.translation).norm();
+        assert_eq!(solution.reached, distance <= 1e-6, "{distance}");
         reached += usize::from(solution.reached);
     }
     assert!(reached >= 20, "{reached} of 30");
@@ -400,7 +400,7 @@ fn mimic_outside_the_chain_restricts_on_request() {
              <limit lower=\"-{end}\" upper=\"{end}\" effort=\"1\" velocity=\"1\"/>{more}</joint>"
         )
     };
-    for (ratio, most) in [(1.0, 0.5), (-2.0, 0.25), (0.25, 1.5)] {
+    for (ratio, max_move) in [(1.0, 0.5), (-2.0, 0.25), (0.25, 1.5)] {
         let follows = format!("<mimic joint=\"a\" multiplier=\"{ratio}\"/>");
         let text = format!(
             "<robot name=\"r\"><link name=\"l0\"/>{}{}</robot>",
@@ -416,10 +416,10 @@ fn mimic_outside_the_chain_restricts_on_request() {
             .limits()
             .map(|limit| (limit.lower, limit.upper))
             .collect();
-        assert_eq!(limits, [(-most, most)]);
+        assert_eq!(limits, [(-max_move, max_move)]);
         let beyond = arm.base_from_tool(&[1.49]).unwrap();
         let solution = arm.solve(beyond, &[0.0]).unwrap();
-        assert_eq!(solution.q, [solution.q[0].min(most)]);
+        assert_eq!(solution.q, [solution.q[0].min(max_move)]);
         let mut q = [0.0; 2];
         arm.configuration(&solution.q, &mut q).unwrap();
         assert!(robot.model().is_within_limits(&q), "{q:?}");

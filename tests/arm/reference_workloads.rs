@@ -14,7 +14,7 @@ use serde::Deserialize;
 use support::urdf_matrices::{Matrix, Tree, apart, from_quaternion, placement};
 
 /// Largest joint displacement of a step beyond that of the path's own joint, radians.
-const FLIP: f64 = 0.2;
+const MAX_EXTRA_STEP: f64 = 0.2;
 
 #[derive(Deserialize)]
 struct Workload {
@@ -33,7 +33,7 @@ struct Bench {
     work: Workload,
     robot: Robot,
     tree: Tree,
-    wanted: Vec<Matrix>,
+    targets: Vec<Matrix>,
     goals: Vec<Placement<f64>>,
 }
 
@@ -54,12 +54,12 @@ impl Bench {
         work.targets = work.targets.iter().step_by(every).copied().collect();
         work.starts = thinned(&work.starts);
         work.truth = thinned(&work.truth);
-        let wanted: Vec<Matrix> = work.targets.iter().copied().map(from_quaternion).collect();
+        let target: Vec<Matrix> = work.targets.iter().copied().map(from_quaternion).collect();
         Self {
-            goals: wanted.iter().map(placement).collect(),
+            goals: target.iter().map(placement).collect(),
             robot: Robot::read(&urdf).unwrap(),
             tree: Tree::read(&urdf),
-            wanted,
+            targets: target,
             work,
         }
     }
@@ -81,7 +81,7 @@ impl Bench {
         let names = self.work.joint_names.iter().map(String::as_str);
         let values: Vec<_> = names.zip(solution.q.iter().copied()).collect();
         let found = (self.tree).base_from_tip(&self.work.base_link, &self.work.tip_link, &values);
-        let (metres, radians) = apart(&found, &self.wanted[index]);
+        let (metres, radians) = apart(&found, &self.targets[index]);
         assert!(
             solution.reached && metres <= 1e-6 && radians <= 1e-6,
             "pose {index}: {metres:e} m, {radians:e} rad: {}",
@@ -96,7 +96,7 @@ impl Bench {
 
 /// Checks that the workload's numbers match the matrices.
 fn assert_truth(bench: &Bench) {
-    for (truth, wanted) in bench.work.truth.iter().zip(&bench.wanted).take(50) {
+    for (truth, target) in bench.work.truth.iter().zip(&bench.targets).take(50) {
         let names = bench.work.joint_names.iter().map(String::as_str);
         let values: Vec<_> = names.zip(truth.iter().copied()).collect();
         let Workload {
@@ -105,7 +105,7 @@ fn assert_truth(bench: &Bench) {
             ..
         } = &bench.work;
         let found = bench.tree.base_from_tip(base_link, tip_link, &values);
-        let (metres, radians) = apart(&found, wanted);
+        let (metres, radians) = apart(&found, target);
         assert!(metres < 1e-12 && radians < 1e-12, "{metres:e} {radians:e}");
     }
 }
@@ -143,7 +143,7 @@ fn reference_path_is_followed_without_a_flip() {
     let arm = bench.arm(Search::Start);
     for start in [&bench.work.truth[0], &bench.work.starts[0]] {
         let path = arm.track(&bench.goals, start).unwrap().solutions;
-        let mut most: f64 = 0.0;
+        let mut largest_excess: f64 = 0.0;
         for (index, solution) in path.iter().enumerate() {
             bench.assert_solved(index, solution);
             let Some(last) = index.checked_sub(1) else {
@@ -152,13 +152,15 @@ fn reference_path_is_followed_without_a_flip() {
             let truth = bench.work.truth[index].iter().zip(&bench.work.truth[last]);
             let ours = solution.q.iter().zip(&path[last].q);
             for ((a, b), (c, d)) in ours.zip(truth) {
-                most = most.max((a - b).abs() - (c - d).abs());
+                largest_excess = largest_excess.max((a - b).abs() - (c - d).abs());
             }
         }
         assert!(
-            most <= FLIP,
-            "a joint moved {most} rad beyond the path's own"
+            largest_excess <= MAX_EXTRA_STEP,
+            "a joint moved {largest_excess} rad beyond the path's own"
         );
-        eprintln!("panda_track: no joint moved more than {most:.1e} rad beyond the path's own");
+        eprintln!(
+            "panda_track: no joint moved more than {largest_excess:.1e} rad beyond the path's own"
+        );
     }
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use support::arms::{Random, panda, robot};
 use support::sample::{cases, part};
 
-type Questions = (Vec<Placement<f64>>, Vec<f64>);
+type Queries = (Vec<Placement<f64>>, Vec<f64>);
 
 /// Contents of a solution except times.
 fn bits(solutions: &[Solution]) -> Vec<u64> {
@@ -22,7 +22,7 @@ fn bits(solutions: &[Solution]) -> Vec<u64> {
     numbers.collect()
 }
 
-fn questions(arm: &Arm, count: usize) -> Questions {
+fn questions(arm: &Arm, count: usize) -> Queries {
     let mut random = Random(8);
     let mut goals: Vec<_> = (0..count)
         .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
@@ -33,7 +33,7 @@ fn questions(arm: &Arm, count: usize) -> Questions {
     (goals, starts.collect())
 }
 
-fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
+fn single_solves(arm: &Arm, (goals, starts): &Queries) -> Vec<Solution> {
     let starts = starts.chunks(arm.joint_count());
     let questions = goals.iter().zip(starts);
     questions
@@ -42,17 +42,17 @@ fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
 }
 
 /// `count` problems: more than a chunk of a batch if the SIMD solver handles them.
-fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
+fn assert_bitwise_equal(builder: &ArmBuilder<'_>, count: usize) {
     let arm = builder.clone().build().unwrap();
     let n = arm.joint_count();
-    let asked = questions(&arm, count);
-    let (goals, starts) = &asked;
-    let singles = alone(&arm, &asked);
+    let queries = questions(&arm, count);
+    let (goals, starts) = &queries;
+    let singles = single_solves(&arm, &queries);
     let together = arm.solve_batch(goals, starts).unwrap();
     assert!(!together[1].reached && !singles[1].reached);
     // Repeated, and with a separate arm.
     let again = builder.clone().build().unwrap();
-    assert_eq!(bits(&alone(&again, &asked)), bits(&singles));
+    assert_eq!(bits(&single_solves(&again, &queries)), bits(&singles));
     assert_eq!(
         bits(&again.solve_batch(goals, starts).unwrap()),
         bits(&together)
@@ -96,11 +96,11 @@ fn common_searches_are_reproducible() {
         // More than a chunk of a batch, for one search at least.
         let first = search == Search::First;
         let count = if first { 140 } else { fewer };
-        the_same_bits(&builder.with_search(search).with_atlas(first), count);
+        assert_bitwise_equal(&builder.with_search(search).with_atlas(first), count);
     }
     let six = self::robot("universal_ur5e");
     let builder = Arm::builder(&six, "base", "flange");
-    the_same_bits(&builder, cases(140, 12));
+    assert_bitwise_equal(&builder, cases(140, 12));
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn comparing_searches_are_reproducible() {
     for search in [Search::Nearest, distinct] {
         let builder = Arm::builder(&robot, base, tip);
         let builder = builder.with_search(search).with_attempts(30);
-        the_same_bits(&builder.with_atlas(false), cases(5, 2));
+        assert_bitwise_equal(&builder.with_atlas(false), cases(5, 2));
     }
 }
 
@@ -121,17 +121,17 @@ fn comparing_searches_are_reproducible() {
 fn general_solver_options_are_reproducible() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
-    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
+    assert_bitwise_equal(&builder().with_posture(&[0.3; 7]), cases(6, 2));
+    assert_bitwise_equal(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
     let goal = PoseBounds::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
-    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 2));
+    assert_bitwise_equal(&builder().with_goal(goal).with_seed(5), cases(6, 2));
 }
 
 #[test]
 fn mimic_chain_is_reproducible() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "left_sole", "right_sole");
-    the_same_bits(&builder.with_atlas(false), cases(6, 2));
+    assert_bitwise_equal(&builder.with_atlas(false), cases(6, 2));
 }
 
 #[test]
@@ -187,19 +187,19 @@ fn reused_solution_keeps_nothing() {
             .with_goal(PoseBounds::position()),
     ];
     let arms = arms.map(|arm| arm.build().unwrap());
-    let mut asked = Vec::new();
+    let mut queries = Vec::new();
     for arm in &arms {
         let (goals, starts) = questions(arm, 3);
         for (goal, start) in goals.into_iter().zip(starts.chunks(7)) {
             let reported = arm.solve(goal, start).unwrap();
-            asked.push((arm, goal, start.to_vec(), format!("{reported:?}")));
+            queries.push((arm, goal, start.to_vec(), format!("{reported:?}")));
         }
         // A target at the arm's base, blocked by limits.
         let start = vec![0.1; 7];
         let turned = arm.base_from_tool(&start).unwrap().rotation;
         let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
         let reported = arm.solve(low, &start).unwrap();
-        asked.push((arm, low, start, format!("{reported:?}")));
+        queries.push((arm, low, start, format!("{reported:?}")));
     }
     // A solver's solution whose soft task displaced its required task.
     let model = robot.model();
@@ -211,13 +211,13 @@ fn reused_solution_keeps_nothing() {
     let pulled = Solver::default().solve_once(&pulled, &model.neutral());
     let pulled = pulled.unwrap();
     assert!(pulled.pulling_preferences().next().is_some());
-    for (other, goal, start, expected) in &asked {
+    for (other, goal, start, expected) in &queries {
         let mut solution = pulled.clone();
         other.solve_into(goal, start, &mut solution).unwrap();
         assert_eq!(format!("{solution:?}"), *expected);
     }
-    for (arm, goal, start, _) in &asked {
-        for (other, goal_of_other, start_of_other, expected) in &asked {
+    for (arm, goal, start, _) in &queries {
+        for (other, goal_of_other, start_of_other, expected) in &queries {
             let mut solution = Solution::default();
             arm.solve_into(goal, start, &mut solution).unwrap();
             other

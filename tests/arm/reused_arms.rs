@@ -87,8 +87,8 @@ fn reused_arm_with_any_option() {
         "posture",
         builder().with_posture(&[0.0, 0.3, 0.0, -1.8, 0.1, 1.5, 0.4]),
     );
-    let room = PoseBounds::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
-    assert_reuse_equals_new("room", builder().with_goal(room));
+    let bounds = PoseBounds::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
+    assert_reuse_equals_new("room", builder().with_goal(bounds));
     assert_reuse_equals_new("position", builder().with_goal(PoseBounds::position()));
 }
 
@@ -125,8 +125,8 @@ fn reused_solution_drops_active_limits() {
     let arm = Arm::builder(&model, "base", "tip").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let (mut follower, mut solution) = (arm.follower(&[0.4; 2]).unwrap(), Solution::default());
-    for (place, held) in [([0.3, 0.8, 0.0], true), ([0.89, 0.43, 0.0], false)] {
-        let target = Placement::translation(place.into());
+    for (position, held) in [([0.3, 0.8, 0.0], true), ([0.89, 0.43, 0.0], false)] {
+        let target = Placement::translation(position.into());
         for _ in 0..40 {
             follower.advance(target, &mut solution).unwrap();
         }
@@ -162,9 +162,9 @@ fn reused_batch_outcomes_are_overwritten() {
         arm.solve_batch_into(&other, &starts, &mut q, &mut outcomes)
             .unwrap();
         for ((target, q), outcome) in other.iter().zip(q.chunks(7)).zip(&outcomes) {
-            let off = arm.base_from_tool(q).unwrap().translation - target.translation;
-            assert!((off.norm() - outcome.position_error).abs() < 1e-9);
-            assert_eq!(outcome.reached, off.norm() < 1e-6);
+            let offset = arm.base_from_tool(q).unwrap().translation - target.translation;
+            assert!((offset.norm() - outcome.position_error).abs() < 1e-9);
+            assert_eq!(outcome.reached, offset.norm() < 1e-6);
         }
     }
 }
@@ -174,10 +174,10 @@ fn reused_batch_outcomes_are_overwritten() {
 fn reused_arm_with_another_checker() {
     let (robot, base, tip) = panda();
     let mut random = Random(17);
-    let mut place = || (random.unit() - 0.5) * 1.2;
+    let mut coordinate = || (random.unit() - 0.5) * 1.2;
     let mut world = World::new();
     for ball in 0..8 {
-        let at = Vector3::new(place(), place(), 0.5 + place().abs());
+        let at = Vector3::new(coordinate(), coordinate(), 0.5 + coordinate().abs());
         world.add_sphere(&format!("ball {ball}"), 0.1, at).unwrap();
     }
     let checker = Checker::of(&robot).unwrap();
@@ -188,23 +188,23 @@ fn reused_arm_with_another_checker() {
     open[n - 2..].fill(0.04);
     let plain = Arm::builder(&robot, base, tip).with_atlas(false);
     let plain = plain.build().unwrap();
-    let kept = plain.clone().with_checker(&checker, &shut).unwrap();
+    let checked_arm = plain.clone().with_checker(&checker, &shut).unwrap();
     let mut random = Random(18);
-    let asked = (0..6).map(|_| {
+    let queries = (0..6).map(|_| {
         let target = plain.base_from_tool(&random.configuration(&plain)).unwrap();
         (target, random.configuration(&plain))
     });
-    let asked: Vec<_> = asked.collect();
+    let queries: Vec<_> = queries.collect();
     let results = |arm: &Arm| -> Vec<String> {
         let solve = |(target, start): &(Placement<f64>, Vec<f64>)| {
             let solution = arm.solve(*target, start).unwrap();
             format!("{solution:?} {:?}", solution.collisions())
         };
-        asked.iter().map(solve).collect()
+        queries.iter().map(solve).collect()
     };
-    let alone = results(&kept);
-    let kept = results(&kept.with_checker(&among, &open).unwrap());
+    let alone = results(&checked_arm);
+    let reopened = results(&checked_arm.with_checker(&among, &open).unwrap());
     let fresh = results(&plain.with_checker(&among, &open).unwrap());
-    assert_eq!(kept, fresh);
+    assert_eq!(reopened, fresh);
     assert_ne!(alone, fresh);
 }

@@ -17,14 +17,14 @@ fn reversed_chain_has_the_inverse_pose() {
             let builder = Arm::builder(&robot, base, tip);
             builder.with_atlas(false).build().unwrap()
         };
-        let [there, back] = [build(base, tip), build(tip, base)];
+        let [forward_arm, backward_arm] = [build(base, tip), build(tip, base)];
         let mut random = Random(51);
         for _ in 0..5 {
-            let q = random.configuration(&there);
-            let named = |joint: &str| there.joints().position(|own| own == joint).unwrap();
-            let same: Vec<f64> = back.joints().map(|joint| q[named(joint)]).collect();
-            let forth = there.base_from_tool(&q).unwrap();
-            let around = forth * back.base_from_tool(&same).unwrap();
+            let q = random.configuration(&forward_arm);
+            let named = |joint: &str| forward_arm.joints().position(|name| name == joint).unwrap();
+            let same: Vec<f64> = backward_arm.joints().map(|joint| q[named(joint)]).collect();
+            let forth = forward_arm.base_from_tool(&q).unwrap();
+            let around = forth * backward_arm.base_from_tool(&same).unwrap();
             assert!(around.translation.norm() < 1e-12, "{name}");
             assert!(
                 (around.rotation.x.x + around.rotation.y.y - 2.0).abs() < 1e-12,
@@ -54,13 +54,13 @@ fn move_limits_apply_from_the_projected_start() {
 fn configuration_writes_only_the_arms_joints() {
     let nao = robot("aldebaran_nao");
     let model = nao.model();
-    let own = Arm::new(&nao, "torso", "left_hand").unwrap();
-    let mut elsewhere = model
+    let nao_arm = Arm::new(&nao, "torso", "left_hand").unwrap();
+    let mut other_joints = model
         .moving_joints()
         .iter()
-        .filter(|id| !own.joint_ids().contains(id));
-    let other = *elsewhere.next().unwrap();
-    let held = own.joint_ids()[1];
+        .filter(|id| !nao_arm.joint_ids().contains(id));
+    let other = *other_joints.next().unwrap();
+    let held = nao_arm.joint_ids()[1];
     let name = |id: kinopt::model::JointId| model.joints()[id.index()].name.as_str();
     let value = |id: kinopt::model::JointId| {
         let coordinate = model.coordinate(id).unwrap();

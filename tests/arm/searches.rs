@@ -11,7 +11,7 @@ use support::sample::{cases, few};
 use support::urdf_matrices::{apart, from_placement};
 
 /// Two solutions of one pose to 1e-6 are equally near to the start within this distance, radians.
-const SAME: f64 = 1e-6;
+const DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Redundant arms, and one of six joints.
 const ROBOTS: [(&str, &str, &str); 4] = [
@@ -21,9 +21,9 @@ const ROBOTS: [(&str, &str, &str); 4] = [
     ("universal_ur5e", "base", "flange"),
 ];
 
-fn assert_solves(arm: &Arm, q: &[f64], wanted: &Placement<f64>) {
+fn assert_solves(arm: &Arm, q: &[f64], target: &Placement<f64>) {
     let found = from_placement(&arm.base_from_tool(q).unwrap());
-    let (metres, radians) = apart(&found, &from_placement(wanted));
+    let (metres, radians) = apart(&found, &from_placement(target));
     assert!(metres <= 1e-6 && radians <= 1e-6, "{metres:e} {radians:e}");
     assert!(within_limits(arm, q));
 }
@@ -39,25 +39,25 @@ fn nearest_search_beats_a_hundred_restarts() {
         };
         let (nearest, restarts) = (build(Search::Nearest), build(Search::Start));
         let mut random = Random(3);
-        let (cases, mut kept) = (cases(20, 2), 0);
+        let (cases, mut nearest_count) = (cases(20, 2), 0);
         for _ in 0..cases {
             let truth = random.configuration(&nearest);
-            let wanted = nearest.base_from_tool(&truth).unwrap();
+            let target = nearest.base_from_tool(&truth).unwrap();
             let start = random.configuration(&nearest);
-            let ours = nearest.solve(wanted, &start).unwrap();
+            let ours = nearest.solve(target, &start).unwrap();
             assert!(ours.reached);
-            assert_solves(&nearest, &ours.q, &wanted);
+            assert_solves(&nearest, &ours.q, &target);
             let mut best = f64::INFINITY;
             for _ in 0..100 {
                 let from = random.configuration(&restarts);
-                let other = restarts.solve(wanted, &from).unwrap();
+                let other = restarts.solve(target, &from).unwrap();
                 best = best.min(distance(&other.q, &start));
             }
-            kept += usize::from(distance(&ours.q, &start) <= best + SAME);
+            nearest_count += usize::from(distance(&ours.q, &start) <= best + DISTANCE_TOLERANCE);
         }
-        println!("{name}: {kept} of {cases}");
+        println!("{name}: {nearest_count} of {cases}");
         all += cases;
-        lost += cases - kept;
+        lost += cases - nearest_count;
     }
     // Of few cases one may fail.
     assert!(lost <= (all / 20).max(1), "{lost} of {all}");
@@ -68,7 +68,7 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
     let search = Search::Distinct { k, distance: apart };
     let builder = builder.clone().with_search(search);
     let arm = builder.with_joint_weights(weights).build().unwrap();
-    let far = |a: &[f64], b: &[f64]| {
+    let distance_between = |a: &[f64], b: &[f64]| {
         let scaled =
             |q: &[f64]| -> Vec<f64> { q.iter().zip(weights).map(|(v, w)| v * w).collect() };
         distance(&scaled(a), &scaled(b))
@@ -76,17 +76,22 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
     let mut random = Random(4);
     let mut found = 0;
     for _ in 0..cases(5, 3) {
-        let wanted = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
-        let all = arm.solve_all(wanted, &start).unwrap();
+        let all = arm.solve_all(target, &start).unwrap();
         assert!(!all.is_empty() && all.len() <= k);
         for (i, a) in all.iter().enumerate() {
             assert!(a.reached);
-            assert_solves(&arm, &a.q, &wanted);
-            assert!(all[i + 1..].iter().all(|b| far(&a.q, &b.q) > apart));
+            assert_solves(&arm, &a.q, &target);
+            assert!(
+                all[i + 1..]
+                    .iter()
+                    .all(|b| distance_between(&a.q, &b.q) > apart)
+            );
         }
-        let near_first =
-            |pair: &[kinopt::Solution]| far(&pair[0].q, &start) <= far(&pair[1].q, &start);
+        let near_first = |pair: &[kinopt::Solution]| {
+            distance_between(&pair[0].q, &start) <= distance_between(&pair[1].q, &start)
+        };
         assert!(all.windows(2).all(near_first));
         found += all.len();
     }
@@ -131,6 +136,6 @@ fn nearest_search_uses_the_goal_bounds() {
     // From 0.3 to 0.8, split four to one.
     let solution = arm.solve(target, &[0.1, 0.2]).unwrap();
     let moved = [solution.q[0] - 0.1, solution.q[1] - 0.2];
-    let off = (moved[0] - 0.4).abs().max((moved[1] - 0.1).abs());
-    assert!(solution.reached && off < 1e-4, "{moved:?}");
+    let distance = (moved[0] - 0.4).abs().max((moved[1] - 0.1).abs());
+    assert!(solution.reached && distance < 1e-4, "{moved:?}");
 }

@@ -9,7 +9,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
-const TICK: f64 = 1e-3;
+const TIME_STEP: f64 = 1e-3;
 
 /// Planar arm with position goals, on a prismatic joint perpendicular to the plane.
 fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
@@ -34,8 +34,8 @@ fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
     arm.build().unwrap()
 }
 
-fn at(place: [f64; 3]) -> Placement<f64> {
-    Placement::translation(place.into())
+fn at(position: [f64; 3]) -> Placement<f64> {
+    Placement::translation(position.into())
 }
 
 /// Joint values after a path whose null space may move joints inward: −1 is the lower limit, 1 the upper.
@@ -48,7 +48,7 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
     }
     let arm = arm.build().unwrap();
     let from = arm.base_from_tool(start).unwrap();
-    let mut servo = arm.servo(start, 50.0 * TICK).unwrap();
+    let mut servo = arm.servo(start, 50.0 * TIME_STEP).unwrap();
     let mut follower = arm.follower(start).unwrap();
     let mut solution = Solution::default();
     for k in 0..200 {
@@ -86,16 +86,20 @@ fn servo_approaches_its_posture() {
     let mut posture = start;
     posture[2] += 0.8;
     posture[0] -= 0.6;
-    let off = |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
+    let squared_distance =
+        |q: &[f64]| -> f64 { q.iter().zip(&posture).map(|(a, b)| (a - b) * (a - b)).sum() };
     let plain = ends(0.0, None, &start, true);
     let drawn = ends(4.0, Some(&posture), &start, true);
-    assert!(off(&drawn) < off(&plain) - 1e-3, "{drawn:?} {plain:?}");
+    assert!(
+        squared_distance(&drawn) < squared_distance(&plain) - 1e-3,
+        "{drawn:?} {plain:?}"
+    );
 }
 
 #[test]
 fn cycle_reports_velocity_and_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
-    let mut servo = arm.servo(&[0.0, 0.4, 0.9], TICK).unwrap();
+    let mut servo = arm.servo(&[0.0, 0.4, 0.9], TIME_STEP).unwrap();
     servo = servo.with_velocity_limits(&[0.3, 1.0, 1.0]).unwrap();
     let mut rested = 0;
     for tick in 0..3000 {
@@ -103,7 +107,7 @@ fn cycle_reports_velocity_and_rest() {
         let before = servo.q().to_vec();
         let step = servo.step(at([x, 0.9, 0.1])).unwrap();
         for ((before, after), velocity) in before.iter().zip(step.q).zip(step.velocity) {
-            assert!((velocity * TICK - (after - before)).abs() <= 1e-12);
+            assert!((velocity * TIME_STEP - (after - before)).abs() <= 1e-12);
         }
         assert!(!step.reached());
         if step.status == ServoStatus::Nearest {
@@ -142,7 +146,7 @@ fn limits_are_left_inwards() {
         let arm = planar(&[0.6, 0.4], 1.0, 1.0);
         let target = arm.base_from_tool(&[0.1, 0.2 * end, 0.5 * end]).unwrap();
         let start = [0.5 * end, end, end];
-        let mut servo = arm.servo(&start, TICK).unwrap();
+        let mut servo = arm.servo(&start, TIME_STEP).unwrap();
         servo = servo.with_velocity_limits(&[5.0; 3]).unwrap();
         let mut follower = arm.follower(&start).unwrap();
         let mut solution = Solution::default();
@@ -160,17 +164,17 @@ fn servo_is_unit_invariant() {
     let [metres, millimetres] = [1.0, 1000.0].map(|unit| planar(&[0.6, 0.4], 2.5, unit));
     let start = [0.05, 0.4, 0.9];
     let scaled = |q: &[f64]| [1e3 * q[0], q[1], q[2]];
-    let mut servo = metres.servo(&start, TICK).unwrap();
-    let mut other = millimetres.servo(&scaled(&start), TICK).unwrap();
+    let mut servo = metres.servo(&start, TIME_STEP).unwrap();
+    let mut other = millimetres.servo(&scaled(&start), TIME_STEP).unwrap();
     let none = [f64::INFINITY; 3];
     servo = servo.with_velocity_limits(&none).unwrap();
     other = other.with_velocity_limits(&none).unwrap();
     for k in 0..150 {
         let turn = 0.04 * f64::from(k);
         // Within reach, then beyond it.
-        let place = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
-        servo.step(at(place)).unwrap();
-        other.step(at(place.map(|x| 1e3 * x))).unwrap();
+        let position = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
+        servo.step(at(position)).unwrap();
+        other.step(at(position.map(|x| 1e3 * x))).unwrap();
         for (a, b) in scaled(servo.q()).iter().zip(other.q()) {
             assert!((a - b).abs() < 1e-6 * a.abs().max(1.0), "{k}: {a} {b}");
         }
@@ -182,8 +186,12 @@ fn servo_is_unit_invariant() {
 fn path_follower_keeps_move_limits() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
-    let most = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
-    let arm = arm.with_atlas(false).with_max_move(&most).build().unwrap();
+    let max_move = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
+    let arm = arm
+        .with_atlas(false)
+        .with_max_move(&max_move)
+        .build()
+        .unwrap();
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut target = arm.base_from_tool(&start).unwrap();
     let mut follower = arm.follower(&start).unwrap();
@@ -192,8 +200,8 @@ fn path_follower_keeps_move_limits() {
         target.translation.z += 0.01;
         let before = follower.q().to_vec();
         follower.advance(target, &mut solution).unwrap();
-        for ((before, after), most) in before.iter().zip(follower.q()).zip(most) {
-            assert!((after - before).abs() <= most, "{before} {after}");
+        for ((before, after), max_move) in before.iter().zip(follower.q()).zip(max_move) {
+            assert!((after - before).abs() <= max_move, "{before} {after}");
         }
     }
 }
@@ -209,7 +217,7 @@ fn redundant_arm_near_limits_comes_to_rest() {
     let mut target = arm.base_from_tool(&start).unwrap();
     target.translation.x -= 0.02;
     let mut follower = arm.follower(&start).unwrap();
-    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut servo = arm.servo(&start, TIME_STEP).unwrap();
     let mut solution = Solution::default();
     let mut last = [0.0_f64; 2];
     for tick in 0..900 {
@@ -219,12 +227,12 @@ fn redundant_arm_near_limits_comes_to_rest() {
         if tick >= 880 {
             let moved = before.iter().zip(follower.q()).map(|(a, b)| (a - b).abs());
             last[0] = moved.fold(last[0], f64::max);
-            let speeds = step.velocity.iter().map(|v| v.abs() * TICK);
+            let speeds = step.velocity.iter().map(|v| v.abs() * TIME_STEP);
             last[1] = speeds.fold(last[1], f64::max);
         }
     }
     assert!(
-        solution.reached && last.iter().all(|most| *most < 1e-6),
+        solution.reached && last.iter().all(|step| *step < 1e-6),
         "{last:?}"
     );
 }
@@ -268,7 +276,9 @@ fn servo_never_exceeds_its_limits() {
             .base_from_tool(&[0.0, 1.5 * side, 1.4 * side])
             .unwrap();
         target.translation.z = 0.9 * side;
-        let mut servo = arm.servo(&[0.0, 0.1 * side, 0.2 * side], TICK).unwrap();
+        let mut servo = arm
+            .servo(&[0.0, 0.1 * side, 0.2 * side], TIME_STEP)
+            .unwrap();
         servo = servo.with_velocity_limits(&[2.0; 3]).unwrap();
         for _ in 0..1500 {
             let step = servo.step(target).unwrap();
@@ -287,7 +297,11 @@ fn servo_never_exceeds_its_limits() {
 fn damping_is_restored_after_a_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     let servo = |start: &[f64]| {
-        let servo = arm.servo(start, TICK).unwrap().with_damping(0.2).unwrap();
+        let servo = arm
+            .servo(start, TIME_STEP)
+            .unwrap()
+            .with_damping(0.2)
+            .unwrap();
         servo.with_velocity_limits(&[100.0; 3]).unwrap()
     };
     let mut rested = servo(&[0.0, 0.4, 0.9]);
@@ -297,10 +311,10 @@ fn damping_is_restored_after_a_rest() {
     rested.step(at([0.70002, 0.6, 0.0])).unwrap();
     let mut fresh = servo(rested.q());
     let target = at([0.70004, 0.6, 0.0]);
-    let wanted = fresh.step(target).unwrap().q.to_vec();
+    let goal = fresh.step(target).unwrap().q.to_vec();
     let step = rested.step(target).unwrap();
-    let apart = wanted.iter().zip(step.q).map(|(a, b)| (a - b).abs());
-    assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {wanted:?}", step.q);
+    let apart = goal.iter().zip(step.q).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {goal:?}", step.q);
 }
 
 /// A joint with velocity limit 0 does not keep the others from their initial posture.
@@ -308,7 +322,7 @@ fn damping_is_restored_after_a_rest() {
 fn null_space_motion_with_a_zero_velocity_joint() {
     let arm = planar(&[0.6, 0.4, 0.3], 2.5, 1.0);
     let start = [0.1, 0.3, 0.9, -0.7];
-    let mut servo = arm.servo(&start, TICK).unwrap();
+    let mut servo = arm.servo(&start, TIME_STEP).unwrap();
     servo = servo.with_velocity_limits(&[0.0, 3.0, 3.0, 3.0]).unwrap();
     let from = arm.base_from_tool(&start).unwrap();
     let mut farthest = 0.0_f64;
@@ -322,7 +336,7 @@ fn null_space_motion_with_a_zero_velocity_joint() {
         assert_eq!(q[0], start[0]);
         farthest = farthest.max((q[1] - start[1]).abs());
     }
-    let off = servo.q().iter().zip(&start).map(|(a, b)| (a - b).abs());
-    let off = off.fold(0.0, f64::max);
-    assert!(farthest > 0.1 && off < 1e-4, "{farthest} {off}");
+    let distance = servo.q().iter().zip(&start).map(|(a, b)| (a - b).abs());
+    let distance = distance.fold(0.0, f64::max);
+    assert!(farthest > 0.1 && distance < 1e-4, "{farthest} {distance}");
 }

@@ -12,7 +12,7 @@ use support::lines::{ROBOTS, robots};
 use support::random::Random;
 use support::sample::{cases, few};
 
-const RATES: [f64; 3] = [125.0, 250.0, 1000.0];
+const CYCLE_RATES: [f64; 3] = [125.0, 250.0, 1000.0];
 
 fn arm(name: &str) -> Arm {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
@@ -85,7 +85,7 @@ fn limited<'a>(servo: Servo<'a>, kind: usize) -> Servo<'a> {
 fn trajectories_keep_limits_without_reversals() {
     for name in robots() {
         let arm = arm(name);
-        for (rate, kind) in RATES
+        for (rate, kind) in CYCLE_RATES
             .into_iter()
             .flat_map(|rate| (0..3).map(move |kind| (rate, kind)))
         {
@@ -177,15 +177,15 @@ fn circles_within_limits_are_followed_without_lag() {
     let arm = panda_with_limits();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let first = arm.base_from_tool(&start).unwrap();
-    for (rate, share) in RATES
+    for (rate, share) in CYCLE_RATES
         .into_iter()
         .flat_map(|rate| [(rate, 1.0), (rate, 0.05)])
     {
         for (radius, speed) in [(0.1, 0.3), (0.05, 0.2)] {
             let at = |time: f64| {
                 let angle = angle(time, speed / radius);
-                let by = Vector3::new(0.0, angle.sin(), 1.0 - angle.cos());
-                Placement::new(first.rotation, first.translation + by * radius)
+                let direction = Vector3::new(0.0, angle.sin(), 1.0 - angle.cos());
+                Placement::new(first.rotation, first.translation + direction * radius)
             };
             let servo = arm.servo(&start, 1.0 / rate).unwrap();
             let jerks: Vec<f64> = servo
@@ -200,10 +200,10 @@ fn circles_within_limits_are_followed_without_lag() {
                 let error = servo.step(at(time)).unwrap().position_error;
                 watch.check(&servo, "circle");
                 assert!(error < 1e-3, "{rate} Hz, {radius} m, {time} s: {error} m");
-                let here = arm.base_from_tool(servo.q()).unwrap().translation;
+                let tool_position = arm.base_from_tool(servo.q()).unwrap().translation;
                 let velocity = (at(time + 1e-4).translation - at(time - 1e-4).translation) * 5e3;
-                let lag =
-                    (at(time).translation - here).dot(velocity) / velocity.dot(velocity).max(1e-4);
+                let lag = (at(time).translation - tool_position).dot(velocity)
+                    / velocity.dot(velocity).max(1e-4);
                 assert!(
                     lag.abs() < 0.01,
                     "{rate} Hz, {radius} m, {time} s: lags {lag} s"
@@ -242,7 +242,7 @@ fn steps_take_the_shortest_time_without_overshoot() {
         [0.5, -0.8, 0.9, -0.5, -0.7, 0.6],
         [-0.4, -1.0, 1.8, -1.6, -0.9, 1.3],
     ];
-    for (rate, end) in RATES
+    for (rate, end) in CYCLE_RATES
         .into_iter()
         .flat_map(|rate| ends.map(|end| (rate, end)))
     {
@@ -281,7 +281,7 @@ fn steps_take_the_shortest_time_without_overshoot() {
 }
 
 /// Largest distance of the tool from the straight line to a target that jumps, metres, and the number of cycles.
-fn off_the_line(arm: &Arm, start: &[f64], by: Vector3<f64>, straight: bool) -> (f64, usize) {
+fn line_deviation(arm: &Arm, start: &[f64], offset: Vector3<f64>, straight: bool) -> (f64, usize) {
     let n = start.len();
     let servo = arm.servo(start, 1e-3).unwrap();
     let servo = servo.with_acceleration_limits(&vec![10.0; n]).unwrap();
@@ -289,15 +289,15 @@ fn off_the_line(arm: &Arm, start: &[f64], by: Vector3<f64>, straight: bool) -> (
     let mut servo = servo.with_straight_line(straight);
     let mut watch = Watch::new(start, 1e-3);
     let first = arm.base_from_tool(start).unwrap();
-    let target = Placement::new(first.rotation, first.translation + by);
-    let along = by * by.norm().recip();
+    let target = Placement::new(first.rotation, first.translation + offset);
+    let along = offset * offset.norm().recip();
     let (mut worst, mut cycles) = (0.0_f64, 0);
     while !servo.step(target).unwrap().reached() {
         watch.check(&servo, "straight line");
-        let here = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
-        worst = worst.max((here - along * here.dot(along)).norm());
+        let tool_offset = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
+        worst = worst.max((tool_offset - along * tool_offset.dot(along)).norm());
         assert!(
-            !straight || here.dot(along) < by.norm() + 1e-4,
+            !straight || tool_offset.dot(along) < offset.norm() + 1e-4,
             "runs past the target"
         );
         cycles += 1;
@@ -317,10 +317,10 @@ fn straight_lines_are_kept_to_targets_that_jump() {
         ("franka_panda", &panda, [-0.15, -0.25, 0.1]),
         ("franka_panda", &panda, [0.05, 0.02, -0.1]),
     ];
-    for (name, start, by) in lines {
-        let (arm, by) = (arm(name), Vector3::from(by));
-        let (bent, shortest) = off_the_line(&arm, start, by, false);
-        let (straight, cycles) = off_the_line(&arm, start, by, true);
+    for (name, start, offset) in lines {
+        let (arm, offset) = (arm(name), Vector3::from(offset));
+        let (bent, shortest) = line_deviation(&arm, start, offset, false);
+        let (straight, cycles) = line_deviation(&arm, start, offset, true);
         assert!(
             straight < 1e-3 && straight < bent,
             "{name}: {straight} {bent} m"
@@ -330,12 +330,12 @@ fn straight_lines_are_kept_to_targets_that_jump() {
 }
 
 /// Start of the Panda from which targets at 30 cm lead past singular configurations.
-const BESIDE: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
+const START_NEAR_SINGULARITY: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
 
 #[test]
 fn straight_line_servo_stays_at_a_reached_target() {
     let arm = panda_with_limits();
-    let first = arm.base_from_tool(&BESIDE).unwrap();
+    let first = arm.base_from_tool(&START_NEAR_SINGULARITY).unwrap();
     let mut random = Random::new(17);
     let mut reached = 0;
     for case in 0..cases(100, 12) {
@@ -343,14 +343,17 @@ fn straight_line_servo_stays_at_a_reached_target() {
             let v = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
             v * (size / v.norm())
         };
-        let (by, turn) = (vector(0.3), vector(0.8));
+        let (offset, turn) = (vector(0.3), vector(0.8));
         // A target from which the tool drifted by 5 mm.
-        let (by, turn) = match case {
+        let (offset, turn) = match case {
             0 => (Vector3::new(0.1, -0.2, 0.2), Vector3::new(0.8, 0.0, 0.0)),
-            _ => (by, turn),
+            _ => (offset, turn),
         };
-        let target = Placement::new(first.rotation * rotation_exp(turn), first.translation + by);
-        let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+        let target = Placement::new(
+            first.rotation * rotation_exp(turn),
+            first.translation + offset,
+        );
+        let servo = arm.servo(&START_NEAR_SINGULARITY, 1e-3).unwrap();
         let mut servo = servo.with_straight_line(true);
         let (mut arrived, mut worst) = (false, 0.0_f64);
         for _ in 0..2500 {
@@ -370,14 +373,14 @@ fn straight_line_servo_stays_at_a_reached_target() {
 #[test]
 fn straight_line_servo_follows_a_circle_within_limits() {
     let arm = panda_with_limits();
-    let first = arm.base_from_tool(&BESIDE).unwrap();
-    let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+    let first = arm.base_from_tool(&START_NEAR_SINGULARITY).unwrap();
+    let servo = arm.servo(&START_NEAR_SINGULARITY, 1e-3).unwrap();
     let mut servo = servo.with_straight_line(true);
     let (mut phase, mut worst) = (0.0_f64, 0.0_f64);
     for cycle in 0..6000 {
         phase += 5.0 * (f64::from(cycle) / 2000.0).min(1.0) * 1e-3;
-        let by = Vector3::new(0.0, 0.1 * phase.sin(), 0.1 * (1.0 - phase.cos()));
-        let target = Placement::new(first.rotation, first.translation + by);
+        let offset = Vector3::new(0.0, 0.1 * phase.sin(), 0.1 * (1.0 - phase.cos()));
+        let target = Placement::new(first.rotation, first.translation + offset);
         worst = worst.max(servo.step(target).unwrap().position_error);
     }
     assert!(worst < 1e-3, "{worst} m");
@@ -397,13 +400,13 @@ fn limits_of_files_hold_by_default() {
 fn stop_comes_to_rest_within_all_limits() {
     let arm = panda_with_limits();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
-    let far = arm
+    let unreachable = arm
         .base_from_tool(&[1.2, 0.2, 0.4, -1.2, 0.3, 2.2, 1.4])
         .unwrap();
     let mut servo = arm.servo(&start, 1e-3).unwrap();
     let mut watch = Watch::new(&start, 1e-3);
     for _ in 0..200 {
-        servo.step(far).unwrap();
+        servo.step(unreachable).unwrap();
         watch.check(&servo, "before the stop");
     }
     assert!(servo.velocity().iter().any(|v| v.abs() > 0.5));
@@ -417,10 +420,10 @@ fn stop_comes_to_rest_within_all_limits() {
     assert_eq!(servo.stop().q, rest);
     // The servo continues from there.
     for _ in 0..2000 {
-        servo.step(far).unwrap();
+        servo.step(unreachable).unwrap();
         watch.check(&servo, "after the stop");
     }
-    assert!(servo.step(far).unwrap().reached());
+    assert!(servo.step(unreachable).unwrap().reached());
 }
 
 #[test]
@@ -502,18 +505,18 @@ fn start_outside_returns_at_velocity_limit() {
     let target = arm.base_from_tool(&start).unwrap();
     let mut servo = arm.servo(&start, 0.008).unwrap();
     assert_eq!(servo.q(), start);
-    let most = servo.velocity_limits()[0];
+    let max_velocity = servo.velocity_limits()[0];
     let upper = arm.limits().next().unwrap().upper;
     let mut cycles = 0;
     while servo.q()[0] > upper {
         let before = servo.q()[0];
         let step = servo.step(target).unwrap();
         let velocity = (step.q[0] - before) / 0.008;
-        assert!(velocity < 0.0 && velocity >= -most, "{velocity}");
+        assert!(velocity < 0.0 && velocity >= -max_velocity, "{velocity}");
         assert!((velocity - step.velocity[0]).abs() < 1e-9);
         assert!(
             step.held()
-                .any(|(joint, by)| joint == "joint1" && by == HeldBy::Outside(Side::Upper))
+                .any(|(joint, cause)| joint == "joint1" && cause == HeldBy::Outside(Side::Upper))
         );
         cycles += 1;
     }
@@ -547,12 +550,12 @@ fn motion_not_finite_names_its_argument() {
     };
     let wrong = motion(f64::NAN, 0.0);
     assert!(
-        wrong.starts_with("the velocity holds NaN for joint `"),
+        wrong.starts_with("the velocity: joint `joint1` is NaN"),
         "{wrong}"
     );
     let wrong = motion(0.0, f64::INFINITY);
     assert!(
-        wrong.starts_with("the acceleration holds inf for joint `"),
+        wrong.starts_with("the acceleration: joint `joint1` is inf"),
         "{wrong}"
     );
 }

@@ -10,9 +10,9 @@ use support::sample::{cases, few};
 use support::urdf_matrices::{Tree, apart, from_placement, placement};
 
 fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
-    let asked = std::env::var("KINOPT_POSES").ok();
+    let requested = std::env::var("KINOPT_POSES").ok();
     let count = cases(count, count / 3);
-    let count = asked.map_or(count, |count| count.parse().unwrap());
+    let count = requested.map_or(count, |count| count.parse().unwrap());
     let file = format!("../models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
     for search in [Search::Start, Search::First] {
@@ -30,12 +30,12 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
         let mut solution = Solution::default();
         for _ in 0..count {
             let truth = random.configuration(&arm);
-            let wanted = at(&truth);
+            let target = at(&truth);
             let start = random.configuration(&arm);
-            arm.solve_into(placement(&wanted), &start, &mut solution)
+            arm.solve_into(placement(&target), &start, &mut solution)
                 .unwrap();
             let found = at(&solution.q);
-            let (metres, radians) = apart(&found, &wanted);
+            let (metres, radians) = apart(&found, &target);
             assert!(
                 solution.reached && metres <= 1e-6 && radians <= 1e-6,
                 "{name} {tip}: {metres:e} {radians:e} {truth:?} {start:?} {}",

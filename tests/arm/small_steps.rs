@@ -14,7 +14,7 @@ use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 /// Largest joint displacement that a reachable target is taken from, radians or metres.
 const JOINT_STEP: f64 = 5e-3;
 /// Interval at which `Nearest` and `Distinct` solve as well.
-const COMPARED: usize = 10;
+const COMPARISON_INTERVAL: usize = 10;
 
 /// One arm per search.
 struct Searches {
@@ -88,12 +88,12 @@ fn joint_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
 
 /// Pose of the tool after a translation by 2 to 5 mm, possibly unreachable.
 fn tool_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
-    let here = arm.base_from_tool(start).unwrap();
+    let tool_pose = arm.base_from_tool(start).unwrap();
     let mut aside = || 2.0 * random.unit() - 1.0;
     let aside = Vector3::new(aside(), aside(), aside());
     let metres = 2e-3 + 3e-3 * random.unit();
-    let by = aside * (metres / aside.norm());
-    Placement::new(here.rotation, here.translation + by)
+    let offset = aside * (metres / aside.norm());
+    Placement::new(tool_pose.rotation, tool_pose.translation + offset)
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn small_steps_from_limits_return_the_first_attempt() {
         for case in 0..cases {
             let on_limits = on_limits(arm, [1, 3][case % 2], &mut random);
             let name = format!("{model} {tip} {case}");
-            let compares = case % COMPARED < 2;
+            let compares = case % COMPARISON_INTERVAL < 2;
             let target = joint_step(arm, &on_limits, &mut random);
             missed += usize::from(!searches.check(target, &on_limits, compares, &name));
             let target = tool_step(arm, &on_limits, &mut random);
@@ -197,8 +197,8 @@ fn nearest_random_targets_beat_the_first_attempt() {
         let mut reached = 0;
         for case in 0..cases(60, 12) {
             let start = random.configuration(&searches.start);
-            let there = random.configuration(&searches.start);
-            let target = searches.start.base_from_tool(&there).unwrap();
+            let target_q = random.configuration(&searches.start);
+            let target = searches.start.base_from_tool(&target_q).unwrap();
             let first = searches.first_attempt.solve(target, &start).unwrap();
             if first.reached {
                 reached += 1;

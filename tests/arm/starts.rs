@@ -30,8 +30,8 @@ type Arms = [(Search, Arm); 4];
 
 /// Arms of a robot from base to flange, one per search; built once.
 fn arms(name: &'static str) -> Arc<Arms> {
-    static BUILT: Mutex<BTreeMap<&str, Arc<OnceLock<Arc<Arms>>>>> = Mutex::new(BTreeMap::new());
-    let cell = BUILT.lock().unwrap().entry(name).or_default().clone();
+    static ARM_CACHE: Mutex<BTreeMap<&str, Arc<OnceLock<Arc<Arms>>>>> = Mutex::new(BTreeMap::new());
+    let cell = ARM_CACHE.lock().unwrap().entry(name).or_default().clone();
     let build = |search| {
         let robot = robot(name);
         let builder = Arm::builder(&robot, "base", "flange");
@@ -42,9 +42,9 @@ fn arms(name: &'static str) -> Arc<Arms> {
     cell.get_or_init(|| Arc::new(SEARCHES.map(build))).clone()
 }
 
-fn assert_solved(arm: &Arm, wanted: &Placement<f64>, solution: &Solution, start: &[f64]) {
+fn assert_solved(arm: &Arm, target: &Placement<f64>, solution: &Solution, start: &[f64]) {
     let found = arm.base_from_tool(&solution.q).unwrap();
-    let (metres, radians) = apart(&from_placement(&found), &from_placement(wanted));
+    let (metres, radians) = apart(&from_placement(&found), &from_placement(target));
     assert!(
         solution.reached && metres <= 1e-6 && radians <= 1e-6,
         "{start:?}: {metres:e} {radians:e} {}",
@@ -59,8 +59,8 @@ fn all_solved_from(name: &'static str, starts: impl Fn(&Arm) -> Vec<Vec<f64>>) {
         let mut random = Random(31);
         for start in starts(arm) {
             let truth = random.configuration(arm);
-            let wanted = arm.base_from_tool(&truth).unwrap();
-            assert_solved(arm, &wanted, &arm.solve(wanted, &start).unwrap(), &start);
+            let target = arm.base_from_tool(&truth).unwrap();
+            assert_solved(arm, &target, &arm.solve(target, &start).unwrap(), &start);
         }
     }
 }
@@ -155,10 +155,10 @@ fn singular_targets_are_solved() {
         for (_, arm) in arms(name).iter() {
             let mut random = Random(32);
             for truth in &truths {
-                let wanted = arm.base_from_tool(truth).unwrap();
+                let target = arm.base_from_tool(truth).unwrap();
                 for _ in 0..cases(3, 1) {
                     let start = random.configuration(arm);
-                    assert_solved(arm, &wanted, &arm.solve(wanted, &start).unwrap(), &start);
+                    assert_solved(arm, &target, &arm.solve(target, &start).unwrap(), &start);
                 }
             }
         }
@@ -173,9 +173,9 @@ fn start_at_the_solution_is_returned() {
             let mut random = Random(33);
             for _ in 0..4 {
                 let truth = random.configuration(arm);
-                let wanted = arm.base_from_tool(&truth).unwrap();
-                let solution = arm.solve(wanted, &truth).unwrap();
-                assert_solved(arm, &wanted, &solution, &truth);
+                let target = arm.base_from_tool(&truth).unwrap();
+                let solution = arm.solve(target, &truth).unwrap();
+                assert_solved(arm, &target, &solution, &truth);
                 if *search == Search::First {
                     continue;
                 }
@@ -195,11 +195,11 @@ fn start_at_the_solution_is_returned() {
 fn start_half_a_turn_away_is_solved() {
     for (_, arm) in arms("universal_ur5e").iter() {
         let truth = [0.2, -1.2, 1.4, -0.4, 1.3, 0.5];
-        let wanted = arm.base_from_tool(&truth).unwrap();
+        let target = arm.base_from_tool(&truth).unwrap();
         for turn in [0.5 * TAU, -0.5 * TAU] {
             let mut start = truth;
             start[5] += turn;
-            assert_solved(arm, &wanted, &arm.solve(wanted, &start).unwrap(), &start);
+            assert_solved(arm, &target, &arm.solve(target, &start).unwrap(), &start);
         }
     }
 }
@@ -208,10 +208,10 @@ fn start_half_a_turn_away_is_solved() {
 fn invalid_starts_are_named() {
     for (_, arm) in arms("franka_panda").iter() {
         let goal = Placement::identity();
-        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for invalid in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for (k, name) in arm.joints().enumerate() {
                 let mut start = [0.1; 7];
-                start[k] = bad;
+                start[k] = invalid;
                 for error in [
                     arm.solve(goal, &start).unwrap_err(),
                     arm.solve_all(goal, &start).unwrap_err(),
@@ -221,7 +221,7 @@ fn invalid_starts_are_named() {
                     let message = error.to_string();
                     assert!(
                         matches!(&error, QueryError::StartNotFinite { joint, value, .. }
-                        if joint == name && value.to_bits() == bad.to_bits())
+                        if joint == name && value.to_bits() == invalid.to_bits())
                     );
                     assert!(message.contains(name), "{message}");
                 }

@@ -19,7 +19,7 @@ const DISTINCT: Search = Search::Distinct {
 /// Lanes of the widest SIMD group: iterations of one lockstep.
 const LOCK_STEP: usize = 8;
 /// Largest number of iterations between two checks of the clock in a comparing search.
-const COMPARED: usize = 16 * 100;
+const MAX_ITERATIONS_BETWEEN_CHECKS: usize = 16 * 100;
 
 fn assert_true(arm: &Arm, goal: &Placement<f64>, solution: &Solution) {
     assert!(within_limits(arm, &solution.q));
@@ -95,9 +95,17 @@ fn zero_time_ends_every_search() {
     );
     ends_at_once("posture", builder().with_posture(&[0.3; 7]), LOCK_STEP);
     let nearest = builder().with_search(Search::Nearest);
-    ends_at_once("nearest", nearest, COMPARED + LOCK_STEP);
+    ends_at_once(
+        "nearest",
+        nearest,
+        MAX_ITERATIONS_BETWEEN_CHECKS + LOCK_STEP,
+    );
     let distinct = builder().with_search(DISTINCT);
-    ends_at_once("distinct", distinct, COMPARED + LOCK_STEP);
+    ends_at_once(
+        "distinct",
+        distinct,
+        MAX_ITERATIONS_BETWEEN_CHECKS + LOCK_STEP,
+    );
     let mut free = builder()
         .with_goal(PoseBounds::position())
         .with_atlas(false);
@@ -180,7 +188,7 @@ fn zero_time_ends_a_mimic_chain_search() {
     ends_at_once(
         "follower nearest",
         builder().with_search(Search::Nearest),
-        COMPARED,
+        MAX_ITERATIONS_BETWEEN_CHECKS,
     );
 }
 

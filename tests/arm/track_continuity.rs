@@ -59,8 +59,8 @@ fn flips(joint_path: &[Vec<f64>], track: &Track) -> Vec<usize> {
     let steps = joint_path.windows(2).zip(track.solutions.windows(2));
     let excess =
         steps.map(|(pair, ours)| longest(&ours[0].q, &ours[1].q) - longest(&pair[0], &pair[1]));
-    let far = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
-    far.map(|(step, _)| step + 1).collect()
+    let jumps = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
+    jumps.map(|(step, _)| step + 1).collect()
 }
 
 /// Follows `count` paths and checks that every pose is reached and every flip is reported. Returns the number of paths
@@ -82,9 +82,9 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
         let track = arm.track(&targets, &joint_path[0]).unwrap();
         assert_eq!(track.solutions.len(), joint_path.len());
         for (solution, q) in track.solutions.iter().zip(&joint_path) {
-            let wanted = base_from_tip(robot.model(), &arm, q, base, tip);
+            let target = base_from_tip(robot.model(), &arm, q, base, tip);
             let at = base_from_tip(robot.model(), &arm, &solution.q, base, tip);
-            let (metres, radians) = apart(&at, &wanted);
+            let (metres, radians) = apart(&at, &target);
             assert!(solution.reached && metres <= 1.01e-6 && radians <= 1.05e-6);
             assert!(within_limits(&arm, &solution.q));
         }
@@ -131,11 +131,20 @@ fn seven_joints_never_flip() {
 
 /// If the path is on limits or passes two singular configurations at once, the null space may offer no continuous path.
 /// Few paths keep a flip, which is reported.
+///
+/// Measured on 200 paths each: 15, 19 and 48. Of the iiwa's first three paths on limits all flip.
 #[test]
 fn seven_joints_on_limits_rarely_flip() {
-    assert!(follow("kuka_iiwa14", "base", "flange", 0.15, cases(4, 1)) <= 1);
-    assert!(follow("franka_panda", "base", "flange", -0.2, cases(3, 1)) <= 1);
-    assert!(follow("kuka_iiwa14", "base", "flange", -0.2, cases(3, 1)) <= 2);
+    for (name, margin, percent, more) in [
+        ("kuka_iiwa14", 0.15, 8, 0),
+        ("franka_panda", -0.2, 10, 1),
+        ("kuka_iiwa14", -0.2, 25, 2),
+    ] {
+        let count = cases(40, 1);
+        let most = (count * percent).div_ceil(100) + more;
+        let flipped = follow(name, "base", "flange", margin, count);
+        assert!(flipped <= most, "{name}: {flipped} of {count}");
+    }
 }
 
 #[test]
@@ -226,13 +235,17 @@ fn constant_target_and_single_steps_agree() {
     targets.truncate(STEPS / 2 + 1);
     targets.extend([last; 20]);
     let track = arm.track(&targets, &joint_path[0]).unwrap();
-    let still = &track.solutions[STEPS / 2..];
-    assert!(still.iter().all(|solution| solution.q == still[0].q));
+    let second_half = &track.solutions[STEPS / 2..];
+    assert!(
+        second_half
+            .iter()
+            .all(|solution| solution.q == second_half[0].q)
+    );
     let mut follower = arm.follower(&joint_path[0]).unwrap();
     let mut solution = Solution::default();
-    for (target, wanted) in targets.iter().zip(&track.solutions) {
+    for (target, expected) in targets.iter().zip(&track.solutions) {
         assert_eq!(follower.advance(*target, &mut solution).unwrap(), None);
-        assert_eq!(solution.q, wanted.q);
+        assert_eq!(solution.q, expected.q);
     }
 }
 
@@ -258,9 +271,9 @@ fn detour_keeps_null_space_convergence() {
     let q = &track.solutions[targets.len() - 1].q;
     // Null-space direction from differences of the tool's pose.
     let column = |i: usize| {
-        let [a, b] = [1e-5, -1e-5].map(|by| {
+        let [a, b] = [1e-5, -1e-5].map(|change| {
             let mut q = q.clone();
-            q[i] += by;
+            q[i] += change;
             tool(&q)
         });
         let displacement = a.translation - b.translation;
@@ -350,8 +363,8 @@ fn detour_is_found_after_an_unreachable_part() {
         let all: Vec<_> = out.chain(targets).collect();
         let track = arm.track(&all, &joint_path[0]).unwrap();
         let (out, back) = track.solutions.split_at(41);
-        let whole = |part: &[Solution]| part.iter().all(|solution| solution.reached);
-        assert!(!whole(out) && whole(back), "{seed}");
+        let all_reached = |part: &[Solution]| part.iter().all(|solution| solution.reached);
+        assert!(!all_reached(out) && all_reached(back), "{seed}");
     }
 }
 

@@ -38,12 +38,12 @@ impl Torso {
         TIPS.map(|tip| self.tree.root_from_link(tip, &values))
     }
 
-    fn problem(&self, wanted: &[Matrix; 2]) -> Problem {
+    fn problem(&self, targets: &[Matrix; 2]) -> Problem {
         let model = self.robot.model();
         let mut builder = Problem::builder(model);
         builder.parameters(self.robot.map().clone());
-        for (tip, wanted) in TIPS.iter().zip(wanted) {
-            builder.add(Pose::new(model.frame(tip).unwrap(), placement(wanted)));
+        for (tip, target) in TIPS.iter().zip(targets) {
+            builder.add(Pose::new(model.frame(tip).unwrap(), placement(target)));
         }
         builder.build().unwrap()
     }
@@ -64,12 +64,12 @@ fn both_tips_reach_their_poses() {
     for case in 0..60 {
         let truth = torso.robot.model().random_configuration(2 * case);
         let start = torso.robot.model().random_configuration(2 * case + 1);
-        let wanted = torso.tips(&truth);
-        let problem = torso.problem(&wanted);
+        let targets = torso.tips(&truth);
+        let problem = torso.problem(&targets);
         let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
         torso.assert_within_limits(&solution.q);
-        for (found, wanted) in torso.tips(&solution.q).iter().zip(&wanted) {
-            let (metres, radians) = apart(found, wanted);
+        for (found, target) in torso.tips(&solution.q).iter().zip(&targets) {
+            let (metres, radians) = apart(found, target);
             assert!(
                 solution.reached && metres <= 1e-6 && radians <= 1e-6,
                 "{case}: {metres:e} {radians:e} {}",
@@ -84,9 +84,9 @@ fn both_tips_reach_their_poses() {
 fn one_unreachable_tip_keeps_the_other_reached() {
     let torso = Torso::read();
     let rest = torso.robot.model().random_configuration(7);
-    let mut wanted = torso.tips(&rest);
-    wanted[1][0][3] += 5.0;
-    let problem = torso.problem(&wanted);
+    let mut targets = torso.tips(&rest);
+    targets[1][0][3] += 5.0;
+    let problem = torso.problem(&targets);
     let solver = Solver::default();
     let mut workspace = Workspace::new();
     let solution = solver.solve(&problem, &rest, &mut workspace).unwrap();
@@ -94,9 +94,9 @@ fn one_unreachable_tip_keeps_the_other_reached() {
     assert!(!solution.reached);
     let found = torso.tips(&solution.q);
     let reports: Vec<_> = solution.tasks().collect();
-    for ((report, found), (wanted, tip)) in reports.iter().zip(&found).zip(wanted.iter().zip(TIPS))
+    for ((report, found), (target, tip)) in reports.iter().zip(&found).zip(targets.iter().zip(TIPS))
     {
-        let (metres, radians) = apart(found, wanted);
+        let (metres, radians) = apart(found, target);
         assert_eq!(report.frame, Some(tip));
         assert!((report.position_error().unwrap() - metres).abs() < 1e-12);
         assert!((report.orientation_error().unwrap() - radians).abs() < 1e-9);

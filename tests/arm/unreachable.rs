@@ -15,31 +15,31 @@ use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 use support::sample::{cases, few};
 
 /// Metres that weigh as much as a radian.
-const WEIGHT: f64 = 0.25;
+const METRES_PER_RADIAN: f64 = 0.25;
 /// Attempts of the SIMD solver, steps of the general solver, and final gradients.
-const MOST_EVALUATIONS: usize = 4000;
+const MAX_EVALUATIONS: usize = 4000;
 
 struct Reach<'a> {
     robot: &'a Robot,
     arm: &'a Arm,
     ends: (&'a str, &'a str),
-    wanted: Isometry3<f64>,
+    target: Isometry3<f64>,
 }
 
 impl Reach<'_> {
     /// ½(metres² + (weight · radians)²) by nalgebra's kinematics.
     fn cost(&self, q: &[f64]) -> f64 {
         let at = base_from_tip(self.robot.model(), self.arm, q, self.ends.0, self.ends.1);
-        let (metres, radians) = apart(&at, &self.wanted);
-        0.5 * (metres * metres + WEIGHT * WEIGHT * radians * radians)
+        let (metres, radians) = apart(&at, &self.target);
+        0.5 * (metres * metres + METRES_PER_RADIAN * METRES_PER_RADIAN * radians * radians)
     }
 
     /// Central differences.
     fn slope(&self, q: &[f64], joint: usize) -> f64 {
         let step = 1e-5;
-        let at = |by: f64| {
+        let at = |angle: f64| {
             let mut q = q.to_vec();
-            q[joint] += by;
+            q[joint] += angle;
             self.cost(&q)
         };
         (at(step) - at(-step)) / (2.0 * step)
@@ -55,7 +55,7 @@ impl Reach<'_> {
             solution.explain()
         );
         assert!(
-            solution.iterations <= MOST_EVALUATIONS,
+            solution.iterations <= MAX_EVALUATIONS,
             "{}",
             solution.iterations
         );
@@ -102,7 +102,9 @@ impl Reach<'_> {
 fn stationary(name: &str, base: &str, tip: &str) {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
-    let arm = arm.with_metres_per_radian(WEIGHT).with_atlas(false);
+    let arm = arm
+        .with_metres_per_radian(METRES_PER_RADIAN)
+        .with_atlas(false);
     let arm = arm.build().unwrap();
     let mut random = Random(17);
     let (mut missed, mut held) = (0, 0);
@@ -116,8 +118,8 @@ fn stationary(name: &str, base: &str, tip: &str) {
         let (stretch, turn) = [(5.0, 0.0), (1.25, 0.0), (1.1, 0.5 * PI)][k % 3];
         let turn = UnitQuaternion::from_scaled_axis(axis.normalize() * turn);
         let moved = Translation3::from(at.translation.vector * stretch);
-        let wanted = Isometry3::from_parts(moved, turn * at.rotation);
-        let solution = arm.solve(wanted, &random.configuration(&arm)).unwrap();
+        let target = Isometry3::from_parts(moved, turn * at.rotation);
+        let solution = arm.solve(target, &random.configuration(&arm)).unwrap();
         if !solution.reached {
             let ends = (base, tip);
             let (robot, arm) = (&robot, &arm);
@@ -125,7 +127,7 @@ fn stationary(name: &str, base: &str, tip: &str) {
                 robot,
                 arm,
                 ends,
-                wanted,
+                target,
             }
             .check(&solution);
             missed += 1;
@@ -160,10 +162,13 @@ fn orientation_beyond_a_limit_names_the_limit() {
     for (name, value) in names.iter().zip(q) {
         builder = builder.with_locked(name, value);
     }
-    let arm = builder.with_metres_per_radian(WEIGHT).build().unwrap();
+    let arm = builder
+        .with_metres_per_radian(METRES_PER_RADIAN)
+        .build()
+        .unwrap();
     let upper = arm.limits().next().unwrap().upper;
-    let wanted = arm.base_from_tool(&[upper + 0.1]).unwrap();
-    let solution = arm.solve(wanted, &[0.0]).unwrap();
+    let target = arm.base_from_tool(&[upper + 0.1]).unwrap();
+    let solution = arm.solve(target, &[0.0]).unwrap();
     assert!(!solution.reached && solution.q == [upper]);
     let reported: Vec<_> = solution
         .active_limits()
@@ -189,20 +194,20 @@ fn move_limit_is_not_reported_as_joint_limit() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_max_move(&[0.05; 7]).build().unwrap();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
-    let wanted = arm
+    let target = arm
         .base_from_tool(&[0.6, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])
         .unwrap();
-    let solution = arm.solve(wanted, &start).unwrap();
+    let solution = arm.solve(target, &start).unwrap();
     assert_eq!(solution.termination, Termination::CannotContinue);
     let kinds: Vec<_> = solution.active_limits().map(|limit| limit.kind).collect();
     assert!(!kinds.is_empty() && kinds.iter().all(|kind| *kind == BoundKind::Move));
     assert!(solution.explain().contains("end of the allowed move"));
-    let far = solution
+    let is_far_away = solution
         .q
         .iter()
         .zip(start)
         .all(|(q, start)| (q - start).abs() <= 0.05);
-    assert!(far, "{:?}", solution.q);
+    assert!(is_far_away, "{:?}", solution.q);
 }
 
 /// Out of reach is reported where it is certain, by all entry points, with the lengths that prove it. It is never
@@ -283,10 +288,11 @@ fn global_search_returns_the_best_miss() {
         let target = default_arm
             .base_from_tool(&random.configuration(&default_arm))
             .unwrap();
-        let there = target.translation;
-        let far = Placement::new(target.rotation, there * (1.5 / there.norm()));
+        let position = target.translation;
+        let unreachable = Placement::new(target.rotation, position * (1.5 / position.norm()));
         let start = random.configuration(&default_arm);
-        let [near, best] = [&default_arm, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
+        let [near, best] =
+            [&default_arm, &anywhere].map(|arm| arm.solve(unreachable, &start).unwrap());
         assert!(!near.reached && !best.reached);
         assert!(best.cost <= near.cost * (1.0 + 1e-6), "{case}");
         better += usize::from(best.cost < 0.99 * near.cost);

@@ -13,12 +13,12 @@ use support::sample::{cases, few};
 
 /// Counts of one way to follow a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Seen {
+struct Counts {
     steps: usize,
     missed: usize,
     /// Steps in which a joint moves by more than 0.2 rad or m, and those of them that end in a miss.
     jumps: usize,
-    leaps: usize,
+    unreached_jumps: usize,
 }
 
 fn longest(a: &[f64], b: &[f64]) -> f64 {
@@ -26,14 +26,14 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-impl Seen {
+impl Counts {
     fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
         assert!(within_limits(arm, &to.q));
         self.steps += 1;
         self.missed += usize::from(!to.reached);
-        let far = longest(from, &to.q) > 0.2;
-        self.jumps += usize::from(far);
-        self.leaps += usize::from(far && !to.reached);
+        let is_jump = longest(from, &to.q) > 0.2;
+        self.jumps += usize::from(is_jump);
+        self.unreached_jumps += usize::from(is_jump && !to.reached);
     }
 }
 
@@ -59,8 +59,8 @@ fn by_track(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solutio
 fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
     let mut q = start.to_vec();
     // Misses are slow to solve, so a debug build returns soon after the edge.
-    let most = targets.len() * if few() { 3 } else { 5 } / 10;
-    let (out, back) = (&targets[..most], &targets[targets.len() - most..]);
+    let count = targets.len() * if few() { 3 } else { 5 } / 10;
+    let (out, back) = (&targets[..count], &targets[targets.len() - count..]);
     let step = |target: &Placement<f64>| {
         let solution = arm.solve(*target, &q).unwrap();
         q.clone_from(&solution.q);
@@ -69,12 +69,12 @@ fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solutio
     out.iter().chain(back).map(step).collect()
 }
 
-fn follow(name: &str, follow: Follow, count: usize) -> Seen {
+fn follow(name: &str, follow: Follow, count: usize) -> Counts {
     let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
-    let mut seen = Seen::default();
+    let mut seen = Counts::default();
     for Line { start, out } in lines(&arm, &mut Random(71), count) {
         let back = out.iter().rev();
         let targets: Vec<_> = out.iter().chain(back).copied().collect();
@@ -111,13 +111,13 @@ fn track_never_jumps() {
 fn miss_stays_near_the_start() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
         let seen = follow(name, by_solve, cases(4, 1));
-        assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
+        assert_eq!(seen.unreached_jumps, 0, "{name}: {seen:?}");
     }
 }
 
 /// Lines that met no limit, and those of them that ended at another configuration: out, rest, back, rest.
 fn count_returns(rest: usize) -> (usize, usize) {
-    let (mut free, mut elsewhere) = (0, 0);
+    let (mut free, mut on_other_branch) = (0, 0);
     for name in robots() {
         let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
         let robot = robot(name);
@@ -128,27 +128,30 @@ fn count_returns(rest: usize) -> (usize, usize) {
             let home = vec![out[0]; rest];
             let back = out.iter().rev().chain(&home);
             let targets: Vec<_> = out.iter().chain(&end).chain(back).copied().collect();
-            let stands = by_follower(&arm, &targets, &start);
+            let track = by_follower(&arm, &targets, &start);
             let on_limit = |stand: &Solution| {
                 let ends = arm.limits().zip(&stand.q);
                 ends.into_iter()
                     .any(|(l, q)| *q <= l.lower || *q >= l.upper)
             };
-            if stands[out.len()].reached || stands.iter().any(on_limit) {
+            if track[out.len()].reached || track.iter().any(on_limit) {
                 continue;
             }
             free += 1;
-            let off = longest(&stands[stands.len() - 1].q, &stands[0].q);
-            elsewhere += usize::from(off > 1e-3);
+            let distance = longest(&track[track.len() - 1].q, &track[0].q);
+            on_other_branch += usize::from(distance > 1e-3);
         }
     }
-    (free, elsewhere)
+    (free, on_other_branch)
 }
 
 /// The elbow keeps its branch, and null-space motion returns to the start. If a branch ends without a local minimum,
 /// the arm slides to another, which is rare.
 #[test]
 fn path_follower_returns_to_its_start() {
-    let (free, elsewhere) = count_returns(150);
-    assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
+    let (free, on_other_branch) = count_returns(150);
+    assert!(
+        free >= 3 && on_other_branch * 20 <= free,
+        "{on_other_branch} of {free}"
+    );
 }

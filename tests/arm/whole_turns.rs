@@ -11,15 +11,15 @@ use support::arms::{Random, robot, within_limits};
 fn returned_turn_is_nearest_to_the_start() {
     let robot = robot("universal_ur5e");
     let mut random = Random(48);
-    for most in [3.5, 4.5, 6.0] {
+    for max_move in [3.5, 4.5, 6.0] {
         let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
-        let arm = builder.with_max_move(&[most; 6]).build().unwrap();
+        let arm = builder.with_max_move(&[max_move; 6]).build().unwrap();
         let mut reached = 0;
         for _ in 0..30 {
             let start: Vec<f64> = (0..6).map(|_| 2.0 * random.unit() - 1.0).collect();
             let moved = start
                 .iter()
-                .map(|value| value + most * (2.0 * random.unit() - 1.0));
+                .map(|value| value + max_move * (2.0 * random.unit() - 1.0));
             let goal = arm.base_from_tool(&moved.collect::<Vec<f64>>()).unwrap();
             let solution = arm.solve(goal, &start).unwrap();
             assert!(within_limits(&arm, &solution.q));
@@ -29,13 +29,13 @@ fn returned_turn_is_nearest_to_the_start() {
             }
             for (value, from) in solution.q.iter().zip(&start) {
                 let distance = (value - from).abs();
-                assert!(distance <= most, "{distance}");
+                assert!(distance <= max_move, "{distance}");
                 assert!(
                     distance <= TAU / 2.0 + 1e-9,
-                    "{value} from {from}, at most {most}"
+                    "{value} from {from}, at most {max_move}"
                 );
             }
         }
-        assert!(reached > 20, "{most}: {reached}");
+        assert!(reached > 20, "{max_move}: {reached}");
     }
 }

@@ -24,10 +24,10 @@ fn attempts_after_the_winner_change_nothing() {
         let apart = if k == 3 { 0.7 } else { 9.0 };
         for _ in 0..40 {
             let start = random.configuration(&arm);
-            let there = random.configuration(&arm);
+            let target_q = random.configuration(&arm);
             let near = start
                 .iter()
-                .zip(&there)
+                .zip(&target_q)
                 .map(|(a, b)| a + (b - a).clamp(-apart, apart));
             let near: Vec<f64> = near.collect();
             let target = arm.base_from_tool(&near).unwrap();
@@ -89,8 +89,8 @@ fn settling_does_not_reduce_attempts() {
         let solution = arm.solve(target, &start).unwrap();
         assert!(!solution.reached);
         // An attempt out of reach takes at least 6 steps and on average at most 18.
-        let most = iterations as usize / 6;
-        assert!(solution.attempts <= most && solution.attempts > iterations as usize / 18);
+        let max_attempts = iterations as usize / 6;
+        assert!(solution.attempts <= max_attempts && solution.attempts > iterations as usize / 18);
         assert!(
             solution.iterations >= iterations as usize,
             "{}",

@@ -31,15 +31,20 @@ fn assert_equal_results(one: &Arm, other: &Arm, seed: u64) {
         let [start, goal] = [(); 2].map(|()| random.configuration(one));
         let mut target = one.base_from_tool(&goal).unwrap();
         assert_eq!(target, other.base_from_tool(&goal).unwrap());
-        let far = question % 6 == 5;
-        if far {
+        let is_unreachable = question % 6 == 5;
+        if is_unreachable {
             target.translation += Vector3::new(9.0, 0.0, 0.0);
         }
         let [a, b] = [one, other].map(|arm| arm.solve(target, &start).unwrap());
         assert_eq!((a.reached, a.iterations), (b.reached, b.iterations));
         let bits = |q: &[f64]| -> Vec<u64> { q.iter().map(|v| v.to_bits()).collect() };
         assert_eq!(bits(&a.q), bits(&b.q), "question {question}");
-        assert_eq!(a.reached, !far, "question {question}: {}", a.explain());
+        assert_eq!(
+            a.reached,
+            !is_unreachable,
+            "question {question}: {}",
+            a.explain()
+        );
     }
 }
 
@@ -81,11 +86,11 @@ fn check_tools(
 
 #[test]
 fn changed_tool_equals_a_built_arm() {
-    let [_, far, tilted] = tools();
+    let [_, long_tool, tilted] = tools();
     let ends = ("base", "flange");
     let ur5e = robot("universal_ur5e");
-    check_tools(&ur5e, ends, Search::First, &[far, tilted]);
-    check_tools(&crane(), ("world", "hook"), Search::Start, &[far]);
+    check_tools(&ur5e, ends, Search::First, &[long_tool, tilted]);
+    check_tools(&crane(), ("world", "hook"), Search::Start, &[long_tool]);
 }
 
 /// With a tool so long that only rounding brings it within tolerance, nothing is reported as reached, whenever the tool
@@ -159,11 +164,11 @@ fn metres_per_radian_is_kept() {
         let builder = Arm::builder(&robot, "base", "flange");
         builder.with_atlas(false).with_metres_per_radian(0.01)
     };
-    let far = Placement::translation(Vector3::new(5.0, 0.0, 0.0));
+    let unreachable = Placement::translation(Vector3::new(5.0, 0.0, 0.0));
     let tool = tools()[0];
     let rebuilt = builder().with_tool(tool).build().unwrap();
     let changed = builder().build().unwrap().with_tool(tool).unwrap();
-    let [a, b] = [rebuilt, changed].map(|arm| arm.solve(far, &[0.1; 6]).unwrap().q);
+    let [a, b] = [rebuilt, changed].map(|arm| arm.solve(unreachable, &[0.1; 6]).unwrap().q);
     assert_eq!(a, b);
 }
 
@@ -208,7 +213,7 @@ fn seeds_work_with_any_tool() {
             }
             iterations as f64 / count as f64
         };
-        let own = mean(&bare);
+        let without_tool = mean(&bare);
         for tool in tools() {
             let (seeded, random) = (
                 bare.with_tool(tool).unwrap(),
@@ -216,8 +221,11 @@ fn seeds_work_with_any_tool() {
             );
             let [seeded, random] = [seeded, random].map(|arm| mean(&arm));
             let figures =
-                format!("{own:.1} without a tool, {seeded:.1} with, {random:.1} unseeded");
-            assert!(seeded < 0.7 * random && seeded < 1.5 * own, "{figures}");
+                format!("{without_tool:.1} without a tool, {seeded:.1} with, {random:.1} unseeded");
+            assert!(
+                seeded < 0.7 * random && seeded < 1.5 * without_tool,
+                "{figures}"
+            );
             println!("{figures}");
         }
     }

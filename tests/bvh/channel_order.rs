@@ -19,22 +19,22 @@ fn read(text: &str) -> MotionCapture {
 fn chain(channels: &[Vec<&str>], frames: usize) -> String {
     let mut random = Random::new(3);
     let mut text = String::from("HIERARCHY\n");
-    for (index, own) in channels.iter().enumerate() {
+    for (index, names) in channels.iter().enumerate() {
         let kind = if index == 0 { "ROOT" } else { "JOINT" };
         write!(text, "{kind} j{index} {{\nOFFSET 1 2 {index}\n").unwrap();
-        writeln!(text, "CHANNELS {} {}", own.len(), own.join(" ")).unwrap();
+        writeln!(text, "CHANNELS {} {}", names.len(), names.join(" ")).unwrap();
     }
     text += "End Site {\nOFFSET 0 1 0\n}\n";
     text += &"}\n".repeat(channels.len());
     write!(text, "MOTION\nFrames: {frames}\nFrame Time: 0.0083333\n").unwrap();
     for _ in 0..frames {
         for name in channels.iter().flatten() {
-            let most = if name.ends_with("rotation") {
+            let range = if name.ends_with("rotation") {
                 170.0
             } else {
                 3.0
             };
-            write!(text, "{:.4} ", random.within(-most, most)).unwrap();
+            write!(text, "{:.4} ", random.within(-range, range)).unwrap();
         }
         text += "\n";
     }
@@ -61,9 +61,12 @@ fn assert_equal(a: &MotionCapture, b: &MotionCapture) {
     assert_eq!(a.channels, b.channels);
     assert_eq!((a.frames, a.frame_time), (b.frames, b.frame_time));
     for frame in 0..a.frames {
-        let [own, back] = [a, b].map(|capture| placed(capture, &sampled(capture, frame)));
-        for (own, back) in own.iter().zip(back) {
-            assert!(own.abs_diff_eq(back, 1e-5), "frame {frame}: {own} {back}");
+        let [original, back] = [a, b].map(|capture| placed(capture, &sampled(capture, frame)));
+        for (original, back) in original.iter().zip(back) {
+            assert!(
+                original.abs_diff_eq(back, 1e-5),
+                "frame {frame}: {original} {back}"
+            );
         }
     }
 }
@@ -75,9 +78,9 @@ fn orders() -> Vec<Vec<&'static str>> {
     for _ in 0..2 {
         let end = all.len();
         for index in start..end {
-            let own = all[index].clone();
-            let next = ROTATIONS.iter().filter(|axis| own.last() != Some(axis));
-            all.extend(next.map(|axis| [own.as_slice(), &[*axis]].concat()));
+            let current = all[index].clone();
+            let next = ROTATIONS.iter().filter(|axis| current.last() != Some(axis));
+            all.extend(next.map(|axis| [current.as_slice(), &[*axis]].concat()));
         }
         start = end;
     }
@@ -96,7 +99,7 @@ fn capture_written_keeps_every_rotation_order() {
 
 #[test]
 fn capture_written_keeps_positions_among_rotations() {
-    let own = [
+    let channels = [
         vec![
             "Zrotation",
             "Yposition",
@@ -109,7 +112,7 @@ fn capture_written_keeps_positions_among_rotations() {
         vec![],
         vec!["Zposition"],
     ];
-    let capture = read(&chain(&own, 30));
+    let capture = read(&chain(&channels, 30));
     let text = capture.to_text().unwrap();
     assert!(
         text.contains("CHANNELS 6 Zrotation Yposition Yrotation Xposition Xrotation Zposition")
@@ -168,8 +171,8 @@ fn poses_beyond_the_channels_get_the_missing_ones() {
     }
     let back = read(&text);
     let places = placed(&back, &sampled(&back, 0));
-    for (own, back) in placed(&capture, &pose).iter().zip(places) {
-        assert!(own.abs_diff_eq(back, 1e-5));
+    for (placement, back) in placed(&capture, &pose).iter().zip(places) {
+        assert!(placement.abs_diff_eq(back, 1e-5));
     }
 }
 

@@ -8,7 +8,7 @@ use kinopt::animation::{Cursor, Playback};
 use kinopt::io::Place;
 use kinopt::io::bvh::{self, BvhNote, MotionCapture};
 
-static GOOD: &str = "HIERARCHY
+static VALID_FILE: &str = "HIERARCHY
 ROOT Hips
 {
   OFFSET 0 9 0.5
@@ -51,7 +51,11 @@ fn read(text: &str) -> Result<MotionCapture, String> {
                 (capture.clip)
                     .sample(seconds, Playback::Hold, &mut cursor, &mut pose)
                     .unwrap();
-                assert!(pose.translations().iter().all(|place| place.is_finite()));
+                assert!(
+                    pose.translations()
+                        .iter()
+                        .all(|translation| translation.is_finite())
+                );
                 assert!(pose.rotations().iter().all(|turn| turn.is_normalized()));
             }
             Ok(capture)
@@ -75,35 +79,39 @@ fn refused(text: &str, parts: &[&str]) {
 
 /// Byte range of each word.
 fn words() -> Vec<Range<usize>> {
-    let start = |word: &str| word.as_ptr() as usize - GOOD.as_ptr() as usize;
-    let words = GOOD.split_whitespace();
+    let start = |word: &str| word.as_ptr() as usize - VALID_FILE.as_ptr() as usize;
+    let words = VALID_FILE.split_whitespace();
     words
         .map(|word| start(word)..start(word) + word.len())
         .collect()
 }
 
 fn with(range: &Range<usize>, new: &str) -> String {
-    format!("{}{new}{}", &GOOD[..range.start], &GOOD[range.end..])
+    format!(
+        "{}{new}{}",
+        &VALID_FILE[..range.start],
+        &VALID_FILE[range.end..]
+    )
 }
 
 fn line_of(range: &Range<usize>) -> usize {
-    1 + GOOD[..range.start].matches('\n').count()
+    1 + VALID_FILE[..range.start].matches('\n').count()
 }
 
 /// True for names, which may be anything, and numbers of an `OFFSET` or a frame, which may have any value.
 fn is_name(range: &Range<usize>) -> bool {
-    matches!(&GOOD[range.clone()], "Hips" | "Chest" | "Leg")
+    matches!(&VALID_FILE[range.clone()], "Hips" | "Chest" | "Leg")
 }
 
 fn is_value(range: &Range<usize>) -> bool {
-    let number = GOOD[range.clone()].parse::<f64>().is_ok();
-    let before = GOOD[..range.start].split_whitespace().last();
+    let number = VALID_FILE[range.clone()].parse::<f64>().is_ok();
+    let before = VALID_FILE[..range.start].split_whitespace().last();
     number && !matches!(before, Some("CHANNELS" | "Frames:" | "Time:"))
 }
 
 #[test]
 fn valid_file_is_read() {
-    let capture = read(GOOD).unwrap();
+    let capture = read(VALID_FILE).unwrap();
     let names = ["Hips", "Chest", "Chest/tip", "Leg", "Leg/tip"];
     assert_eq!(
         (capture.armature.names(), capture.frames),
@@ -116,14 +124,14 @@ fn deleted_words_are_errors() {
     for word in words() {
         let damaged = read(&with(&word, ""));
         // Without a frame time the first number is used as the frame time.
-        let may_lack = is_value(&word) || GOOD[word.clone()] == *"0.04";
+        let may_lack = is_value(&word) || VALID_FILE[word.clone()] == *"0.04";
         let lacks_frame = damaged
             .as_ref()
             .is_ok_and(|read| read.frames == 1 && read.notes.len() == 1);
         assert!(
             damaged.is_err() || may_lack && lacks_frame,
             "without `{}` of line {}",
-            &GOOD[word.clone()],
+            &VALID_FILE[word.clone()],
             line_of(&word)
         );
     }
@@ -133,7 +141,7 @@ fn deleted_words_are_errors() {
 fn doubled_words_are_errors() {
     let mut names = 0;
     for word in words() {
-        let text = &GOOD[word.clone()];
+        let text = &VALID_FILE[word.clone()];
         let damaged = read(&with(&word, &format!("{text} {text}")));
         // `ROOT ROOT Hips` and `JOINT Leg Leg` are names with a space.
         if is_name(&word) || matches!(text, "ROOT" | "JOINT") {
@@ -153,7 +161,7 @@ fn doubled_words_are_errors() {
 
 #[test]
 fn replaced_words_are_errors_with_their_line() {
-    let good = read(GOOD).unwrap();
+    let good = read(VALID_FILE).unwrap();
     for word in words() {
         for new in [
             "NaN", "-1", "1e400", "-inf", "1e39", "{", "}", "0x1", "1,5", "Stop", "Å",
@@ -162,7 +170,7 @@ fn replaced_words_are_errors_with_their_line() {
             let is_brace = matches!(new, "{" | "}");
             let case = format!(
                 "`{}` of line {}: `{new}`",
-                &GOOD[word.clone()],
+                &VALID_FILE[word.clone()],
                 line_of(&word)
             );
             match read(&text) {
@@ -171,7 +179,7 @@ fn replaced_words_are_errors_with_their_line() {
                 Ok(capture) if is_value(&word) && matches!(new, "-1" | "1e39") => {
                     assert_ne!(capture, good, "{case}");
                 }
-                Ok(_) => assert_eq!(new, &GOOD[word.clone()], "{case}"),
+                Ok(_) => assert_eq!(new, &VALID_FILE[word.clone()], "{case}"),
                 // A surplus or missing brace may only be noticed on a later line.
                 Err(message) if !is_brace => {
                     let line = format!("line {}: ", line_of(&word));
@@ -186,8 +194,8 @@ fn replaced_words_are_errors_with_their_line() {
 #[test]
 fn each_end_is_cut_off() {
     // Within the last number of a frame the rest is a valid number as well.
-    let frame_ends = ["70\n", "71\n"].map(|last| GOOD.find(last).unwrap() + 1);
-    let whole = read(GOOD).unwrap();
+    let frame_ends = ["70\n", "71\n"].map(|last| VALID_FILE.find(last).unwrap() + 1);
+    let whole = read(VALID_FILE).unwrap();
     let start = |capture: &MotionCapture| {
         let mut pose = capture.armature.rest().clone();
         let (clip, mut cursor) = (&capture.clip, Cursor::new());
@@ -196,17 +204,17 @@ fn each_end_is_cut_off() {
         pose
     };
     for end in 0..frame_ends[0] {
-        refused(&GOOD[..end], &[]);
+        refused(&VALID_FILE[..end], &[]);
     }
     for end in frame_ends[0]..frame_ends[1] {
-        let cut = read(&GOOD[..end]).unwrap();
+        let cut = read(&VALID_FILE[..end]).unwrap();
         assert_eq!(cut.frames, 1, "cut at {end}");
-        for (own, other) in start(&cut)
+        for (first, other) in start(&cut)
             .rotations()
             .iter()
             .zip(start(&whole).rotations())
         {
-            assert!(end == frame_ends[0] || own.abs_diff_eq(*other, 1e-6));
+            assert!(end == frame_ends[0] || first.abs_diff_eq(*other, 1e-6));
         }
         let note = cut.notes[0].to_string();
         assert!(
@@ -219,8 +227,8 @@ fn each_end_is_cut_off() {
 #[test]
 fn errors_name_what_was_expected_and_where() {
     let edit = |old: &str, new: &str| {
-        assert_eq!(GOOD.matches(old).count(), 1, "{old}");
-        GOOD.replace(old, new)
+        assert_eq!(VALID_FILE.matches(old).count(), 1, "{old}");
+        VALID_FILE.replace(old, new)
     };
     refused("", &["line 1: expected `HIERARCHY`, but the file ends"]);
     refused("HIERARCHY MOTION", &["expected `ROOT`, found `MOTION`"]);
@@ -308,7 +316,7 @@ fn errors_name_what_was_expected_and_where() {
     }
     refused(
         &edit("Time: 0.04", "Time: 1e39"),
-        &["line 27: ", "not finite"],
+        &["line 27: ", "must be finite"],
     );
     refused(
         &edit("51 61", "NaN 61"),
@@ -333,9 +341,9 @@ fn errors_name_what_was_expected_and_where() {
 /// Frames beyond the announced number are ignored, as in three.js and Assimp.
 #[test]
 fn surplus_frames_are_omitted_with_a_note() {
-    let good = read(GOOD).unwrap();
+    let good = read(VALID_FILE).unwrap();
     assert!(good.notes.is_empty());
-    let more = format!("{GOOD}\n1 2 3 4 5 6 7 8 9 10\n1 2 3 4 5 6 7 8 9 1e1\n\n");
+    let more = format!("{VALID_FILE}\n1 2 3 4 5 6 7 8 9 10\n1 2 3 4 5 6 7 8 9 1e1\n\n");
     let surplus = read(&more).unwrap();
     let note = BvhNote::SurplusFrames {
         line: 31,
@@ -348,7 +356,7 @@ fn surplus_frames_are_omitted_with_a_note() {
         "line 31: 2 frames more than the 2 announced: left out"
     );
     assert_eq!(surplus.notes, [note]);
-    let one = GOOD.replace("Frames: 2", "Frames: 1");
+    let one = VALID_FILE.replace("Frames: 2", "Frames: 1");
     assert_eq!(read(&one).unwrap().notes.len(), 1);
     // Invalid numbers are no frames.
     refused(
@@ -360,23 +368,26 @@ fn surplus_frames_are_omitted_with_a_note() {
 #[test]
 fn frames_missing_whole_ones_stay_with_note() {
     for frames in ["3", "400", "1000000000000", "18446744073709551615"] {
-        let text = GOOD.replace("Frames: 2", &format!("Frames: {frames}"));
+        let text = VALID_FILE.replace("Frames: 2", &format!("Frames: {frames}"));
         let capture = read(&text).unwrap();
         assert_eq!(
             (capture.frames, &capture.clip),
-            (2, &read(GOOD).unwrap().clip)
+            (2, &read(VALID_FILE).unwrap().clip)
         );
         assert_eq!(
             capture.notes[0].to_string(),
             format!("line 30: the file ends after 2 whole frames of {frames} announced")
         );
     }
-    let text = format!("{}\n1 2 3 4 5", GOOD.replace("Frames: 2", "Frames: 9"));
+    let text = format!(
+        "{}\n1 2 3 4 5",
+        VALID_FILE.replace("Frames: 2", "Frames: 9")
+    );
     let capture = read(&text).unwrap();
     assert_eq!((capture.frames, capture.notes.len()), (2, 1));
     // Damage before the end is no truncation.
     refused(
-        &GOOD
+        &VALID_FILE
             .replace("Frames: 2", "Frames: 3")
             .replace("51 61", "x 61"),
         &["line 29: expected Yrotation of `Chest` in frame 2"],
@@ -385,7 +396,7 @@ fn frames_missing_whole_ones_stay_with_note() {
 
 #[test]
 fn first_frame_cut_is_an_error() {
-    let text = GOOD.replace(
+    let text = VALID_FILE.replace(
         "1.5 9.25 2 10 20 30 40 50 60 70\n1.25 9 3 11 21 31 41 51 61 71\n",
         "1 2 3",
     );
@@ -398,7 +409,7 @@ fn first_frame_cut_is_an_error() {
 #[test]
 fn duplicate_names_get_a_suffix_with_note() {
     let named = |chest: &str, leg: &str| {
-        let text = GOOD.replace("JOINT Chest", &format!("JOINT {chest}"));
+        let text = VALID_FILE.replace("JOINT Chest", &format!("JOINT {chest}"));
         let capture = read(&text.replace("JOINT Leg", &format!("JOINT {leg}"))).unwrap();
         let notes: Vec<String> = capture.notes.iter().map(ToString::to_string).collect();
         (capture.armature.names().join(" "), notes.join("\n"))
@@ -436,7 +447,7 @@ fn announced_frames_are_not_allocated() {
 #[test]
 fn frame_times_equal_in_f32_are_rejected() {
     // The smallest number is 1.4e-45, and both 1e-45 and 2e-45 round to it.
-    let text = GOOD
+    let text = VALID_FILE
         .replace("0.04", "1e-45")
         .replace("Frames: 2", "Frames: 3");
     let text = format!("{text}0 0 0 0 0 0 0 0 0 0");
@@ -460,8 +471,8 @@ fn nesting_depth_is_unlimited() {
 
 #[test]
 fn bytes_not_utf8_are_latin1_with_note() {
-    let mut bytes = GOOD.as_bytes().to_vec();
-    let at = GOOD.find("Leg").unwrap();
+    let mut bytes = VALID_FILE.as_bytes().to_vec();
+    let at = VALID_FILE.find("Leg").unwrap();
     bytes[at] = 0xE9;
     let capture = bvh::from_bytes(&bytes, "latin.bvh").unwrap();
     assert_eq!(capture.armature.names()[3], "éeg");
@@ -470,9 +481,9 @@ fn bytes_not_utf8_are_latin1_with_note() {
         "line 15: bytes that are not UTF-8 are read as Latin-1"
     );
     // A name in UTF-8 in the same file is unchanged.
-    let mut mixed = bytes[..GOOD.find("Hips").unwrap()].to_vec();
+    let mut mixed = bytes[..VALID_FILE.find("Hips").unwrap()].to_vec();
     mixed.extend("Hüfte".as_bytes());
-    mixed.extend(&bytes[GOOD.find("Hips").unwrap() + 4..]);
+    mixed.extend(&bytes[VALID_FILE.find("Hips").unwrap() + 4..]);
     let capture = bvh::from_bytes(&mixed, "latin.bvh").unwrap();
     assert_eq!(capture.armature.names()[0], "Hüfte");
     assert_eq!(capture.armature.names()[3], "éeg");
@@ -493,11 +504,11 @@ fn missing_file_is_named() {
 /// Positions are bounded, so that no sum overflows. Angles are periodic, and a rotating sensor counts full turns.
 #[test]
 fn positions_are_bounded_and_angles_are_not() {
-    let far = GOOD.replace("1.25 9 3 11", "1.25 9 3 1e32");
-    assert!(read(&far).is_ok());
+    let text = VALID_FILE.replace("1.25 9 3 11", "1.25 9 3 1e32");
+    assert!(read(&text).is_ok());
     for beyond in ["1e32", "-1e32"] {
-        let far = GOOD.replace("1.25 9 3 11", &format!("1.25 {beyond} 3 11"));
-        refused(&far, &["Yposition"]);
+        let text = VALID_FILE.replace("1.25 9 3 11", &format!("1.25 {beyond} 3 11"));
+        refused(&text, &["Yposition"]);
     }
 }
 
@@ -514,7 +525,7 @@ fn line_numbers_are_independent_of_line_endings() {
         assert!(
             places
                 .iter()
-                .all(|place| *place == Place::Line(line_of(&word))),
+                .all(|location| *location == Place::Line(line_of(&word))),
             "{places:?}"
         );
     }

@@ -39,8 +39,8 @@ impl Joint {
 
     pub(crate) fn end(joint: &str, parent: usize, offset: Vector) -> Self {
         let is_end = true;
-        let own = Self::new(&format!("{joint}/tip"), Some(parent), offset, "");
-        Self { is_end, ..own }
+        let joint = Self::new(&format!("{joint}/tip"), Some(parent), offset, "");
+        Self { is_end, ..joint }
     }
 }
 
@@ -128,7 +128,7 @@ impl File {
         let mut values = self.frames[frame].iter().copied();
         let mut placed: Vec<(Vector, Matrix)> = Vec::new();
         for joint in &self.joints {
-            let (mut place, mut turn) = (joint.offset, IDENTITY);
+            let (mut position, mut turn) = (joint.offset, IDENTITY);
             for channel in &joint.channels {
                 let value = values.next().unwrap();
                 let axis = match channel.to_lowercase().as_bytes()[0] {
@@ -137,16 +137,16 @@ impl File {
                     _ => 2,
                 };
                 if channel.to_lowercase().ends_with("position") {
-                    place[axis] = value;
+                    position[axis] = value;
                 } else {
                     turn = product(&turn, &about(axis, value));
                 }
             }
-            let own = match joint.parent.map(|parent| placed[parent]) {
-                Some((at, turned)) => (sum(at, apply(&turned, place)), product(&turned, &turn)),
-                None => (place, turn),
+            let placement = match joint.parent.map(|parent| placed[parent]) {
+                Some((at, turned)) => (sum(at, apply(&turned, position)), product(&turned, &turn)),
+                None => (position, turn),
             };
-            placed.push(own);
+            placed.push(placement);
         }
         assert_eq!(values.next(), None);
         placed

@@ -35,18 +35,22 @@ fn check(file: &File, case: &str) {
     for frame in 0..file.frames.len() {
         let expected = file.placed(frame);
         let placed = placed(&capture, frame as f64 * file.frame_time);
-        for ((joint, own), (position, turn)) in file.joints.iter().zip(&placed).zip(&expected) {
-            let place = || format!("{case}, frame {frame}, {}", joint.name);
-            let at = own.translation.as_dvec3().to_array();
+        for ((joint, placement), (position, turn)) in file.joints.iter().zip(&placed).zip(&expected)
+        {
+            let context = || format!("{case}, frame {frame}, {}", joint.name);
+            let at = placement.translation.as_dvec3().to_array();
             assert!(
                 distance(at, *position) < 2e-5,
                 "{}: {at:?} {position:?}",
-                place()
+                context()
             );
-            for (axis, column) in [own.x_axis, own.y_axis, own.z_axis].into_iter().enumerate() {
+            for (axis, column) in [placement.x_axis, placement.y_axis, placement.z_axis]
+                .into_iter()
+                .enumerate()
+            {
                 let column = column.as_dvec3().to_array();
                 let expected = turn.map(|row| row[axis]);
-                assert!(distance(column, expected) < 2e-6, "{}", place());
+                assert!(distance(column, expected) < 2e-6, "{}", context());
             }
         }
     }

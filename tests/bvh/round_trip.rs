@@ -47,12 +47,12 @@ fn armature(turned: bool) -> Armature {
         ("left foot", Some(1)),
         ("spine/tip", Some(2)),
     ] {
-        let place = vector(&mut random);
+        let position = vector(&mut random);
         let turn = turn(&mut random);
         bones.push(bone(
             name,
             parent,
-            place,
+            position,
             if turned { turn } else { Quat::IDENTITY },
         ));
     }
@@ -111,9 +111,12 @@ fn modified_poses_survive_a_round_trip() {
     let capture = read(&bvh::poses_to_text(&armature, &poses, 25.0).unwrap());
     assert_eq!((capture.frames, capture.frame_time), (20, 0.04));
     for (index, pose) in poses.iter().enumerate() {
-        let (own, back) = (placed(&armature, pose), frame(&capture, index));
+        let (original, back) = (placed(&armature, pose), frame(&capture, index));
         for [a, b] in pairs(&armature, &capture.armature) {
-            assert!(own[a].abs_diff_eq(back[b], 2e-6), "frame {index}, bone {a}");
+            assert!(
+                original[a].abs_diff_eq(back[b], 2e-6),
+                "frame {index}, bone {a}"
+            );
         }
     }
     // Only moving bones have position channels, and the end of the foot is new.
@@ -144,18 +147,18 @@ fn bones_rotated_at_rest_survive_a_round_trip() {
         placed(&capture.armature, capture.armature.rest())
     }];
     for [a, b] in pairs(&armature, &capture.armature) {
-        let [own, back] = [&rests[0][a], &rests[1][b]];
+        let [rest, back] = [&rests[0][a], &rests[1][b]];
         assert!(
-            own.translation.abs_diff_eq(back.translation, 2e-6),
+            rest.translation.abs_diff_eq(back.translation, 2e-6),
             "bone {a} at rest"
         );
         assert_eq!(back.matrix3, glam::Mat3A::IDENTITY);
         for (index, pose) in poses.iter().enumerate() {
-            let (own, back) = (placed(&armature, pose)[a], frame(&capture, index)[b]);
+            let (original, back) = (placed(&armature, pose)[a], frame(&capture, index)[b]);
             // Skinning transform of a mesh: from the model at rest to the posed model.
-            let own = own * rests[0][a].inverse();
+            let original = original * rests[0][a].inverse();
             let back = back * rests[1][b].inverse();
-            assert!(own.abs_diff_eq(back, 1e-5), "frame {index}, bone {a}");
+            assert!(original.abs_diff_eq(back, 1e-5), "frame {index}, bone {a}");
         }
     }
 }
@@ -195,7 +198,9 @@ fn file_survives_a_round_trip() {
     for index in 0..200 {
         let pairs = both_placed(&capture, &again, index);
         assert!(
-            pairs.iter().all(|[own, back]| own.abs_diff_eq(*back, 1e-4)),
+            pairs
+                .iter()
+                .all(|[original, back]| original.abs_diff_eq(*back, 1e-4)),
             "frame {index}"
         );
     }
@@ -258,14 +263,14 @@ fn written_angles_are_continuous() {
         assert_eq!(frames.len(), 91);
         for pair in frames.windows(2) {
             for channel in 3..6 {
-                let leap = (pair[1][channel] - pair[0][channel]).abs();
-                assert!(leap < 30.0, "about {axis}: {pair:?}");
+                let change = (pair[1][channel] - pair[0][channel]).abs();
+                assert!(change < 30.0, "about {axis}: {pair:?}");
             }
         }
         let [first, last] = [&frames[0], &frames[90]];
         let on = (3..6).map(|channel| (last[channel] - first[channel]).abs());
-        let most = on.fold(0.0, f64::max);
-        assert!((most - 1080.0).abs() < 1e-3, "about {axis}: {most}");
+        let largest = on.fold(0.0, f64::max);
+        assert!((largest - 1080.0).abs() < 1e-3, "about {axis}: {largest}");
     }
 }
 
@@ -296,8 +301,11 @@ fn written_angles_pass_gimbal_lock() {
         let lines = text.split_once("Frame Time").unwrap().1.lines().skip(1);
         for (line, x) in lines.zip(&bends) {
             let words: Vec<f32> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-            let off = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
-            assert!(off.iter().all(|off| off.abs() < 1e-3), "{line}, not {x}");
+            let offset = [words[3] - 40.0, words[4] - sign * x, words[5] + 25.0];
+            assert!(
+                offset.iter().all(|deviation| deviation.abs() < 1e-3),
+                "{line}, not {x}"
+            );
         }
         let capture = read(&text);
         let locked = frame(&capture, 9)[0];
@@ -317,8 +325,8 @@ fn moving_tips_are_written_as_joints() {
     assert!(text.contains("JOINT spine/tip\n"), "{text}");
     let capture = read(&text);
     let back = capture.armature.bone("spine/tip").unwrap().index();
-    let (own, back) = (placed(&armature, &poses[1])[5], frame(&capture, 1)[back]);
-    assert!(own.abs_diff_eq(back, 2e-6));
+    let (original, back) = (placed(&armature, &poses[1])[5], frame(&capture, 1)[back]);
+    assert!(original.abs_diff_eq(back, 2e-6));
 }
 
 /// All motionless tips of a joint are End Sites, whose names are not written.
@@ -348,9 +356,12 @@ fn tip_with_children_is_written_as_a_joint() {
     let poses = [armature.rest().clone()];
     let text = bvh::poses_to_text(&armature, &poses, 30.0).unwrap();
     let back = read(&text);
-    for [own, other] in pairs(&armature, &back.armature) {
-        let [own, other] = [placed(&armature, &poses[0])[own], frame(&back, 0)[other]];
-        assert!(own.abs_diff_eq(other, 1e-6));
+    for [original, other] in pairs(&armature, &back.armature) {
+        let [original, other] = [
+            placed(&armature, &poses[0])[original],
+            frame(&back, 0)[other],
+        ];
+        assert!(original.abs_diff_eq(other, 1e-6));
     }
 }
 
@@ -404,7 +415,7 @@ fn unrepresentable_motion_is_rejected() {
     let error = bvh::to_text(&good, &clip.build(), 100.0)
         .unwrap_err()
         .to_string();
-    assert!(error.contains("more than 16777216 frames"), "{error}");
+    assert!(error.contains("at most 16777216 frames"), "{error}");
     let empty = Clip::builder("empty", &good).build();
     let error = bvh::write(&good, &empty, 1.0, "no such folder/out.bvh").unwrap_err();
     assert!(
@@ -461,13 +472,13 @@ fn written_file_equals_the_returned_text() {
             .unwrap();
         pose.clone()
     });
-    let told = kinopt::io::bvh::poses_to_text(armature, &poses, 20.0).unwrap();
+    let text = kinopt::io::bvh::poses_to_text(armature, &poses, 20.0).unwrap();
     let file = std::env::temp_dir().join(format!("kinopt-poses-{}.bvh", std::process::id()));
     kinopt::io::bvh::write_poses(armature, &poses, 20.0, &file).unwrap();
     let written = std::fs::read_to_string(&file).unwrap();
     std::fs::remove_file(&file).unwrap();
-    assert_eq!(written, told);
-    let again = kinopt::io::bvh::from_bytes(told.as_bytes(), "three.bvh").unwrap();
+    assert_eq!(written, text);
+    let again = kinopt::io::bvh::from_bytes(text.as_bytes(), "three.bvh").unwrap();
     assert_eq!((again.frames, again.frame_time), (3, 0.05));
 }
 

@@ -31,7 +31,7 @@ fn frames(capture: &MotionCapture, frame_time: f64) -> Vec<Vec<[f64; 3]>> {
         capture.armature.local_to_model(&pose, &mut placed).unwrap();
         let positions = placed
             .iter()
-            .map(|own| own.translation.as_dvec3().to_array());
+            .map(|placement| placement.translation.as_dvec3().to_array());
         positions.collect()
     });
     frames.collect()
@@ -46,8 +46,8 @@ fn captured_joints_and_bone_lengths_are_correct() {
     eprintln!("read {} frames in {:?}", capture.frames, start.elapsed());
     assert_eq!((capture.frames, capture.armature.bones()), (2752, 38));
     assert!(file.joints.iter().any(|joint| joint.offset == [0.0; 3]));
-    let own = frames(&capture, file.frame_time);
-    for (frame, placed) in own.iter().enumerate() {
+    let all_frames = frames(&capture, file.frame_time);
+    for (frame, placed) in all_frames.iter().enumerate() {
         for ((joint, at), (expected, _)) in file.joints.iter().zip(placed).zip(file.placed(frame)) {
             let apart = distance(*at, expected);
             assert!(apart < 5e-5, "frame {frame}, {}: {apart}", joint.name);
@@ -72,10 +72,10 @@ fn real_capture_survives_a_round_trip() {
     let again = bvh::from_bytes(written.as_bytes(), "again.bvh").unwrap();
     assert_eq!(again.armature, capture.armature);
     assert_eq!(again.frames, capture.frames);
-    let [own, read] = [&capture, &again].map(|capture| frames(capture, capture.frame_time));
-    for (frame, (own, read)) in own.iter().zip(&read).enumerate() {
-        for (bone, (own, read)) in own.iter().zip(read).enumerate() {
-            let apart = distance(*own, *read);
+    let [original, read] = [&capture, &again].map(|capture| frames(capture, capture.frame_time));
+    for (frame, (original, read)) in original.iter().zip(&read).enumerate() {
+        for (bone, (original, read)) in original.iter().zip(read).enumerate() {
+            let apart = distance(*original, *read);
             assert!(apart < 5e-5, "frame {frame}, bone {bone}: {apart}");
         }
     }

@@ -161,8 +161,8 @@ fn arm_reaches_into_an_allowed_obstacle() {
     }
     let lenient = strict.clone().with_world(&world).unwrap();
     let down = |k: usize| {
-        let by = Vector3::new(0.0, 0.0, 0.1 * k as f64 / 20.0);
-        Placement::new(begin.rotation, begin.translation - by)
+        let offset = Vector3::new(0.0, 0.0, 0.1 * k as f64 / 20.0);
+        Placement::new(begin.rotation, begin.translation - offset)
     };
     let path: Vec<_> = (0..=20).map(down).collect();
     let with = |checker: &Checker| bare.clone().with_checker(checker, &rest).unwrap();
@@ -230,7 +230,7 @@ fn attached_object_may_touch_its_container() {
     // Set before the second object exists.
     for names in [["can", "bin"], ["bin", "can"]] {
         let mut world = World::new();
-        for (place, name) in names.into_iter().enumerate() {
+        for (index, name) in names.into_iter().enumerate() {
             match name {
                 "can" => {
                     world.add_sphere("can", 0.04, Vector3::zero()).unwrap();
@@ -240,7 +240,7 @@ fn attached_object_may_touch_its_container() {
                     .add_box("bin", [0.2, 0.2, 0.04], hand.apply(held))
                     .unwrap(),
             }
-            if place == 0 {
+            if index == 0 {
                 world.allow_collision(name, names[1]).unwrap();
             }
         }
@@ -271,8 +271,8 @@ fn permissions_do_not_depend_on_insertion_order() {
     ] {
         let mut world = world.clone();
         for name in names {
-            let far = if name == near { 0.0 } else { 5.0 };
-            let at = held + Vector3::new(0.0, 0.0, far);
+            let height = if name == near { 0.0 } else { 5.0 };
+            let at = held + Vector3::new(0.0, 0.0, height);
             world.add_sphere(name, 0.03, at).unwrap();
         }
         checker = checker.with_world(&world).unwrap();
@@ -388,18 +388,19 @@ fn permission_of_two_obstacles_is_mutual() {
     for name in ["can", "table"] {
         world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
     }
-    let of = |world: &World, name: &str| world.obstacle(name).unwrap().allowed_collisions.clone();
+    let allowed_of =
+        |world: &World, name: &str| world.obstacle(name).unwrap().allowed_collisions.clone();
     world.allow_collision("can", "table").unwrap();
     world.allow_collision("table", "can").unwrap();
     assert_eq!(
-        (of(&world, "can"), of(&world, "table")),
+        (allowed_of(&world, "can"), allowed_of(&world, "table")),
         (vec!["table".to_owned()], vec!["can".to_owned()])
     );
     let mut without = world.clone();
     without.remove("table").unwrap();
-    assert!(of(&without, "can").is_empty());
+    assert!(allowed_of(&without, "can").is_empty());
     world.forbid_collision("table", "can").unwrap();
-    assert!(of(&world, "can").is_empty() && of(&world, "table").is_empty());
+    assert!(allowed_of(&world, "can").is_empty() && allowed_of(&world, "table").is_empty());
 }
 
 #[test]

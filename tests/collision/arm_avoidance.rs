@@ -83,14 +83,14 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
             _ => Shape::convex(&(0..8).map(corner).collect::<Vec<_>>()),
         };
         let around = random.within(-3.1, 3.1);
-        let far = random.within(0.35, 0.8);
-        let place = Vector3::new(
-            far * around.cos(),
-            far * around.sin(),
+        let distance = random.within(0.35, 0.8);
+        let position = Vector3::new(
+            distance * around.cos(),
+            distance * around.sin(),
             random.within(0.1, 1.0),
         );
         let turn = [(); 3].map(|()| random.within(-2.0, 2.0));
-        let at = Placement::new(rotation_exp(turn.into()), place);
+        let at = Placement::new(rotation_exp(turn.into()), position);
         world
             .add(&format!("thing {index}"), shape.unwrap(), at)
             .unwrap();
@@ -106,7 +106,7 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
 fn reached_solutions_are_collision_free() {
     let mut random = Random::new(14);
     let mut panda = panda(Search::Start);
-    let (mut asked, mut reached) = (0, 0);
+    let (mut count, mut reached) = (0, 0);
     for margin in [0.0, 0.01] {
         for _ in 0..cases(500, 30) {
             panda = panda.among(&cluttered(&mut random), margin);
@@ -114,7 +114,7 @@ fn reached_solutions_are_collision_free() {
             let target = panda.arm.base_from_tool(&goal).unwrap();
             let solution = panda.arm.solve(target, &start).unwrap();
             let touched = panda.arm.collisions(&solution.q).unwrap();
-            asked += 1;
+            count += 1;
             if solution.reached {
                 reached += 1;
                 assert!(touched.is_empty(), "{touched:?}");
@@ -131,7 +131,7 @@ fn reached_solutions_are_collision_free() {
             }
         }
     }
-    assert!(reached * 100 >= asked * 97, "{reached} of {asked}");
+    assert!(reached * 100 >= count * 97, "{reached} of {count}");
 }
 
 /// For joints with two turns, no result is a whole turn farther from the start than necessary.
@@ -319,8 +319,8 @@ fn target_in_an_obstacle_is_reported() {
     assert_eq!(batch[0].q, solution.q);
     assert_eq!(batch[0].collisions(), solution.collisions());
     // A target out of reach is not reported as in contact.
-    let far = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
-    let solution = panda.arm.solve(far, &goal).unwrap();
+    let unreachable = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
+    let solution = panda.arm.solve(unreachable, &goal).unwrap();
     assert!(!solution.reached && !solution.goals_reached());
 }
 
@@ -460,15 +460,18 @@ fn earlier_problems_do_not_reduce_checks() {
 
 #[test]
 fn non_finite_joint_values_are_rejected() {
-    let kept = panda(Search::Start).among(&World::new(), 0.0);
+    let unobstructed = panda(Search::Start).among(&World::new(), 0.0);
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut q = vec![0.0; 7];
         q[3] = wrong;
-        let error = kept.arm.collisions(&q).unwrap_err().to_string();
+        let error = unobstructed.arm.collisions(&q).unwrap_err().to_string();
         assert!(error.contains("joint4"), "{error}");
-        let mut q_model = kept.q_model.clone();
+        let mut q_model = unobstructed.q_model.clone();
         q_model[3] = wrong;
-        let error = kept.arm.joint_values(&q_model, &mut q[..]).unwrap_err();
+        let error = unobstructed
+            .arm
+            .joint_values(&q_model, &mut q[..])
+            .unwrap_err();
         assert!(error.to_string().contains("joint4"), "{error}");
     }
 }

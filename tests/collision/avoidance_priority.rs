@@ -8,11 +8,11 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Posture, Task};
 
-/// Sphere of radius 5 cm on prismatic joints along x and y with a range of ±`far`.
-pub(crate) fn ball_on_slides(far: f64) -> (FrameId, CollisionModel) {
+/// Sphere of radius 5 cm on prismatic joints along x and y with a range of ±`range`.
+pub(crate) fn ball_on_slides(range: f64) -> (FrameId, CollisionModel) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let (origin, limits) = (Placement::identity(), Limits::new(-far, far));
+    let (origin, limits) = (Placement::identity(), Limits::new(-range, range));
     let first = builder.prismatic("x", None, origin, x, limits);
     let second = builder.prismatic("y", Some(first), origin, y, limits);
     let hand = builder.frame("hand", Some(second), origin);

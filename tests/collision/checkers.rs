@@ -103,16 +103,16 @@ fn nearest_of_several_shapes_is_reported() {
         let at = |(link, at, radius): &(usize, Vector3<f64>, f64)| {
             (*at + Vector3::new(1.0 + *link as f64, 0.0, 0.0), *radius)
         };
-        let of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
+        let balls_of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
         for pair in &found {
             let link = |name: &str| {
                 ["a", "b", "c"]
                     .iter()
                     .position(|link_name| *link_name == name)
             };
-            let first: Vec<_> = of(link(&pair.first).unwrap()).collect();
+            let first: Vec<_> = balls_of(link(&pair.first).unwrap()).collect();
             let second: Vec<_> = match link(&pair.second) {
-                Some(link) => of(link).collect(),
+                Some(link) => balls_of(link).collect(),
                 None => vec![(middle, 0.1)],
             };
             let apart = first
@@ -257,8 +257,8 @@ fn attached_object_may_touch_its_holder() {
 #[test]
 fn invalid_margins_and_configurations_fail() {
     let checker = Checker::new(balls());
-    for bad in [-0.1, f64::NAN, f64::INFINITY] {
-        assert!(checker.clone().with_margin(bad).is_err(), "{bad}");
+    for invalid in [-0.1, f64::NAN, f64::INFINITY] {
+        assert!(checker.clone().with_margin(invalid).is_err(), "{invalid}");
     }
     assert!(checker.collisions(&[0.0; 2]).is_err());
     assert!(checker.collisions(&[0.0, f64::NAN, 0.0]).is_err());
@@ -283,8 +283,8 @@ fn motion_is_free_up_to_contact() {
         "{} {exact}",
         motion.free
     );
-    let by = motion.blocked_by.unwrap();
-    assert_eq!((by.first.as_str(), by.second.as_str()), ("c", "wall"));
+    let pair = motion.blocked_by.unwrap();
+    assert_eq!((pair.first.as_str(), pair.second.as_str()), ("c", "wall"));
     // Short of contact the motion is free, in both directions.
     let short = [0.999 * touches, 0.0, 0.0];
     for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {
@@ -343,18 +343,18 @@ fn far_motion_at_either_end_is_stopped() {
 #[test]
 fn motion_into_the_margin_is_stopped() {
     let mut builder = Model::builder("two slides");
-    let (x, here, room) = (
+    let (x, identity, limits) = (
         Vector3::UNITS[0],
         Placement::identity(),
         Limits::new(0.0, 9.0),
     );
-    let one = builder.prismatic("one", None, here, x, room);
-    let one = builder.frame("one", Some(one), here);
+    let one = builder.prismatic("one", None, identity, x, limits);
+    let one = builder.frame("one", Some(one), identity);
     let far = Placement::translation(Vector3::new(2.0, 0.0, 0.0));
-    let other = builder.prismatic("other", None, far, -x, room);
-    let other = builder.frame("other", Some(other), here);
+    let other = builder.prismatic("other", None, far, -x, limits);
+    let other = builder.frame("other", Some(other), identity);
     let model = builder.build().unwrap();
-    let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());
+    let ball = |frame| CollisionObject::new("ball", frame, identity, Shape::sphere(0.1).unwrap());
     let pair_model = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
     // Both end at 1.8; the wall or the other link is 0.1 from their centres, plus a gap.
     for (gap, stops) in [(0.02, true), (0.049, true), (0.051, false)] {

@@ -50,18 +50,18 @@ fn distances_equal_those_of_coal() {
     let Fixture { pairs } = serde_json::from_str(text).unwrap();
     assert!(pairs.len() > 200);
     for (i, pair) in pairs.iter().enumerate() {
-        let place = |k: usize| {
+        let placement = |k: usize| {
             let [a, b, c, d, e, f, g, h, j] = pair.rotations[k];
             let columns = [[a, d, g], [b, e, h], [c, f, j]].map(Vector3::from);
             let rotation = Matrix3::from_columns(columns[0], columns[1], columns[2]);
             Placement::new(rotation, pair.translations[k].into())
         };
         let shapes = [pair.shapes[0].shape(), pair.shapes[1].shape()];
-        let found = separation(&shapes[0], &place(0), &shapes[1], &place(1));
-        let off = found.distance - pair.distance;
+        let found = separation(&shapes[0], &placement(0), &shapes[1], &placement(1));
+        let deviation = found.distance - pair.distance;
         assert!(
-            off.abs() < 1e-10,
-            "pair {i}, {:?}: {off:e} off {}",
+            deviation.abs() < 1e-10,
+            "pair {i}, {:?}: {deviation:e} off {}",
             pair.shapes,
             pair.distance
         );

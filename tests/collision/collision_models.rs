@@ -243,12 +243,14 @@ fn meshes_are_found_in_packages_and_folders() {
         )
     };
     let lamp = |foot: &str| {
-        let (own, beside) = (
+        let (arm_shape, neighbour_shape) = (
             mesh("package://lamp_description/meshes/arm.obj"),
             mesh("../meshes/arm.obj"),
         );
         let foot = mesh(foot);
-        format!("<robot name=\"lamp\"><link name=\"arm\">{own}{beside}{foot}</link></robot>")
+        format!(
+            "<robot name=\"lamp\"><link name=\"arm\">{arm_shape}{neighbour_shape}{foot}</link></robot>"
+        )
     };
     std::fs::write(&urdf, lamp("package://stand_description/foot.obj")).unwrap();
 
@@ -271,7 +273,8 @@ fn meshes_are_found_in_packages_and_folders() {
     assert_eq!((left_out.objects().len(), left_out.notes().len()), (2, 1));
 
     // The third has another mesh, the last a larger one of the same name.
-    let (packages, own, another) = (folder.join("elsewhere"), others.clone(), meshes.clone());
+    let (packages, others_copy, another) =
+        (folder.join("elsewhere"), others.clone(), meshes.clone());
     let late = folder.join("late");
     std::fs::create_dir_all(late.join("stand_description")).unwrap();
     let larger = cube.replacen("v 1", "v 3", 1);
@@ -287,9 +290,9 @@ fn meshes_are_found_in_packages_and_folders() {
     for folders in [
         vec![&packages],
         vec![&stranger, &packages],
-        vec![&own],
+        vec![&others_copy],
         vec![&packages, &another],
-        vec![&another, &own],
+        vec![&another, &others_copy],
         vec![&packages, &late],
     ] {
         let builder = CollisionModel::builder(&robot);
@@ -325,7 +328,7 @@ fn meshes_are_found_in_packages_and_folders() {
 }
 
 /// Shapes within this distance count as connected, metres; shapes leave gaps at joints.
-const JOINED: f64 = 0.03;
+const CONNECTION_DISTANCE: f64 = 0.03;
 
 /// Number of connected components of a robot's shapes at a configuration.
 fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
@@ -346,7 +349,7 @@ fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
                     &placed(*b),
                 )
                 .distance
-                    <= JOINED
+                    <= CONNECTION_DISTANCE
             };
             let (touching, others) = left.into_iter().partition(near);
             left = others;

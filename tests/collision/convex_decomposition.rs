@@ -175,8 +175,8 @@ fn pieces_contain_the_interior() {
     }
 }
 
-/// A cube of side 2 whose top is dented by `by`, centred at `about`.
-fn dented(by: f64, about: [f64; 3]) -> String {
+/// A cube of side 2 whose top is dented by `depth`, centred at `about`.
+fn dented(depth: f64, about: [f64; 3]) -> String {
     let mut text = String::new();
     let mut corner = |at: [f64; 3]| {
         let [x, y, z] = [0, 1, 2].map(|k| at[k] + about[k]);
@@ -187,7 +187,7 @@ fn dented(by: f64, about: [f64; 3]) -> String {
             corner([x, y, z]);
         }
     }
-    corner([0.0, 0.0, 1.0 - by]);
+    corner([0.0, 0.0, 1.0 - depth]);
     for [a, b] in [[1, 2], [2, 3], [3, 4], [4, 1]] {
         text += &format!("f {a} {b} {} {}\nf {} {} 9\n", b + 4, a + 4, a + 4, b + 4);
     }
@@ -198,10 +198,10 @@ fn dented(by: f64, about: [f64; 3]) -> String {
 #[test]
 fn nearly_convex_mesh_is_one_piece() {
     for about in [[0.0; 3], [50.0, -20.0, 30.0]] {
-        for (by, is_one) in [(0.03, true), (0.04, false)] {
-            let pieces = shapes(&dented(by, about), MeshUse::Pieces(4));
+        for (depth, is_one) in [(0.03, true), (0.04, false)] {
+            let pieces = shapes(&dented(depth, about), MeshUse::Pieces(4));
             let count = pieces.objects().len();
-            assert_eq!(count == 1, is_one, "{by} {about:?}: {count}");
+            assert_eq!(count == 1, is_one, "{depth} {about:?}: {count}");
         }
     }
 }
@@ -212,10 +212,10 @@ fn uncuttable_mesh_stays_one_piece() {
     let mut blades = String::from("v 0 0 0\n");
     let (mut corners, mut faces) = (1, String::new());
     for axis in 0..3 {
-        for far in [-1.0, 1.37] {
+        for coordinate in [-1.0, 1.37] {
             for wide in [-0.03, 0.03] {
                 let mut corner = [0.0; 3];
-                (corner[axis], corner[(axis + 1) % 3]) = (far, wide);
+                (corner[axis], corner[(axis + 1) % 3]) = (coordinate, wide);
                 let [x, y, z] = corner;
                 blades += &format!("v {x} {y} {z}\n");
             }

@@ -12,19 +12,19 @@ fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64
     let mut random = Random::new(seed);
     (0..count).map(move |i| {
         let solids = [Solid::random(&mut random), Solid::random(&mut random)];
-        let place = |size: f64, random: &mut Random| {
+        let random_pose = |size: f64, random: &mut Random| {
             Placement::new(
                 na::Matrix3::from(random.rotation()).into(),
                 random.vector(size).into(),
             )
         };
-        let first = place(1.0, &mut random);
+        let first = random_pose(1.0, &mut random);
         let second = match i % 8 {
             0 => first,
             1 => first * Placement::translation(Vector3::new(0.3, 0.0, 0.0)),
             2 => first * Placement::translation(Vector3::new(0.0, 0.0, 1.2)),
             3 => Placement::translation(first.translation),
-            _ => place(1.5, &mut random),
+            _ => random_pose(1.5, &mut random),
         };
         let [a, b] = solids;
         [(a, first), (b, second)]
@@ -40,13 +40,13 @@ fn contact_is_no_deeper_than_its_motion() {
             continue;
         }
         for depth in [0.0, 1e-13, 1e-9, 1e-6, 1e-4] {
-            let by = before.normal * -(before.distance + depth);
-            let at_b = Placement::new(at_b.rotation, at_b.translation + by);
+            let offset = before.normal * -(before.distance + depth);
+            let at_b = Placement::new(at_b.rotation, at_b.translation + offset);
             let found = separation(&a.shape(), &at_a, &b.shape(), &at_b);
-            let least = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
+            let smallest = gap_along((&a, &at_a), (&b, &at_b), before.normal.into());
             let what =
-                || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {least}");
-            assert!(found.distance >= least - 1e-12, "{}", what());
+                || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {smallest}");
+            assert!(found.distance >= smallest - 1e-12, "{}", what());
             // Along its own normal the found distance is exact.
             let certified = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
             assert!((found.distance - certified).abs() < 1e-12, "{}", what());
@@ -76,8 +76,12 @@ fn distances_and_depths_are_certified() {
             what()
         );
         for (solid, at, point) in [(&a, &at_a, found.on_first), (&b, &at_b, found.on_second)] {
-            let off = solid.shape().signed_distance(at.inverse().apply(point));
-            assert!(off.abs() < 1e-9, "a point {off} off its shape; {}", what());
+            let deviation = solid.shape().signed_distance(at.inverse().apply(point));
+            assert!(
+                deviation.abs() < 1e-9,
+                "a point {deviation} off its shape; {}",
+                what()
+            );
         }
         if found.distance < 0.0 {
             for _ in 0..60 {

@@ -53,20 +53,20 @@ fn origin_and_order_do_not_matter() {
         let back = separation(&shapes[1], &b, &shapes[0], &a);
         close(&found, &back, "the order");
         let moved = placed(&mut random, 1.0);
-        let there = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
-        close(&found, &there, "the origin");
+        let moved_result = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
+        close(&found, &moved_result, "the origin");
     }
 }
 
 /// In another unit lengths scale and directions are equal.
 #[test]
 fn distances_are_unit_invariant() {
-    let times = |solid: &Solid, by: f64| match solid {
-        Solid::Sphere(radius) => Solid::Sphere(radius * by),
-        Solid::Capsule(radius, length) => Solid::Capsule(radius * by, length * by),
-        Solid::Cylinder(radius, length) => Solid::Cylinder(radius * by, length * by),
-        Solid::Cuboid(size) => Solid::Cuboid(size.map(|side| side * by)),
-        Solid::Convex(points) => Solid::Convex(points.iter().map(|point| point * by).collect()),
+    let times = |solid: &Solid, factor: f64| match solid {
+        Solid::Sphere(radius) => Solid::Sphere(radius * factor),
+        Solid::Capsule(radius, length) => Solid::Capsule(radius * factor, length * factor),
+        Solid::Cylinder(radius, length) => Solid::Cylinder(radius * factor, length * factor),
+        Solid::Cuboid(size) => Solid::Cuboid(size.map(|side| side * factor)),
+        Solid::Convex(points) => Solid::Convex(points.iter().map(|point| point * factor).collect()),
     };
     let mut random = Random::new(27);
     for case in 0..300 {
@@ -111,8 +111,8 @@ fn normals_are_derivatives() {
             Solid::random(&mut random).shape(),
         ];
         let [a, b] = [placed(&mut random, 1.0), placed(&mut random, 1.0)];
-        let at = |by: Vector3<f64>| {
-            let moved = Placement::new(b.rotation, b.translation + by);
+        let at = |offset: Vector3<f64>| {
+            let moved = Placement::new(b.rotation, b.translation + offset);
             separation(&shapes[0], &a, &shapes[1], &moved)
         };
         let found = at(Vector3::zero());
@@ -197,18 +197,21 @@ fn mesh_equals_hull_and_cloud_equals_points() {
         } else {
             assert!(two.distance <= 1e-12 && two.distance >= one.distance - 1e-12);
         }
-        for place in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
-            let off = hull.signed_distance(place) - mesh.signed_distance(place);
-            assert!(off.abs() < 1e-12, "{off}");
+        for point in (0..5).map(|_| Vector3::from(random.vector(0.6))) {
+            let deviation = hull.signed_distance(point) - mesh.signed_distance(point);
+            assert!(deviation.abs() < 1e-12, "{deviation}");
         }
         let cloud = Shape::points(points.clone(), 0.02).unwrap();
-        let far = separation(&cloud, &a, &other, &b).distance;
+        let cloud_distance = separation(&cloud, &a, &other, &b).distance;
         let in_other = b.inverse() * a;
         let each = points
             .iter()
             .map(|&p| other.signed_distance(in_other.apply(p)));
         let nearest = each.fold(f64::INFINITY, f64::min) - 0.02;
-        assert!((far - nearest).abs() < 1e-12, "{far} {nearest}");
+        assert!(
+            (cloud_distance - nearest).abs() < 1e-12,
+            "{cloud_distance} {nearest}"
+        );
     }
 }
 

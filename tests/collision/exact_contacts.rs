@@ -20,15 +20,15 @@ fn meeting_solids_do_not_block_targets() {
         let plain = Arm::new(&robot, "torso", format!("{side}_tool").as_str()).unwrap();
         let mut random = Random::new(seed);
         let arm = plain.clone().with_checker(&checker, &rest).unwrap();
-        let mut asked = 0;
-        while asked < 50 {
+        let mut count = 0;
+        while count < 50 {
             let q = drawn(&arm, &mut random);
             // Skips self-collisions beyond rounding.
             let touches = arm.collisions(&q).unwrap();
             if touches.iter().any(|pair| pair.depth() > 1e-6) {
                 continue;
             }
-            asked += 1;
+            count += 1;
             assert!(touches.is_empty(), "{touches:?}");
             let target = arm.base_from_tool(&q).unwrap();
             let solution = arm.solve(target, &rest_of(&arm)).unwrap();
@@ -58,9 +58,9 @@ fn base_on_its_floor_blocks_no_motion() {
     let position = Vector3::new(0.3, 0.35, 0.6);
     ball.add_sphere("ball", 0.1, position).unwrap();
     for (among, blocked) in [(World::new(), false), (ball, true)] {
-        let shares = [false, true].map(|stands| {
+        let shares = [false, true].map(|with_floor| {
             let mut world = among.clone();
-            if stands {
+            if with_floor {
                 world.add_plane("floor", Vector3::zero()).unwrap();
             }
             let checker = alone.clone().with_world(&world).unwrap();

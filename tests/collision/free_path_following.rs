@@ -9,10 +9,10 @@ use support::random::Random;
 use support::sample::cases;
 
 /// Number of obstacles of a constructed case, and of poses along its path.
-const THINGS: usize = 10;
+const OBSTACLES: usize = 10;
 const STEPS: usize = 80;
 /// Largest distance of some obstacle from a constructed path, metres.
-const NEAR: f64 = 0.05;
+const MAX_OBSTACLE_DISTANCE: f64 = 0.05;
 
 struct Panda {
     arm: Arm,
@@ -48,7 +48,7 @@ impl Panda {
         whole
     }
 
-    fn way_is_free(&self, from: &[f64], to: &[f64]) -> bool {
+    fn motion_is_free(&self, from: &[f64], to: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
         let motion = self
             .checker
@@ -59,7 +59,9 @@ impl Panda {
     /// True if an obstacle is near a configuration.
     fn is_close(&self, q: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
-        let nearest = self.checker.nearest(&mut workspace, &self.whole(q), NEAR);
+        let nearest = self
+            .checker
+            .nearest(&mut workspace, &self.whole(q), MAX_OBSTACLE_DISTANCE);
         let obstacle = |name: &str| name.starts_with("thing");
         nearest
             .unwrap()
@@ -71,7 +73,7 @@ impl Panda {
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
         let mut last = start;
         for solution in &track.solutions {
-            assert!(self.way_is_free(last, &solution.q));
+            assert!(self.motion_is_free(last, &solution.q));
             assert!(distance(last, &solution.q) < 0.3);
             last = &solution.q;
         }
@@ -96,13 +98,13 @@ fn waves(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     (0..=STEPS).map(|k| at(k as f64 / STEPS as f64)).collect()
 }
 
-fn things(random: &mut Random) -> World {
+fn obstacles(random: &mut Random) -> World {
     let mut world = World::new();
-    for index in 0..THINGS {
-        let (around, far) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
+    for index in 0..OBSTACLES {
+        let (around, distance) = (random.within(-3.1, 3.1), random.within(0.3, 0.9));
         let at = Vector3::new(
-            far * around.cos(),
-            far * around.sin(),
+            distance * around.cos(),
+            distance * around.sin(),
             random.within(0.1, 1.1),
         );
         let name = format!("thing {index}");
@@ -120,10 +122,10 @@ fn things(random: &mut Random) -> World {
 /// A collision-free joint path near obstacles.
 fn constructed(random: &mut Random, alone: &Panda) -> (Panda, Vec<Vec<f64>>) {
     loop {
-        let (panda, path) = (alone.among(&things(random)), waves(random, &alone.arm));
+        let (panda, path) = (alone.among(&obstacles(random)), waves(random, &alone.arm));
         let free = |path: &[Vec<f64>]| {
             path.windows(2)
-                .all(|two| panda.way_is_free(&two[0], &two[1]))
+                .all(|two| panda.motion_is_free(&two[0], &two[1]))
         };
         if path.iter().any(|q| panda.is_close(q)) && free(&path) {
             return (panda, path);
@@ -161,14 +163,26 @@ fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
     let [thick, whole] = WALL;
     let mut world = World::new();
     let rim = 0.5 * (whole - window);
-    let off = 0.5 * (window + rim);
-    for (name, size, by) in [
-        ("left", [thick, rim, whole], Vector3::new(0.0, off, 0.0)),
-        ("right", [thick, rim, whole], Vector3::new(0.0, -off, 0.0)),
-        ("above", [thick, window, rim], Vector3::new(0.0, 0.0, off)),
-        ("below", [thick, window, rim], Vector3::new(0.0, 0.0, -off)),
+    let offset = 0.5 * (window + rim);
+    for (name, size, offset) in [
+        ("left", [thick, rim, whole], Vector3::new(0.0, offset, 0.0)),
+        (
+            "right",
+            [thick, rim, whole],
+            Vector3::new(0.0, -offset, 0.0),
+        ),
+        (
+            "above",
+            [thick, window, rim],
+            Vector3::new(0.0, 0.0, offset),
+        ),
+        (
+            "below",
+            [thick, window, rim],
+            Vector3::new(0.0, 0.0, -offset),
+        ),
     ] {
-        world.add_box(name, size, middle + by).unwrap();
+        world.add_box(name, size, middle + offset).unwrap();
     }
     world
 }

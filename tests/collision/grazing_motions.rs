@@ -77,8 +77,8 @@ fn grazing_motion_is_free_as_reported() {
         }
         match &motion.blocked_by {
             None => free += 1,
-            Some(by) => {
-                assert!(by.distance < 1e-6, "round {round}: {by:?}");
+            Some(pair) => {
+                assert!(pair.distance < 1e-6, "round {round}: {pair:?}");
                 blocked += 1;
             }
         }

@@ -3,7 +3,7 @@
 use kinopt::collision::{Shape, World};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-const TO: f64 = 1e-7;
+const HEIGHT_TOLERANCE: f64 = 1e-7;
 
 #[test]
 fn heights_of_steps_sphere_and_slope_are_exact() {
@@ -28,13 +28,16 @@ fn heights_of_steps_sphere_and_slope_are_exact() {
         (1.2, 0.6),
         (1.99, 0.8),
     ] {
-        assert!((top(x, 0.3).unwrap() - height).abs() < TO, "{x}");
+        assert!(
+            (top(x, 0.3).unwrap() - height).abs() < HEIGHT_TOLERANCE,
+            "{x}"
+        );
     }
     assert_eq!(top(2.1, 0.0), None);
     assert_eq!(top(0.25, 1.5), None);
     // x² + z² + (y − 1)² = 0.3².
     let ball = 1.0 + (0.09_f64 - 0.01 - 0.04).sqrt();
-    assert!((top(-2.1, 0.2).unwrap() - ball).abs() < TO);
+    assert!((top(-2.1, 0.2).unwrap() - ball).abs() < HEIGHT_TOLERANCE);
     // A slope of one third, with z′ along (−1, 3, 0).
     let length = 10_f64.sqrt();
     let normal = Vector3::new(-1.0 / length, 3.0 / length, 0.0);
@@ -43,7 +46,7 @@ fn heights_of_steps_sphere_and_slope_are_exact() {
     let slope = Placement::new(turned, Vector3::new(0.0, -0.5, 0.0));
     world.add("slope", Shape::half_space(), slope).unwrap();
     let top = |x: f64| world.height_at(Vector3::new(x, 0.0, 0.0), up).unwrap();
-    assert!((top(30.0) - 9.5).abs() < 1e-6 && (top(0.1) - 0.2).abs() < TO);
+    assert!((top(30.0) - 9.5).abs() < 1e-6 && (top(0.1) - 0.2).abs() < HEIGHT_TOLERANCE);
     assert!((top(-30.0) + 10.5).abs() < 1e-6);
     assert_eq!(World::new().height_at(Vector3::zero(), up), None);
 }
@@ -60,16 +63,16 @@ fn attached_objects_are_no_ground() {
     world
         .add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)
         .unwrap();
-    let beside = Vector3::new(-1.0, 0.0, 5.0);
+    let off_the_ground = Vector3::new(-1.0, 0.0, 5.0);
     let over = Vector3::new(0.5, 0.1, 5.0);
     let top = |world: &World, at| world.height_at(at, up).unwrap();
-    assert!((top(&world, over) - 0.9).abs() < TO);
+    assert!((top(&world, over) - 0.9).abs() < HEIGHT_TOLERANCE);
     world.attach("crate", "hand", placement).unwrap();
-    for at in [over, beside] {
-        assert!(top(&world, at).abs() < TO, "{at:?}");
+    for at in [over, off_the_ground] {
+        assert!(top(&world, at).abs() < HEIGHT_TOLERANCE, "{at:?}");
     }
     world.detach("crate", placement).unwrap();
-    assert!((top(&world, over) - 0.9).abs() < TO);
+    assert!((top(&world, over) - 0.9).abs() < HEIGHT_TOLERANCE);
     // Also if it is the only obstacle.
     let mut held = World::new();
     held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)

@@ -123,12 +123,14 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
     // Separate vertices for every triangle, each displaced by up to `by`.
     let shaken = |size: f64, by: f64, keep: usize| {
         let mut random = Random::new(7);
-        let mut off = || {
-            let off = random.vector(1.0);
-            Vector3::new(off.x, off.y, off.z) * by
+        let mut offset = || {
+            let offset = random.vector(1.0);
+            Vector3::new(offset.x, offset.y, offset.z) * by
         };
-        let own = faces[..keep].iter().flatten();
-        let loose: Vec<_> = own.map(|&i| corners[i as usize] * size + off()).collect();
+        let indices = faces[..keep].iter().flatten();
+        let loose: Vec<_> = indices
+            .map(|&i| corners[i as usize] * size + offset())
+            .collect();
         let triangles = (0..keep as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
@@ -164,9 +166,9 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
 #[test]
 fn placements_beyond_1e9_are_rejected() {
     let mut world = World::new();
-    for far in [1e300, -2e9, 1.1e9] {
+    for coordinate in [1e300, -2e9, 1.1e9] {
         let error = world
-            .add_sphere("moon", 0.1, Vector3::new(far, 0.0, 0.0))
+            .add_sphere("moon", 0.1, Vector3::new(coordinate, 0.0, 0.0))
             .unwrap_err();
         let message = error.to_string();
         assert!(
@@ -200,9 +202,9 @@ fn placements_beyond_1e9_are_rejected() {
 #[test]
 fn invalid_coordinates_are_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);
-    let far = Vector3::new(0.0, 1e300, 0.0);
-    for bad in [nan, far] {
-        let points = vec![Vector3::zero(), bad, Vector3::zero(), Vector3::zero()];
+    let far_point = Vector3::new(0.0, 1e300, 0.0);
+    for invalid in [nan, far_point] {
+        let points = vec![Vector3::zero(), invalid, Vector3::zero(), Vector3::zero()];
         for reported in [
             Shape::convex(&points).unwrap_err(),
             Shape::mesh(points.clone(), vec![[0, 1, 2]]).unwrap_err(),

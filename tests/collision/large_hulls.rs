@@ -38,17 +38,17 @@ fn hull_distance_equals_that_of_all_vertices() {
             3 => Solid::random(&mut random),
             kind => hull(kind, &mut random),
         });
-        let mut place = |size: f64| {
+        let mut random_pose = |size: f64| {
             let turn = na::Matrix3::from(random.rotation());
             Placement::new(turn.into(), random.vector(size).into())
         };
-        let at_a = place(1.0);
+        let at_a = random_pose(1.0);
         let at_b = match i % 5 {
             0 => at_a,
             // Face against face.
             1 => at_a * Placement::translation(Vector3::new(0.9, 0.0, 0.0)),
             2 => at_a * Placement::translation(Vector3::new(0.0, 0.0, 0.8)),
-            _ => place(1.4),
+            _ => random_pose(1.4),
         };
         let (shape_a, shape_b) = (a.shape(), b.shape());
         let found = separation(&shape_a, &at_a, &shape_b, &at_b);
@@ -65,8 +65,11 @@ fn hull_distance_equals_that_of_all_vertices() {
             (&shape_a, &at_a, found.on_first),
             (&shape_b, &at_b, found.on_second),
         ] {
-            let off = shape.signed_distance(at.inverse().apply(point));
-            assert!(off.abs() < 1e-9, "pair {i}: a point {off} off its shape");
+            let deviation = shape.signed_distance(at.inverse().apply(point));
+            assert!(
+                deviation.abs() < 1e-9,
+                "pair {i}: a point {deviation} off its shape"
+            );
         }
         // No other direction separates farther.
         for step in 0..60 {

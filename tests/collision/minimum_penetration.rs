@@ -14,7 +14,7 @@ use kinopt::{Problem, Solver};
 fn balls(aside: f64) -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let (origin, there) = (Placement::identity(), Placement::translation(x * aside));
+    let (origin, rock_pose) = (Placement::identity(), Placement::translation(x * aside));
     let first = builder.prismatic("x", None, origin, x, Limits::new(-1.0, 1.0));
     let second = builder.prismatic("y", Some(first), origin, y, Limits::new(-0.05, 0.03));
     let ball = builder.frame("ball", Some(second), origin);
@@ -22,7 +22,7 @@ fn balls(aside: f64) -> (Model, FrameId, Checker) {
     let shape = Shape::sphere(0.05).unwrap();
     let object = CollisionObject::new("ball", ball, origin, shape);
     let mut world = World::new();
-    world.add_sphere("rock", 0.1, there).unwrap();
+    world.add_sphere("rock", 0.1, rock_pose).unwrap();
     let checker = Checker::new(CollisionModel::new(&model, vec![object]).unwrap());
     let checker = checker.with_world(&world).unwrap();
     (model, ball, checker)
@@ -67,7 +67,7 @@ fn contact_is_not_weighted_against_tasks() {
         let solution = solver.solve_once(&problem, &[0.02, -0.01]).unwrap();
         assert!(!solution.reached && solution.goals_reached());
         let depth = solution.collisions()[0].depth();
-        let least = 0.15 - 0.02_f64.hypot(0.05);
-        assert!((depth - least).abs() < 1e-6, "{preferences:?}: {depth}");
+        let smallest = 0.15 - 0.02_f64.hypot(0.05);
+        assert!((depth - smallest).abs() < 1e-6, "{preferences:?}: {depth}");
     }
 }

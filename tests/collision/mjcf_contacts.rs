@@ -19,7 +19,7 @@ fn robot(world: &str, links: [&str; 3], contact: &str) -> Robot {
     Robot::parse_mjcf(&text, "arm.xml").unwrap()
 }
 
-fn told(robot: &Robot, q: &[f64]) -> Vec<(String, String, f64)> {
+fn collisions_of(robot: &Robot, q: &[f64]) -> Vec<(String, String, f64)> {
     let checker = Checker::new(CollisionModel::of(robot).unwrap());
     let found = checker.collisions(q).unwrap();
     let pair = |pair: kinopt::collision::Collision| (pair.first, pair.second, pair.distance);
@@ -33,23 +33,26 @@ const FLOOR: &str = r#"<geom name="floor" type="plane" size="0 0 .1" pos="0 0 .1
 fn plane_collides_with_all_moving_bodies() {
     let arm = robot(FLOOR, [""; 3], "");
     // The hand and the forearm are 0.9 and 0.8 m down a slope of 1 rad, the upper arm's end 0.4 m.
-    let found = told(&arm, &[1.0, 0.0, 0.0]);
+    let found = collisions_of(&arm, &[1.0, 0.0, 0.0]);
     let below = |length: f64| 0.5 - length * SIN_1 - 0.05 - 0.1;
     assert_eq!(found.len(), 2, "{found:?}");
     for ((first, second, distance), (link, length)) in found.iter().zip([("c", 0.9), ("b", 0.8)]) {
         assert_eq!((&**first, &**second), (link, "world"));
         assert!((distance - below(length)).abs() < 1e-12, "{distance}");
     }
-    assert!(told(&arm, &[0.0; 3]).is_empty());
+    assert!(collisions_of(&arm, &[0.0; 3]).is_empty());
     // Neither moves relative to the other: the slab is half in the floor.
     let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
-    assert!(told(&robot(&format!("{FLOOR}{slab}"), [""; 3], ""), &[0.0; 3]).is_empty());
+    assert!(collisions_of(&robot(&format!("{FLOOR}{slab}"), [""; 3], ""), &[0.0; 3]).is_empty());
     // A plane of a static body counts as well, rotated and translated.
     let stand = r#"<body name="stand" pos="0 0 .1"><body pos="0 0 -1"><geom type="plane" size="1 1 1" pos="0 0 1"/></body></body>"#;
-    assert_eq!(told(&robot(stand, [""; 3], ""), &[1.0, 0.0, 0.0]).len(), 2);
+    assert_eq!(
+        collisions_of(&robot(stand, [""; 3], ""), &[1.0, 0.0, 0.0]).len(),
+        2
+    );
     // Its x axis points down, so the plane is 0.2 m below the ground.
     let turned = r#"<body name="stand" pos="0 0 .1" euler="0 90 0"><geom type="plane" size="1 1 1" pos=".3 0 0" zaxis="-1 0 0"/></body>"#;
-    let found = told(&robot(turned, [""; 3], ""), &[1.0, 0.0, 0.0]);
+    let found = collisions_of(&robot(turned, [""; 3], ""), &[1.0, 0.0, 0.0]);
     let depths: Vec<f64> = found.iter().map(|(_, _, distance)| *distance).collect();
     assert_eq!(depths.len(), 2, "{found:?}");
     for (depth, length) in depths.iter().zip([0.9, 0.8]) {
@@ -97,8 +100,8 @@ fn plane_survives_copies_or_is_noted() {
     // A body with two planes, or with a plane and other shapes, is written once per pair.
     let ramp = r#"<geom name="ramp" type="plane" size="0 0 .1" pos="0 0 -1"/>"#;
     let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
-    for beside in [ramp, slab] {
-        let two = robot(&format!("{FLOOR}{beside}"), [""; 3], "");
+    for neighbour in [ramp, slab] {
+        let two = robot(&format!("{FLOOR}{neighbour}"), [""; 3], "");
         let model = CollisionModel::of(&two).unwrap();
         let text = model.with_ignored("c", "world").unwrap().to_srdf();
         let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
@@ -107,8 +110,8 @@ fn plane_survives_copies_or_is_noted() {
     // Static bodies are not written.
     let stand = r#"<body name="stand" pos="1 0 .5"><geom type="box" size=".1 .1 .1"/></body>"#;
     let exclude = r#"<contact><exclude body1="world" body2="stand"/></contact>"#;
-    let beside = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
-    let text = CollisionModel::of(&beside).unwrap().to_srdf();
+    let standing = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
+    let text = CollisionModel::of(&standing).unwrap().to_srdf();
     assert!(!text.contains("stand"), "{text}");
     // A plane on a moving base would be a moving half-space.
     let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
@@ -147,7 +150,7 @@ fn world_is_no_neighbour_of_bodies_on_it() {
     // The slab's top is 0.025 m, half the radius, below the upper arm's axis.
     let arm = robot(SLAB, [""; 3], "");
     assert_eq!(pairs(&arm), ["world-a", "world-b", "world-c", "a-c"]);
-    let found = told(&arm, &[0.0; 3]);
+    let found = collisions_of(&arm, &[0.0; 3]);
     let of_a = found
         .iter()
         .find(|(first, second, _)| first == "world" && second == "a");
@@ -169,7 +172,7 @@ fn pairs_follow_contacts_and_bits() {
     let excluded = robot(SLAB, [""; 3], &exclude("world", "a"));
     assert_eq!(pairs(&excluded), ["world-b", "world-c", "a-c"]);
     let excluded = robot(FLOOR, [""; 3], &exclude("world", "c"));
-    assert_eq!(told(&excluded, &[1.0, 0.0, 0.0]).len(), 1);
+    assert_eq!(collisions_of(&excluded, &[1.0, 0.0, 0.0]).len(), 1);
     // a collides with bit 2, which c has; c with nothing by itself, and b with nothing of the world.
     let bits = [
         r#"contype="4" conaffinity="2""#,
@@ -177,7 +180,7 @@ fn pairs_follow_contacts_and_bits() {
         r#"contype="2" conaffinity="0""#,
     ];
     assert_eq!(pairs(&robot(SLAB, bits, "")), ["a-c"]);
-    assert_eq!(told(&robot(FLOOR, bits, ""), &[1.0, 0.0, 0.0]), []);
+    assert_eq!(collisions_of(&robot(FLOOR, bits, ""), &[1.0, 0.0, 0.0]), []);
     // Named pairs are enabled for any bits, also of neighbours.
     let named = [r#"name="ga" contype="4""#, r#"name="gb""#, ""];
     let pair = |a, b| format!(r#"<contact><pair geom1="{a}" geom2="{b}"/></contact>"#);
@@ -187,9 +190,9 @@ fn pairs_follow_contacts_and_bits() {
         r#"contype="8" conaffinity="8""#,
         r#"name="gc" contype="8" conaffinity="8""#,
     ];
-    assert!(told(&robot(FLOOR, through, ""), &[1.0, 0.0, 0.0]).is_empty());
+    assert!(collisions_of(&robot(FLOOR, through, ""), &[1.0, 0.0, 0.0]).is_empty());
     let over = robot(FLOOR, through, &pair("floor", "gc"));
-    let found = told(&over, &[1.0, 0.0, 0.0]);
+    let found = collisions_of(&over, &[1.0, 0.0, 0.0]);
     assert!(found.len() == 1 && found[0].0 == "c", "{found:?}");
 }
 
@@ -218,12 +221,12 @@ fn unsupported_contacts_are_noted() {
             "",
             r#"name="seen" contype="0" conaffinity="0""#,
         ];
-        let told = noted(&robot(
+        let notes = noted(&robot(
             &world,
             links,
             &format!("<contact>{contact}</contact>"),
         ));
-        assert!(told.contains(what), "{what}: {told}");
+        assert!(notes.contains(what), "{what}: {notes}");
     }
     // Only one of the two geoms of a link could collide.
     let two = r#"/><geom size=".05" contype="0" conaffinity="2" "#;
@@ -247,7 +250,7 @@ fn attached_object_shares_disabled_plane_pairs() {
     let box_at = kinopt::spatial::Vector3::new(0.1, 0.0, 0.0);
     world.add_box("held", [0.1; 3], box_at).unwrap();
     world.attach("held", "c", box_at).unwrap();
-    let told = |model: CollisionModel| {
+    let links_in_contact = |model: CollisionModel| {
         let checker = Checker::new(model).with_world(&world).unwrap();
         let found = checker.collisions(&[1.0, 0.0, 0.0]).unwrap();
         let mut first: Vec<String> = found.into_iter().map(|pair| pair.first).collect();
@@ -255,10 +258,10 @@ fn attached_object_shares_disabled_plane_pairs() {
         first
     };
     let model = CollisionModel::of(&arm).unwrap();
-    assert_eq!(told(model.clone()), ["b", "c", "held"]);
+    assert_eq!(links_in_contact(model.clone()), ["b", "c", "held"]);
     let passing = model.with_ignored("c", "world").unwrap();
-    assert_eq!(told(passing.clone()), ["b"]);
-    let kept = passing.with_checked("world", "c").unwrap();
-    assert!(kept.is_checked("c", "world").unwrap());
-    assert_eq!(told(kept), ["b", "c", "held"]);
+    assert_eq!(links_in_contact(passing.clone()), ["b"]);
+    let rechecked = passing.with_checked("world", "c").unwrap();
+    assert!(rechecked.is_checked("c", "world").unwrap());
+    assert_eq!(links_in_contact(rechecked), ["b", "c", "held"]);
 }

@@ -12,8 +12,8 @@ use support::sample::cases;
 use crate::arm_avoidance::drawn;
 
 /// Clearance of the arm from both spheres, metres.
-const ROOM: f64 = 3e-4;
-const BALL: f64 = 0.6;
+const CLEARANCE: f64 = 3e-4;
+const BALL_RADIUS: f64 = 0.6;
 
 #[test]
 fn elbow_fits_between_two_spheres() {
@@ -25,8 +25,8 @@ fn elbow_fits_between_two_spheres() {
     let plain = Arm::builder(&robot, "base", "flange").with_search(Search::Start);
     let plain = plain.build().unwrap();
     let mut random = Random::new(21);
-    let (mut asked, mut reached) = (0, 0);
-    while asked < cases(200, 25) {
+    let (mut count, mut reached) = (0, 0);
+    while count < cases(200, 25) {
         let [goal, start] = [(); 2].map(|()| drawn(&plain, &mut random));
         let mut q = rest.clone();
         plain.configuration(&goal, &mut q).unwrap();
@@ -40,34 +40,34 @@ fn elbow_fits_between_two_spheres() {
             continue;
         }
         let away = away * (1.0 / away.norm());
-        let beside = |sign: f64| {
-            let ball = |far: f64| {
+        let ball_position = |sign: f64| {
+            let ball = |distance: f64| {
                 let mut world = World::new();
-                let at = elbow + away * (sign * far);
+                let at = elbow + away * (sign * distance);
                 world
-                    .add_sphere("ball", BALL, Placement::translation(at))
+                    .add_sphere("ball", BALL_RADIUS, Placement::translation(at))
                     .unwrap();
                 world
             };
             // Nearest distance with the required clearance.
-            let (mut near, mut far) = (0.0, 2.0);
+            let (mut inner, mut outer) = (0.0, 2.0);
             for _ in 0..40 {
-                let middle = 0.5 * (near + far);
+                let middle = 0.5 * (inner + outer);
                 let among = checker.clone().with_world(&ball(middle)).unwrap();
-                let among = among.with_margin(ROOM).unwrap();
+                let among = among.with_margin(CLEARANCE).unwrap();
                 let reported = among.collisions(&q).unwrap();
                 match reported.iter().any(|pair| pair.second == "ball") {
-                    true => near = middle,
-                    false => far = middle,
+                    true => inner = middle,
+                    false => outer = middle,
                 }
             }
-            elbow + away * (sign * far)
+            elbow + away * (sign * outer)
         };
         let mut world = World::new();
         for (name, sign) in [("left", -1.0), ("right", 1.0)] {
-            let place: Vector3<f64> = beside(sign);
+            let position: Vector3<f64> = ball_position(sign);
             world
-                .add_sphere(name, BALL, Placement::translation(place))
+                .add_sphere(name, BALL_RADIUS, Placement::translation(position))
                 .unwrap();
         }
         let among = checker.clone().with_world(&world).unwrap();
@@ -75,7 +75,7 @@ fn elbow_fits_between_two_spheres() {
         let arm = arm.with_checker(&among, &rest).unwrap();
         let target = arm.base_from_tool(&goal).unwrap();
         let solution = arm.solve(target, &start).unwrap();
-        asked += 1;
+        count += 1;
         reached += usize::from(solution.reached);
         assert_eq!(
             solution.reached,
@@ -83,5 +83,5 @@ fn elbow_fits_between_two_spheres() {
         );
         assert!(solution.reached || solution.goals_reached());
     }
-    assert!(10 * reached >= 9 * asked, "{reached} of {asked}");
+    assert!(10 * reached >= 9 * count, "{reached} of {count}");
 }

@@ -20,16 +20,16 @@ fn panda(world: &World) -> Arm {
 }
 
 /// From the tool's pose to the side and back, in `steps` steps each.
-fn out_and_back(arm: &Arm, by: Vector3<f64>, steps: usize) -> Vec<Placement<f64>> {
+fn out_and_back(arm: &Arm, offset: Vector3<f64>, steps: usize) -> Vec<Placement<f64>> {
     let begin = arm.base_from_tool(&Q).unwrap();
-    let there = (0..=steps).chain((0..steps).rev());
+    let order = (0..=steps).chain((0..steps).rev());
     let at = |k: usize| {
         Placement::new(
             begin.rotation,
-            begin.translation + by * (k as f64 / steps as f64),
+            begin.translation + offset * (k as f64 / steps as f64),
         )
     };
-    there.map(at).collect()
+    order.map(at).collect()
 }
 
 /// True if no sample between two configurations is in contact.

@@ -9,7 +9,7 @@ use support::random::Random;
 use support::sample::cases;
 
 /// Invalid lengths, and valid ones.
-const NO_LENGTHS: [f64; 7] = [
+const INVALID_LENGTHS: [f64; 7] = [
     0.0,
     -0.1,
     f64::NAN,
@@ -18,21 +18,21 @@ const NO_LENGTHS: [f64; 7] = [
     1e-10,
     1e10,
 ];
-const LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
+const VALID_LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
 
 /// Random generator of obstacles that is sometimes invalid, which `bad` records.
-struct Drawn {
+struct RandomWorld {
     random: Random,
     bad: bool,
 }
 
-impl Drawn {
+impl RandomWorld {
     fn length(&mut self) -> f64 {
         if self.random.below(12) == 0 {
             self.bad = true;
-            return NO_LENGTHS[self.random.below(NO_LENGTHS.len())];
+            return INVALID_LENGTHS[self.random.below(INVALID_LENGTHS.len())];
         }
-        LENGTHS[self.random.below(LENGTHS.len())]
+        VALID_LENGTHS[self.random.below(VALID_LENGTHS.len())]
     }
 
     /// Lengths of one shape: a ratio above 10¹² is invalid.
@@ -97,7 +97,7 @@ fn invalid_obstacles_are_rejected_by_name() {
     let checker = Checker::covered(bodies);
     let rest = robot.model().neutral();
     let mut arm = Arm::new(&robot, "base", "flange").unwrap();
-    let mut drawn = Drawn {
+    let mut drawn = RandomWorld {
         random: Random::new(31),
         bad: false,
     };
@@ -223,10 +223,10 @@ fn slender_boxes_are_measured_or_rejected() {
                     let at = Vector3::new(0.01, along, 0.5 * thin + 0.1 + gap);
                     let found = separation(&plate, &Placement::identity(), &ball, &at.into());
                     let resolved = 1e-9 + 4.0 * f64::EPSILON * long;
-                    let off = found.distance - gap;
+                    let deviation = found.distance - gap;
                     assert!(
-                        off.abs() < resolved,
-                        "{long:e} {thin:e} {gap} {along}: {off:e}"
+                        deviation.abs() < resolved,
+                        "{long:e} {thin:e} {gap} {along}: {deviation:e}"
                     );
                 }
             }

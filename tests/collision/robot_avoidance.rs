@@ -142,12 +142,12 @@ fn drag_onto_a_table_slides_along_it() {
                 .unwrap();
             assert_eq!(motion.blocked_by, None, "frame {step}");
             let at = kinematics.place(drag.q()).unwrap()[left.index()].translation;
-            let beside = at - target;
+            let offset = at - target;
             assert!(
-                beside.x.abs() < 1e-3 && beside.y.abs() < 1e-3,
-                "{step} {beside:?}"
+                offset.x.abs() < 1e-3 && offset.y.abs() < 1e-3,
+                "{step} {offset:?}"
             );
-            assert!(beside.z > -1e-6);
+            assert!(offset.z > -1e-6);
         }
         // The hand lies on the table, at most 1 mm beyond the margin.
         let nearest = checker
@@ -254,7 +254,7 @@ fn reached_solutions_are_collision_free() {
     let hand = nao.at("left_hand").translation;
     let mut random = Random::new(14);
     let mut workspace = Workspace::new();
-    let (mut asked, mut reached, mut led, mut blocked) = (0, 0, 0, 0);
+    let (mut count, mut reached, mut guided, mut blocked) = (0, 0, 0, 0);
     for _ in 0..cases(60, 25) {
         let mut world = World::new();
         let at = hand
@@ -285,7 +285,7 @@ fn reached_solutions_are_collision_free() {
             if !anyway.reached {
                 continue;
             }
-            asked += 1;
+            count += 1;
             let touched = checker.collisions(&solution.q).unwrap();
             assert_eq!(solution.collisions(), touched);
             assert_eq!(
@@ -297,7 +297,7 @@ fn reached_solutions_are_collision_free() {
             assert!(solution.goals_reached(), "{}", solution.explain());
             reached += usize::from(solution.reached);
             blocked += usize::from(!solution.reached);
-            led +=
+            guided +=
                 usize::from(solution.reached && !checker.collisions(&anyway.q).unwrap().is_empty());
             // Equal with new memory.
             let question = problem.with_targets(&targets).unwrap();
@@ -310,8 +310,8 @@ fn reached_solutions_are_collision_free() {
     }
     // Some targets are inside the crate.
     assert!(
-        led > 0 && blocked > 0 && reached * 2 > asked,
-        "{asked} {reached} {led} {blocked}"
+        guided > 0 && blocked > 0 && reached * 2 > count,
+        "{count} {reached} {guided} {blocked}"
     );
 }
 
@@ -397,11 +397,11 @@ fn clearance_derivative_matches_differences() {
         assert!((&exact - &dual).amax() < 1e-12);
         // Differences straddle a kink if the nearest pair changes: few rows do.
         for row in 0..rows {
-            let off = (exact.row(row) - differences.row(row)).amax();
-            checked += usize::from(exact.row(row).amax() > 0.0 && off < 1e-6);
+            let deviation = (exact.row(row) - differences.row(row)).amax();
+            checked += usize::from(exact.row(row).amax() > 0.0 && deviation < 1e-6);
             assert!(
-                off < 1e-4 || exact.row(row).amax() > 0.0,
-                "row {row}: {off}"
+                deviation < 1e-4 || exact.row(row).amax() > 0.0,
+                "row {row}: {deviation}"
             );
         }
     }
@@ -583,7 +583,7 @@ fn earlier_contacts_leave_no_state() {
     let point = tasks.add(Point::new(hand, [0.0; 3]));
     tasks.keep_clear(&checker);
     let problem = tasks.build().unwrap();
-    let asked = (0..10).map(|k| {
+    let target_lists = (0..10).map(|k| {
         let mut targets = problem.targets();
         // The last is out of reach.
         let reach = if k == 9 { 6.0 } else { 2.6 };
@@ -592,14 +592,14 @@ fn earlier_contacts_leave_no_state() {
         target.set_target([reach * cos, reach * sin, 0.0]);
         targets
     });
-    let asked: Vec<_> = asked.collect();
-    let asked = || {
-        asked
+    let target_lists: Vec<_> = target_lists.collect();
+    let queries = || {
+        target_lists
             .iter()
             .map(|targets| problem.with_targets(targets).unwrap())
     };
     let start = [0.6, 0.2, 0.1, 0.1];
-    let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
+    let fresh = queries().map(|question| solver.solve_once(question, &start).unwrap());
     let fresh: Vec<_> = fresh.collect();
     assert!(fresh.iter().filter(|reported| reported.reached).count() > 4);
     assert!(
@@ -607,8 +607,8 @@ fn earlier_contacts_leave_no_state() {
             .iter()
             .any(|reported| !reported.collisions().is_empty())
     );
-    for question in asked() {
-        for (other, expected) in asked().zip(&fresh) {
+    for question in queries() {
+        for (other, expected) in queries().zip(&fresh) {
             let mut workspace = Workspace::new();
             solver.solve(question, &start, &mut workspace).unwrap();
             let reported = solver.solve(other, &start, &mut workspace).unwrap();
@@ -661,7 +661,7 @@ fn changed_clearance_equals_a_new_one() {
             .with_world(&world(height))
             .unwrap()
     };
-    let [near, far] = [checker(0.5), checker(0.9)];
+    let [near, other_checker] = [checker(0.5), checker(0.9)];
     let q = [0.0, 0.4, 0.0, -1.6, 0.0, 2.0, 0.7, 0.01, 0.01];
     let residual = |clearance: Clearance| {
         let mut tasks = Problem::builder(robot.model());
@@ -681,8 +681,8 @@ fn changed_clearance_equals_a_new_one() {
     let [small, large] = [0.05, 0.3].map(|distance| residual(Clearance::new(&near, distance)));
     assert_eq!(residual(set.clone()), large);
     assert_ne!(small, large);
-    set.set_checker(&far);
-    let there = residual(Clearance::new(&far, 0.3));
-    assert_eq!(residual(set), there);
-    assert_ne!(there, large);
+    set.set_checker(&other_checker);
+    let expected = residual(Clearance::new(&other_checker, 0.3));
+    assert_eq!(residual(set), expected);
+    assert_ne!(expected, large);
 }

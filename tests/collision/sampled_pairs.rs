@@ -7,7 +7,7 @@ use support::lines::ROBOTS;
 use support::sample::cases;
 
 /// Pairs that collide in more than this fraction of configurations count as always in contact.
-const NEARLY_ALWAYS: f64 = 0.9;
+const MIN_CONTACT_FRACTION: f64 = 0.9;
 
 #[test]
 fn disabled_pair_collides_never_or_always() {
@@ -15,9 +15,9 @@ fn disabled_pair_collides_never_or_always() {
     for (name, ..) in ROBOTS {
         let robot = robot(name);
         let all = CollisionModel::of(&robot).unwrap();
-        let kept = all.clone().with_pairs_sampled(1000, 0).unwrap();
+        let sampled = all.clone().with_pairs_sampled(1000, 0).unwrap();
         let mut left_out = all;
-        for [a, b] in kept.pairs() {
+        for [a, b] in sampled.pairs() {
             left_out = left_out.with_ignored(*a, *b).unwrap();
         }
         // Shapes in exact contact count as well.
@@ -39,7 +39,7 @@ fn disabled_pair_collides_never_or_always() {
             let share = depths.len() as f64 / count as f64;
             let deepest = depths.iter().copied().fold(0.0, f64::min);
             assert!(
-                share > NEARLY_ALWAYS,
+                share > MIN_CONTACT_FRACTION,
                 "{name}: {pair:?} touch in {share} of all configurations, by up to {deepest} m"
             );
         }
@@ -66,8 +66,8 @@ fn nearly_always_colliding_pair_is_disabled() {
         for lever in [2.0, 0.0] {
             let all = held_for(share, lever);
             assert_eq!(all.pairs().len(), 1);
-            let kept = all.with_pairs_sampled(4000, 3).unwrap();
-            assert_eq!(kept.pairs().is_empty(), left_out, "{share} {lever}");
+            let sampled = all.with_pairs_sampled(4000, 3).unwrap();
+            assert_eq!(sampled.pairs().is_empty(), left_out, "{share} {lever}");
         }
     }
 }
@@ -82,8 +82,8 @@ fn immobile_separated_pair_is_disabled() {
     let robot = Robot::parse(text, "still.urdf").unwrap();
     let all = CollisionModel::of(&robot).unwrap();
     let all = all.with_checked("base", "tip").unwrap();
-    let kept = all.with_pairs_sampled(100, 1).unwrap();
-    assert!(kept.pairs().is_empty());
+    let sampled = all.with_pairs_sampled(100, 1).unwrap();
+    assert!(sampled.pairs().is_empty());
 }
 
 /// Given spheres do not change the checked pairs.

@@ -3,7 +3,7 @@
 use kinopt::collision::{Shape, World, WorldError, separation};
 use kinopt::spatial::{Placement, Vector3};
 
-const TIMES: [f64; 3] = [0.7, 1.0, 3.25];
+const SCALES: [f64; 3] = [0.7, 1.0, 3.25];
 
 fn at(x: f64, y: f64) -> Placement<f64> {
     let turn = kinopt::spatial::rotation_exp(Vector3::new(0.3 * x, 0.2, -0.4 * y));
@@ -30,8 +30,10 @@ fn one_of_each() -> World {
         Shape::points(corners(0.5).to_vec(), 0.05),
     ];
     for (k, shape) in shapes.into_iter().enumerate() {
-        let place = at(3.0 * (k % 3) as f64, 3.0 * (k / 3) as f64);
-        world.add(&format!("{k}"), shape.unwrap(), place).unwrap();
+        let placement = at(3.0 * (k % 3) as f64, 3.0 * (k / 3) as f64);
+        world
+            .add(&format!("{k}"), shape.unwrap(), placement)
+            .unwrap();
     }
     world
 }
@@ -39,7 +41,7 @@ fn one_of_each() -> World {
 #[test]
 fn distances_scale_with_the_world() {
     let world = one_of_each();
-    for times in TIMES {
+    for times in SCALES {
         let scaled = world.scaled(times).unwrap();
         let pairs: Vec<_> = world.obstacles().zip(scaled.obstacles()).collect();
         for (k, (a, scaled_a)) in pairs.iter().enumerate() {
@@ -51,10 +53,10 @@ fn distances_scale_with_the_world() {
                     &scaled_b.shape,
                     &scaled_b.placement,
                 );
-                let off = after.distance - times * before.distance;
+                let deviation = after.distance - times * before.distance;
                 assert!(
-                    before.distance > 0.1 && off.abs() < 1e-9,
-                    "{} {}: {off:e}",
+                    before.distance > 0.1 && deviation.abs() < 1e-9,
+                    "{} {}: {deviation:e}",
                     a.name,
                     b.name
                 );
@@ -73,15 +75,15 @@ fn attachment_is_kept_and_bad_scales_rejected() {
     let scaled = world.scaled(2.0).unwrap();
     let board = scaled.obstacle("board").unwrap();
     assert_eq!(board.attached.as_deref(), Some("hand"));
-    let off = board.placement.translation - at(0.2, 0.0).translation * 2.0;
-    assert!(off.norm() < 1e-15);
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let message = world.scaled(bad).unwrap_err().to_string();
+    let offset = board.placement.translation - at(0.2, 0.0).translation * 2.0;
+    assert!(offset.norm() < 1e-15);
+    for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let message = world.scaled(invalid).unwrap_err().to_string();
         assert!(
             message.contains("times") && message.contains("positive"),
             "{message}"
         );
     }
-    let far = world.scaled(1e-320).unwrap_err();
-    assert!(matches!(far, WorldError::Shape { .. }), "{far}");
+    let error = world.scaled(1e-320).unwrap_err();
+    assert!(matches!(error, WorldError::Shape { .. }), "{error}");
 }

@@ -8,15 +8,15 @@ use support::random::Random;
 
 #[test]
 fn lengths_are_positive_and_finite() {
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
-        let message = Shape::sphere(bad).unwrap_err().to_string();
+    for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
+        let message = Shape::sphere(invalid).unwrap_err().to_string();
         assert!(message.contains("radius of the sphere"), "{message}");
-        assert!(Shape::capsule(1.0, bad).is_err() && Shape::capsule(bad, 1.0).is_err());
-        assert!(Shape::cylinder(1.0, bad).is_err() && Shape::cylinder(bad, 1.0).is_err());
-        assert!(Shape::cuboid([1.0, bad, 1.0]).is_err());
-        assert!(Shape::ellipsoid([1.0, bad, 1.0]).is_err());
-        assert!(Shape::points(vec![Vector3::zero()], bad).is_err());
-        assert!(Shape::height_field(vec![0.0; 4], 2, [1.0, bad]).is_err());
+        assert!(Shape::capsule(1.0, invalid).is_err() && Shape::capsule(invalid, 1.0).is_err());
+        assert!(Shape::cylinder(1.0, invalid).is_err() && Shape::cylinder(invalid, 1.0).is_err());
+        assert!(Shape::cuboid([1.0, invalid, 1.0]).is_err());
+        assert!(Shape::ellipsoid([1.0, invalid, 1.0]).is_err());
+        assert!(Shape::points(vec![Vector3::zero()], invalid).is_err());
+        assert!(Shape::height_field(vec![0.0; 4], 2, [1.0, invalid]).is_err());
     }
 }
 
@@ -125,14 +125,14 @@ fn bounding_box_and_sphere_are_tight() {
         let half = (bounds.max - bounds.min).to_array();
         let (mut farthest, mut reach) = (0.0_f64, [0.0_f64; 3]);
         for _ in 0..3000 {
-            let off = half.map(|half| half * random.within(-0.8, 0.8));
-            let at = middle + Vector3::from(off);
+            let offset = half.map(|half| half * random.within(-0.8, 0.8));
+            let at = middle + Vector3::from(offset);
             if shape.signed_distance(at) > 0.0 {
                 continue;
             }
             for k in 0..3 {
-                assert!(off[k].abs() <= 0.5 * half[k] + 1e-9, "{shape:?} {at:?}");
-                reach[k] = reach[k].max(off[k].abs() / (0.5 * half[k]));
+                assert!(offset[k].abs() <= 0.5 * half[k] + 1e-9, "{shape:?} {at:?}");
+                reach[k] = reach[k].max(offset[k].abs() / (0.5 * half[k]));
             }
             let away = (at - ball.centre).norm();
             assert!(away <= ball.radius + 1e-9, "{shape:?} {at:?}: {away}");
@@ -161,9 +161,11 @@ fn bounding_box_and_sphere_are_tight() {
                     reached[1][axis] = reached[1][axis].min(high[axis]);
                 }
             }
-            let room = reached.as_flattened().iter();
+            let differences = reached.as_flattened().iter();
             assert!(
-                room.into_iter().all(|room| room.abs() < 1e-12),
+                differences
+                    .into_iter()
+                    .all(|difference| difference.abs() < 1e-12),
                 "{reached:?}"
             );
         }
@@ -205,8 +207,8 @@ fn vertex_of_many_triangles_has_the_right_side() {
             });
             for k in 0..3 {
                 let direction = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
-                let far = 0.01 / direction.norm();
-                let reported = mesh.signed_distance(corner + direction * far);
+                let distance = 0.01 / direction.norm();
+                let reported = mesh.signed_distance(corner + direction * distance);
                 assert!((reported - 0.01).abs() < 1e-12, "{parts} {k}: {reported}");
                 assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
             }
@@ -229,8 +231,8 @@ fn vertices_within_rounding_close_a_mesh() {
             let mut vertices = Vec::new();
             for &k in box_triangles().as_flattened() {
                 let [x, y, z] = corner(k);
-                let off = random.direction().into_inner() * (share * size);
-                vertices.push(Vector3::new(x + off.x, y + off.y, z + off.z));
+                let offset = random.direction().into_inner() * (share * size);
+                vertices.push(Vector3::new(x + offset.x, y + offset.y, z + offset.z));
             }
             let triangles = (0..12).map(|k| [0, 1, 2].map(|at| 3 * k + at)).collect();
             let mesh = Shape::mesh(vertices, triangles).unwrap();

@@ -21,21 +21,21 @@ fn clear_by_spheres_is_collision_free() {
     let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
     let mut clear = vec![false; count];
     panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
-    for (place, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
+    for (index, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
         // Neighbouring lanes have no influence.
         let mut alone = [false];
         panda.arm.clear_by_spheres(q, &mut alone).unwrap();
-        assert_eq!(alone, [*clear], "{place}");
+        assert_eq!(alone, [*clear], "{index}");
         assert!(!clear || panda.arm.collisions(q).unwrap().is_empty());
     }
     assert!(clear.iter().any(|clear| *clear));
-    let mut bad = q[..7].to_vec();
-    bad[3] = f64::NAN;
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
+    let mut invalid = q[..7].to_vec();
+    invalid[3] = f64::NAN;
+    let refused = panda.arm.clear_by_spheres(&invalid, &mut [true]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     // The error names the joint, not the index among all numbers.
-    let bad = [&q[..14], &bad].concat();
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true; 3]);
+    let invalid = [&q[..14], &invalid].concat();
+    let refused = panda.arm.clear_by_spheres(&invalid, &mut [true; 3]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
 }
@@ -166,13 +166,13 @@ fn obstacle_tree_equals_single_checks() {
 
 #[test]
 fn large_worlds_equal_their_parts() {
-    found_as_part_by_part([700, 4000], 0.01);
+    assert_equals_part_by_part([700, 4000], 0.01);
     // Few points as thick as a link.
-    found_as_part_by_part([300, 120], 0.08);
+    assert_equals_part_by_part([300, 120], 0.08);
 }
 
 /// Spheres, a point cloud and a floor; and the same in parts that are small enough to be checked one by one.
-fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
+fn assert_equals_part_by_part([balls, points]: [usize; 2], thick: f64) {
     let mut random = Random::new(77);
     let balls: Vec<_> = (0..balls).map(|_| random_point(&mut random)).collect();
     let points: Vec<_> = (0..points).map(|_| random_point(&mut random)).collect();

@@ -18,8 +18,8 @@ const ATTEMPTS: u32 = 32;
 pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
     for index in 0..6 {
         let around = random.within(-3.1, 3.1);
-        let (far, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
-        let position = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let (distance, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
+        let position = Vector3::new(distance * around.cos(), distance * around.sin(), high);
         let added = world.add_box(&format!("box {index}"), [0.15; 3], position);
         added.unwrap();
     }

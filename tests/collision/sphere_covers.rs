@@ -77,10 +77,10 @@ fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &
             };
             let point = object.link_from_shape.apply(a + (b - a) * share);
             let out = |ball: &kinopt::collision::Ball| (point - ball.centre).norm() - ball.radius;
-            let least = group.spheres.iter().map(out).fold(f64::INFINITY, f64::min);
+            let smallest = group.spheres.iter().map(out).fold(f64::INFINITY, f64::min);
             assert!(
-                least <= 1e-12,
-                "{}: {point:?} is {least:e} outside",
+                smallest <= 1e-12,
+                "{}: {point:?} is {smallest:e} outside",
                 group.name
             );
             assert!(out(&group.bound) <= 1e-12);
@@ -157,8 +157,12 @@ fn spheres_cover_random_shapes() {
             Resolution::MaxProtrusion(max_protrusion) => {
                 assert!(spheres.max_protrusion() <= max_protrusion)
             }
-            Resolution::PerLink(most) => {
-                assert!(spheres.count() <= most.max(count), "{}", spheres.count())
+            Resolution::PerLink(max_count) => {
+                assert!(
+                    spheres.count() <= max_count.max(count),
+                    "{}",
+                    spheres.count()
+                )
             }
             _ => {}
         }
@@ -175,11 +179,11 @@ fn spheres_cover_large_hulls() {
             Vector3::new(0.1 * on_ball.x, 0.2 * on_ball.y, 0.1 * round * on_ball.z)
         };
         let corners: Vec<_> = (0..2000).map(corner).collect();
-        let own = [
+        let placements = [
             Placement::identity(),
             support::placement(&random.rigid(0.1)),
         ];
-        let shapes = own.map(|placed| (Shape::convex(&corners).unwrap(), placed));
+        let shapes = placements.map(|placed| (Shape::convex(&corners).unwrap(), placed));
         let model = one_link(shapes);
         let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.03)).unwrap();
         assert!(spheres.max_protrusion() <= 0.03);
@@ -224,9 +228,9 @@ fn protrusion_of_capsules_is_the_maximum() {
     let half = 0.5 * (0.2 + 1.0 / 64.0);
     let share: f64 = 63.0 / 64.0;
     let farthest = ((half * half + share * 0.25 / 64.0).sqrt() - half) / share;
-    let beside = Placement::translation(Vector3::new(0.0, 1.0, 0.0));
+    let shifted = Placement::translation(Vector3::new(0.0, 1.0, 0.0));
     let long = (Shape::capsule(0.1, 1.0).unwrap(), Placement::identity());
-    let short = (Shape::capsule(0.1, 0.01).unwrap(), beside);
+    let short = (Shape::capsule(0.1, 0.01).unwrap(), shifted);
     for (capsules, expected) in [
         (vec![short.clone()], 0.005),
         (vec![short.clone(), long.clone()], farthest),
@@ -249,8 +253,8 @@ fn cover_is_reproducible() {
 #[test]
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let message = SphereModel::of(&model, Resolution::MaxProtrusion(bad))
+    for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        let message = SphereModel::of(&model, Resolution::MaxProtrusion(invalid))
             .unwrap_err()
             .to_string();
         assert!(message.contains("max_protrusion"), "{message}");
@@ -278,15 +282,15 @@ fn sphere_links_are_checked_exactly() {
         let (mut last, mut objects) = (None, Vec::new());
         let joints = 4 + case % 3;
         for k in 0..joints {
-            let place = Placement::new(
+            let placement = Placement::new(
                 rotation_exp(three(&mut random, 1.5)),
                 three(&mut random, 0.3),
             );
             let axis = three(&mut random, 1.0);
             let (name, limits) = (format!("j{k}"), Limits::new(-1.0, 1.0));
             let joint = match random.below(3) {
-                0 => builder.prismatic(name, last, place, axis, Limits::new(-0.3, 0.3)),
-                _ => builder.revolute(name, last, place, axis, limits),
+                0 => builder.prismatic(name, last, placement, axis, Limits::new(-0.3, 0.3)),
+                _ => builder.revolute(name, last, placement, axis, limits),
             };
             let link = builder.frame(format!("l{k}"), Some(joint), Placement::identity());
             let shape = Shape::sphere(0.08).unwrap();
@@ -298,16 +302,16 @@ fn sphere_links_are_checked_exactly() {
         let model = builder.build().unwrap();
         let mut world = World::new();
         for ball in 0..4 {
-            let place = three(&mut random, 0.8);
+            let position = three(&mut random, 0.8);
             world
-                .add_sphere(&format!("ball {ball}"), 0.1, place)
+                .add_sphere(&format!("ball {ball}"), 0.1, position)
                 .unwrap();
         }
         if case % 2 == 1 {
             let heights = (0..16).map(|_| random.within(-0.1, 0.1)).collect();
             let hills = Shape::height_field(heights, 4, [0.8; 2]).unwrap();
-            let place = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
-            world.add("hills", hills, place).unwrap();
+            let placement = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
+            world.add("hills", hills, placement).unwrap();
             // A mesh with more triangles than are checked one by one.
             let corner = |_| Vector3::from(random.direction().into_inner() * 0.3);
             let points: Vec<_> = (0..30).map(corner).collect();
@@ -316,8 +320,8 @@ fn sphere_links_are_checked_exactly() {
                 let (corners, triangles) = (hull.vertices(), hull.triangles());
                 assert!(triangles.len() > 32);
                 let rock = Shape::mesh(corners.to_vec(), triangles.to_vec()).unwrap();
-                let place = Placement::translation(three(&mut random, 0.8));
-                world.add("rock", rock, place).unwrap();
+                let placement = Placement::translation(three(&mut random, 0.8));
+                world.add("rock", rock, placement).unwrap();
             }
         }
         let bodies = CollisionModel::new(&model, objects).unwrap();
@@ -332,7 +336,7 @@ fn sphere_links_are_checked_exactly() {
         for _ in 0..20 {
             let q: Vec<f64> = arm
                 .limits()
-                .map(|own| random.within(own.lower, own.upper))
+                .map(|limits| random.within(limits.lower, limits.upper))
                 .collect();
             let mut clear = [false];
             arm.clear_by_spheres(&q, &mut clear).unwrap();

@@ -226,7 +226,7 @@ fn arm_with_incomplete_spheres_uses_shapes() {
     let alone = Checker::new(shapes);
     let rest = robot.model().neutral();
     let mut random = Random::new(11);
-    let (mut reached, mut room) = (0, alone.workspace());
+    let (mut reached, mut workspace) = (0, alone.workspace());
     for _ in 0..cases(60, 15) {
         let mut world = World::new();
         add_boxes(&mut world, &mut random);
@@ -241,7 +241,7 @@ fn arm_with_incomplete_spheres_uses_shapes() {
             if solution.reached {
                 let mut q = rest.clone();
                 arm.configuration(&solution.q, &mut q).unwrap();
-                assert!(by_shapes.is_free(&mut room, &q).unwrap());
+                assert!(by_shapes.is_free(&mut workspace, &q).unwrap());
                 reached += 1;
             }
         }

@@ -12,7 +12,7 @@ use kinopt::task::Point;
 const RADIUS: f64 = 0.02;
 const THICKNESS: f64 = 1e-3;
 /// Near side of the wall, metres along y.
-const WALL: f64 = 0.1;
+const WALL_DISTANCE: f64 = 0.1;
 
 /// Positions of the tip after each frame of a drag beyond a wall. The tip is a sphere at the end of a planar chain of 1
 /// m, initially along x.
@@ -34,7 +34,7 @@ fn dragged(links: usize) -> Vec<Vector3<f64>> {
     let mut kinematics = ForwardKinematics::new(&model);
     let from = kinematics.place(&start).unwrap()[tip.index()].translation;
     let mut world = World::new();
-    let wall = Vector3::new(1.0, from.y + WALL + 0.5 * THICKNESS, 0.0);
+    let wall = Vector3::new(1.0, from.y + WALL_DISTANCE + 0.5 * THICKNESS, 0.0);
     world.add_box("wall", [3.0, THICKNESS, 1.0], wall).unwrap();
     let checker = Checker::new(CollisionModel::new(&model, vec![ball]).unwrap());
     let checker = checker.with_world(&world).unwrap();
@@ -64,11 +64,11 @@ fn drag_through_a_thin_wall_stops_at_it() {
         let places = dragged(links);
         for (frame, at) in places.iter().enumerate() {
             assert!(
-                at.y < WALL - RADIUS + 1e-9,
+                at.y < WALL_DISTANCE - RADIUS + 1e-9,
                 "{links} links, frame {frame}: {at:?}"
             );
         }
-        let gap = WALL - RADIUS - places[29].y;
+        let gap = WALL_DISTANCE - RADIUS - places[29].y;
         assert!(gap < 2e-3, "{links} links: {gap} m before the wall");
     }
 }

@@ -20,7 +20,7 @@ use crate::arm_avoidance::drawn;
 /// Lanes of the widest SIMD group: iterations of one lockstep.
 const LOCK_STEP: usize = 8;
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
-const COMPARED: (usize, usize) = (LOCK_STEP, 2);
+const COMPARED_ATTEMPTS_AND_ITERATIONS: (usize, usize) = (LOCK_STEP, 2);
 
 /// Checker with everything above the Panda's base filled: every reaching solution is in contact.
 fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
@@ -76,7 +76,7 @@ fn arm_with_zero_time_makes_no_further_attempt() {
             ends_at_once(search, with_spheres, (1 + LOCK_STEP, LOCK_STEP));
         }
         // The plain and the collision-free search each collect candidates.
-        let (attempts, iterations) = COMPARED;
+        let (attempts, iterations) = COMPARED_ATTEMPTS_AND_ITERATIONS;
         let twice = (2 * attempts, 2 * attempts * iterations);
         ends_at_once(Search::Nearest, with_spheres, twice);
     }

@@ -34,8 +34,8 @@ fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
         .map(|limits| {
             let (lower, upper) = (limits.lower.max(-2.5), limits.upper.min(2.5));
             let from = random.within(lower, upper);
-            let by = random.within(-1.2, 1.2);
-            let to = (from + by).clamp(lower, upper);
+            let step = random.within(-1.2, 1.2);
+            let to = (from + step).clamp(lower, upper);
             (from, to, random.within(1.5, 4.5))
         })
         .collect();
@@ -48,7 +48,7 @@ fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     (0..=STEPS).map(|k| at(k as f64 / STEPS as f64)).collect()
 }
 
-fn is_whole(track: &Track) -> bool {
+fn all_reached(track: &Track) -> bool {
     track.jumps.is_empty() && track.solutions.iter().all(|solution| solution.reached)
 }
 
@@ -71,9 +71,9 @@ fn is_free(arm: &Arm, path: &[&[f64]]) -> bool {
 fn free_track_is_as_complete_as_a_plain_one() {
     let Arms { plain, clear } = arms(&robot("franka_panda"));
     let (mut seen, mut fallen) = (0, Vec::new());
-    let wanted = cases(300, 60);
+    let case_count = cases(300, 60);
     let mut seed = 0;
-    while seen < wanted {
+    while seen < case_count {
         seed += 1;
         let mut random = Random::new(seed);
         let path = to_the_limits(&mut random, &plain);
@@ -81,14 +81,14 @@ fn free_track_is_as_complete_as_a_plain_one() {
         let poses: Vec<Placement<f64>> = poses.collect();
         let track = plain.track(&poses, &path[0]).unwrap();
         let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
-        if !is_whole(&track) || !is_free(&clear, &ways) {
+        if !all_reached(&track) || !is_free(&clear, &ways) {
             continue;
         }
         seen += 1;
-        let kept = clear.track(&poses, &path[0]).unwrap();
-        let ways: Vec<&[f64]> = kept.solutions.iter().map(|s| &*s.q).collect();
+        let track = clear.track(&poses, &path[0]).unwrap();
+        let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
         assert!(is_free(&clear, &ways), "{seed}");
-        if !is_whole(&kept) {
+        if !all_reached(&track) {
             fallen.push(seed);
         }
     }
@@ -102,19 +102,28 @@ fn far_first_target_is_solved_without_contact() {
     let Arms { plain, clear } = arms(&robot);
     let start = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = plain.base_from_tool(&start).unwrap();
-    let by = Vector3::new(0.0, 0.3, 0.0);
-    let target = Placement::new(begin.rotation, begin.translation + by);
-    let led = plain.track(&[target], &start).unwrap();
-    assert!(led.solutions[0].reached && distance(&start, &led.solutions[0].q) > 0.2);
+    let offset = Vector3::new(0.0, 0.3, 0.0);
+    let target = Placement::new(begin.rotation, begin.translation + offset);
+    let in_collision = plain.track(&[target], &start).unwrap();
+    assert!(
+        in_collision.solutions[0].reached && distance(&start, &in_collision.solutions[0].q) > 0.2
+    );
     let mut q = robot.model().neutral();
-    plain.configuration(&led.solutions[0].q, &mut q).unwrap();
+    plain
+        .configuration(&in_collision.solutions[0].q, &mut q)
+        .unwrap();
     let mut frames = kinopt::kinematics::ForwardKinematics::<f64>::new(robot.model());
     let elbow = robot.model().frame("link4").unwrap();
     let elbow = frames.place(&q).unwrap()[elbow.index()].translation;
     let mut world = World::new();
     world.add_sphere("ball", 0.05, elbow).unwrap();
     let clear = clear.with_world(&world, None).unwrap();
-    assert!(!clear.collisions(&led.solutions[0].q).unwrap().is_empty());
+    assert!(
+        !clear
+            .collisions(&in_collision.solutions[0].q)
+            .unwrap()
+            .is_empty()
+    );
     let track = clear.track(&[target], &start).unwrap();
     let solution = &track.solutions[0];
     assert!(clear.collisions(&solution.q).unwrap().is_empty() == solution.reached);
@@ -129,8 +138,8 @@ fn blocked_track_does_not_jump() {
     let mut world = World::new();
     for ball in 0..10 {
         let around = random.within(-3.1, 3.1);
-        let (far, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
-        let position = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let (distance, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
+        let position = Vector3::new(distance * around.cos(), distance * around.sin(), high);
         let (name, radius) = (format!("ball {ball}"), random.within(0.03, 0.1));
         world.add_sphere(&name, radius, position).unwrap();
     }

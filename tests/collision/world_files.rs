@@ -51,7 +51,7 @@ fn planning_scene_is_read() {
     let x = can.placement.rotation.x.to_array();
     let turned = na::Vector3::from(x) - na::Vector3::new(0.28, 0.96, 0.0);
     assert!(turned.norm() < 1e-15, "{x:?}");
-    let place = |name: &str| {
+    let position_of = |name: &str| {
         world
             .obstacle(name)
             .unwrap()
@@ -59,8 +59,8 @@ fn planning_scene_is_read() {
             .translation
             .to_array()
     };
-    assert_eq!(place("shelf/0"), [1.0, 2.0, 13.0]);
-    assert_eq!(place("shelf/1"), [0.0, 0.0, 10.0]);
+    assert_eq!(position_of("shelf/0"), [1.0, 2.0, 13.0]);
+    assert_eq!(position_of("shelf/1"), [0.0, 0.0, 10.0]);
     let pen = world.obstacle("pen").unwrap();
     assert_eq!(pen.attached.as_deref(), Some("panda_hand"));
     assert_eq!(pen.placement.translation.to_array(), [0.0, 0.0, 0.1]);
@@ -112,10 +112,14 @@ fn json_round_trip_is_exact() {
             assert_eq!(one.attached, other.attached);
             assert_eq!(one.placement, other.placement);
             let at = Placement::translation(random.vector(2.0).into());
-            let far = |o: &kinopt::collision::Obstacle| {
+            let distance_of = |o: &kinopt::collision::Obstacle| {
                 separation(&probe, &at, &o.shape, &o.placement).distance
             };
-            assert!((far(one) - far(other)).abs() < 1e-14, "{}", one.name);
+            assert!(
+                (distance_of(one) - distance_of(other)).abs() < 1e-14,
+                "{}",
+                one.name
+            );
         }
     }
 }
@@ -127,7 +131,7 @@ fn json_errors_name_the_location() {
             .unwrap_err()
             .to_string()
     };
-    for (text, place, what) in [
+    for (text, location, what) in [
         (r#"{"boxs": []}"#, "boxs", "unknown field"),
         ("[]", "line 1", "expected an object"),
         (
@@ -203,7 +207,9 @@ fn json_errors_name_the_location() {
     ] {
         let reported = reported(text);
         assert!(
-            reported.starts_with("w.json: ") && reported.contains(place) && reported.contains(what),
+            reported.starts_with("w.json: ")
+                && reported.contains(location)
+                && reported.contains(what),
             "{text}: {reported}"
         );
     }
@@ -266,8 +272,8 @@ world:
     let world = World::from_moveit(scene.as_bytes(), "scene.yaml").unwrap();
     let placed = world.obstacle("table").unwrap().placement;
     // A quarter turn about z takes (0.5, 0.2) to (-0.2, 0.5) and x to y; the primitive's rotation takes z to x.
-    let off = placed.translation - Vector3::new(0.8, 0.5, 0.5);
-    assert!(off.norm() < 1e-14, "{placed:?}");
+    let offset = placed.translation - Vector3::new(0.8, 0.5, 0.5);
+    assert!(offset.norm() < 1e-14, "{placed:?}");
     let [x, y, z] = Vector3::UNITS;
     let turned = placed.rotation;
     assert!((turned.x - y).norm() + (turned.y - z).norm() + (turned.z - x).norm() < 1e-14);
@@ -355,12 +361,12 @@ fn scene_objects_are_placed_in_their_frame() {
         1,
     );
     assert_eq!(read(&plain).unwrap().len(), 4);
-    let elsewhere = SCENE.replacen(
+    let changed = SCENE.replacen(
         "- id: Can1",
         "- header: {frame_id: panda_link0}\n      id: Can1",
         1,
     );
-    let message = read(&elsewhere).unwrap_err().to_string();
+    let message = read(&changed).unwrap_err().to_string();
     assert!(
         message.contains("panda_link0") && message.contains("\"world\""),
         "{message}"

@@ -11,9 +11,9 @@ use support::sample::cases;
 use crate::arm_avoidance::drawn;
 
 /// Largest number of edits between two comparisons.
-const CHANGES: usize = 40;
+const MAX_CHANGES: usize = 40;
 /// Distance limit of nearest queries, metres.
-const FARTHEST: f64 = 0.1;
+const MAX_QUERY_DISTANCE: f64 = 0.1;
 
 fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     let drawn = random.vector(size);
@@ -72,7 +72,10 @@ fn rebuilt(world: &World) -> World {
 fn change(world: &mut World, added: &mut usize, random: &mut Random) {
     let any = |world: &World, random: &mut Random| {
         let at = random.below(world.len().max(1));
-        world.obstacles().nth(at).map(|own| own.name.clone())
+        world
+            .obstacles()
+            .nth(at)
+            .map(|obstacle| obstacle.name.clone())
     };
     let Some(name) = any(world, random) else {
         return;
@@ -88,17 +91,19 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
         11 => {
             let let_touch = world
                 .obstacles()
-                .find(|own| !own.allowed_collisions.is_empty());
-            if let Some(own) = let_touch.cloned() {
+                .find(|obstacle| !obstacle.allowed_collisions.is_empty());
+            if let Some(obstacle) = let_touch.cloned() {
                 world
-                    .forbid_collision(&own.allowed_collisions[0], &own.name)
+                    .forbid_collision(&obstacle.allowed_collisions[0], &obstacle.name)
                     .unwrap();
             }
         }
         0 | 1 => {
             *added += 1;
-            let (shape, place) = (shape(random), random_placement(random));
-            world.add(&format!("added {added}"), shape, place).unwrap();
+            let (shape, placement) = (shape(random), random_placement(random));
+            world
+                .add(&format!("added {added}"), shape, placement)
+                .unwrap();
         }
         2 | 3 => world.remove(&name).unwrap(),
         4 if random.below(4) == 0 && !attached => {
@@ -113,7 +118,7 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
 
 /// Reports of a checker and an arm at random configurations.
 fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
-    let mut told = String::new();
+    let mut text = String::new();
     let mut workspace = checker.workspace();
     let mut from = vec![0.0; checker.model().model().configuration_len()];
     let mut several = Vec::new();
@@ -127,20 +132,22 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         let mut to = from.clone();
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
-        let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
+        let nearest = checker
+            .nearest(&mut workspace, &to, MAX_QUERY_DISTANCE)
+            .unwrap();
         let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
-        told += &format!("{collisions:?} {nearest:?} {motion:?}\n");
+        text += &format!("{collisions:?} {nearest:?} {motion:?}\n");
         from = to;
         if index % 4 == 0 {
             let target = arm.base_from_tool(&q).unwrap();
             let solution = arm.solve(target, &drawn(arm, random)).unwrap();
             let touched = solution.collisions();
-            told += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
+            text += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
         }
     }
     let mut clear = [false; 8];
     arm.clear_by_spheres(&several, &mut clear).unwrap();
-    told + &format!("{clear:?}")
+    text + &format!("{clear:?}")
 }
 
 /// Starts with `count` obstacles and makes `rounds` of edits.
@@ -154,9 +161,9 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         .add_plane("floor", Vector3::new(0.0, 0.0, -0.5))
         .unwrap();
     for index in 0..count {
-        let (shape, place) = (shape(&mut random), random_placement(&mut random));
+        let (shape, placement) = (shape(&mut random), random_placement(&mut random));
         world
-            .add(&format!("obstacle {index}"), shape, place)
+            .add(&format!("obstacle {index}"), shape, placement)
             .unwrap();
     }
     let mut checker = plain.clone().with_world(&world).unwrap();
@@ -165,10 +172,10 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
     let (mut added, mut branch) = (0, world.clone());
     for round in 0..rounds {
         let mut fork = Random::new(1000 + round as u64);
-        let asked = || Random::new(round as u64);
-        let before = report(&checker, &arm, &mut asked());
+        let new_random = || Random::new(round as u64);
+        let before = report(&checker, &arm, &mut new_random());
         let known = (checker.clone(), arm.clone());
-        for _ in 0..1 + random.below(CHANGES) {
+        for _ in 0..1 + random.below(MAX_CHANGES) {
             change(&mut world, &mut added, &mut random);
             if random.below(3) == 0 {
                 checker = checker.with_world(&world).unwrap();
@@ -179,13 +186,13 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         arm = arm.with_world(&world, None).unwrap();
         let fresh = plain.clone().with_world(&rebuilt(&world)).unwrap();
         let fresh_arm = known.1.clone().with_checker(&fresh, &rest).unwrap();
-        let expected = report(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut new_random());
         assert!(
-            report(&checker, &arm, &mut asked()) == expected,
+            report(&checker, &arm, &mut new_random()) == expected,
             "round {round}"
         );
         assert!(
-            report(&known.0, &known.1, &mut asked()) == before,
+            report(&known.0, &known.1, &mut new_random()) == before,
             "round {round}"
         );
         // A copy from some rounds ago, with the same new names for other obstacles.
@@ -193,13 +200,13 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         for _ in 0..3 {
             change(&mut branch, &mut of_fork, &mut fork);
         }
-        let there = checker.clone().with_world(&branch).unwrap();
+        let branched = checker.clone().with_world(&branch).unwrap();
         let arm_there = arm.with_world(&branch, None).unwrap();
         let fresh = plain.clone().with_world(&rebuilt(&branch)).unwrap();
         let fresh_arm = known.1.with_checker(&fresh, &rest).unwrap();
-        let expected = report(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut new_random());
         assert!(
-            report(&there, &arm_there, &mut asked()) == expected,
+            report(&branched, &arm_there, &mut new_random()) == expected,
             "round {round}"
         );
         if random.below(3) == 0 {
@@ -230,19 +237,19 @@ fn add_small(world: &mut World, index: usize) {
 }
 
 fn add_big(world: &mut World) {
-    let beside = Vector3::new(0.3, 0.0, 0.6);
-    world.add_sphere("big", 0.25, beside).unwrap();
+    let position = Vector3::new(0.3, 0.0, 0.6);
+    world.add_sphere("big", 0.25, position).unwrap();
 }
 
 /// An arm without a world, and random configurations.
-struct Asked {
+struct CheckedArm {
     plain: Checker,
     rest: Vec<f64>,
     arm: Arm,
     q: Vec<f64>,
 }
 
-impl Asked {
+impl CheckedArm {
     fn new() -> Self {
         let robot = robot("franka_panda");
         let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
@@ -277,7 +284,7 @@ impl Asked {
 /// Up to 512 obstacles are checked one by one, more through a tree.
 #[test]
 fn removal_holds_across_list_and_tree() {
-    let asked = Asked::new();
+    let case = CheckedArm::new();
     for (before, after) in [(513, 510), (510, 514), (520, 519), (20, 22)] {
         let mut world = World::new();
         add_big(&mut world);
@@ -288,7 +295,7 @@ fn removal_holds_across_list_and_tree() {
             world.remove(&format!("small {index}")).unwrap();
         }
         (before..after).for_each(|index| add_small(&mut world, index));
-        asked.goes_along(&known, &world);
+        case.goes_along(&known, &world);
     }
 }
 
@@ -301,9 +308,9 @@ fn edits_of_a_diverged_copy_have_no_effect() {
     one.remove("small 3").unwrap();
     add_big(&mut one);
     add_small(&mut other, 4);
-    let asked = Asked::new();
-    asked.goes_along(&one, &other);
-    asked.goes_along(&other, &one);
+    let case = CheckedArm::new();
+    case.goes_along(&one, &other);
+    case.goes_along(&other, &one);
 }
 
 #[test]

@@ -144,7 +144,7 @@ fn tips_of_shipped_rigs_are_reached() {
     for (name, tips) in [("robot-arm", 1), ("humanoid", 5)] {
         let rig = rig(name);
         let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
-        let (mut reached, mut asked) = (0, 0);
+        let (mut reached, mut count) = (0, 0);
         for seed in 0..60 {
             let pose = skeleton.pose(&model.random_configuration(seed)).unwrap();
             let bone = rig.constrained[seed as usize % tips];
@@ -165,9 +165,9 @@ fn tips_of_shipped_rigs_are_reached() {
             assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.reached, missed <= 1e-6);
             assert!(within_limits(model, &solution));
-            (reached, asked) = (reached + usize::from(solution.reached), asked + 1);
+            (reached, count) = (reached + usize::from(solution.reached), count + 1);
         }
-        assert!(10 * reached >= 9 * asked, "{name}: {reached} of {asked}");
+        assert!(10 * reached >= 9 * count, "{name}: {reached} of {count}");
     }
 }
 
@@ -179,8 +179,11 @@ fn five_tips_of_the_humanoid_are_reached() {
     let neutral = model.neutral();
     let mut reached = 0;
     for seed in 0..10 {
-        let far = model.random_configuration(seed);
-        let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
+        let random_q = model.random_configuration(seed);
+        let goal = random_q
+            .iter()
+            .zip(&neutral)
+            .map(|(f, n)| n + 0.3 * (f - n));
         let pose = skeleton.pose(&goal.collect::<Vec<f64>>()).unwrap();
         let mut builder = Problem::builder(model);
         for &tip in &rig.constrained {
@@ -303,10 +306,10 @@ fn overflowing_start_is_not_the_last_attempt() {
 fn positions_and_directions_are_weighted() {
     let (lever, weight) = (0.7, 0.4);
     let model = planar_arm(&[lever], None);
-    let (place, direction) = (0.5_f64, -0.3_f64);
+    let (angle, direction) = (0.5_f64, -0.3_f64);
     let target = Placement::new(
         kinopt::spatial::Matrix3::identity().rotated_about_z(direction.sin_cos()),
-        [lever * place.cos(), lever * place.sin(), 0.0].into(),
+        [lever * angle.cos(), lever * angle.sin(), 0.0].into(),
     );
     let mut builder = Problem::builder(&model);
     let pose = Task::new(Pose::new(model.frame("tip").unwrap(), target));
@@ -314,11 +317,13 @@ fn positions_and_directions_are_weighted() {
     builder.add(pose.weight(Quantity::Radians, weight));
     let problem = builder.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
-    let sum = |of: fn(f64) -> f64| lever * lever * of(place) + weight * weight * of(direction);
-    let wanted = sum(f64::sin).atan2(sum(f64::cos));
+    let sum = |component: fn(f64) -> f64| {
+        lever * lever * component(angle) + weight * weight * component(direction)
+    };
+    let expected = sum(f64::sin).atan2(sum(f64::cos));
     assert!(
-        (solution.q[0] - wanted).abs() < 1e-12,
-        "{:?} {wanted}",
+        (solution.q[0] - expected).abs() < 1e-12,
+        "{:?} {expected}",
         solution.q
     );
 }
@@ -386,18 +391,18 @@ fn prismatic_joint_moves_to_the_weighted_mean() {
         ["one", "other"].map(|name| builder.frame(name, Some(slide), Placement::identity()));
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    let asked = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
-    for (frame, place, weight) in asked {
-        tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).scale(weight));
+    let goals = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
+    for (frame, position, weight) in goals {
+        tasks.add(Task::new(Point::new(frame, [position, 0.0, 0.0])).scale(weight));
     }
     let problem = tasks.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();
-    let sum = |of: fn((f64, f64)) -> f64| -> f64 { asked.iter().map(|a| of((a.1, a.2))).sum() };
-    let wanted =
-        sum(|(place, weight)| weight * weight * place) / sum(|(_, weight)| weight * weight);
+    let sum = |term: fn((f64, f64)) -> f64| -> f64 { goals.iter().map(|a| term((a.1, a.2))).sum() };
+    let expected =
+        sum(|(position, weight)| weight * weight * position) / sum(|(_, weight)| weight * weight);
     assert!(
-        (solution.q[0] - wanted).abs() < 1e-12,
-        "{:?} {wanted}",
+        (solution.q[0] - expected).abs() < 1e-12,
+        "{:?} {expected}",
         solution.q
     );
 }
@@ -438,9 +443,9 @@ fn tool_equals_a_frame_at_the_tip() {
     let at_tool = builder.frame("tool", parent, tool);
     let model = builder.build().unwrap();
     let mut kinematics = ForwardKinematics::of_frames(&model, &[at_tool]).unwrap();
-    let few = Stopping::default().with_max_iterations(3);
+    let stopping = Stopping::default().with_max_iterations(3);
     let ccd = Ccd::default().with_restarts(Restarts::none());
-    let ccd = ccd.with_stopping(few);
+    let ccd = ccd.with_stopping(stopping);
     for seed in 0..10 {
         let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
         let [by_tool, by_frame] = [
@@ -454,8 +459,8 @@ fn tool_equals_a_frame_at_the_tip() {
         });
         let [a, b] =
             [&by_tool, &by_frame].map(|problem| ccd.solve(problem, &model.neutral()).unwrap().q);
-        let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-        let off = off.fold(0.0, f64::max);
-        assert!(off < 1e-9, "{seed}: {off:e}");
+        let deviation = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+        let deviation = deviation.fold(0.0, f64::max);
+        assert!(deviation < 1e-9, "{seed}: {deviation:e}");
     }
 }

@@ -253,8 +253,11 @@ fn five_tips_of_the_humanoid_come_nearer() {
     let neutral = model.neutral();
     let tips = &rig.constrained;
     for seed in 0..5 {
-        let far = model.random_configuration(seed);
-        let goal = far.iter().zip(&neutral).map(|(f, n)| n + 0.3 * (f - n));
+        let random_q = model.random_configuration(seed);
+        let goal = random_q
+            .iter()
+            .zip(&neutral)
+            .map(|(f, n)| n + 0.3 * (f - n));
         let pose = skeleton.pose(&goal.collect::<Vec<f64>>()).unwrap();
         let mut builder = Problem::builder(model);
         for &tip in tips {
@@ -336,8 +339,8 @@ fn humanoid() -> Rig {
 #[test]
 fn placed_skeleton_bends_equally() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
-    let away = Vector3::new(3.0, -4.0, 1.0);
-    let placement = kinopt::spatial::Placement::translation(away);
+    let displacement = Vector3::new(3.0, -4.0, 1.0);
+    let placement = kinopt::spatial::Placement::translation(displacement);
     let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {
         let mut builder = Problem::builder(skeleton.model());
         for (name, at) in [
@@ -350,14 +353,17 @@ fn placed_skeleton_bends_equally() {
             builder.add(Point::new(skeleton.tip(bone), at));
         }
         let stopping = kinopt::solver::Stopping::default().with_max_iterations(2);
-        let few = Fabrik::default().with_stopping(stopping);
-        let few = few.with_restarts(Restarts::none());
+        let solver = Fabrik::default().with_stopping(stopping);
+        let solver = solver.with_restarts(Restarts::none());
         let problem = builder.build().unwrap();
-        few.solve(&problem, &skeleton.model().neutral()).unwrap().q
+        solver
+            .solve(&problem, &skeleton.model().neutral())
+            .unwrap()
+            .q
     };
-    let here = bent(&rig.skeleton, Vector3::zero());
-    let there = bent(&rig.skeleton.placed(placement).unwrap(), away);
-    for (a, b) in here.iter().zip(&there) {
+    let original_q = bent(&rig.skeleton, Vector3::zero());
+    let placed_q = bent(&rig.skeleton.placed(placement).unwrap(), displacement);
+    for (a, b) in original_q.iter().zip(&placed_q) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
 }

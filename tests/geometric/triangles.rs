@@ -109,9 +109,9 @@ fn bend_direction_is_scale_invariant() {
             let found = triangle(Vector3::zero(), [unit, unit], target, side);
             // An equilateral triangle in the plane of the bend direction.
             let height = 0.75_f64.sqrt();
-            let wanted = Vector3::new(0.5, -0.6 * height, 0.8 * height) * unit;
+            let expected = Vector3::new(0.5, -0.6 * height, 0.8 * height) * unit;
             assert!(
-                (found.mid - wanted).norm() < 1e-12 * unit,
+                (found.mid - expected).norm() < 1e-12 * unit,
                 "{unit} {towards}"
             );
         }

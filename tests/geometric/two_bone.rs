@@ -58,9 +58,9 @@ fn triangle_keeps_its_lengths_in_space() {
     let mut random = Random::new(2);
     for _ in 0..200 {
         let [upper, lower] = [random.within(0.1, 2.0), random.within(0.1, 2.0)];
-        let (root, way) = (random.vector(3.0), random.direction().into_inner());
+        let (root, direction) = (random.vector(3.0), random.direction().into_inner());
         let distance = random.within(f64::abs(upper - lower), upper + lower);
-        let (target, pole) = (root + way * distance, random.vector(1.0));
+        let (target, pole) = (root + direction * distance, random.vector(1.0));
         let solved = triangle(vector(root), [upper, lower], vector(target), vector(pole));
         assert_eq!(solved.span, Span::Within);
         let mid: na::Vector3<f64> = solved.mid.into();
@@ -68,13 +68,13 @@ fn triangle_keeps_its_lengths_in_space() {
         assert!(((target - mid).norm() - lower).abs() < 1e-9);
         assert!((na::Vector3::from(solved.tip) - target).norm() < 1e-12);
         // The bend is towards the pole, in the plane of root, target and pole.
-        let pole = pole - way * way.dot(&pole);
+        let pole = pole - direction * direction.dot(&pole);
         assert!((mid - root).dot(&pole) >= 0.0);
-        assert!((mid - root).dot(&way.cross(&pole)).abs() < 1e-9);
+        assert!((mid - root).dot(&direction.cross(&pole)).abs() < 1e-9);
         // The reported angles equal those between the bones.
         let turn = (target - mid).angle(&(mid - root));
         assert!((solved.turn - turn).abs() < 1e-7);
-        assert!((solved.swing - (mid - root).angle(&way)).abs() < 1e-7);
+        assert!((solved.swing - (mid - root).angle(&direction)).abs() < 1e-7);
     }
 }
 
@@ -154,9 +154,9 @@ fn arm_on_a_rotating_base_is_solved() {
             true => Elbow::Positive,
             false => Elbow::Negative,
         };
-        let beside: Vec<f64> = goal.iter().map(|q| q + 0.02).collect();
-        let solution = TwoBone::new(elbow).solve(&problem, &beside).unwrap();
-        let mut moves = solution.q.iter().zip(&beside);
+        let nearby: Vec<f64> = goal.iter().map(|q| q + 0.02).collect();
+        let solution = TwoBone::new(elbow).solve(&problem, &nearby).unwrap();
+        let mut moves = solution.q.iter().zip(&nearby);
         near += usize::from(moves.all(|(a, b)| wrapped(a - b).abs() < 0.3));
     }
     assert!(near >= 90, "{near} of 100");

@@ -27,16 +27,16 @@ fn file() -> (Numbers, String, usize) {
     (numbers, format!("{rest},{image},{UNKNOWN}"), view)
 }
 
-fn nobody(_: &str) -> Result<Vec<u8>, ReadError> {
+fn no_referenced_files(_: &str) -> Result<Vec<u8>, ReadError> {
     unreachable!()
 }
 
 fn opened(bytes: &[u8]) -> SceneFile {
-    SceneFile::from_bytes(bytes, "own", nobody).unwrap()
+    SceneFile::from_bytes(bytes, "own", no_referenced_files).unwrap()
 }
 
 fn scene(bytes: &[u8]) -> Scene {
-    gltf::from_bytes(bytes, "again", nobody).unwrap()
+    gltf::from_bytes(bytes, "again", no_referenced_files).unwrap()
 }
 
 /// Clip that moves each bone; one of them has a matrix in the file.
@@ -95,8 +95,11 @@ fn unknown_content_keeps_its_text() {
     for before in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
         let after = text(&with_wave(&before));
         for member in UNKNOWN.split_inclusive("]").map(str::trim) {
-            let own = member.trim_start_matches(',').trim();
-            assert!(after.contains(own), "{own} is not in {after}");
+            let member_text = member.trim_start_matches(',').trim();
+            assert!(
+                after.contains(member_text),
+                "{member_text} is not in {after}"
+            );
         }
         let [old, new]: [Value; 2] =
             [text(&before), after].map(|text| serde_json::from_str(&text).unwrap());
@@ -179,14 +182,15 @@ fn unchanged_document_stays_the_same() {
 fn chunks_of_other_kinds_are_kept() {
     let (numbers, rest, _) = file();
     // The last chunk is padded with zeros, because chunks end at multiples of four.
-    for (length, chunk, kept) in [(4_u32, "ACMEfurs", "ACMEfurs"), (3, "ACMEfur", "ACMEfur\0")] {
+    for (length, chunk, expected) in [(4_u32, "ACMEfurs", "ACMEfurs"), (3, "ACMEfur", "ACMEfur\0")]
+    {
         let mut before = numbers.glb(&rest);
         before.extend(length.to_le_bytes());
         before.extend(chunk.bytes());
         let length = before.len() as u32;
         before[8..12].copy_from_slice(&length.to_le_bytes());
-        let kept = [b"\x04\0\0\0", kept.as_bytes()].concat();
-        assert!(with_wave(&before).ends_with(&kept));
+        let expected = [b"\x04\0\0\0", expected.as_bytes()].concat();
+        assert!(with_wave(&before).ends_with(&expected));
     }
 }
 
@@ -198,9 +202,9 @@ fn clip_after_a_buffer_of_any_length_is_aligned() {
     let odd = [binary(&whole), &[9]].concat();
     let before = glb(&text(&whole), &odd);
     let after = with_wave(&before);
-    let kept = binary(&after);
-    assert!(kept.starts_with(&odd));
-    assert_eq!(kept[odd.len()..odd.len() + 3], [0; 3]);
+    let after_binary = binary(&after);
+    assert!(after_binary.starts_with(&odd));
+    assert_eq!(after_binary[odd.len()..odd.len() + 3], [0; 3]);
     let (old, new) = (scene(&before), scene(&after));
     assert_eq!(new.clips[0], old.clips[0]);
     let expected = Scene {
@@ -242,8 +246,8 @@ fn second_buffer_keeps_its_text() {
     let text = text(&whole);
     let (before, after) = text.split_once(r#"],"bufferViews""#).unwrap();
     let two = format!(r#"{before},{other}],"bufferViews"{after}"#);
-    let kept = self::text(&with_wave(&glb(&two, binary(&whole))));
-    assert!(kept.contains(other), "{kept}");
+    let after_text = self::text(&with_wave(&glb(&two, binary(&whole))));
+    assert!(after_text.contains(other), "{after_text}");
 }
 
 #[test]
@@ -319,9 +323,9 @@ fn referenced_files_are_copied_to_another_folder() {
     );
     // References to files that are not copied are unchanged.
     let text = std::fs::read_to_string(path("elsewhere/fox.gltf")).unwrap();
-    for (_, kept) in images.split_once("},").into_iter() {
-        let kept = kept.strip_suffix(']').unwrap();
-        assert!(text.contains(kept), "{kept} is not in {text}");
+    for (_, image) in images.split_once("},").into_iter() {
+        let image = image.strip_suffix(']').unwrap();
+        assert!(text.contains(image), "{image} is not in {text}");
     }
     let wrong = file.write(path("fox.obj")).unwrap_err().to_string();
     assert!(wrong.contains(".gltf"), "{wrong}");
@@ -331,19 +335,19 @@ fn referenced_files_are_copied_to_another_folder() {
 #[test]
 fn unreadable_referenced_file_is_named() {
     let folder = Folder::new("unread");
-    for own in ["elsewhere", "coat.png"] {
-        std::fs::create_dir(folder.path(own)).unwrap();
+    for folder_name in ["elsewhere", "coat.png"] {
+        std::fs::create_dir(folder.path(folder_name)).unwrap();
     }
     let (numbers, rest) = small();
     let before = numbers.document(&format!(r#"{rest},"images":[{{"uri":"coat.png"}}]"#));
     std::fs::write(folder.path("fox.gltf"), before).unwrap();
     let file = SceneFile::read(folder.path("fox.gltf")).unwrap();
-    let elsewhere = folder.path("elsewhere/fox.gltf");
-    let error = file.write(&elsewhere).unwrap_err().to_string();
+    let other_path = folder.path("elsewhere/fox.gltf");
+    let error = file.write(&other_path).unwrap_err().to_string();
     for word in ["images[0].uri", "coat.png", "not a regular file"] {
         assert!(error.contains(word), "no {word} in {error}");
     }
-    assert!(!elsewhere.exists());
+    assert!(!other_path.exists());
 }
 
 /// A binary file may have a buffer in its JSON text.
@@ -372,12 +376,12 @@ fn text_and_binary_files_are_converted() {
         let clip = wave(file.scene());
         file.add_clip(&clip, &WriteOptions::default()).unwrap();
         file.write(path(to)).unwrap();
-        let (own, other) = (file.scene(), gltf::read(path(to)).unwrap());
+        let (original, other) = (file.scene(), gltf::read(path(to)).unwrap());
         assert_eq!(
-            (&own.armature, &own.meshes),
+            (&original.armature, &original.meshes),
             (&other.armature, &other.meshes)
         );
-        assert_eq!(sampled(own, 1), sampled(&other, 1));
+        assert_eq!(sampled(original, 1), sampled(&other, 1));
         let written = std::fs::read(path(to)).unwrap();
         assert_eq!(written.starts_with(b"glTF"), to.ends_with(".glb"));
         assert!(text(&written).contains(r#""wind" :[ 0,0 , 1.50 ]"#));

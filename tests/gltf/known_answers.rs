@@ -13,9 +13,9 @@ fn posed(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
     posing.mesh(pose).unwrap().positions().to_vec()
 }
 
-fn close(ours: &[Vec3], wanted: &[DVec3], within: f64) {
-    assert_eq!(ours.len(), wanted.len());
-    for (vertex, (a, b)) in ours.iter().zip(wanted).enumerate() {
+fn close(ours: &[Vec3], expected: &[DVec3], within: f64) {
+    assert_eq!(ours.len(), expected.len());
+    for (vertex, (a, b)) in ours.iter().zip(expected).enumerate() {
         assert!(
             a.as_dvec3().distance(*b) <= within,
             "vertex {vertex}: {a} instead of {b}"
@@ -132,9 +132,9 @@ fn skin_follows_joints_from_the_bind_pose() {
         );
         // As given, although it is not the inverse of the rest pose.
         let skin = scene.meshes[0].skin.as_ref().unwrap();
-        let kept = skin.joint_from_mesh[1];
+        let inverse_bind = skin.joint_from_mesh[1];
         let bound = two.bound[1].as_mat4();
-        assert_eq!(glam::Mat4::from(kept), bound);
+        assert_eq!(glam::Mat4::from(inverse_bind), bound);
         let error = scene.clip("walk").unwrap_err().to_string();
         assert!(
             error.contains("`walk`") && error.contains("bend"),
@@ -267,7 +267,7 @@ fn cubic_splines_equal_the_specification() {
         let time = 1.0 + f64::from(step) / 8.0;
         let span = [1.0, 3.0];
         let pose = at(&scene, 0, time);
-        let wanted = cubic_spline(
+        let expected = cubic_spline(
             time,
             span,
             [key(&moves, 1), key(&moves, 4)],
@@ -276,10 +276,10 @@ fn cubic_splines_equal_the_specification() {
         );
         let moved = pose.translations()[0].to_array().map(f64::from);
         assert!(
-            DVec3::from(moved).distance(wanted.into()) < 2e-6,
-            "{moved:?} {wanted:?}"
+            DVec3::from(moved).distance(expected.into()) < 2e-6,
+            "{moved:?} {expected:?}"
         );
-        let wanted = cubic_spline(
+        let expected = cubic_spline(
             time,
             span,
             [key(&turns, 1), key(&turns, 4)],
@@ -287,12 +287,12 @@ fn cubic_splines_equal_the_specification() {
             key(&turns, 3),
         );
         let turned = pose.rotations()[0].to_array().map(f64::from);
-        let wanted = DVec4::from(wanted).normalize();
+        let expected = DVec4::from(expected).normalize();
         assert!(
-            DVec4::from(turned).distance(wanted) < 1e-6,
-            "{turned:?} {wanted:?}"
+            DVec4::from(turned).distance(expected) < 1e-6,
+            "{turned:?} {expected:?}"
         );
-        let wanted = cubic_spline(
+        let expected = cubic_spline(
             time,
             span,
             [key(&scales, 1), key(&scales, 4)],
@@ -300,11 +300,17 @@ fn cubic_splines_equal_the_specification() {
             key(&scales, 3),
         );
         let scaled = pose.scales()[0].to_array().map(f64::from);
-        assert!(DVec3::from(scaled).distance(wanted.into()) < 2e-6);
+        assert!(DVec3::from(scaled).distance(expected.into()) < 2e-6);
         for target in 0..2 {
-            let of = |row: usize| [f64::from(weights[2 * row + target][0])];
-            let [wanted] = cubic_spline(time, span, [of(1), of(4)], of(2), of(3));
-            assert!((f64::from(pose.morph_weights()[target]) - wanted).abs() < 1e-6);
+            let weight_of = |row: usize| [f64::from(weights[2 * row + target][0])];
+            let [expected] = cubic_spline(
+                time,
+                span,
+                [weight_of(1), weight_of(4)],
+                weight_of(2),
+                weight_of(3),
+            );
+            assert!((f64::from(pose.morph_weights()[target]) - expected).abs() < 1e-6);
         }
     }
 }

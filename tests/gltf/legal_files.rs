@@ -34,11 +34,11 @@ fn channel_without_a_node_is_omitted() {
     for target in without {
         let scene = changed(r#""target":{"node":1,"path":"translation"}"#, target);
         let noted = notes(&scene);
-        let own = "animations[0].channels[1].target";
+        let location = "animations[0].channels[1].target";
         assert!(
             noted
                 .iter()
-                .any(|note| note.contains(own) && note.contains("node")),
+                .any(|note| note.contains(location) && note.contains("node")),
             "{noted:?}"
         );
         // All other channels are read.
@@ -52,8 +52,11 @@ fn channel_without_a_node_is_omitted() {
             r#""target":{"node":1,"path":"pointer"}"#,
         );
     let noted = notes(&numbers.read(&rest));
-    for own in ["channels[0].target", "channels[1].target.path"] {
-        assert!(noted.iter().any(|note| note.contains(own)), "{noted:?}");
+    for location in ["channels[0].target", "channels[1].target.path"] {
+        assert!(
+            noted.iter().any(|note| note.contains(location)),
+            "{noted:?}"
+        );
     }
 }
 
@@ -106,8 +109,8 @@ fn line_and_point_primitives_are_omitted() {
         );
         assert_eq!(mesh.morph_targets.targets().len(), 1);
         let noted = notes(&scene);
-        for place in ["meshes[0].primitives[0]", "meshes[1].primitives[0]"] {
-            let about = |note: &&String| note.contains(place) && note.contains(word);
+        for location in ["meshes[0].primitives[0]", "meshes[1].primitives[0]"] {
+            let about = |note: &&String| note.contains(location) && note.contains(word);
             assert_eq!(noted.iter().filter(about).count(), 1, "{noted:?}");
         }
     }
@@ -163,7 +166,7 @@ fn repeated_name_is_kept_by_joint_then_animated_node() {
             .replace(r#""WEIGHTS_0""#, r#""_WEIGHTS""#)
             .replace(r#","skin":0"#, ""),
     );
-    let names = |wanted: &str| scene.armature.bone(wanted).map(|bone| bone.index());
+    let names = |name: &str| scene.armature.bone(name).map(|bone| bone.index());
     // Nodes of the file: 0 the mesh's, 1 the joint, 2 motionless, 3 animated and its parent.
     let bone_of = |node: usize| [1, 3, 2, 0][node];
     assert_eq!(names("arm").unwrap(), bone_of(1));
@@ -182,12 +185,12 @@ fn repeated_name_is_kept_by_joint_then_animated_node() {
 
 #[test]
 fn inverse_bind_matrices_not_finite_are_rejected() {
-    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+    for invalid in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for entry in 0..16 {
             let mut matrix = [
                 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
             ];
-            matrix[entry] = bad;
+            matrix[entry] = invalid;
             let (mut numbers, rest) = small();
             let bound = numbers.floats(&[[0.0; 16], matrix]);
             let mut identity = matrix;
@@ -195,16 +198,16 @@ fn inverse_bind_matrices_not_finite_are_rejected() {
             let second = numbers.floats(&[identity, matrix]);
             let from = rest.find(r#""inverseBindMatrices":"#).unwrap();
             let end = from + rest[from..].find('}').unwrap();
-            let own = |accessor: usize| {
+            let with_accessor = |accessor: usize| {
                 let entry = format!(r#""inverseBindMatrices":{accessor}"#);
                 format!("{}{entry}{}", &rest[..from], &rest[end..])
             };
-            assert!(numbers.refused(&own(bound)).contains("joint 0"));
-            let error = numbers.refused(&own(second));
+            assert!(numbers.refused(&with_accessor(bound)).contains("joint 0"));
+            let error = numbers.refused(&with_accessor(second));
             let words = ["skins[0].inverseBindMatrices", "skin 0", "joint 1"];
             assert!(words.iter().all(|word| error.contains(word)), "{error}");
             // Also for a skin that no mesh uses.
-            let unused = own(second).replace(r#","skin":0"#, "");
+            let unused = with_accessor(second).replace(r#","skin":0"#, "");
             let error = numbers.refused(&unused);
             assert!(error.contains("joint 1"), "{error}");
         }

@@ -1,6 +1,6 @@
 //! Scenes from and to glTF.
 
-mod files_of_others;
+mod external_files;
 mod kept_files;
 mod known_answers;
 mod legal_files;

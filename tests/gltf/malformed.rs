@@ -249,10 +249,10 @@ fn accessor_errors_are_named() {
     let mut numbers = Numbers::default();
     let view = numbers.view(&[0; 64]);
     let mesh = |accessor: &str| {
-        let mut own = Numbers::default();
-        own.view(&[0; 64]);
-        let at = own.accessor(accessor.to_owned());
-        own.refused(&format!(
+        let mut numbers = Numbers::default();
+        numbers.view(&[0; 64]);
+        let at = numbers.accessor(accessor.to_owned());
+        numbers.refused(&format!(
             r#""nodes":[{{"mesh":0}}],"meshes":[{{"name":"m","primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#
         ))
     };
@@ -298,20 +298,20 @@ fn accessor_errors_are_named() {
     };
     says(&sparse(""), &["accessors[0].sparse.indices", "increase"]);
     // Entries 1 and 2 exist; 3 does not.
-    for (last, there) in [(2, true), (3, false)] {
-        let mut own = Numbers::default();
-        let places = own.view(&[1, last]);
-        let values = own.view(&[0; 24]);
-        let at = own.accessor(format!(
+    for (last, is_valid) in [(2, true), (3, false)] {
+        let mut numbers = Numbers::default();
+        let places = numbers.view(&[1, last]);
+        let values = numbers.view(&[0; 24]);
+        let at = numbers.accessor(format!(
             r#"{{"componentType":5126,"type":"VEC3","count":3,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5121}},"values":{{"bufferView":{values}}}}}}}"#
         ));
-        let text = own.document(&format!(
+        let text = numbers.document(&format!(
             r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#
         ));
         match read(text.as_bytes()) {
-            Ok(_) => assert!(there),
+            Ok(_) => assert!(is_valid),
             Err(error) => {
-                assert!(!there, "{error}");
+                assert!(!is_valid, "{error}");
                 says(&error.to_string(), &["sparse.indices", "the 3 entries"]);
             }
         }
@@ -371,7 +371,7 @@ fn animation_errors_are_named() {
         ))
     };
     let zero = [0.0; 3];
-    let place = ["animations[0].samplers[0]", "`hop`", "scale of node `hip`"];
+    let location = ["animations[0].samplers[0]", "`hop`", "scale of node `hip`"];
     for (times, values, words) in [
         ([[0.0], [0.0]], [zero, zero], ["key 1", "not after"]),
         ([[1.0], [0.5]], [zero, zero], ["key 1", "not after"]),
@@ -383,7 +383,7 @@ fn animation_errors_are_named() {
         ),
     ] {
         let error = keys(&times, &values);
-        says(&error, &place);
+        says(&error, &location);
         says(&error, &words);
     }
     says(&keys(&[[0.0], [1.0]], &[zero]), &["1 values for 2 keys"]);

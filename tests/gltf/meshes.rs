@@ -193,7 +193,7 @@ fn mesh_without_primitives_has_no_joints() {
 
 #[test]
 fn matrix_is_decomposed() {
-    let [scale, turn, place] = [
+    let [scale, turn, translation] = [
         DVec3::new(2.0, 3.0, 0.5),
         DVec3::new(0.6, -0.3, 0.2),
         DVec3::new(1.0, -2.0, 4.0),
@@ -201,7 +201,7 @@ fn matrix_is_decomposed() {
     let turn = DQuat::from_scaled_axis(turn);
     for mirror in [1.0, -1.0] {
         let scale = scale * DVec3::new(mirror, 1.0, 1.0);
-        let matrix = DMat4::from_scale_rotation_translation(scale, turn, place);
+        let matrix = DMat4::from_scale_rotation_translation(scale, turn, translation);
         let text = matrix
             .as_mat4()
             .to_cols_array()
@@ -217,7 +217,7 @@ fn matrix_is_decomposed() {
         let apart = (again - matrix)
             .to_cols_array()
             .into_iter()
-            .fold(0.0, |most: f64, e| most.max(e.abs()));
+            .fold(0.0, |largest: f64, e| largest.max(e.abs()));
         assert!(apart < 2e-6, "{apart:e}");
     }
     let sheared = r#""nodes":[{"name":"slanted","matrix":[1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1]}]"#;
@@ -281,11 +281,11 @@ fn weights_with_half_the_sum_are_noted() {
         r#""nodes":[{{"mesh":0,"skin":0}},{{"name":"a"}}],"skins":[{{"joints":[1]}}],
         "meshes":[{{"name":"skin","primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}}}}]}}]"#
     ));
-    let told = scene.notes.iter().find_map(|note| match note {
+    let reported = scene.notes.iter().find_map(|note| match note {
         Note::Weights { repair, merged, .. } => Some((repair.rescaled, *merged)),
         _ => None,
     });
-    assert_eq!(told, Some((3, 0)));
+    assert_eq!(reported, Some((3, 0)));
 }
 
 /// Bytes as fractions: the lowest signed byte represents −1 as well (section 3.6.2.2). The last entry of an interleaved
@@ -404,10 +404,10 @@ fn weights_belong_to_their_primitive() {
     let skin = scene.meshes[0].skin.as_ref().unwrap();
     for vertex in 0..6 {
         let influences = skin.weights.influences(vertex).iter();
-        let own: Vec<_> = influences.map(|i| (i.bone, i.weight)).collect();
+        let weights: Vec<_> = influences.map(|i| (i.bone, i.weight)).collect();
         match vertex < 3 {
-            true => assert_eq!(own, [(0, 1.0)], "{vertex}"),
-            false => assert_eq!(own, [(1, 0.25), (2, 0.75)], "{vertex}"),
+            true => assert_eq!(weights, [(0, 1.0)], "{vertex}"),
+            false => assert_eq!(weights, [(1, 0.25), (2, 0.75)], "{vertex}"),
         }
     }
 }

@@ -34,8 +34,8 @@ fn skin_of_the_scene_moves_as_that_of_the_rig() {
     for frame in [0, 7, 22, 40] {
         let time = (start + f64::from(frame) / 30.0).min(end);
         rig.clip.sample(time, Playback::Hold, &mut q).unwrap();
-        let own = rig.skeleton.pose(&q).unwrap();
-        let transforms: Vec<_> = own
+        let posed_skeleton = rig.skeleton.pose(&q).unwrap();
+        let transforms: Vec<_> = posed_skeleton
             .skinning_transforms(&rig.skeleton)
             .map(|transform| single_precision_transform(&transform))
             .collect();
@@ -50,8 +50,11 @@ fn skin_of_the_scene_moves_as_that_of_the_rig() {
         )
         .unwrap();
         let posed = posing.mesh(&pose).unwrap();
-        for (own, other) in posed.positions().iter().zip(expected.positions()) {
-            assert!(own.distance(*other) < 1e-4, "{own} for {other} at {time} s");
+        for (actual, other) in posed.positions().iter().zip(expected.positions()) {
+            assert!(
+                actual.distance(*other) < 1e-4,
+                "{actual} for {other} at {time} s"
+            );
         }
     }
 }

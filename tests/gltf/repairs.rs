@@ -71,21 +71,21 @@ fn vertex_without_weights_follows_its_first_joint() {
     let joints = [[0, 1, 0, 0], [1, 0, 0, 0], [7, 0, 0, 0]];
     let scene = skinned([HALVES, [0.0; 4], [0.0; 4]], joints, 1.0);
     let weights = &scene.meshes[0].skin.as_ref().unwrap().weights;
-    let of = |vertex| {
+    let influences_of = |vertex| {
         let influences = weights.influences(vertex).iter();
         influences.map(|i| (i.bone, i.weight)).collect::<Vec<_>>()
     };
-    assert_eq!(of(0), [(0, 0.5), (1, 0.5)]);
-    assert_eq!(of(1), [(1, 1.0)]);
-    assert_eq!(of(2), [(0, 1.0)]);
+    assert_eq!(influences_of(0), [(0, 0.5), (1, 0.5)]);
+    assert_eq!(influences_of(1), [(1, 1.0)]);
+    assert_eq!(influences_of(2), [(0, 1.0)]);
     let unweighted = scene.notes.iter().find_map(|note| match note {
         Note::Weights { unweighted, .. } => Some(*unweighted),
         _ => None,
     });
     assert_eq!(unweighted, Some(2));
-    let said = scene
+    let is_noted = scene
         .notes
         .iter()
         .any(|note| note.to_string().contains("2 vertices without weights"));
-    assert!(said, "{:?}", scene.notes);
+    assert!(is_noted, "{:?}", scene.notes);
 }

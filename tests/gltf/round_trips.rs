@@ -72,13 +72,13 @@ fn weights(joints: usize, random: &mut Random) -> SkinWeights {
         let count = 1 + vertex % 6;
         let first = random.below(joints);
         let mut left = 1024;
-        for place in 0..count {
-            let share = match place + 1 == count {
+        for slot in 0..count {
+            let share = match slot + 1 == count {
                 true => left,
                 false => 1 + random.below(left / 3),
             };
             left -= share;
-            let bone = (first + place) % joints;
+            let bone = (first + slot) % joints;
             builder.add(vertex, bone, share as f64 / 1024.0).unwrap();
         }
     }
@@ -153,7 +153,7 @@ fn scene() -> Scene {
     };
     let clips = vec![
         walk(&armature, random),
-        still(&armature),
+        constant_clip(&armature),
         Clip::builder("rest", &armature).build(),
     ];
     Scene {
@@ -279,7 +279,7 @@ fn walk(armature: &Armature, random: &mut Random) -> Clip {
 }
 
 /// Constant clip that differs from the rest pose, over a span without keys.
-fn still(armature: &Armature) -> Clip {
+fn constant_clip(armature: &Armature) -> Clip {
     let mut builder = Clip::builder("still", armature);
     let bone = armature.bone_at(3).unwrap();
     let turned = RotationCurve::step(vec![0.0], vec![Quat::from_rotation_z(1.0)]).unwrap();
@@ -310,9 +310,9 @@ fn representable_content_survives_bitwise() {
     let read = again(&scene, &WriteOptions::default());
     assert_eq!(read.armature, scene.armature);
     assert_eq!(read.meshes, scene.meshes);
-    for (read, own) in read.clips.iter().zip(&scene.clips) {
-        assert_eq!((read.name(), read.span()), (own.name(), own.span()));
-        assert_eq!(read, own, "{}", own.name());
+    for (read, clip) in read.clips.iter().zip(&scene.clips) {
+        assert_eq!((read.name(), read.span()), (clip.name(), clip.span()));
+        assert_eq!(read, clip, "{}", clip.name());
     }
     assert_eq!(read.clips.len(), 3);
     // The bytes of a second write are equal as well.
@@ -450,9 +450,9 @@ fn morph_targets_ignore_absent_mesh_attributes() {
     let mut bare = scene();
     bare.meshes[1].tangents.clear();
     let read = again(&bare, &WriteOptions::default());
-    let [own, found] = [&bare, &read].map(|scene| &scene.meshes[1].morph_targets.targets()[0]);
-    assert_eq!(found.position_deltas(), own.position_deltas());
-    assert_eq!(own.tangent_deltas().len(), 1);
+    let [original, found] = [&bare, &read].map(|scene| &scene.meshes[1].morph_targets.targets()[0]);
+    assert_eq!(found.position_deltas(), original.position_deltas());
+    assert_eq!(original.tangent_deltas().len(), 1);
     assert_eq!(found.tangent_deltas(), []);
 }
 

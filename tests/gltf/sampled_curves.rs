@@ -66,7 +66,7 @@ fn moving_from(rest: [f32; 2], add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene 
 fn apart(one: &Scene, other: &Scene) -> [f32; 3] {
     let (a, b) = (&one.clips[0], &other.clips[0]);
     assert!((a.duration() - b.duration()).abs() < 1e-6);
-    let mut most = [0.0f32; 3];
+    let mut largest = [0.0f32; 3];
     for step in 0..=1000 {
         let time = a.duration() * f64::from(step) / 1000.0;
         let (a, b) = (at(one, 0, time), at(other, 0, time));
@@ -79,9 +79,9 @@ fn apart(one: &Scene, other: &Scene) -> [f32; 3] {
                 .min(Vec4::from(p).distance(-Vec4::from(q))),
             weights.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max),
         ];
-        most = std::array::from_fn(|k| most[k].max(now[k]));
+        largest = std::array::from_fn(|k| largest[k].max(now[k]));
     }
-    most
+    largest
 }
 
 #[test]
@@ -257,8 +257,8 @@ fn weight_without_curve_stays_at_rest() {
             let read = again(&scene, &WriteOptions::default());
             for time in [0.0, 0.2, 0.5, 0.7, 1.0] {
                 let weights = at(&read, 0, time);
-                let off = weights.morph_weights()[1 - moves] - rest[1 - moves];
-                assert!(off.abs() < 1e-6, "{time}: {off}");
+                let deviation = weights.morph_weights()[1 - moves] - rest[1 - moves];
+                assert!(deviation.abs() < 1e-6, "{time}: {deviation}");
             }
         }
     }

@@ -60,19 +60,19 @@ fn scene(armature: Armature, meshes: Vec<SceneMesh>) -> Scene {
 #[test]
 fn skins_with_any_difference_are_written_apart() {
     let armature = armature();
-    let own = || skin(&armature, &[1, 2]);
-    let mut named = own();
+    let two_bone_skin = || skin(&armature, &[1, 2]);
+    let mut named = two_bone_skin();
     named.name = "coat".into();
-    let mut bound = own();
+    let mut bound = two_bone_skin();
     bound.joint_from_mesh[1] = Affine3A::from_translation(Vec3::Z);
     for (other, count) in [
-        (own(), 1),
+        (two_bone_skin(), 1),
         (skin(&armature, &[2, 1]), 2),
         (named, 2),
         (bound, 2),
     ] {
         let meshes = vec![
-            mesh("one", 1, &armature, own()),
+            mesh("one", 1, &armature, two_bone_skin()),
             mesh("other", 2, &armature, other),
         ];
         let whole = scene(armature.clone(), meshes);
@@ -88,14 +88,14 @@ fn skins_with_any_difference_are_written_apart() {
 #[test]
 fn empty_morph_targets_may_have_any_size() {
     let armature = armature();
-    let own = mesh("one", 1, &armature, skin(&armature, &[1, 2]));
+    let original = mesh("one", 1, &armature, skin(&armature, &[1, 2]));
     let bare = SceneMesh {
         morph_targets: MorphTargets::none(0),
-        ..own.clone()
+        ..original.clone()
     };
     let whole = scene(armature, vec![bare]);
     let bytes = gltf::to_bytes(&whole, &WriteOptions::default()).unwrap();
-    assert_eq!(support::gltf_text::read(&bytes).unwrap().meshes, [own]);
+    assert_eq!(support::gltf_text::read(&bytes).unwrap().meshes, [original]);
 }
 
 /// Joint indices have sixteen bits.

@@ -26,9 +26,9 @@ fn endless_computations_end_when_interrupted() {
     let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
     let arm = builder.with_attempts(u32::MAX).build().unwrap();
     let start = vec![0.1; 7];
-    let mut far = arm.base_from_tool(&start).unwrap();
-    far.translation += Vector3::new(5.0, 0.0, 0.0);
-    let solution = interruptible(interrupts, || arm.solve(far, &start)).unwrap();
+    let mut unreachable = arm.base_from_tool(&start).unwrap();
+    unreachable.translation += Vector3::new(5.0, 0.0, 0.0);
+    let solution = interruptible(interrupts, || arm.solve(unreachable, &start)).unwrap();
     assert!(!solution.reached);
     CALLS.set(0);
     let sampled = interruptible(interrupts, || model.clone().with_pairs_sampled(u64::MAX, 1));

@@ -179,8 +179,8 @@ fn invalid_configurations_are_rejected() {
     for q in wrong {
         for (name, refused) in configuration_functions(q) {
             let message = refused.expect_err(name).to_string();
-            let said = if q.len() == 3 { "finite" } else { "3" };
-            assert!(message.contains(said), "{name}: {message}");
+            let reason = if q.len() == 3 { "finite" } else { "3" };
+            assert!(message.contains(reason), "{name}: {message}");
         }
     }
     let mut odd = [0.1; 6];
@@ -189,8 +189,8 @@ fn invalid_configurations_are_rejected() {
     for q in wrong {
         for (name, refused) in angle_functions(q) {
             let message = refused.expect_err(name).to_string();
-            let said = if q.len() == 6 { "finite" } else { "6" };
-            assert!(message.contains(said), "{name}: {message}");
+            let reason = if q.len() == 6 { "finite" } else { "6" };
+            assert!(message.contains(reason), "{name}: {message}");
         }
     }
 }

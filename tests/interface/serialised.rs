@@ -166,9 +166,9 @@ fn solutions_with_nan_and_infinity_survive_serde() {
     let hand = builder.add(kinopt::task::Point::new(tree.far_frame(), [0.3, 0.2, 0.4]));
     let problem = builder.build().unwrap();
     let start = tree.configuration(&mut Random::new(1));
-    for bad in [f64::NAN, f64::INFINITY] {
+    for invalid in [f64::NAN, f64::INFINITY] {
         let mut targets = problem.targets();
-        let target = [0.3, bad, 0.4];
+        let target = [0.3, invalid, 0.4];
         targets.get_mut(hand).unwrap().set_target(target);
         let question = problem.with_targets(&targets).unwrap();
         let solution = Solver::default().solve_once(question, &start).unwrap();
@@ -248,9 +248,9 @@ fn motions_and_paths_survive_serde() {
         .unwrap();
     let start = [0.0, -0.3, 0.0, -1.8, 0.0, 1.5, 0.7];
     let from = arm.base_from_tool(&start).unwrap();
-    let mut far = from;
-    far.translation.x += 3.0;
-    let path = CartesianPath::new(vec![from, far]).unwrap();
+    let mut to = from;
+    to.translation.x += 3.0;
+    let path = CartesianPath::new(vec![from, to]).unwrap();
     let solved = PathSolver::new(&arm)
         .with_start(&start)
         .solve(&path)

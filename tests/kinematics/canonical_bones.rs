@@ -109,12 +109,12 @@ fn twist_bend_twist_gives_any_rotation() {
     let mut random = Random::new(3);
     let (skeleton, _) = one_bone(&Rigid::identity());
     for _ in 0..300 {
-        let wanted = random.rotation().into_inner();
-        let columns = [0, 1, 2].map(|k| DVec3::new(wanted[(0, k)], wanted[(1, k)], wanted[(2, k)]));
+        let target = random.rotation().into_inner();
+        let columns = [0, 1, 2].map(|k| DVec3::new(target[(0, k)], target[(1, k)], target[(2, k)]));
         let rotation = DMat3::from_cols(columns[0], columns[1], columns[2]);
         let [third, second, first] = EulerOrder::Xzx.from_matrix(&rotation).angles;
         let pose = skeleton.pose(&[first, second, third]).unwrap();
         let placed: na::Matrix3<f64> = pose.model_from_bone[0].rotation.into();
-        assert!((placed - wanted).amax() < 1e-14);
+        assert!((placed - target).amax() < 1e-14);
     }
 }

@@ -18,7 +18,7 @@ fn velocity(model: &Model, random: &mut Random, size: f64) -> Vec<f64> {
 fn largest_difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     let mut v = vec![0.0; model.degrees_of_freedom()];
     model.difference(a, b, &mut v).unwrap();
-    v.iter().fold(0.0, |most, v| most.max(v.abs()))
+    v.iter().fold(0.0, |largest, v| largest.max(v.abs()))
 }
 
 #[test]
@@ -44,8 +44,8 @@ fn integrate_and_difference_are_inverse() {
         let step = velocity(&model, random, 1.5);
         model.integrate(&a, &step, &mut q).unwrap();
         model.difference(&a, &q, &mut v).unwrap();
-        let off = step.iter().zip(&v).map(|(a, b)| (a - b).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-12, "(a + v) - a is v");
+        let deviation = step.iter().zip(&v).map(|(a, b)| (a - b).abs());
+        assert!(deviation.fold(0.0, f64::max) < 1e-12, "(a + v) - a is v");
 
         for (share, end) in [(0.0, &a), (1.0, &b)] {
             model.interpolate(&a, &b, share, &mut q).unwrap();
@@ -95,8 +95,8 @@ fn free_joint_moves_by_the_twist_exponential() {
         );
         let mut moved = vec![0.0; 7];
         model.integrate(&q, &v, &mut moved).unwrap();
-        let off = (matrix(&moved) - matrix(&q) * twist.exp()).amax();
-        assert!(off < 1e-12, "{off:e}");
+        let deviation = (matrix(&moved) - matrix(&q) * twist.exp()).amax();
+        assert!(deviation < 1e-12, "{deviation:e}");
     }
 }
 
@@ -110,8 +110,8 @@ fn frame_placements_equal_isometries() {
         let mut kinematics = ForwardKinematics::of_frames(&figure.model, &figure.frames).unwrap();
         let placed = kinematics.place(&q).unwrap();
         for (ours, theirs) in placed.iter().zip(figure.frames_at(&q)) {
-            let off = support::apart(ours, &theirs);
-            assert!(off < 1e-13, "{off:e}");
+            let deviation = support::apart(ours, &theirs);
+            assert!(deviation < 1e-13, "{deviation:e}");
         }
     }
 }
@@ -128,23 +128,23 @@ fn jacobian_is_the_derivative_along_velocities() {
             let jacobian = frame_jacobian(model, frame, &q).unwrap();
             assert_eq!(jacobian.ncols(), model.degrees_of_freedom());
             for column in 0..model.degrees_of_freedom() {
-                let mut there = |h: f64| {
+                let mut moved_frames = |h: f64| {
                     let mut v = vec![0.0; model.degrees_of_freedom()];
                     v[column] = h;
                     model.integrate(&q, &v, &mut q_moved).unwrap();
                     figure.frames_at(&q_moved)[k]
                 };
-                let (ahead, behind) = (there(H), there(-H));
+                let (ahead, behind) = (moved_frames(H), moved_frames(-H));
                 let linear = (ahead.translation.vector - behind.translation.vector) / (2.0 * H);
                 let turned = (ahead.rotation * behind.rotation.inverse()).into_inner();
                 let skew = (turned - turned.transpose()) / 2.0;
                 let angular = na::Vector3::new(skew.m32, skew.m13, skew.m21) / (2.0 * H);
                 let twist = jacobian.column(column);
-                let off = (twist.fixed_rows::<3>(0) - linear).amax();
-                let off = off.max((twist.fixed_rows::<3>(3) - angular).amax());
+                let deviation = (twist.fixed_rows::<3>(0) - linear).amax();
+                let deviation = deviation.max((twist.fixed_rows::<3>(3) - angular).amax());
                 assert!(
-                    off < 1e-8,
-                    "seed {seed}, frame {k}, column {column}: {off:e}"
+                    deviation < 1e-8,
+                    "seed {seed}, frame {k}, column {column}: {deviation:e}"
                 );
             }
         }
@@ -211,11 +211,11 @@ fn neutral_is_the_limit_nearest_to_zero() {
         let hinge = model.coordinate(model.joint("hinge").unwrap()).unwrap();
         let ball = model.coordinate(ball).unwrap();
         let turn = [(0.5 * nearest).cos(), 0.0, 0.0, (0.5 * nearest).sin()];
-        let off = q[ball..ball + 4]
+        let deviation = q[ball..ball + 4]
             .iter()
             .zip(turn)
             .map(|(a, b)| (a - b).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-12, "{q:?}");
+        assert!(deviation.fold(0.0, f64::max) < 1e-12, "{q:?}");
         assert_eq!(q[hinge], nearest);
     }
 }
@@ -306,7 +306,7 @@ fn impossible_ball_limits_are_rejected() {
         assert!(matches!(&error, ModelError::BadBallLimits { joint, .. } if joint == "shoulder"));
     }
     let mut builder = Model::builder("ball");
-    let room = BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.6);
-    builder.ball("shoulder", None, Placement::identity(), z, Some(room));
+    let limits = BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.6);
+    builder.ball("shoulder", None, Placement::identity(), z, Some(limits));
     assert!(builder.build().is_ok());
 }

@@ -145,10 +145,10 @@ fn spine_range_is_narrowed() {
             ("spine" | "chest", _) => 0.175,
             _ => f64::INFINITY,
         };
-        for room in [below, above] {
+        for bound in [below, above] {
             assert!(
-                room == expected || (room - expected).abs() < 1e-12,
-                "{bone}: {room}"
+                bound == expected || (bound - expected).abs() < 1e-12,
+                "{bone}: {bound}"
             );
         }
     }
@@ -273,9 +273,9 @@ fn spine_is_stiffer_than_limbs() {
     let x = vec![1.25; problem.variables()];
     Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
     let back: usize = holds.back.iter().map(|&b| character.joints(b).len()).sum();
-    let of = |weight: f64| residual.iter().filter(|r| **r == weight).count();
-    assert!(back > 0 && of(5.0) == back, "{residual:?}");
+    let count_of = |weight: f64| residual.iter().filter(|r| **r == weight).count();
+    assert!(back > 0 && count_of(5.0) == back, "{residual:?}");
     // Locked joints are at 0.
     let limbs = residual.len() - back;
-    assert_eq!(of(1.0) + of(-0.25), limbs, "{residual:?}");
+    assert_eq!(count_of(1.0) + count_of(-0.25), limbs, "{residual:?}");
 }

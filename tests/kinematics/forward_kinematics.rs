@@ -60,9 +60,9 @@ fn selected_frames_under_every_map() {
 #[test]
 fn placements_hold_far_from_the_origin() {
     let mut random = Random::new(3);
-    let away = rigid(random.rotation(), random.direction().into_inner() * 1e6);
+    let world_from_base = rigid(random.rotation(), random.direction().into_inner() * 1e6);
     for seed in 0..10 {
-        let tree = RandomTree::placed(seed, 12, away);
+        let tree = RandomTree::placed(seed, 12, world_from_base);
         let mut kinematics = ForwardKinematics::new(&tree.model);
         let q = tree.configuration(&mut random);
         let placed = kinematics.place(&q).unwrap();
@@ -90,7 +90,7 @@ fn dual_number_values_equal_plain_ones() {
 fn wrong_lengths_and_foreign_ids_are_named() {
     let small = RandomTree::new(1, 3).model;
     let large = RandomTree::new(2, 12);
-    let far = *large.frames.last().unwrap();
+    let foreign_frame = *large.frames.last().unwrap();
     let map = ParameterMap::identity(&large.model);
     let mut all = ForwardKinematics::<f64>::new(&small);
     let n = small.degrees_of_freedom();
@@ -102,8 +102,10 @@ fn wrong_lengths_and_foreign_ids_are_named() {
         );
         assert!(error.to_string().contains(small.name()));
     }
-    let foreign = ForwardKinematics::<f64>::of_frames(&small, &[far]).unwrap_err();
-    assert!(matches!(foreign, KinematicsError::ForeignFrame { index, .. } if index == far.index()));
+    let foreign = ForwardKinematics::<f64>::of_frames(&small, &[foreign_frame]).unwrap_err();
+    assert!(
+        matches!(foreign, KinematicsError::ForeignFrame { index, .. } if index == foreign_frame.index())
+    );
     let foreign = ForwardKinematics::<f64>::under(&small, &map, &[]).unwrap_err();
     assert!(matches!(foreign, KinematicsError::ForeignMap { .. }));
 }

@@ -43,7 +43,7 @@ fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
     let home = tree.frames_at(&zeros);
     let mut jacobian = DMatrix::zeros(6, q.len());
     let mut path = Vec::new();
-    let mut next = tree.hung[frame].0;
+    let mut next = tree.frame_offsets[frame].0;
     while let Some(joint) = next {
         path.insert(0, joint);
         next = tree.parts[joint].parent;
@@ -56,11 +56,11 @@ fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
         };
         // Every joint carries one frame, whose offset leads back to the joint.
         let hung = tree
-            .hung
+            .frame_offsets
             .iter()
             .position(|(on, _)| *on == Some(joint))
             .unwrap();
-        let at_zero = home[hung] * tree.hung[hung].1.inverse();
+        let at_zero = home[hung] * tree.frame_offsets[hung].1.inverse();
         let w = at_zero.rotation * part.axis.into_inner();
         let p = at_zero.translation.vector;
         let screw = match part.kind {
@@ -95,8 +95,11 @@ fn jacobian_equals_screw_exponentials() {
             let jacobian = frame_jacobian(&tree.model, id, &q).unwrap();
             let expected = by_exponentials(&tree, frame, &q);
             assert_eq!(jacobian.shape(), expected.shape());
-            let off = (&jacobian - &expected).amax();
-            assert!(off < 1e-13, "seed {seed}, frame {frame}: {off:e}");
+            let deviation = (&jacobian - &expected).amax();
+            assert!(
+                deviation < 1e-13,
+                "seed {seed}, frame {frame}: {deviation:e}"
+            );
         }
     }
 }
@@ -104,18 +107,19 @@ fn jacobian_equals_screw_exponentials() {
 /// Jacobians are computed relative to the root, so a distant world origin costs no precision.
 #[test]
 fn distant_origin_costs_no_precision() {
-    let away = support::rigid(
+    let world_from_base = support::rigid(
         nalgebra::Rotation3::identity(),
         Vector3::new(1e8, -2e8, 3e8),
     );
     for seed in 0..10 {
-        let [near, far] =
-            [support::Rigid::identity(), away].map(|away| RandomTree::placed(seed, 9, away));
-        let q = near.configuration(&mut Random::new(seed));
-        for (&id, &other) in near.frames.iter().zip(&far.frames) {
-            let here = frame_jacobian(&near.model, id, &q).unwrap();
-            let off = (frame_jacobian(&far.model, other, &q).unwrap() - here).amax();
-            assert!(off < 1e-13, "seed {seed}: {off:e}");
+        let [at_origin, displaced] = [support::Rigid::identity(), world_from_base]
+            .map(|world_from_base| RandomTree::placed(seed, 9, world_from_base));
+        let q = at_origin.configuration(&mut Random::new(seed));
+        for (&id, &other) in at_origin.frames.iter().zip(&displaced.frames) {
+            let expected = frame_jacobian(&at_origin.model, id, &q).unwrap();
+            let deviation =
+                (frame_jacobian(&displaced.model, other, &q).unwrap() - expected).amax();
+            assert!(deviation < 1e-13, "seed {seed}: {deviation:e}");
         }
     }
 }

@@ -40,13 +40,13 @@ fn jacobian_matches_differences_of_the_recursion() {
             let tips = rig.tips.iter().map(|&tip| rig.tip(&posed, tip));
             tips.flat_map(|tip| tip.as_slice().to_vec()).collect()
         };
-        let here = tips(&q);
+        let start_tips = tips(&q);
         let mut quotient = DMatrix::zeros(15, angles);
         for j in 0..angles {
             let mut moved = q.clone();
             moved[j] += H;
-            for (i, (there, here)) in tips(&moved).iter().zip(&here).enumerate() {
-                quotient[(i, j)] = (there - here) / H;
+            for (i, (moved_tip, tip)) in tips(&moved).iter().zip(&start_tips).enumerate() {
+                quotient[(i, j)] = (moved_tip - tip) / H;
             }
         }
         for route in Derivatives::ALL {
@@ -54,8 +54,8 @@ fn jacobian_matches_differences_of_the_recursion() {
             let mut scratch = problem.scratch();
             let mut jacobian = DMatrix::from_element(15, angles, f64::NAN);
             Evaluation::new(&problem, &mut scratch).jacobian(&q, &mut jacobian);
-            let off = (&jacobian - &quotient).amax();
-            assert!(off < 1e-6, "{route:?}: off by {off:e}");
+            let deviation = (&jacobian - &quotient).amax();
+            assert!(deviation < 1e-6, "{route:?}: off by {deviation:e}");
         }
     }
 }

@@ -61,14 +61,14 @@ fn huge_limits_do_not_increase_the_reach() {
     }
     // Two turns in either direction are real limits.
     let wide = model(4.0 * std::f64::consts::PI);
-    let far = (0..100).map(|seed| wide.random_configuration(seed)[1].abs());
-    assert!(far.fold(0.0, f64::max) > 3.0 * std::f64::consts::PI);
+    let angles = (0..100).map(|seed| wide.random_configuration(seed)[1].abs());
+    assert!(angles.fold(0.0, f64::max) > 3.0 * std::f64::consts::PI);
 }
 
-/// Mobile base on three prismatic joints of range `far`, with an arm of 1 m that rotates and slides.
-fn mobile(far: f64, unit: f64) -> Model {
+/// Mobile base on three prismatic joints of range `limit`, with an arm of 1 m that rotates and slides.
+fn mobile(limit: f64, unit: f64) -> Model {
     let mut builder = Model::builder("mobile");
-    let limits = Limits::new(-far * unit, far * unit);
+    let limits = Limits::new(-limit * unit, limit * unit);
     let mut base = None;
     for (name, axis) in ["x", "y", "z"].into_iter().zip(Vector3::UNITS) {
         base = Some(builder.prismatic(name, base, shift(0.0), axis, limits));
@@ -84,10 +84,10 @@ fn mobile(far: f64, unit: f64) -> Model {
 #[test]
 fn base_range_does_not_count() {
     // A radian weighs a quarter of the reach: with the base's range, 750 m instead of 31 cm.
-    for far in [0.0, 0.5, 7.0, 1e3, 1e8, f64::INFINITY] {
-        assert_eq!(mobile(far, 1.0).reach(), 1.25, "{far}");
+    for limit in [0.0, 0.5, 7.0, 1e3, 1e8, f64::INFINITY] {
+        assert_eq!(mobile(limit, 1.0).reach(), 1.25, "{limit}");
         // In any unit, also where the base's range looks like "none".
-        assert_eq!(mobile(far, 1024.0).reach(), 1.25 * 1024.0, "{far}");
+        assert_eq!(mobile(limit, 1024.0).reach(), 1.25 * 1024.0, "{limit}");
     }
 }
 

@@ -23,11 +23,11 @@ fn locked_values_are_clamped_by_a_small_excess() {
     let locked = ParameterMap::builder(&model).with_locked(joints[1], 2.0009);
     assert_eq!(locked.build().unwrap().sources()[1], Source::Constant(2.0));
     let held = ParameterMap::builder(&model).with_only(&[joints[2]], &[-1.002, 0.5, 9.0, 0.0]);
-    for far in [
+    for builder in [
         held,
         ParameterMap::builder(&model).with_locked(joints[1], 2.002),
     ] {
-        let error = far.build().unwrap_err().to_string();
+        let error = builder.build().unwrap_err().to_string();
         assert!(error.contains("cannot be locked"), "{error}");
     }
 }
@@ -117,7 +117,7 @@ fn mimic_bounds_never_widen_the_source_joint() {
     let map = map.with_narrowed(joints[0], Limits::new(-0.3, 0.4));
     let map = map.with_coupled(joints[1], joints[0], 2.0, 0.0);
     let map = map.build().unwrap();
-    for (bound, room) in [
+    for (bound, expected) in [
         (Limits::new(-0.9, 1.5), (-0.3, 0.4)),
         (Limits::new(-0.4, 1.5), (-0.2, 0.4)),
         (Limits::new(-0.9, 0.2), (-0.3, 0.1)),
@@ -127,6 +127,10 @@ fn mimic_bounds_never_widen_the_source_joint() {
         tasks.bound(joints[1], bound);
         tasks.add(Posture::new(&model, &[0.0; 2]));
         let problem = tasks.build().unwrap();
-        assert_eq!((problem.lower()[0], problem.upper()[0]), room, "{bound:?}");
+        assert_eq!(
+            (problem.lower()[0], problem.upper()[0]),
+            expected,
+            "{bound:?}"
+        );
     }
 }

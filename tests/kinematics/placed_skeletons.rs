@@ -72,8 +72,8 @@ fn joint_motion_is_relative_to_its_parent() {
             *angle += random.within(-1.0, 1.0);
         }
         let (before, after) = (relative(&q, bone, parent), relative(&moved, bone, parent));
-        let off = before.inverse() * after;
-        assert!(apart(&off, &Rigid::identity()) < 1e-13);
+        let offset = before.inverse() * after;
+        assert!(apart(&offset, &Rigid::identity()) < 1e-13);
     }
 }
 
@@ -98,16 +98,20 @@ fn placed_skeleton_solves_equally() {
                 .solve_once(&builder.build().unwrap(), &start)
                 .unwrap()
         };
-        let there = solve(&placed, &root);
-        let here = solve(&rig.skeleton, &Rigid::identity());
-        assert_eq!(here.reached, there.reached, "rig {seed}");
+        let placed_solution = solve(&placed, &root);
+        let original_solution = solve(&rig.skeleton, &Rigid::identity());
+        assert_eq!(
+            original_solution.reached, placed_solution.reached,
+            "rig {seed}"
+        );
         assert!(
-            (here.cost - there.cost).abs() <= 1e-9 * (1.0 + here.cost),
+            (original_solution.cost - placed_solution.cost).abs()
+                <= 1e-9 * (1.0 + original_solution.cost),
             "rig {seed}"
         );
         // Checked by the recursion: positions of the tips relative to the root.
-        let posed = rig.transforms(&there.q);
-        if there.reached {
+        let posed = rig.transforms(&placed_solution.q);
+        if placed_solution.reached {
             for &tip in &rig.tips {
                 let missed = rig.tip(&posed, tip) - rig.tip(&transforms, tip);
                 assert!(missed.norm() < 1e-5, "rig {seed}: {}", missed.norm());

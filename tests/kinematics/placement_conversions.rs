@@ -101,7 +101,7 @@ fn vectors_and_rotations_convert() {
     );
 
     let mut random = Random::new(8);
-    let off = |a: Matrix3<f64>, b: Matrix3<f64>| {
+    let deviation_of = |a: Matrix3<f64>, b: Matrix3<f64>| {
         let [a, b] = [a, b].map(|rotation| Placement::new(rotation, Vector3::zero()));
         difference(&a, &b)
     };
@@ -115,9 +115,9 @@ fn vectors_and_rotations_convert() {
         assert_eq!(Matrix3::from(theirs), turn);
         assert_eq!(Matrix3::from(by_matrix), turn);
         assert_eq!(Matrix3::from(glams), turn);
-        assert!(off(quaternion.into(), turn) < 1e-14);
-        assert!(off(glams_quaternion.into(), turn) < 1e-14);
-        assert!(off(glams_quaternion.as_quat().into(), turn) < 1e-6);
+        assert!(deviation_of(quaternion.into(), turn) < 1e-14);
+        assert!(deviation_of(glams_quaternion.into(), turn) < 1e-14);
+        assert!(deviation_of(glams_quaternion.as_quat().into(), turn) < 1e-6);
         let placement = Placement::from(quaternion);
         assert!(difference(&placement, &Placement::new(turn, Vector3::zero())) < 1e-14);
     }

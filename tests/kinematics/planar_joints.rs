@@ -19,8 +19,8 @@ fn planar_joint_works_for_any_normal() {
         let frame = builder.frame("puck", Some(puck), at);
         let model = builder.build().unwrap();
         let mut kinematics = ForwardKinematics::new(&model);
-        let mut place = |q: [f64; 3]| kinematics.place(&q).unwrap()[frame.index()];
-        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|q| place(q).translation);
+        let mut frame_at = |q: [f64; 3]| kinematics.place(&q).unwrap()[frame.index()];
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|q| frame_at(q).translation);
         let up = normal * (1.0 / normal.norm());
         let right = [
             x.dot(y),
@@ -30,15 +30,16 @@ fn planar_joint_works_for_any_normal() {
             y.norm() - 1.0,
         ];
         assert!(
-            right.iter().all(|off| off.abs() < 1e-14),
+            right.iter().all(|deviation| deviation.abs() < 1e-14),
             "{normal:?}: {right:?}"
         );
         assert!((x.cross(y) - up).norm() < 1e-14);
         // A quarter turn takes one direction to the other, after both translations.
-        let there = place([0.3, -0.2, std::f64::consts::FRAC_PI_2]);
-        assert!((there.translation - (x * 0.3 - y * 0.2)).norm() < 1e-14);
+        let placement = frame_at([0.3, -0.2, std::f64::consts::FRAC_PI_2]);
+        assert!((placement.translation - (x * 0.3 - y * 0.2)).norm() < 1e-14);
         assert!(
-            (there.rotation * x - y).norm() < 1e-14 && (there.rotation * up - up).norm() < 1e-14
+            (placement.rotation * x - y).norm() < 1e-14
+                && (placement.rotation * up - up).norm() < 1e-14
         );
     }
 }

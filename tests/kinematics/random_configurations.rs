@@ -123,13 +123,13 @@ fn ball_limits_match_their_parts() {
             0 => [PI; 2],
             _ => [(); 2].map(|()| random.within(0.3, 2.5)),
         };
-        let (least, most) = (random.within(-2.5, 0.0), random.within(0.0, 2.5));
+        let (lower, upper) = (random.within(-2.5, 0.0), random.within(0.0, 2.5));
         let twist = match case % 5 {
             0 => Limits::UNBOUNDED,
-            1 => Limits::new(least, PI),
-            2 => Limits::new(-PI, most),
-            3 => Limits::new(f64::NEG_INFINITY, most),
-            _ => Limits::new(least, most),
+            1 => Limits::new(lower, PI),
+            2 => Limits::new(-PI, upper),
+            3 => Limits::new(f64::NEG_INFINITY, upper),
+            _ => Limits::new(lower, upper),
         };
         let mut limits = BallLimits::elliptic(first, swing, twist);
         let angle = (case % 7 == 0).then(|| random.within(1.0, 2.5));
@@ -146,7 +146,7 @@ fn ball_limits_match_their_parts() {
             let Quaternion { w, v } = Quaternion::from_matrix(&made);
             let inside = (a / swing[0]).hypot(b / swing[1]) <= 1.0
                 && twist.contains(turned)
-                && angle.is_none_or(|most| 2.0 * w.abs().min(1.0).acos() <= most);
+                && angle.is_none_or(|upper| 2.0 * w.abs().min(1.0).acos() <= upper);
             // A swing beyond half a turn equals another one.
             if a.hypot(b) < 3.1 {
                 let q = [w, v.x, v.y, v.z];
@@ -167,7 +167,7 @@ fn ball_limits_match_their_parts() {
 fn free_joints_and_common_limits() {
     let mut builder = Model::builder("two bodies");
     let still = Placement::identity();
-    let room = [Limits::UNBOUNDED; 3];
+    let bounds = [Limits::UNBOUNDED; 3];
     let hinge = builder.revolute(
         "hinge",
         None,
@@ -175,8 +175,8 @@ fn free_joints_and_common_limits() {
         Vector3::UNITS[0],
         Limits::new(-1.0, 1.0),
     );
-    builder.free("a", None, still, room);
-    builder.free("b", Some(hinge), still, room);
+    builder.free("a", None, still, bounds);
+    builder.free("b", Some(hinge), still, bounds);
     let model = builder.build().unwrap();
     let named = model.free_joints().iter();
     let named: Vec<_> = named

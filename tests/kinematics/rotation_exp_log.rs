@@ -203,8 +203,8 @@ fn exponential_jacobian_matches_differences() {
                 .zip([jacobian.x, jacobian.y, jacobian.z])
             {
                 let by = 1e-5;
-                let [there, here] = [by, -by].map(|by| rotation_exp(phi + unit * by));
-                let turned = rotation_log(&(there * here.transpose())) * (0.5 / by);
+                let [ahead, behind] = [by, -by].map(|by| rotation_exp(phi + unit * by));
+                let turned = rotation_log(&(ahead * behind.transpose())) * (0.5 / by);
                 assert!(
                     (turned - column).norm() < 1e-9,
                     "{size}: {turned:?} {column:?}"

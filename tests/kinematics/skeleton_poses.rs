@@ -146,6 +146,6 @@ fn frames_belong_to_their_bones() {
         .model()
         .frame_ids()
         .map(|frame| skeleton.bone_of_frame(frame));
-    let tips = frames.filter(|own| own.is_some_and(|(_, is_tip)| is_tip));
+    let tips = frames.filter(|frame| frame.is_some_and(|(_, is_tip)| is_tip));
     assert_eq!(tips.count(), skeleton.bones().len());
 }

@@ -6,7 +6,7 @@ use kinopt::Scalar;
 use kinopt::simd_ik::lane::Lanes;
 use kinopt::simd_ik::trigonometry::MAX_ANGLE;
 use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
-use support::lane_chains::{Random, panda, target};
+use support::simd_chains::{Random, panda, target};
 
 fn worst_error(x: f64) -> f64 {
     let (s, c) = Lanes::<4, false>([x, -x, 0.5 * x, x + 1.0]).sin_cos();

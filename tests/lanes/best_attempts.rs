@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
-use support::lane_chains::{Random, errors, panda, target};
+use support::simd_chains::{Random, errors, panda, target};
 
 /// Weight of the orientation in the cost ½ p² + w² (1 − cos θ), which the solver minimises.
 const METRES_PER_RADIAN: f64 = 0.5;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
-use support::lane_chains::{
+use support::simd_chains::{
     Random, far_away, panda, planar, random_chain, target, ur5, within_bounds,
 };
 

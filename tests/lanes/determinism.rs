@@ -5,9 +5,9 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, far_away, panda, random_chain, target};
+use support::simd_chains::{Random, far_away, panda, random_chain, target};
 
-type Answers = (Vec<u64>, Vec<PoseOutcome>);
+type Results = (Vec<u64>, Vec<PoseOutcome>);
 
 fn work(chain: &Chain, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
     let mut random = Random(3);
@@ -26,7 +26,7 @@ fn work(chain: &Chain, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
     (goals, starts)
 }
 
-fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: usize) -> Answers {
+fn split(solver: &PoseSolver, goals: &[Placement<f64>], starts: &[f64], size: usize) -> Results {
     let n = solver.joints();
     let mut q = vec![0.0; starts.len()];
     let mut outcomes = vec![PoseOutcome::default(); goals.len()];
@@ -60,7 +60,7 @@ fn check(chain: &Chain, atlas: bool) {
     for threads in [2, 8] {
         let n = solver.joints();
         let size = 60usize.div_ceil(threads);
-        let joined: Vec<Answers> = std::thread::scope(|scope| {
+        let joined: Vec<Results> = std::thread::scope(|scope| {
             let handles: Vec<_> = goals
                 .chunks(size)
                 .zip(starts.chunks(size * n))

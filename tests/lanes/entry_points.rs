@@ -5,7 +5,7 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainError, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, far_away, panda, random_chain, target, tip, ur5};
+use support::simd_chains::{Random, far_away, panda, random_chain, target, tip, ur5};
 
 const NO_ATLAS: fn() -> LaneOptions = || LaneOptions::default().with_atlas(false);
 
@@ -57,8 +57,8 @@ fn total_iterations_are_bounded() {
     let chain = panda();
     let (start, n) = (vec![0.1, 0.1, 0.1, -1.0, 0.1, 1.0, 0.1], 7);
     let mut last = 0;
-    for most in [1, 60, 400] {
-        let options = NO_ATLAS().with_total_iterations(most).with_iterations(40);
+    for limit in [1, 60, 400] {
+        let options = NO_ATLAS().with_total_iterations(limit).with_iterations(40);
         let pose_solver = solver(&chain, options);
         let mut alone = vec![0.0; n];
         let reported = pose_solver.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
@@ -76,11 +76,11 @@ fn total_iterations_are_bounded() {
         outcomes.push(reported.unwrap());
         for outcome in &outcomes {
             // Eight attempts may already be running at that point.
-            assert!(outcome.iterations < most + 8 * 40, "{most}: {outcome:?}");
-            assert!(!outcome.reached && outcome.attempts <= most + 8);
+            assert!(outcome.iterations < limit + 8 * 40, "{limit}: {outcome:?}");
+            assert!(!outcome.reached && outcome.attempts <= limit + 8);
         }
         let spent = outcomes[3].iterations;
-        assert!(spent > last, "{most}: {spent}");
+        assert!(spent > last, "{limit}: {spent}");
         last = spent;
     }
 }
@@ -98,10 +98,10 @@ fn option_out_of_range_is_named() {
         ("damping", LaneOptions::with_damping),
     ];
     for (name, set) in options {
-        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let refused = PoseSolver::new(&ur5(), set(NO_ATLAS(), bad));
+        for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let refused = PoseSolver::new(&ur5(), set(NO_ATLAS(), invalid));
             let message = refused.unwrap_err().to_string();
-            assert!(message.contains(name), "{name} = {bad}: {message}");
+            assert!(message.contains(name), "{name} = {invalid}: {message}");
         }
     }
 }
@@ -118,16 +118,16 @@ fn invalid_query_is_reported_by_index() {
     let mirrored = Matrix3::from_columns(-r.x, r.y, r.z);
     let stretched = Matrix3::from_columns(r.x, r.y, r.z * 1.01);
     let sheared = Matrix3::from_columns(r.x, (r.y + r.x) * 0.5_f64.sqrt(), r.z);
-    let bad = [
+    let invalid = [
         Placement::new(mirrored, good.translation),
         Placement::new(stretched, good.translation),
         Placement::new(sheared, good.translation),
         Placement::new(r, Vector3::new(0.0, f64::NAN, 0.0)),
     ];
-    for bad in bad {
+    for invalid in invalid {
         for at in 0..3 {
             let mut goals = [good; 3];
-            goals[at] = bad;
+            goals[at] = invalid;
             let (mut q, mut outcomes) = (vec![0.0; 3 * n], vec![PoseOutcome::default(); 3]);
             let refused = pose_solver.solve_batch(
                 &goals,
@@ -141,17 +141,17 @@ fn invalid_query_is_reported_by_index() {
             assert_eq!(refused, Err(LaneError::Target(at)));
         }
         let mut q = vec![0.0; n];
-        let refused = pose_solver.solve(&bad, &start, Prefer::Start, None, &mut q);
+        let refused = pose_solver.solve(&invalid, &start, Prefer::Start, None, &mut q);
         assert_eq!(refused, Err(LaneError::Target(0)));
         let mut outcomes = [PoseOutcome::default()];
         let refused =
-            pose_solver.run_attempts(&bad, &start, Prefer::Start, 0, &mut q, &mut outcomes);
+            pose_solver.run_attempts(&invalid, &start, Prefer::Start, 0, &mut q, &mut outcomes);
         assert_eq!(refused, Err(LaneError::Target(0)));
         // Such a placement is also rejected within a chain.
-        let refused = Chain::new(chain.joints().to_vec(), bad);
+        let refused = Chain::new(chain.joints().to_vec(), invalid);
         assert_eq!(refused, Err(ChainError::Placement(n)));
         let mut joints = chain.joints().to_vec();
-        joints[2].parent_from_joint = bad;
+        joints[2].parent_from_joint = invalid;
         let refused = Chain::new(joints, *chain.joint_from_tip());
         assert_eq!(refused, Err(ChainError::Placement(2)));
     }
@@ -188,13 +188,13 @@ fn weightless_components_do_not_count_as_errors() {
         let reported = pose_solver.solve(&goal, &start, Prefer::Start, None, &mut q);
         let reported = reported.unwrap();
         let goal = nalgebra::Isometry3::from(&goal);
-        let off = goal.inverse() * tip(&chain, &q);
+        let offset = goal.inverse() * tip(&chain, &q);
         let counted = |part: [f64; 3], weights: [f64; 3]| {
             let squares = part.iter().zip(weights).map(|(v, w)| v * v * w);
             squares.sum::<f64>().sqrt()
         };
-        let position = counted(off.translation.vector.into(), axes.position_weights);
-        let half = off.rotation.quaternion().imag();
+        let position = counted(offset.translation.vector.into(), axes.position_weights);
+        let half = offset.rotation.quaternion().imag();
         let chord = counted([half.x, half.y, half.z], axes.orientation_weights);
         let angle = 2.0 * chord.min(1.0).asin();
         assert!(
@@ -246,17 +246,17 @@ fn overflowing_error_is_infinite() {
     let chain = random_chain(3, 6, 0, false);
     let pose_solver = solver(&chain, NO_ATLAS().with_attempts(2));
     let turned = target(&chain, &[0.4; 6]).rotation;
-    for far in [
+    for position in [
         [1.7e308, 1.7e308, -1.7e308],
         [1e300, 0.0, 0.0],
         [-1.7e308, 1.7e308, 1.7e308],
     ] {
-        let goal = Placement::new(turned, far.into());
+        let goal = Placement::new(turned, position.into());
         let mut q = vec![0.0; 6];
         let reported = pose_solver.solve(&goal, &[0.2; 6], Prefer::Start, None, &mut q);
         let reported = reported.unwrap();
         assert!(!reported.reached);
-        assert_eq!(reported.position_error, f64::INFINITY, "{far:?}");
+        assert_eq!(reported.position_error, f64::INFINITY, "{position:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 
 use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
+use support::simd_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
 fn check(chain: &Chain, seed: u64) {
     let options = LaneOptions::default().with_atlas(false).with_attempts(5);
@@ -144,10 +144,10 @@ fn half_a_turn_is_reported_as_pi() {
 #[test]
 fn unresolvable_prismatic_joint_is_not_reached() {
     let solver = one_joint(JointKind::Prismatic, 0.0, 1e12);
-    let far = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
+    let target = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
     for (x, reached) in [(1.0, true), (9e11, false)] {
         let outcome = solver
-            .solve(&far(x), &[0.5 * x], Prefer::Start, None, &mut [0.0])
+            .solve(&target(x), &[0.5 * x], Prefer::Start, None, &mut [0.0])
             .unwrap();
         assert_eq!(outcome.reached, reached, "{x}: {outcome:?}");
     }
@@ -212,9 +212,9 @@ fn every_number_of_an_axis_goal_is_validated() {
         |goal| &mut goal.orientation_half_widths,
     ];
     for part in parts {
-        for (axis, bad) in [(0, -1e-3), (1, f64::NAN), (2, f64::NEG_INFINITY)] {
+        for (axis, invalid) in [(0, -1e-3), (1, f64::NAN), (2, f64::NEG_INFINITY)] {
             let mut axes = AxisGoal::full_pose();
-            part(&mut axes)[axis] = bad;
+            part(&mut axes)[axis] = invalid;
             let options = LaneOptions::default().with_axes(axes);
             let refused = PoseSolver::new(&planar(), options.with_atlas(false));
             assert!(refused.is_err(), "{axes:?}");

@@ -4,20 +4,20 @@
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{Random, panda, target, ur5};
 use support::sample::cases;
+use support::simd_chains::{Random, panda, target, ur5};
 
 /// The same chain, with the values of two joints increased by angles in radians.
-fn with_shifted_zeros(chain: &Chain, by: [f64; 2]) -> Chain {
+fn with_shifted_zeros(chain: &Chain, shifts: [f64; 2]) -> Chain {
     let mut joints = chain.joints().to_vec();
     let last = joints.len() - 1;
-    for (place, by) in [0, last].into_iter().zip(by) {
-        let joint = &mut joints[place];
-        let back = Matrix3::rotation(joint.axis, (-by).sin_cos());
+    for (index, shift) in [0, last].into_iter().zip(shifts) {
+        let joint = &mut joints[index];
+        let back = Matrix3::rotation(joint.axis, (-shift).sin_cos());
         let back = Placement::new(back, Vector3::zero());
         joint.parent_from_joint = joint.parent_from_joint * back;
-        joint.lower += by;
-        joint.upper += by;
+        joint.lower += shift;
+        joint.upper += shift;
     }
     Chain::new(joints, *chain.joint_from_tip()).unwrap()
 }
@@ -27,9 +27,10 @@ fn shifted_zeros_have_the_same_seeds() {
     for chain in [panda(), ur5()] {
         let n = chain.joints().len();
         let plain = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
-        for by in [[0.0, 2.5], [2.5, 0.0], [-4.0, 4.0]] {
+        for shifts in [[0.0, 2.5], [2.5, 0.0], [-4.0, 4.0]] {
             let solver =
-                PoseSolver::new(&with_shifted_zeros(&chain, by), LaneOptions::default()).unwrap();
+                PoseSolver::new(&with_shifted_zeros(&chain, shifts), LaneOptions::default())
+                    .unwrap();
             let mut random = Random(11);
             let (mut q, mut other) = (vec![0.0; n], vec![0.0; n]);
             let (mut spent, mut same, count) = ([0; 2], 0, cases(200, 60));
@@ -38,23 +39,26 @@ fn shifted_zeros_have_the_same_seeds() {
                 let mut start = random.configuration(&chain);
                 let first = Prefer::First;
                 let outcome = plain.solve(&goal, &start, first, None, &mut q).unwrap();
-                start[0] += by[0];
-                start[n - 1] += by[1];
+                start[0] += shifts[0];
+                start[n - 1] += shifts[1];
                 let turned = solver
                     .solve(&goal, &start, first, None, &mut other)
                     .unwrap();
                 assert!(outcome.reached && turned.reached);
                 spent[0] += outcome.iterations;
                 spent[1] += turned.iterations;
-                other[0] -= by[0];
-                other[n - 1] -= by[1];
+                other[0] -= shifts[0];
+                other[n - 1] -= shifts[1];
                 let apart = q.iter().zip(&other).map(|(a, b)| (a - b).abs());
                 same += usize::from(apart.fold(0.0, f64::max) < 1e-5);
             }
             // Rounding can occasionally lead to another seed.
-            assert!(20 * same >= 19 * count, "{by:?}: {same} of {count}");
+            assert!(20 * same >= 19 * count, "{shifts:?}: {same} of {count}");
             let [original, turned] = spent.map(f64::from);
-            assert!((turned / original - 1.0).abs() < 0.02, "{by:?}: {spent:?}");
+            assert!(
+                (turned / original - 1.0).abs() < 0.02,
+                "{shifts:?}: {spent:?}"
+            );
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use support::lane_chains::{Random, panda, target};
+use support::simd_chains::{Random, panda, target};
 
 /// The Panda next to a short vertical rail, tilted about horizontal axes by angles in radians.
 fn on_a_rail(tilt: [f64; 2]) -> Chain {

@@ -5,7 +5,7 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement};
-use support::lane_chains::{
+use support::simd_chains::{
     Random, errors, panda, planar, random_chain, target, tip, ur5, within_bounds,
 };
 

@@ -6,48 +6,48 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;
-use support::lane_chains::{Random, panda, random_chain, target, ur5};
 use support::sample::{cases, part};
+use support::simd_chains::{Random, panda, random_chain, target, ur5};
 
-fn scaled(placement: &Placement<f64>, by: f64) -> Placement<f64> {
-    Placement::new(placement.rotation, placement.translation * by)
+fn scaled(placement: &Placement<f64>, factor: f64) -> Placement<f64> {
+    Placement::new(placement.rotation, placement.translation * factor)
 }
 
-/// The same chain in a unit `by` times as small.
-fn chain_in(chain: &Chain, by: f64) -> Chain {
+/// The same chain in a unit `factor` times as small.
+fn chain_in(chain: &Chain, factor: f64) -> Chain {
     let joints = chain.joints().iter().map(|joint| {
         let unit = if joint.kind == JointKind::Prismatic {
-            by
+            factor
         } else {
             1.0
         };
         ChainJoint {
-            parent_from_joint: scaled(&joint.parent_from_joint, by),
+            parent_from_joint: scaled(&joint.parent_from_joint, factor),
             lower: joint.lower * unit,
             upper: joint.upper * unit,
             ..*joint
         }
     });
-    Chain::new(joints.collect(), scaled(chain.joint_from_tip(), by)).unwrap()
+    Chain::new(joints.collect(), scaled(chain.joint_from_tip(), factor)).unwrap()
 }
 
-fn options_in(by: f64) -> LaneOptions {
+fn options_in(factor: f64) -> LaneOptions {
     LaneOptions::default()
-        .with_position_tolerance(1e-6 * by)
-        .with_metres_per_radian(0.3 * by)
+        .with_position_tolerance(1e-6 * factor)
+        .with_metres_per_radian(0.3 * factor)
 }
 
 /// q and outcomes in the original unit: single queries, both searches, and batches; reached and not.
-fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
-    let there = chain_in(chain, by);
-    let solver = PoseSolver::new(&there, options_in(by)).unwrap();
+fn results(chain: &Chain, factor: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
+    let scaled_chain = chain_in(chain, factor);
+    let solver = PoseSolver::new(&scaled_chain, options_in(factor)).unwrap();
     let n = solver.joints();
     let units: Vec<f64> = chain
         .joints()
         .iter()
         .map(|joint| {
             if joint.kind == JointKind::Prismatic {
-                by
+                factor
             } else {
                 1.0
             }
@@ -60,7 +60,7 @@ fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
         if k % 8 == 7 {
             goal.translation = goal.translation * 4.0;
         }
-        goals.push(scaled(&goal, by));
+        goals.push(scaled(&goal, factor));
         let start = random.configuration(chain);
         starts.extend(start.iter().zip(&units).map(|(q, unit)| q * unit));
     }
@@ -88,7 +88,7 @@ fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
         }
     }
     for outcome in &mut outcomes {
-        outcome.position_error /= by;
+        outcome.position_error /= factor;
     }
     (all, outcomes)
 }
@@ -108,8 +108,8 @@ fn powers_of_two_give_bitwise_equal_results() {
         let (q, outcomes) = results(&chain, 1.0);
         assert!(outcomes.iter().any(|outcome| outcome.reached));
         // Far and near: rounding of lengths does not affect that of angles.
-        for by in part([2_f64.powi(40), 1.0 / 4096.0, 1024.0], 2) {
-            let (other, others) = results(&chain, by);
+        for factor in part([2_f64.powi(40), 1.0 / 4096.0, 1024.0], 2) {
+            let (other, others) = results(&chain, factor);
             let bits = |q: &[f64]| -> Vec<u64> { q.iter().map(|v| v.to_bits()).collect() };
             assert_eq!(bits(&q), bits(&other));
             assert_eq!(outcomes, others);
@@ -157,8 +157,8 @@ fn starts_many_turns_away_are_solved() {
     let mut q = [0.0; 6];
     for turns in [1e3, 1e5, 1e7, 1e12] {
         for search in [Prefer::Start, Prefer::First] {
-            let wanted = random.configuration(&chain);
-            let goal = target(&chain, &wanted);
+            let target_q = random.configuration(&chain);
+            let goal = target(&chain, &target_q);
             let start: Vec<f64> = (0..6)
                 .map(|_| random.within(-1.0, 1.0) + turns * TAU)
                 .collect();
@@ -178,14 +178,14 @@ fn starts_many_turns_away_are_solved() {
 /// The half width of a position is in the chain's unit.
 #[test]
 fn half_widths_are_in_the_unit_of_the_chain() {
-    for by in [1.0, 1024.0] {
-        let chain = chain_in(&ur5(), by);
-        let room = 0.05 * by;
+    for factor in [1.0, 1024.0] {
+        let chain = chain_in(&ur5(), factor);
+        let half_width = 0.05 * factor;
         let axes = AxisGoal {
-            position_half_widths: [room; 3],
+            position_half_widths: [half_width; 3],
             ..AxisGoal::full_pose()
         };
-        let options = options_in(by).with_axes(axes).with_atlas(false);
+        let options = options_in(factor).with_axes(axes).with_atlas(false);
         let solver = PoseSolver::new(&chain, options).unwrap();
         let mut random = Random(9);
         let (mut q, mut used) = ([0.0; 6], 0.0_f64);
@@ -194,12 +194,15 @@ fn half_widths_are_in_the_unit_of_the_chain() {
             let start = random.configuration(&chain);
             let outcome = solver.solve(&goal, &start, Prefer::Start, None, &mut q);
             assert!(outcome.unwrap().reached);
-            let off = goal.inverse() * target(&chain, &q);
-            for off in off.translation.to_array() {
-                assert!(off.abs() < room + 1.01e-6 * by, "{off} in units of {by}");
-                used = used.max(off.abs());
+            let offset = goal.inverse() * target(&chain, &q);
+            for component in offset.translation.to_array() {
+                assert!(
+                    component.abs() < half_width + 1.01e-6 * factor,
+                    "{component} in units of {factor}"
+                );
+                used = used.max(component.abs());
             }
         }
-        assert!(used > 0.5 * room, "{used} in units of {by}");
+        assert!(used > 0.5 * half_width, "{used} in units of {factor}");
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kinopt::simd_ik::{AxisGoal, LaneError, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::lane_chains::{far_away, panda, planar, target};
+use support::simd_chains::{far_away, panda, planar, target};
 
 /// The planar arm is nearest to (3, 4) when it is stretched towards it.
 #[test]

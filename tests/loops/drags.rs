@@ -26,10 +26,10 @@ fn dragged_pen_keeps_its_loop_closed() {
         drag.target_mut(pen).unwrap().set_target(target);
         let solution = drag.advance();
         assert!(solution.loops_closed(), "{frame}: {}", solution.explain());
-        let off = linkage.freudenstein(solution.q[0], solution.q[2]);
+        let deviation = linkage.freudenstein(solution.q[0], solution.q[2]);
         assert!(
-            off.abs() < Loop::TOLERANCE / linkage.crank.powi(2),
-            "{off:e}"
+            deviation.abs() < Loop::TOLERANCE / linkage.crank.powi(2),
+            "{deviation:e}"
         );
         missed += usize::from(!solution.reached);
     }

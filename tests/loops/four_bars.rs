@@ -29,8 +29,8 @@ fn rocker_follows_a_locked_crank() {
             panic!("three joints")
         };
         assert_eq!(crank, angle);
-        let off = linkage.freudenstein(crank, rocker);
-        assert!(off.abs() < 1e-8, "{off:e} at {angle}");
+        let deviation = linkage.freudenstein(crank, rocker);
+        assert!(deviation.abs() < 1e-8, "{deviation:e} at {angle}");
         // Direction of the coupler, from the two ends that Freudenstein's equation omits.
         let (x, y) = (
             linkage.ground + linkage.rocker * rocker.cos() - linkage.crank * crank.cos(),
@@ -55,8 +55,8 @@ fn pen_reaches_points_of_its_curve() {
             -linkage.crank * crank.sin(),
         );
         let (diagonal, b, c) = (x.hypot(y), linkage.coupler, linkage.rocker);
-        let beside = (b * b + diagonal * diagonal - c * c) / (2.0 * b * diagonal);
-        let coupler = y.atan2(x) + beside.acos() - crank;
+        let cosine = (b * b + diagonal * diagonal - c * c) / (2.0 * b * diagonal);
+        let coupler = y.atan2(x) + cosine.acos() - crank;
         let placed = kinematics.place(&[crank, coupler, 0.0]).unwrap();
         let target = placed[pen.index()].translation;
 
@@ -65,8 +65,8 @@ fn pen_reaches_points_of_its_curve() {
         let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);
         let solution = solution.unwrap();
         assert!(solution.reached, "{k}: {}", solution.explain());
-        let off = linkage.freudenstein(solution.q[0], solution.q[2]);
-        assert!(off.abs() < 1e-8, "{off:e}");
+        let deviation = linkage.freudenstein(solution.q[0], solution.q[2]);
+        assert!(deviation.abs() < 1e-8, "{deviation:e}");
     }
 }
 
@@ -78,8 +78,8 @@ fn soft_tasks_are_not_weighted_against_loops() {
     for preferences in [Preferences::WithinGoals, Preferences::Traded] {
         let mut problem = Problem::builder(&model);
         for (level, angle) in [(0, 0.4), (1, 1.0)] {
-            let wanted = Task::new(Posture::of_joints([(crank, angle)]));
-            problem.add(wanted.preference().at_level(level));
+            let posture = Task::new(Posture::of_joints([(crank, angle)]));
+            problem.add(posture.preference().at_level(level));
         }
         problem.preferences(preferences);
         let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);

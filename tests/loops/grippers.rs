@@ -24,8 +24,8 @@ fn assert_gripper(model: &Model, q: &[f64]) {
         let turned = (tip.rotation.x.y, tip.rotation.x.x);
         assert!(turned.0.abs() < 1e-7 && turned.1 > 0.0, "{turned:?}");
         let expected = [s * (out + arm * cos), arm * sin + 0.08];
-        let off = (tip.translation.x - expected[0]).hypot(tip.translation.y - expected[1]);
-        assert!(off < 1e-8, "{side}: {off:e}");
+        let deviation = (tip.translation.x - expected[0]).hypot(tip.translation.y - expected[1]);
+        assert!(deviation < 1e-8, "{side}: {deviation:e}");
     }
     let across = out + hole * cos;
     let along = hole * sin - q[model.coordinate(model.joint("push").unwrap()).unwrap()];

@@ -11,7 +11,7 @@ use kinopt::model::{
 use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-use crate::mechanisms::{FourBar, TURNS, along_x};
+use crate::mechanisms::{FourBar, ROTATION_LIMITS, along_x};
 
 const Z: Vector3<f64> = Vector3 {
     x: 0.0,
@@ -22,8 +22,8 @@ const Z: Vector3<f64> = Vector3 {
 /// A revolute joint with a tip at 1 m, another at 3 m with an equal tip, and a prismatic joint at the second tip.
 fn two_revolutes(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
     let mut builder = Model::builder("two hinges");
-    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
-    let two = builder.revolute("two", None, along_x(3.0), Z, TURNS);
+    let one = builder.revolute("one", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let two = builder.revolute("two", None, along_x(3.0), Z, ROTATION_LIMITS);
     let slide = builder.prismatic(
         "slide",
         Some(two),
@@ -64,7 +64,7 @@ fn frames_without_joints_between_must_coincide() {
     let turned = Placement::new(Matrix3::rotation(Z, (0.6, 0.8)), Vector3::zero());
     type Kind = fn(&'static str, [FrameId; 2]) -> Loop;
     let (connect, weld): (Kind, Kind) = (Loop::connect, Loop::weld);
-    for (at, own, fine) in [
+    for (at, make_loop, fine) in [
         (along_x(0.0), weld, true),
         (along_x(1e-6), connect, false),
         (turned, connect, true),
@@ -72,9 +72,9 @@ fn frames_without_joints_between_must_coincide() {
     ] {
         let (mut builder, ends) = two_revolutes(1.0);
         let one = Some(built_joint(&builder, "one"));
-        let beside = builder.frame("beside one's end", one, along_x(1.0));
-        let own = own("stiff", [ends[0], beside]);
-        builder.close(own.at([Placement::identity(), at]));
+        let side_frame = builder.frame("beside one's end", one, along_x(1.0));
+        let stiff_loop = make_loop("stiff", [ends[0], side_frame]);
+        builder.close(stiff_loop.at([Placement::identity(), at]));
         match builder.build() {
             Ok(_) => assert!(fine),
             Err(ModelError::LoopCannotClose { .. }) => assert!(!fine),
@@ -88,7 +88,9 @@ fn invalid_names_frames_and_points_are_named() {
     let built = |loops: &[Loop]| {
         let mut builder = Model::builder("four-bar");
         FourBar::CRANK_ROCKER.add_to(&mut builder, None);
-        loops.iter().for_each(|own| builder.close(own.clone()));
+        loops
+            .iter()
+            .for_each(|closure| builder.close(closure.clone()));
         builder.build().unwrap_err().to_string()
     };
     let frame = |k| FourBar::CRANK_ROCKER.model().frame_ids().nth(k).unwrap();
@@ -102,10 +104,12 @@ fn invalid_names_frames_and_points_are_named() {
     let (mut foreign, _) = two_revolutes(1.0);
     let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
     let beyond = beyond.last().unwrap();
-    let own = Loop::weld("other", [ends[0], beyond]);
-    assert!(built(&[own]).contains("loop `other` connects a frame that is not in this model"));
-    for bad in [f64::NAN, f64::INFINITY] {
-        let places = [along_x(0.0), along_x(bad)];
+    let foreign_loop = Loop::weld("other", [ends[0], beyond]);
+    assert!(
+        built(&[foreign_loop]).contains("loop `other` connects a frame that is not in this model")
+    );
+    for invalid in [f64::NAN, f64::INFINITY] {
+        let places = [along_x(0.0), along_x(invalid)];
         let reported = built(&[Loop::connect("nowhere", ends).at(places)]);
         assert!(
             reported.contains("loop `nowhere`") && reported.contains("not finite"),
@@ -123,8 +127,8 @@ fn invalid_names_frames_and_points_are_named() {
 #[test]
 fn arms_and_geometric_solvers_reject_loops() {
     let mut builder = Model::builder("four-bar on an arm");
-    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
-    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, ROTATION_LIMITS);
     let hand = builder.frame("hand", Some(elbow), along_x(1.0));
     FourBar::CRANK_ROCKER.add_to(&mut builder, Some(elbow));
     let model = builder.build().unwrap();
@@ -148,8 +152,8 @@ fn arms_and_geometric_solvers_reject_loops() {
 #[test]
 fn arm_that_drives_a_loop_is_rejected() {
     let mut builder = Model::builder("two hinges beside a four-bar");
-    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
-    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, ROTATION_LIMITS);
     builder.frame("hand", Some(elbow), along_x(1.0));
     let [crank, _, _] = FourBar::CRANK_ROCKER.add_to(&mut builder, None);
     let follows = |master| Mimic {
@@ -259,14 +263,14 @@ fn prismatic_joint_bridges_a_gap() {
 /// link's.
 fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
     let mut builder = Model::builder("two hinges and a rail");
-    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
-    let two = builder.revolute("two", None, along_x(apart), Z, TURNS);
+    let one = builder.revolute("one", None, along_x(0.0), Z, ROTATION_LIMITS);
+    let two = builder.revolute("two", None, along_x(apart), Z, ROTATION_LIMITS);
     let x = Vector3::new(1.0, 0.0, 0.0);
     let rail = builder.prismatic("rail", Some(two), along_x(1.0), x, limits);
-    let far = builder.revolute("far", Some(rail), along_x(0.0), Z, TURNS);
+    let far_joint = builder.revolute("far", Some(rail), along_x(0.0), Z, ROTATION_LIMITS);
     let ends = [
         builder.frame("one's end", Some(one), along_x(1.0)),
-        builder.frame("far end", Some(far), along_x(0.0)),
+        builder.frame("far end", Some(far_joint), along_x(0.0)),
     ];
     builder.close(Loop::connect("long", ends));
     builder
@@ -297,7 +301,7 @@ fn always_extended_prismatic_joint_is_a_link() {
 fn weld_rotates_by_joints_of_either_end() {
     for hinge_is_first in [true, false] {
         let mut builder = Model::builder("hinge at a wall");
-        let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+        let hinge = builder.revolute("hinge", None, along_x(0.0), Z, ROTATION_LIMITS);
         let hand = builder.frame("hand", Some(hinge), along_x(1.0));
         let turned = Matrix3::rotation(Z, (0.6, 0.8));
         let at = Placement::new(turned, turned.x);
@@ -315,7 +319,7 @@ fn weld_rotates_by_joints_of_either_end() {
 #[test]
 fn rotated_weld_is_open() {
     let mut builder = Model::builder("hinge in a wall");
-    let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+    let hinge = builder.revolute("hinge", None, along_x(0.0), Z, ROTATION_LIMITS);
     let hand = builder.frame("hand", Some(hinge), along_x(0.0));
     let wall = builder.frame("wall", None, along_x(0.0));
     builder.close(Loop::weld("pin", [hand, wall]));

@@ -5,7 +5,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::random::Random;
 
 /// Wide range for rotations.
-pub(crate) const TURNS: Limits = Limits {
+pub(crate) const ROTATION_LIMITS: Limits = Limits {
     lower: -4.0,
     upper: 4.0,
 };
@@ -36,9 +36,15 @@ impl FourBar {
     /// `pin`.
     pub(crate) fn add_to(&self, builder: &mut ModelBuilder, on: Option<JointId>) -> [JointId; 3] {
         let z = Vector3::new(0.0, 0.0, 1.0);
-        let crank = builder.revolute("crank", on, along_x(0.0), z, TURNS);
-        let coupler = builder.revolute("coupler", Some(crank), along_x(self.crank), z, TURNS);
-        let rocker = builder.revolute("rocker", on, along_x(self.ground), z, TURNS);
+        let crank = builder.revolute("crank", on, along_x(0.0), z, ROTATION_LIMITS);
+        let coupler = builder.revolute(
+            "coupler",
+            Some(crank),
+            along_x(self.crank),
+            z,
+            ROTATION_LIMITS,
+        );
+        let rocker = builder.revolute("rocker", on, along_x(self.ground), z, ROTATION_LIMITS);
         let ends = [
             builder.frame("coupler end", Some(coupler), along_x(self.coupler)),
             builder.frame("rocker end", Some(rocker), along_x(self.rocker)),
@@ -165,9 +171,9 @@ impl Gripper {
         for (side, s) in [("left", -1.0), ("right", 1.0)] {
             // At zero the arms point sideways.
             let turn = Limits::new(-1.4, 1.4);
-            let mut add = |name: &str, on, place| {
+            let mut add = |name: &str, on, placement| {
                 let axis = z * s;
-                builder.revolute(format!("{side} {name}"), on, place, axis, turn)
+                builder.revolute(format!("{side} {name}"), on, placement, axis, turn)
             };
             let crank = add("crank", None, at(s * out, 0.0));
             let second = add("second", None, at(s * out, between));
@@ -179,8 +185,9 @@ impl Gripper {
                 z * s,
                 Limits::new(-3.0, 3.0),
             );
-            let mut frame =
-                |name: &str, on, place| builder.frame(format!("{side} {name}"), Some(on), place);
+            let mut frame = |name: &str, on, placement| {
+                builder.frame(format!("{side} {name}"), Some(on), placement)
+            };
             let holes = [
                 frame("finger hole", finger, at(0.0, between)),
                 frame("second end", second, at(s * arm, 0.0)),

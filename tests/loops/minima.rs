@@ -42,7 +42,7 @@ struct Minimum {
 }
 
 /// Largest relative difference of equal costs.
-const SAME: f64 = 1e-6;
+const COST_TOLERANCE: f64 = 1e-6;
 
 fn vector(numbers: &[f64]) -> Vector3<f64> {
     Vector3::new(numbers[0], numbers[1], numbers[2])
@@ -155,7 +155,9 @@ fn misses_with_closed_loops_are_minimal() {
         for task in solution.tasks().filter(|task| task.is_loop) {
             assert!(task.position_error().unwrap() <= Loop::TOLERANCE);
         }
-        let same = |minimum: &&Minimum| (solution.cost - minimum.cost).abs() <= SAME * minimum.cost;
+        let same = |minimum: &&Minimum| {
+            (solution.cost - minimum.cost).abs() <= COST_TOLERANCE * minimum.cost
+        };
         let found = statement.minima.iter().position(|minimum| same(&minimum));
         match found {
             Some(0) => best += 1,

@@ -9,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 use support::sample::cases;
 
-use crate::mechanisms::{FourBar, TURNS};
+use crate::mechanisms::{FourBar, ROTATION_LIMITS};
 
 /// Coupler and rocker angles for a crank angle, from the two intersections of the circles of their ends.
 fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
@@ -18,11 +18,11 @@ fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
     let apart = x.hypot(y);
     let (b, c) = (linkage.coupler, linkage.rocker);
     let along = (b * b - c * c + apart * apart) / (2.0 * apart);
-    let beside = (b * b - along * along).sqrt();
+    let height = (b * b - along * along).sqrt();
     [1.0, -1.0].map(|side| {
         let end = [
-            tip[0] + (along * x - side * beside * y) / apart,
-            tip[1] + (along * y + side * beside * x) / apart,
+            tip[0] + (along * x - side * height * y) / apart,
+            tip[1] + (along * y + side * height * x) / apart,
         ];
         let coupler = (end[1] - tip[1]).atan2(end[0] - tip[0]) - crank;
         let rocker = end[1].atan2(end[0] - linkage.ground);
@@ -70,7 +70,7 @@ fn endless(linkage: &FourBar) -> Model {
 fn nearer_assembly_is_selected() {
     let linkage = FourBar::CRANK_ROCKER;
     for (model, limits, seed) in [
-        (linkage.model(), TURNS, 1),
+        (linkage.model(), ROTATION_LIMITS, 1),
         (endless(&linkage), Limits::UNBOUNDED, 2),
     ] {
         let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
@@ -125,8 +125,8 @@ fn source_joint_moves_its_mimic_joint() {
     for frame in linkage.frames() {
         builder.frame(&frame.name, frame.joint, frame.joint_from_frame);
     }
-    for own in linkage.loops() {
-        builder.close(own.clone());
+    for closure in linkage.loops() {
+        builder.close(closure.clone());
     }
     let model = builder.build().unwrap();
     let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
@@ -137,8 +137,8 @@ fn source_joint_moves_its_mimic_joint() {
         let mut q = [(); 4].map(|()| random.within(-PI, PI));
         closure.close(&mut q).unwrap();
         assert!(closure.gaps(&q).unwrap()[0].is_closed());
-        let off = q[3] - (0.25 * q[2] + 0.1);
-        assert!(off.abs() < 1e-12, "{case}: {off}");
+        let deviation = q[3] - (0.25 * q[2] + 0.1);
+        assert!(deviation.abs() < 1e-12, "{case}: {deviation}");
     }
 }
 
@@ -147,8 +147,8 @@ fn slider_crank(unit: f64) -> Model {
     let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));
     let [x, y, z] = Vector3::UNITS;
     let mut builder = Model::builder("slider-crank");
-    let crank = builder.revolute("crank", None, along(0.0), z, TURNS);
-    let rod = builder.revolute("rod", Some(crank), along(0.3), z, TURNS);
+    let crank = builder.revolute("crank", None, along(0.0), z, ROTATION_LIMITS);
+    let rod = builder.revolute("rod", Some(crank), along(0.3), z, ROTATION_LIMITS);
     let line = Placement::translation(y * (0.2 * unit));
     let slide = builder.prismatic("slide", None, line, x, Limits::new(-2.0 * unit, 2.0 * unit));
     let ends = [
@@ -163,34 +163,40 @@ fn slider_crank(unit: f64) -> Model {
 /// length.
 #[test]
 fn nearer_assembly_is_unit_invariant() {
-    const MM: f64 = 1000.0;
-    let models = [1.0, MM].map(slider_crank);
+    const MILLIMETRES_PER_METRE: f64 = 1000.0;
+    let models = [1.0, MILLIMETRES_PER_METRE].map(slider_crank);
     let [metres, millimetres] = models.each_ref().map(|model| {
         let dependent = ["rod", "slide"].map(|name| model.joint(name).unwrap());
         LoopClosure::new(ParameterMap::builder(model), &dependent).unwrap()
     });
     let mut random = Random::new(3);
     let mut ahead = 0;
-    let wanted = cases(300, 100);
-    for case in 0..wanted {
+    let case_count = cases(300, 100);
+    for case in 0..case_count {
         let [crank, rod] = [(); 2].map(|()| random.within(-PI, PI));
         let slide = random.within(-1.2, 1.2);
-        let (mut small, mut large) = ([crank, rod, slide], [crank, rod, slide * MM]);
+        let (mut small, mut large) = (
+            [crank, rod, slide],
+            [crank, rod, slide * MILLIMETRES_PER_METRE],
+        );
         metres.close(&mut small).unwrap();
         millimetres.close(&mut large).unwrap();
         // The two positions of the slider by Pythagoras.
         let (sin, cos) = crank.sin_cos();
         let half = (0.64 - (0.3 * sin - 0.2).powi(2)).sqrt();
         let ends = [0.3 * cos + half, 0.3 * cos - half];
-        let off = ends.map(|end| (small[2] - end).abs());
-        assert!(off[0].min(off[1]) < 1e-5, "{case}: {small:?}");
-        ahead += usize::from(off[0] < off[1]);
-        let scaled = [large[0], large[1], large[2] / MM];
+        let deviation = ends.map(|end| (small[2] - end).abs());
+        assert!(deviation[0].min(deviation[1]) < 1e-5, "{case}: {small:?}");
+        ahead += usize::from(deviation[0] < deviation[1]);
+        let scaled = [large[0], large[1], large[2] / MILLIMETRES_PER_METRE];
         for (one, other) in small.iter().zip(scaled) {
             assert!((one - other).abs() < 1e-5, "{case}: {small:?} {scaled:?}");
         }
     }
-    assert!(ahead * 4 > wanted && ahead * 4 < 3 * wanted, "{ahead}");
+    assert!(
+        ahead * 4 > case_count && ahead * 4 < 3 * case_count,
+        "{ahead}"
+    );
 }
 
 /// Also the coordinates of a ball joint, whose quaternion may have any length.

@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Vector3};
 use crate::mechanisms::along_x;
 
 /// Angle at which all revolute joints close, radians. Starts nearer to the opposite limit do not get there.
-const CLOSED: f64 = 3.0;
+const CLOSED_ANGLE: f64 = 3.0;
 const LIMITS: Limits = Limits {
     lower: -3.1,
     upper: 3.1,
@@ -19,7 +19,7 @@ const LIMITS: Limits = Limits {
 fn hinges() -> Model {
     let mut builder = Model::builder("six hinges");
     let z = Vector3::UNITS[2];
-    let stop = Vector3::new(CLOSED.cos(), CLOSED.sin(), 0.0);
+    let stop = Vector3::new(CLOSED_ANGLE.cos(), CLOSED_ANGLE.sin(), 0.0);
     for k in 0..6 {
         let hinge = builder.revolute(format!("hinge {k}"), None, along_x(0.0), z, LIMITS);
         let ends = [
@@ -40,7 +40,10 @@ fn unclosable_sample_is_replaced() {
         let Ok(q) = closure.random_configuration(seed) else {
             continue;
         };
-        assert!(q.iter().all(|angle| (angle - CLOSED).abs() < 1e-8), "{q:?}");
+        assert!(
+            q.iter().all(|angle| (angle - CLOSED_ANGLE).abs() < 1e-8),
+            "{q:?}"
+        );
         closed += 1;
     }
     assert!(closed >= 6, "{closed} of 8");

@@ -82,8 +82,8 @@ fn forward_kinematics_gives_the_platform_pose() {
         assert_lengths(&stewart, &q);
         // Of up to 40 assemblies of the platform the one of the start is found.
         let found = platform(&stewart, &q);
-        let off = (found.translation - pose.translation).norm();
-        assert!(off < 1e-7, "{off:e}");
+        let deviation = (found.translation - pose.translation).norm();
+        assert!(deviation < 1e-7, "{deviation:e}");
         assert!(closure.gaps(&q).unwrap().iter().all(|gap| gap.is_closed()));
     }
 }

@@ -49,23 +49,29 @@ fn box_reaches_poses_that_both_hands_allow() {
     let start = closure.random_configuration(1000).unwrap();
     for seed in 0..25 {
         let drawn = closure.random_configuration(seed).unwrap();
-        let off = closure_error(model, &drawn);
-        assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+        let closure_errors = closure_error(model, &drawn);
+        assert!(
+            closure_errors.iter().all(|deviation| *deviation < 1.1e-9),
+            "{closure_errors:?}"
+        );
         let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
         let mut problem = Problem::builder(model);
         problem.add(Pose::new(left, target).with_tool(grips()[0]));
         problem.add(Posture::new(model, &start));
         let problem = problem.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
-        let off = closure_error(model, &solution.q);
+        let closure_errors = closure_error(model, &solution.q);
         if solution.reached {
-            assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
+            assert!(
+                closure_errors.iter().all(|deviation| *deviation < 1.1e-9),
+                "{closure_errors:?}"
+            );
             reached += 1;
         } else {
             assert_eq!(
                 solution.loops_closed(),
-                off.iter().all(|off| *off <= 1e-9),
-                "{off:?}"
+                closure_errors.iter().all(|deviation| *deviation <= 1e-9),
+                "{closure_errors:?}"
             );
         }
     }

@@ -20,15 +20,15 @@ use support::small_rig::SmallRig;
 struct Counting;
 
 thread_local! {
-    static HELD: Cell<isize> = const { Cell::new(0) };
-    static MOST: Cell<isize> = const { Cell::new(0) };
+    static ALLOCATED_BYTES: Cell<isize> = const { Cell::new(0) };
+    static MAX_ALLOCATED_BYTES: Cell<isize> = const { Cell::new(0) };
 }
 
 fn count(change: isize) {
     // A thread that ends needs no count.
-    let _ = HELD.try_with(|held| {
+    let _ = ALLOCATED_BYTES.try_with(|held| {
         held.set(held.get() + change);
-        let _ = MOST.try_with(|most| most.set(most.get().max(held.get())));
+        let _ = MAX_ALLOCATED_BYTES.try_with(|most| most.set(most.get().max(held.get())));
     });
 }
 
@@ -49,10 +49,10 @@ static ALLOCATOR: Counting = Counting;
 
 /// Largest number of bytes held at once while `work` runs, beyond those held before.
 fn peak<T>(work: impl FnOnce() -> T) -> (T, isize) {
-    let before = HELD.get();
-    MOST.set(before);
+    let before = ALLOCATED_BYTES.get();
+    MAX_ALLOCATED_BYTES.set(before);
     let result = work();
-    (result, MOST.get() - before)
+    (result, MAX_ALLOCATED_BYTES.get() - before)
 }
 
 /// Memory allowed for a file of a few hundred bytes. The parser reserves up to 65 536 entries for a list before it
@@ -84,7 +84,7 @@ impl Random {
     }
 }
 
-const ABSURD: [&str; 16] = [
+const ABSURD_VALUES: [&str; 16] = [
     "-1",
     "0",
     "1",
@@ -132,7 +132,7 @@ fn swap_a_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     if let Some(start) = bytes[at..].iter().position(digit).map(|i| at + i) {
         let length = bytes[start..].iter().position(|b| !digit(b));
         let end = length.map_or(bytes.len(), |length| start + length);
-        let number = ABSURD[random.below(ABSURD.len())];
+        let number = ABSURD_VALUES[random.below(ABSURD_VALUES.len())];
         bytes.splice(start..end, number.bytes());
     }
 }
@@ -226,11 +226,11 @@ fn damaged_bvh_is_an_error_or_can_be_rewritten() {
             let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
             let again = bvh::from_bytes(text.as_bytes(), "again.bvh").unwrap();
             assert_eq!(again.frames, capture.frames);
-            for (name, place) in armature.names().iter().zip(armature.rest().translations()) {
+            for (name, translation) in armature.names().iter().zip(armature.rest().translations()) {
                 let bone = again.armature.bone(name).unwrap();
                 assert_eq!(
                     again.armature.rest().local(bone).unwrap().translation,
-                    *place
+                    *translation
                 );
             }
         }

@@ -463,8 +463,8 @@ fn confined_robot_reads_no_manifest_outside() {
         let builder = CollisionModel::builder(&robot).with_package_folder(scenery.inside());
         builder.build()
     };
-    let own = model("package://inner/body.obj", true);
-    assert!(own.is_ok(), "{own:?}");
+    let result = model("package://inner/body.obj", true);
+    assert!(result.is_ok(), "{result:?}");
     for reference in [
         "package://around/outside/body.obj",
         "package://outer/body.obj",
@@ -479,7 +479,7 @@ fn confined_robot_reads_no_manifest_outside() {
         assert!(
             looked_at
                 .iter()
-                .all(|place| place.starts_with(scenery.inside()))
+                .all(|path| path.starts_with(scenery.inside()))
         );
     }
 }

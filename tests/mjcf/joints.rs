@@ -83,11 +83,11 @@ fn ball_range_limits_the_total_angle() {
             farthest <= angle + 1e-9 && farthest > 0.95 * angle,
             "{farthest} {angle}"
         );
-        let turned = |by: f64| [(0.5 * by).cos(), 0.0, (0.5 * by).sin(), 0.0];
+        let turned = |change: f64| [(0.5 * change).cos(), 0.0, (0.5 * change).sin(), 0.0];
         assert!(model.is_within_limits(&turned(angle - 1e-9)));
         assert!(!model.is_within_limits(&turned(angle + 1e-9)));
         // By name too, once for all four numbers.
-        let outside = |by: f64| model.joints_outside_limits(&turned(by)).unwrap();
+        let outside = |change: f64| model.joints_outside_limits(&turned(change)).unwrap();
         assert_eq!(outside(angle - 1e-9), []);
         assert_eq!(outside(angle + 1e-9), [model.moving_joints()[0]]);
     }

@@ -6,13 +6,14 @@ use kinopt::model::MassError;
 use kinopt::robot::{Link, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
-const TWO: &str = r#"<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .1 .1" group="3"/>"#;
-const STATED: &str = r#"<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>"#;
-const MESH: &str = r#"<asset><mesh name="m" file="m.stl"/></asset>"#;
+const TWO_GEOMS: &str =
+    r#"<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .1 .1" group="3"/>"#;
+const STATED_INERTIA: &str = r#"<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>"#;
+const MESH_ASSET: &str = r#"<asset><mesh name="m" file="m.stl"/></asset>"#;
 
 fn robot(compiler: &str, body: &str) -> Robot {
     let text = format!(
-        r#"<mujoco><compiler {compiler}/>{MESH}<worldbody><geom size="1"/>
+        r#"<mujoco><compiler {compiler}/>{MESH_ASSET}<worldbody><geom size="1"/>
         <body name="stand"><geom size=".1"/></body><body name="a"><joint/>{body}</body></worldbody></mujoco>"#
     );
     Robot::parse_mjcf(&text, "weighs.xml").unwrap()
@@ -30,11 +31,11 @@ fn masses_follow_groups_and_compiler_options() {
     for (compiler, stated, mass, most) in [
         ("", "", both, 2.819362),
         (r#"inertiagrouprange="3 5""#, "", 8.0, 0.053333),
-        (r#"inertiagrouprange="3 5""#, STATED, 2.0, 1.0),
-        (r#"inertiafromgeom="true""#, STATED, both, 2.819362),
+        (r#"inertiagrouprange="3 5""#, STATED_INERTIA, 2.0, 1.0),
+        (r#"inertiafromgeom="true""#, STATED_INERTIA, both, 2.819362),
         (
             r#"inertiafromgeom="true" inertiagrouprange="4 5""#,
-            STATED,
+            STATED_INERTIA,
             2.0,
             1.0,
         ),
@@ -53,7 +54,7 @@ fn masses_follow_groups_and_compiler_options() {
             0.02,
         ),
     ] {
-        let robot = robot(compiler, &format!("{stated}{TWO}"));
+        let robot = robot(compiler, &format!("{stated}{TWO_GEOMS}"));
         let inertial = link(&robot).inertial.unwrap();
         assert!((inertial.mass - mass).abs() < 1e-12, "{compiler}");
         let moment = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
@@ -80,7 +81,7 @@ fn mass_overrides_the_density_of_a_class() {
     let geoms = r#"<geom size=".1" pos="1 0 0" mass="3"/><geom size=".2" pos="-1 0 0" mass="1"/>
         <geom size=".4" pos="0 5 0"/>"#;
     let text = format!(
-        r#"<mujoco>{MESH}<default><geom density="0"/></default><worldbody>
+        r#"<mujoco>{MESH_ASSET}<default><geom density="0"/></default><worldbody>
         <body name="a"><joint/>{geoms}</body>
         <body name="b"><joint/><geom type="mesh" mesh="m" mass="2"/></body></worldbody></mujoco>"#
     );
@@ -215,7 +216,7 @@ fn irrelevant_meshes_are_not_noted() {
         assert_eq!(robot.repairs(), []);
     }
     let text = format!(
-        r#"<mujoco>{MESH}<worldbody><body name="stand"><geom type="mesh" mesh="m"/>
+        r#"<mujoco>{MESH_ASSET}<worldbody><body name="stand"><geom type="mesh" mesh="m"/>
         <body name="a"><joint/><geom size=".1" mass="3"/></body></body></worldbody></mujoco>"#
     );
     let robot = Robot::parse_mjcf(&text, "stands.xml").unwrap();

@@ -12,7 +12,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use nalgebra::Matrix3;
 use serde::Deserialize;
 
-const WITHIN: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -87,8 +87,8 @@ fn numbers(placement: &Placement<f64>) -> [f64; 12] {
     let Vector3 { x, y, z } = *translation;
     let rows = rotation.transpose();
     let mut numbers = [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    for (place, row) in [rows.x, rows.y, rows.z].into_iter().enumerate() {
-        numbers[3 + 3 * place..6 + 3 * place].copy_from_slice(&row.to_array());
+    for (index, row) in [rows.x, rows.y, rows.z].into_iter().enumerate() {
+        numbers[3 + 3 * index..6 + 3 * index].copy_from_slice(&row.to_array());
     }
     numbers
 }
@@ -116,7 +116,7 @@ fn placements_of_bodies_and_sites_equal_mujoco() {
                 );
                 for (actual, expected) in numbers(placement).iter().zip(expected) {
                     assert!(
-                        (actual - expected).abs() < WITHIN,
+                        (actual - expected).abs() < TOLERANCE,
                         "{}: {actual} {expected}",
                         frame.name
                     );
@@ -161,8 +161,8 @@ fn joint_order_and_ranges_equal_mujoco() {
                     assert!(actual.limits.lower.is_infinite() && actual.limits.upper.is_infinite())
                 }
                 Some([lower, upper]) => {
-                    assert!((actual.limits.lower - lower).abs() < WITHIN);
-                    assert!((actual.limits.upper - upper).abs() < WITHIN);
+                    assert!((actual.limits.lower - lower).abs() < TOLERANCE);
+                    assert!((actual.limits.upper - upper).abs() < TOLERANCE);
                 }
             }
         }
@@ -184,10 +184,10 @@ fn masses_equal_mujoco() {
             else {
                 continue;
             };
-            assert!((mass - expected.mass).abs() < WITHIN * mass);
+            assert!((mass - expected.mass).abs() < TOLERANCE * mass);
             let centre = link_from_inertia.translation.to_array();
             for (actual, expected) in centre.iter().zip(expected.centre) {
-                assert!((actual - expected).abs() < WITHIN);
+                assert!((actual - expected).abs() < TOLERANCE);
             }
             // Principal moments: eigenvalues, in any axes.
             let matrix = Matrix3::from_fn(|row, column| moments[row][column]);
@@ -228,7 +228,7 @@ fn loop_anchors_equal_mujoco() {
             };
             for (actual, expected) in [first, second].iter().zip(&expected) {
                 for (actual, expected) in numbers(actual).iter().zip(numbers(expected)) {
-                    assert!((actual - expected).abs() < WITHIN, "{actual} {expected}");
+                    assert!((actual - expected).abs() < TOLERANCE, "{actual} {expected}");
                     compared += 1;
                 }
             }

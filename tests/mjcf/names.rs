@@ -128,13 +128,13 @@ fn mesh_reference_pose_is_applied() {
     let robot = Robot::parse_mjcf(text, "turned.xml").unwrap();
     let link = robot.link(robot.model().frame("b").unwrap()).unwrap();
     let shape = &link.visuals[0];
-    let place = |file: Vector3<f64>| shape.link_from_shape.apply(file * 2.0);
+    let to_link = |file: Vector3<f64>| shape.link_from_shape.apply(file * 2.0);
     let reference = Vector3::new(1.0, 0.5, 0.0);
     let geom = Vector3::new(0.0, 1.0, 0.0);
-    assert!((place(reference) - geom).norm() < 1e-15);
+    assert!((to_link(reference) - geom).norm() < 1e-15);
     // By 2 atan(0.8 / 0.6) about z: cosine -0.28, sine 0.96. A direction rotated so in the file becomes straight.
     let turned = Vector3::new(-0.28, 0.96, 0.0);
-    let straight = place(reference + turned) - geom;
+    let straight = to_link(reference + turned) - geom;
     assert!(
         (straight - Vector3::new(2.0, 0.0, 0.0)).norm() < 1e-14,
         "{straight:?}"

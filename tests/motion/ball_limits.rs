@@ -149,14 +149,17 @@ fn ball_joint_keeps_velocity_limits_like_a_revolute() {
     let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
     let held: Vec<_> = held.map(|limit| (limit.joint, limit.bound)).collect();
     assert!(
-        !held.is_empty() && held.iter().all(|own| *own == ("hip", MotionBound::Speed)),
+        !held.is_empty()
+            && held
+                .iter()
+                .all(|limit| *limit == ("hip", MotionBound::Speed)),
         "{held:?}"
     );
 }
 
 /// A free joint that follows positions and orientations.
 fn free_body(
-    place: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
+    target_at: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
     limit: impl Fn(&mut MotionProblemBuilder),
 ) -> (Model, MotionProblem) {
     let mut builder = Model::builder("body");
@@ -164,8 +167,8 @@ fn free_body(
     let frame = builder.frame("body", Some(base), Placement::identity());
     let model = builder.build().unwrap();
     let mut motion = MotionProblem::builder(&model, FRAMES, STEP);
-    let follow = motion.add(Pose::new(frame, place(0)));
-    motion.follow(follow, move |frame, pose| pose.set_target(place(frame)));
+    let follow = motion.add(Pose::new(frame, target_at(0)));
+    motion.follow(follow, move |frame, pose| pose.set_target(target_at(frame)));
     motion.rate_cost(RateCost::acceleration(1e-3));
     limit(&mut motion);
     let motion = motion.build().unwrap();
@@ -368,16 +371,16 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
         MotionSolver::default().solve(&motion?, &ball.0.neutral())
     };
     // 1.8 rad in 12 steps.
-    let least = 1.8 / 12.0 / STEP;
+    let min_speed = 1.8 / 12.0 / STEP;
     let too_far = MotionError::TooFar {
         joint: "hip".to_owned(),
     };
-    assert_eq!(between(0.999 * least, &ends).unwrap_err(), too_far);
-    for speed in [1.001 * least, 1.5 * least] {
+    assert_eq!(between(0.999 * min_speed, &ends).unwrap_err(), too_far);
+    for speed in [1.001 * min_speed, 1.5 * min_speed] {
         let solved = between(speed, &ends).unwrap();
         for (frame, end) in [(0, &ends[0]), (12, &ends[1])] {
-            let off = angle(between_frames(&solved, frame, end));
-            assert!(off < 1e-15, "{off}");
+            let deviation = angle(between_frames(&solved, frame, end));
+            assert!(deviation < 1e-15, "{deviation}");
         }
         assert!(fastest(&solved, 0) <= speed * STEP);
     }

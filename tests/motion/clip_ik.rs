@@ -89,8 +89,8 @@ pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
 /// Position of a bone in the model at a time.
 pub(crate) fn at(armature: &Armature, clip: &Clip, bone: &str, time: f64) -> Vec3A {
     let pose = pose(armature, clip, time);
-    let place = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
-    place.unwrap().translation
+    let placement = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
+    placement.unwrap().translation
 }
 
 pub(crate) fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
@@ -125,12 +125,12 @@ fn planted_feet_slide_by_less_than_2_mm() {
         assert!(stance.slide < 1e-4);
         // Between keys as well.
         let moments = (0..=500).map(|k| from + (to - from) * f64::from(k) / 500.0);
-        let place = |clip: &Clip, time| at(&armature, clip, name, time);
+        let position_at = |clip: &Clip, time| at(&armature, clip, name, time);
         let slide = |clip: &Clip| {
-            let first = place(clip, from);
+            let first = position_at(clip, from);
             let all = moments
                 .clone()
-                .map(|time| place(clip, time).distance(first));
+                .map(|time| position_at(clip, time).distance(first));
             all.fold(0.0, f32::max)
         };
         (before, after) = (before.max(slide(&walk)), after.max(slide(&edited.clip)));
@@ -186,12 +186,12 @@ fn planted_feet_stay_put_between_sparse_keys() {
         for stance in &edited.stances {
             let name = &armature.names()[stance.bone.index()];
             let [from, to] = stance.span;
-            let off = |time| {
+            let deviation_of = |time| {
                 let at = at(&armature, &edited.clip, name, time).as_dvec3();
                 at.distance(stance.place)
             };
             let moments = (0..=2000).map(|k| from + (to - from) * f64::from(k) / 2000.0);
-            let measured = moments.map(off).fold(0.0, f64::max);
+            let measured = moments.map(deviation_of).fold(0.0, f64::max);
             let reported = stance.slide.max(stance.stray);
             assert!(measured < 1.2e-3 * leg, "{rate} a second: {measured}");
             // The solver checks three times between keys.
@@ -368,9 +368,9 @@ fn root_rises_evenly_over_low_steps() {
     let jerks = rises
         .windows(3)
         .map(|rise| (rise[2] - 2.0 * rise[1] + rise[0]).abs());
-    let most = jerks.fold(0.0_f32, f32::max);
+    let largest = jerks.fold(0.0_f32, f32::max);
     assert!(rises[60] - rises[0] > 0.03, "{rises:?}");
-    assert!(most < 5e-4, "{most} m");
+    assert!(largest < 5e-4, "{largest} m");
 }
 
 /// Feet keep their contact positions while a hand is moved elsewhere in the clip, and while it is not.

@@ -8,7 +8,7 @@ use kinopt::task::Point;
 use serde::Deserialize;
 
 /// Relative difference at which two costs are equal.
-const SAME: f64 = 1e-7;
+const COST_TOLERANCE: f64 = 1e-7;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -97,10 +97,10 @@ fn short_clips_reach_the_costs_of_ipopt() {
         let near = clip.near.iter();
         let near: Vec<f64> = near.flat_map(|x| clip.configuration(&robot, x)).collect();
         let solved = solver.solve_near(&motion, &near).unwrap();
-        let off = solved.cost() / clip.cost - 1.0;
+        let deviation = solved.cost() / clip.cost - 1.0;
         let message = || {
             format!(
-                "clip {number}: {} for {}, {off:e}",
+                "clip {number}: {} for {}, {deviation:e}",
                 solved.cost(),
                 clip.cost
             )
@@ -111,7 +111,7 @@ fn short_clips_reach_the_costs_of_ipopt() {
             "{}",
             message()
         );
-        assert!(off.abs() <= SAME, "{}", message());
+        assert!(deviation.abs() <= COST_TOLERANCE, "{}", message());
         bound += usize::from(clip.moves_at_their_limit > 0);
         check_limits(&robot, clip, solved.q());
     }

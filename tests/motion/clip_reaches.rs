@@ -27,8 +27,8 @@ fn reaching_figure_travels_before_and_after() {
     let (armature, hand, stand) = rest_figure();
     let travel = Vec3::new(0.3, 0.0, 0.5);
     // Nearer to the shoulder, so that the root need not follow.
-    let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
-    let target = own.lerp(shoulder, 0.3) + Vec3A::from(travel);
+    let [hand_start, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
+    let target = hand_start.lerp(shoulder, 0.3) + Vec3A::from(travel);
     let reach = Reach::to(hand, target.as_dvec3())
         .unwrap()
         .with_span(0.9..=1.1);
@@ -62,10 +62,10 @@ fn hand_reaches_in_its_span_and_nothing_else_changes() {
         .solve(&walk)
         .unwrap();
     for time in [1.1, 1.2, 1.3] {
-        let off = at(&armature, &edited.clip, "hand", time)
+        let deviation = at(&armature, &edited.clip, "hand", time)
             .as_dvec3()
             .distance(target);
-        assert!(off < 1e-3, "{time} s: {off}");
+        assert!(deviation < 1e-3, "{time} s: {deviation}");
     }
     for step in 0..=200 {
         let time = f64::from(step) / 100.0;
@@ -82,9 +82,9 @@ fn hand_reaches_in_its_span_and_nothing_else_changes() {
         }
     }
     // No jump: the distance moved in a hundredth of a second is close to that of its neighbours.
-    let place = |step: i32| at(&armature, &edited.clip, "hand", f64::from(step) / 100.0);
+    let position_at = |step: i32| at(&armature, &edited.clip, "hand", f64::from(step) / 100.0);
     let ways: Vec<f32> = (1..=200)
-        .map(|step| place(step).distance(place(step - 1)))
+        .map(|step| position_at(step).distance(position_at(step - 1)))
         .collect();
     for pair in ways.windows(2) {
         assert!((pair[1] - pair[0]).abs() < 6e-3, "{pair:?}");
@@ -132,7 +132,7 @@ fn root_moves_only_as_far_as_limbs_are_too_short() {
 fn hand_fades_at_span_ends_within_the_clip() {
     let (armature, hand, stand) = rest_figure();
     let target = DVec3::new(0.55, 1.3, 0.3);
-    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let start = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
     for (span, fade, in_use) in [
         ([0.0, 1.0], None, 0.2),
@@ -160,11 +160,11 @@ fn hand_fades_at_span_ends_within_the_clip() {
         for frame in 0..=120 {
             let time = f64::from(frame) / 60.0;
             let share = side(time - span[0], span[0] == 0.0) * side(span[1] - time, span[1] == 2.0);
-            let wanted = own.lerp(target, share);
+            let expected = start.lerp(target, share);
             let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
             assert!(
-                found.distance(wanted) < 2e-3,
-                "{span:?}, {time} s: {found} {wanted}"
+                found.distance(expected) < 2e-3,
+                "{span:?}, {time} s: {found} {expected}"
             );
         }
     }
@@ -174,32 +174,32 @@ fn hand_fades_at_span_ends_within_the_clip() {
 #[test]
 fn time_of_the_largest_error_is_reported() {
     let (armature, hand, stand) = rest_figure();
-    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
-    let far = own + DVec3::new(3.0, 0.0, 0.0);
-    let curve = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
+    let start = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let far_position = start + DVec3::new(3.0, 0.0, 0.0);
+    let curve = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![start, far_position, start]).unwrap();
     let reach = Reach::along(hand, curve.clone());
     let edited = ClipIk::new(&armature)
         .with_reach(reach)
         .solve(&stand)
         .unwrap();
-    let led = &edited.led[0];
-    let off = |frame: u32| {
+    let result = &edited.led[0];
+    let deviation_of = |frame: u32| {
         let time = f64::from(frame) / 60.0;
         let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
         found.distance(curve.at(time))
     };
     let worst = (0..=120)
-        .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .max_by(|a, b| deviation_of(*a).total_cmp(&deviation_of(*b)))
         .unwrap();
     assert!(
-        led.miss > 1e-4 && (led.miss - off(worst)).abs() < 1e-4,
-        "{led:?}"
+        result.miss > 1e-4 && (result.miss - deviation_of(worst)).abs() < 1e-4,
+        "{result:?}"
     );
     assert!(
-        (led.at - f64::from(worst) / 60.0).abs() < 1e-6,
-        "{led:?} {worst}"
+        (result.at - f64::from(worst) / 60.0).abs() < 1e-6,
+        "{result:?} {worst}"
     );
-    assert!(led.at > 1.0);
+    assert!(result.at > 1.0);
 }
 
 /// The root that follows a hand beyond its arm's reach is back in the clip's pose when the hand is released, without a
@@ -218,10 +218,14 @@ fn root_returns_within_the_span() {
         .unwrap();
     assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
     let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
-    let own = DVec3::new(0.0, f64::from(HIPS), 0.0);
+    let hips_at_rest = DVec3::new(0.0, f64::from(HIPS), 0.0);
     // A sixtieth of a second outside the span the pose is the clip's.
     for time in [0.0, 0.4, span[0] - 0.017, span[1] + 0.017, 1.5, 2.0] {
-        assert!(hips(time).distance(own) < 1e-5, "{time} s: {}", hips(time));
+        assert!(
+            hips(time).distance(hips_at_rest) < 1e-5,
+            "{time} s: {}",
+            hips(time)
+        );
     }
     let ways = (1..=400).map(|k| hips(f64::from(k) / 200.0) - hips(f64::from(k - 1) / 200.0));
     let ways: Vec<DVec3> = ways.collect();
@@ -268,8 +272,8 @@ fn tip_of_a_rig_fades_from_its_clip_position() {
             .unwrap();
         model[3].transform_point3a(Vec3A::X * 0.2).as_dvec3()
     };
-    let own = tip(&stand, 0.5);
-    let target = own + DVec3::new(-0.1, 0.15, 0.05);
+    let start = tip(&stand, 0.5);
+    let target = start + DVec3::new(-0.1, 0.15, 0.05);
     let reach = Reach::to(hand, target)
         .unwrap()
         .with_span(0.2..=0.8)
@@ -288,7 +292,7 @@ fn tip_of_a_rig_fades_from_its_clip_position() {
         (0.7, 0.5),
         (0.8, 0.0),
     ] {
-        let off = tip(&edited.clip, time).distance(own.lerp(target, share));
-        assert!(off < 1e-4, "{time}: {off}");
+        let deviation = tip(&edited.clip, time).distance(start.lerp(target, share));
+        assert!(deviation < 1e-4, "{time}: {deviation}");
     }
 }

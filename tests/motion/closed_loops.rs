@@ -70,16 +70,16 @@ fn following(model: &Model, rate: f64) -> MotionProblem {
 fn gap(model: &Model, solved: &MotionSolution, [a, b]: [&str; 2]) -> f64 {
     let ends = [a, b].map(|end| model.frame(end).unwrap().index());
     let mut kinematics = ForwardKinematics::new(model);
-    let mut most = 0.0_f64;
+    let mut largest = 0.0_f64;
     for q in solved.q().chunks(model.configuration_len()) {
         let placed = kinematics.place(q).unwrap();
         let [one, other] = ends.map(|end| placed[end]);
-        most = most.max((one.translation - other.translation).norm());
+        largest = largest.max((one.translation - other.translation).norm());
         if b == "wrist" {
-            most = most.max((one.rotation.x - other.rotation.x).norm());
+            largest = largest.max((one.rotation.x - other.rotation.x).norm());
         }
     }
-    most
+    largest
 }
 
 #[test]

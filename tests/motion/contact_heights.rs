@@ -47,17 +47,20 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
             .iter()
             .position(|name| name == "left_toe")
             .unwrap();
-        let stands = |frame: usize| found.contacts[frame * found.contact_frames.len() + toe];
-        assert!(stands(20) && stands(290) && !stands(75), "{height}");
-        assert_eq!(stands(150), stands_aloft, "{height}");
+        let in_contact = |frame: usize| found.contacts[frame * found.contact_frames.len() + toe];
+        assert!(
+            in_contact(20) && in_contact(290) && !in_contact(75),
+            "{height}"
+        );
+        assert_eq!(in_contact(150), stands_aloft, "{height}");
         // Its support is as high as the subject is lifted; elsewhere it is the ground.
         let driven = retargeting.driven();
         let frame = robot.model().frame("left_toe").unwrap();
-        let place = driven
+        let index = driven
             .iter()
             .position(|candidate| *candidate == frame)
             .unwrap();
-        let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[place].z);
+        let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[index].z);
         let up = 0.3 * retargeting.stride();
         assert!(
             (heights[1] - heights[0] - up).abs() < 0.01,
@@ -84,12 +87,12 @@ fn slow_foot_is_in_contact_by_leg_length() {
     let options = RetargetOptions::default;
     let still = Retargeting::new(&robot, &map, &person(0.0), options()).unwrap();
     // Speed in the model's metres per second. Its legs of 0.6 m are in contact below 0.17 m/s.
-    for (speed, stands) in [(0.12, true), (0.23, false)] {
+    for (speed, in_contact) in [(0.12, true), (0.23, false)] {
         let moving = person(speed / still.stride());
         let retargeting = Retargeting::new(&robot, &map, &moving, options()).unwrap();
         let found = retargeting.per_frame().unwrap();
         let all = found.contacts.iter().filter(|contact| **contact).count();
-        assert_eq!(all > found.contacts.len() / 2, stands, "{speed}: {all}");
+        assert_eq!(all > found.contacts.len() / 2, in_contact, "{speed}: {all}");
     }
 }
 
@@ -144,8 +147,8 @@ fn contact_counts_from_the_shortest_duration() {
         let detection = ContactDetection::default().with_height(0.35);
         let solver = planted(&armature).with_detection(detection.with_shortest(shortest));
         let edited = solver.with_keys_per_second(30.0).solve(&clip).unwrap();
-        let own = edited.stances.into_iter().filter(|own| own.bone == foot);
-        own.map(|own| own.span).collect::<Vec<_>>()
+        let stances = edited.stances.into_iter().filter(|own| own.bone == foot);
+        stances.map(|stances| stances.span).collect::<Vec<_>>()
     };
     let all = stances(0.1);
     assert_eq!(all.len(), 2);

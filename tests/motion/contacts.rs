@@ -23,9 +23,9 @@ fn foot_in_contact_is_still_while_its_target_moves() {
         assert_still(&walker, &solved, span.clone());
         // Measured from the start of the contact, not from frame to frame.
         let slipped = slipped(&walker, &solved, span.clone());
-        let off = solved.slip() - slipped;
+        let deviation = solved.slip() - slipped;
         assert!(
-            off.abs() < 1e-3 * slipped + 1e-14,
+            deviation.abs() < 1e-3 * slipped + 1e-14,
             "{} {slipped}",
             solved.slip()
         );
@@ -63,11 +63,11 @@ fn slipped(walker: &Walker, solved: &MotionSolution, span: Range<usize>) -> f64 
         SOLE.map(|at| foot.apply(at.into()))
     };
     let first = points(span.start);
-    let off = span.flat_map(|frame| {
+    let deviations = span.flat_map(|frame| {
         let now = points(frame);
         [0, 1, 2].map(|k| (now[k] - first[k]).norm())
     });
-    off.fold(0.0, f64::max)
+    deviations.fold(0.0, f64::max)
 }
 
 fn assert_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {

@@ -34,8 +34,9 @@ fn turning_joint_gives_equal_length_from_any_point() {
         assert!((back[6] - TAU).abs() < 0.3 && back[..6].iter().all(|by| *by < 0.2));
         reported.length
     });
-    let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
-        (least.min(*length), most.max(*length))
-    });
-    assert!(most < least * (1.0 + 5e-4), "{lengths:?}");
+    let (shortest, longest) = (lengths.iter())
+        .fold((f64::MAX, 0.0_f64), |(shortest, longest), length| {
+            (shortest.min(*length), longest.max(*length))
+        });
+    assert!(longest < shortest * (1.0 + 5e-4), "{lengths:?}");
 }

@@ -11,23 +11,23 @@ use crate::retargeted_feet::{MAP, RATE, legs, person};
 fn distant_subject_is_followed_equally() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let at = |off: f64| {
+    let at = |offset: f64| {
         let mut numbers = person();
-        for place in numbers.chunks_mut(3) {
-            place[0] += off;
-            place[1] -= off;
+        for position in numbers.chunks_mut(3) {
+            position[0] += offset;
+            position[1] -= offset;
         }
         let capture = Capture::new(map.joints.clone(), &numbers, RATE).unwrap();
         let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
         fitted.per_frame().unwrap()
     };
-    let (near, off) = (at(0.0), 1e4);
-    let far = at(off);
+    let (near, distance) = (at(0.0), 1e4);
+    let far = at(distance);
     let frames = near.q.chunks(near.configuration_len);
     for (near, far) in frames.zip(far.q.chunks(near.configuration_len)) {
         // Except for the base position, which is rounded at its own size.
         let apart = near[3..].iter().zip(&far[3..]).map(|(a, b)| (a - b).abs());
         let apart = apart.fold(0.0, f64::max);
-        assert!(apart < 1e-12 * off, "{apart}");
+        assert!(apart < 1e-12 * distance, "{apart}");
     }
 }

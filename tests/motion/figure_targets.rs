@@ -19,7 +19,7 @@ fn largest_distance(figure: &FigureTarget, armature: &Armature, still: &[&str]) 
     assert_eq!(clip.span(), [0.0, 1.1]);
     let mut kinematics = ForwardKinematics::new(model);
     let mut pose = armature.rest().clone();
-    let (mut most, mut tall) = (0.0_f64, 0.0_f64);
+    let (mut largest, mut tall) = (0.0_f64, 0.0_f64);
     for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
         clip.sample(
             frame as f64 / 10.0,
@@ -40,12 +40,12 @@ fn largest_distance(figure: &FigureTarget, armature: &Armature, still: &[&str]) 
                 UpAxis::Z => [x, y, z],
             };
             for (actual, expected) in at.to_array().into_iter().zip(expected) {
-                most = most.max((f64::from(actual) - expected).abs());
+                largest = largest.max((f64::from(actual) - expected).abs());
                 tall = tall.max(expected.abs());
             }
         }
     }
-    (most, tall)
+    (largest, tall)
 }
 
 #[test]
@@ -59,8 +59,8 @@ fn figure_of_a_capture_with_y_up_is_upright() {
     let placed = kinematics.place(&model.neutral()).unwrap();
     let height = |name: &str| placed[model.frame(name).unwrap().index()].translation.z;
     assert!(height("Head") > height("LeftFoot") + 100.0);
-    let (most, tall) = largest_distance(&figure, &read.armature, &[]);
-    assert!(most < 2e-6 * tall, "{most} of {tall}");
+    let (largest, tall) = largest_distance(&figure, &read.armature, &[]);
+    assert!(largest < 2e-6 * tall, "{largest} of {tall}");
 }
 
 /// If the root does not rotate, each of its children moves with the figure's base.
@@ -70,16 +70,16 @@ fn figure_with_several_root_bones_is_placed() {
     let mut turning = read.turning_bones();
     assert!(turning.remove(&read.armature.bone("Hips").unwrap()));
     let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
-    let (most, tall) = largest_distance(&figure, &read.armature, &["Hips"]);
-    assert!(most < 2e-6 * tall, "{most} of {tall}");
+    let (largest, tall) = largest_distance(&figure, &read.armature, &["Hips"]);
+    assert!(largest < 2e-6 * tall, "{largest} of {tall}");
 }
 
 #[test]
 fn figure_of_a_rig_with_z_up_is_upright() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
-    let (most, tall) = largest_distance(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
-    assert!(most < 2e-6 * tall, "{most} of {tall}");
+    let (largest, tall) = largest_distance(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
+    assert!(largest < 2e-6 * tall, "{largest} of {tall}");
 }
 
 /// The command warns by this: a figure lies down if the wrong up axis is given for its file.
@@ -87,9 +87,9 @@ fn figure_of_a_rig_with_z_up_is_upright() {
 fn up_axis_of_a_figure_is_found_from_its_feet() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
-    for (said, stands) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
+    for (stated_axis, upright_axis) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
         let turning = read.turning_bones();
-        let figure = FigureTarget::of_armature(&read.armature, &turning, said).unwrap();
+        let figure = FigureTarget::of_armature(&read.armature, &turning, stated_axis).unwrap();
         let mut map = BodyMap::guess(&capture, figure.robot().model())
             .unwrap()
             .map;
@@ -98,7 +98,7 @@ fn up_axis_of_a_figure_is_found_from_its_feet() {
             let fitted = Retargeting::new(figure.robot(), map, &capture, options.clone());
             fitted.unwrap().model_stands_along()
         };
-        assert_eq!(along(&map), Some(stands));
+        assert_eq!(along(&map), Some(upright_axis));
         // Without contacts there is nothing to decide by.
         map.contacts = Some(Vec::new());
         assert_eq!(along(&map), None);

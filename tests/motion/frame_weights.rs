@@ -12,25 +12,25 @@ const FRAMES: usize = 9;
 fn unweighted_frame_is_not_reported_as_unreached() {
     let (model, tool) = slide();
     // In the middle, two metres out of reach.
-    let wanted = |frame: usize| if (3..6).contains(&frame) { 3.0 } else { 0.5 };
-    for asked in [false, true] {
+    let target_at = |frame: usize| if (3..6).contains(&frame) { 3.0 } else { 0.5 };
+    for is_required in [false, true] {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
         motion.follow(task, move |frame, point| {
-            point.set_target([wanted(frame), 0.0, 0.0])
+            point.set_target([target_at(frame), 0.0, 0.0])
         });
-        let weight = |frame| f64::from(u8::from(asked || wanted(frame) < 1.0));
+        let weight = |frame| f64::from(u8::from(is_required || target_at(frame) < 1.0));
         let weights: Vec<f64> = (0..FRAMES).map(weight).collect();
         motion.weights(task, &weights);
         motion.rate_cost(RateCost::acceleration(1e-6));
         let motion = motion.build().unwrap();
         let solved = MotionSolver::default().solve(&motion, &[0.0]).unwrap();
-        assert_eq!(solved.reached(), !asked);
+        assert_eq!(solved.reached(), !is_required);
         for frame in 0..FRAMES {
             let missed: Vec<f64> = solved.missed(frame).map(|miss| miss.error).collect();
-            match asked && wanted(frame) > 1.0 {
+            match is_required && target_at(frame) > 1.0 {
                 true => assert!((missed[0] - 2.0).abs() < 1e-3, "{frame}: {missed:?}"),
-                false if asked => assert!(missed.iter().all(|error| *error < 1e-2)),
+                false if is_required => assert!(missed.iter().all(|error| *error < 1e-2)),
                 false => assert!(missed.is_empty(), "{frame}: {missed:?}"),
             }
         }
@@ -41,9 +41,9 @@ fn unweighted_frame_is_not_reported_as_unreached() {
 #[test]
 fn frame_weights_of_a_single_task_count() {
     let (model, tool) = slide();
-    let solved = [false, true].map(|beside| {
+    let solved = [false, true].map(|with_second| {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
-        if beside {
+        if with_second {
             // With a negligible weight.
             motion.add(Task::new(Point::new(tool, [0.0; 3])).scale(1e-9));
         }
@@ -66,12 +66,12 @@ fn frame_weights_of_a_single_task_count() {
 #[test]
 fn distant_position_limit_is_inactive() {
     let (model, tool) = slide();
-    let wanted = |frame: usize| if frame < 6 { 0.3 } else { 1.5 };
+    let target_at = |frame: usize| if frame < 6 { 0.3 } else { 1.5 };
     for tolerance in [1e-2, 1e-4, 1e-7] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
         motion.follow(task, move |frame, point| {
-            point.set_target([wanted(frame), 0.0, 0.0])
+            point.set_target([target_at(frame), 0.0, 0.0])
         });
         motion.rate_cost(RateCost::velocity(1e-4));
         let motion = motion.build().unwrap();

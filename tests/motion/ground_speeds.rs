@@ -17,7 +17,7 @@ fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     let armature = Armature::new(bones, Vec::new()).unwrap();
     let foot = armature.bone("foot").unwrap();
     let (times, places) = (keys.iter())
-        .map(|(at, place)| (*at, Vec3A::from(*place)))
+        .map(|(at, position)| (*at, Vec3A::from(*position)))
         .unzip();
     let curve = KeyedCurve::linear(times, places).unwrap();
     let mut clip = Clip::builder("step", &armature);

@@ -88,8 +88,8 @@ fn known_skeletons_drive_the_whole_humanoid() {
                 .iter()
                 .map(|joint| format!("{before}{joint}"))
                 .collect();
-            let own = capture(&called);
-            let guess = BodyMap::guess(&own, &humanoid).unwrap();
+            let source = capture(&called);
+            let guess = BodyMap::guess(&source, &humanoid).unwrap();
             assert_eq!((guess.skeleton, guess.body), (Some(name), Some("humanoid")));
             assert_eq!(guess.map.drives.len(), BodyPart::ALL.len());
             assert!(
@@ -99,8 +99,8 @@ fn known_skeletons_drive_the_whole_humanoid() {
                     .iter()
                     .all(|drive| called.contains(&drive.joint))
             );
-            let said = BodyMap::from_skeleton(&known, &own, &humanoid).unwrap();
-            assert_eq!(said.map, guess.map);
+            let by_skeleton = BodyMap::from_skeleton(&known, &source, &humanoid).unwrap();
+            assert_eq!(by_skeleton.map, guess.map);
             assert_eq!(
                 BodyMap::from_json(&guess.map.to_json(), "").unwrap(),
                 guess.map
@@ -108,8 +108,12 @@ fn known_skeletons_drive_the_whole_humanoid() {
             // Joints of each side drive frames of the same side.
             for (joint, frame) in drives(&guess.map) {
                 for side in ["left", "right"] {
-                    let own = joint.to_lowercase().contains(side);
-                    assert_eq!(own, frame.starts_with(side), "{joint} drives {frame}");
+                    let is_same_side = joint.to_lowercase().contains(side);
+                    assert_eq!(
+                        is_same_side,
+                        frame.starts_with(side),
+                        "{joint} drives {frame}"
+                    );
                 }
             }
         }
@@ -351,7 +355,7 @@ fn legs(numbers: &[f64]) -> Capture {
 
 #[test]
 fn limbs_of_implausible_length_are_noted() {
-    let stands = [
+    let rest_positions = [
         [0.0, 0.0, 1.0],
         [0.0, 0.1, 0.9],
         [0.0, 0.1, 0.5],
@@ -360,8 +364,8 @@ fn limbs_of_implausible_length_are_noted() {
         [0.0, -0.1, 0.7],
         [0.0, -0.1, 0.1],
     ];
-    let mut numbers = stands.concat();
-    let mut second = stands;
+    let mut numbers = rest_positions.concat();
+    let mut second = rest_positions;
     second[5][2] = 0.8;
     numbers.extend(second.concat());
     let guess = BodyMap::guess(&legs(&numbers), &model(&HUMANOID)).unwrap();
@@ -581,7 +585,7 @@ fn ankle_is_a_link_that_moves_on_the_shank() {
         .unwrap()
         .map;
     for side in ["left", "right"] {
-        let wanted = (format!("{side}_ankle"), format!("{side}_ankle_roll_link"));
-        assert!(drives(&map).contains(&wanted), "{:?}", drives(&map));
+        let expected = (format!("{side}_ankle"), format!("{side}_ankle_roll_link"));
+        assert!(drives(&map).contains(&expected), "{:?}", drives(&map));
     }
 }

@@ -7,7 +7,7 @@ use kinopt::motion::trajectory::{
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Task};
 
-type Ask<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
+type AddTasks<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
 
 fn arm() -> Model {
     let mut builder = Model::builder("arm");
@@ -43,7 +43,7 @@ fn invalid_motions_are_named() {
     let below = Task::new(Point::new(tip, [0.0; 3]))
         .named("gaze")
         .at_level(2);
-    let wrong: [(Ask<'_>, &[&str]); 9] = [
+    let wrong: [(AddTasks<'_>, &[&str]); 9] = [
         (
             &|motion| _ = motion.add(below.clone()),
             &["gaze", "level 2"],
@@ -184,9 +184,9 @@ fn lowest_of_several_velocity_limits_counts() {
         let places: Vec<f64> = (0..12)
             .map(|frame| solved.frame(frame).unwrap()[0])
             .collect();
-        let most = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let most = most.fold(0.0, f64::max);
-        assert!((most - 0.005).abs() < 1e-6, "{speeds:?}: {most}");
+        let changes = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let largest = changes.fold(0.0, f64::max);
+        assert!((largest - 0.005).abs() < 1e-6, "{speeds:?}: {largest}");
     }
 }
 

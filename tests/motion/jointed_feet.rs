@@ -33,8 +33,10 @@ fn humanoid() -> Robot {
     );
     let joints = |name: &str, range: f64| {
         ["x", "y", "z"].map(|axis| {
-            let own = ["1 0 0", "0 1 0", "0 0 1"][usize::from(axis.as_bytes()[0] - b'x')];
-            format!(r#"<joint name="{name}_{axis}" axis="{own}" range="-{range} {range}"/>"#)
+            let axis_vector = ["1 0 0", "0 1 0", "0 0 1"][usize::from(axis.as_bytes()[0] - b'x')];
+            format!(
+                r#"<joint name="{name}_{axis}" axis="{axis_vector}" range="-{range} {range}"/>"#
+            )
         })
     };
     for (side, y) in [("L", 0.07), ("R", -0.07)] {
@@ -64,7 +66,7 @@ fn geom(index: usize) -> String {
 }
 
 /// Depth of the lowest corner of both feet in all frames, metres below the ground.
-fn deepest(robot: &Robot, found: &Retargeted) -> f64 {
+fn max_penetration(robot: &Robot, found: &Retargeted) -> f64 {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let mut lowest = f64::INFINITY;
@@ -75,9 +77,9 @@ fn deepest(robot: &Robot, found: &Retargeted) -> f64 {
                 let frame = model.frame(&format!("{side}_{name}")).unwrap();
                 for corner in 0..8 {
                     let sign = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
-                    let own: [f64; 3] = std::array::from_fn(|k| at[k] + sign(k) * size[k]);
+                    let corner: [f64; 3] = std::array::from_fn(|k| at[k] + sign(k) * size[k]);
                     lowest = placed[frame.index()]
-                        .apply(Vector3::from(own))
+                        .apply(Vector3::from(corner))
                         .z
                         .min(lowest);
                 }
@@ -110,7 +112,7 @@ fn heels_of_jointed_feet_stay_over_the_ground() {
         let options = RetargetOptions::default();
         let fitted = Retargeting::new(&robot, &map, &capture, options).unwrap();
         for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
-            let deepest = deepest(&robot, &found);
+            let deepest = max_penetration(&robot, &found);
             assert!(
                 deepest < 3e-3,
                 "{deepest} m, reported {}",

@@ -100,12 +100,12 @@ fn hand_follows_by_keys_within_the_span_alone() {
         .solve(&clip)
         .unwrap();
     // The hand follows, between keys as well; it did not before.
-    let off = |clip: &EulerClip| {
+    let deviation_of = |clip: &EulerClip| {
         let times = all_times().filter(|time| (1.5..=2.7).contains(time));
-        let off = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
-        off.fold(0.0, f64::max)
+        let deviation = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
+        deviation.fold(0.0, f64::max)
     };
-    let (before, after) = (off(&clip), off(&edited.clip));
+    let (before, after) = (deviation_of(&clip), deviation_of(&edited.clip));
     assert!(before > 0.05 && after < 0.02, "{before} {after}");
     assert!(
         (edited.led[0].miss - after).abs() < 0.02,
@@ -187,17 +187,17 @@ fn no_small_change_of_keys_lowers_the_cost() {
     // a key.
     let cost = |of: &EulerClip| {
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-        let off =
+        let deviation =
             moments.map(|time| tip(skeleton, of, hand, time).distance_squared(curve.at(time)));
-        let off: f64 = off.sum();
+        let deviation: f64 = deviation.sum();
         let pairs = of.tracks().iter().zip(clip.tracks());
         let keys = pairs.flat_map(|(new, old)| new.keys.iter().zip(&old.keys));
         let moved =
             keys.flat_map(|(new, old)| [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).powi(2)));
-        off + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
+        deviation + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
     };
-    let least = cost(&edited.clip);
-    assert!(least < 0.05 * cost(&clip));
+    let solved_cost = cost(&edited.clip);
+    assert!(solved_cost < 0.05 * cost(&clip));
     let mut random = Random::new(5);
     let mut tried = 0;
     for _ in 0..300 {
@@ -217,8 +217,8 @@ fn no_small_change_of_keys_lowers_the_cost() {
         tried += 1;
         let other = cost(&EulerClip::new(tracks).unwrap());
         assert!(
-            other > least - 1e-6,
-            "key {key} of bone {bone}: {other} {least}"
+            other > solved_cost - 1e-6,
+            "key {key} of bone {bone}: {other} {solved_cost}"
         );
     }
     assert!(tried > 50, "{tried}");
@@ -256,11 +256,11 @@ fn invalid_keyframe_ik_is_named() {
     );
 }
 
-const BENT: &str = "right_forearm";
+const BENT_BONE: &str = "right_forearm";
 
 /// The dense keys with a constant bend of the forearm, except where `at` gives another value.
 fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
-    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let forearm = rig.skeleton.bone(BENT_BONE).unwrap();
     let mut tracks = dense(rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
         for (k, key) in track.keys.iter_mut().enumerate() {
@@ -271,7 +271,7 @@ fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
 }
 
 fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
-    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let forearm = rig.skeleton.bone(BENT_BONE).unwrap();
     let track = clip.tracks().iter().find(|track| track.bone == forearm);
     let keys = &track.unwrap().keys;
     keys.iter().map(|key| key.angles[1]).collect()
@@ -281,11 +281,11 @@ fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
 fn hand_distance(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times = (0..=200).map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 200.0);
-    let off = times.map(|time| {
+    let deviations = times.map(|time| {
         let [one, other] = [one, other].map(|clip| tip(&rig.skeleton, clip, hand, time));
         one.distance(other)
     });
-    off.fold(0.0, f64::max)
+    deviations.fold(0.0, f64::max)
 }
 
 /// A reach along the hand's curve in a clip.
@@ -307,15 +307,15 @@ fn hand_curve(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
 fn track_beyond_its_limit_is_moved_within_it() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let beyond = bent(&rig, limits.upper + 0.2, |_| None);
     // The hand's curve with the elbow well within its limits.
-    let wanted = bent(&rig, limits.upper - 0.4, |_| None);
+    let reachable_clip = bent(&rig, limits.upper - 0.4, |_| None);
     let all = [0.0, 3.0];
-    assert!(hand_distance(&rig, &beyond, &wanted, all) > 0.1);
+    assert!(hand_distance(&rig, &beyond, &reachable_clip, all) > 0.1);
     let solve = |span| {
-        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, span));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &reachable_clip, span));
         ik.solve(&beyond).unwrap()
     };
     // All keys are solved for: no limit is exceeded.
@@ -325,10 +325,10 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let off = hand_distance(&rig, &edited.clip, &wanted, all);
+    let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, all);
     assert!(
-        off < 0.01 && edited.led[0].miss < 0.01,
-        "{off} {:?}",
+        deviation < 0.01 && edited.led[0].miss < 0.01,
+        "{deviation} {:?}",
         edited.led
     );
 
@@ -361,10 +361,10 @@ fn track_beyond_its_limit_is_moved_within_it() {
         (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
         "{reported:?} {worst}"
     );
-    let off = hand_distance(&rig, &edited.clip, &wanted, SPAN);
+    let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, SPAN);
     assert!(
-        off < 0.02 && edited.led[0].miss < 0.02,
-        "{off} {:?}",
+        deviation < 0.02 && edited.led[0].miss < 0.02,
+        "{deviation} {:?}",
         edited.led
     );
 }
@@ -373,7 +373,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
 fn key_beyond_its_limit_is_clamped_without_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     for (over, key) in [(0.05, 9), (0.3, 10), (0.05, 15)] {
         let only = |bend: f64| {
@@ -381,8 +381,8 @@ fn key_beyond_its_limit_is_clamped_without_others() {
                 (k == key).then_some(bend)
             })
         };
-        let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
-        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, SPAN));
+        let (beyond, reachable_clip) = (only(limits.upper + over), only(limits.upper));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &reachable_clip, SPAN));
         let edited = ik.solve(&beyond).unwrap();
         assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
         let new = bends(&rig, &edited.clip);
@@ -408,7 +408,7 @@ fn key_beyond_its_limit_is_clamped_without_others() {
 fn single_key_track_keeps_its_limit() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let mut tracks = dense(&rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
@@ -432,11 +432,11 @@ fn single_key_track_keeps_its_limit() {
     let bend = angles(skeleton, &edited.clip, 0.0)[3 * forearm.index() + 1];
     assert!(limits.lower <= bend && bend < limits.lower + 0.1, "{bend}");
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
-    let off = off.fold(0.0, f64::max);
+    let deviation = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
+    let deviation = deviation.fold(0.0, f64::max);
     assert!(
-        (edited.led[0].miss - off).abs() < 1e-9,
-        "{:?} {off}",
+        (edited.led[0].miss - deviation).abs() < 1e-9,
+        "{:?} {deviation}",
         edited.led
     );
 }
@@ -445,7 +445,7 @@ fn single_key_track_keeps_its_limit() {
 fn locked_angle_keeps_its_value_in_the_clip() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     assert!(skeleton.bones()[forearm.index()].limits[2].is_locked());
     let mut tracks = dense(&rig).tracks().to_vec();
     for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
@@ -463,12 +463,13 @@ fn locked_angle_keeps_its_value_in_the_clip() {
         .solve(&clip)
         .unwrap();
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
-    let off = off.fold(0.0, f64::max);
+    let deviation =
+        times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
+    let deviation = deviation.fold(0.0, f64::max);
     let reported = edited.led[0].miss;
     assert!(
-        off < 0.02 && (reported - off).abs() < 1e-9,
-        "{reported} {off}"
+        deviation < 0.02 && (reported - deviation).abs() < 1e-9,
+        "{reported} {deviation}"
     );
 }
 
@@ -477,7 +478,7 @@ fn locked_angle_keeps_its_value_in_the_clip() {
 fn clamped_last_key_is_compensated_by_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
-    let forearm = skeleton.bone(BENT).unwrap();
+    let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let clip = bent(&rig, limits.lower + 0.3, |_| None);
     // The elbow would have to bend backwards at the end, where no bone above it helps.
@@ -494,19 +495,22 @@ fn clamped_last_key_is_compensated_by_others() {
     let cost = |of: &EulerClip| {
         let hand = skeleton.bone(HAND).unwrap();
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
-        let off = moments.map(|time| {
-            let [actual, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
-            actual.distance_squared(wanted)
+        let deviations = moments.map(|time| {
+            let [actual, expected] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
+            actual.distance_squared(expected)
         });
-        off.sum::<f64>()
+        deviations.sum::<f64>()
     };
-    let least = cost(&edited.clip);
+    let solved_cost = cost(&edited.clip);
     for (key, by) in [(13, 0.01), (13, -0.01), (14, 0.01), (14, -0.01)] {
         let mut tracks = edited.clip.tracks().to_vec();
         for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
             track.keys[key].angles[1] += by;
         }
         let other = cost(&EulerClip::new(tracks).unwrap());
-        assert!(other > least - 1e-6, "key {key} by {by}: {other} {least}");
+        assert!(
+            other > solved_cost - 1e-6,
+            "key {key} by {by}: {other} {solved_cost}"
+        );
     }
 }

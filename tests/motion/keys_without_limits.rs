@@ -44,19 +44,19 @@ fn missing_limit_equals_a_distant_one() {
         assert!(edited.beyond.is_empty() && edited.led[0].miss < 0.05);
         edited.clip
     };
-    let far = solved(Limits::new(-1e3, 1e3));
+    let wide = solved(Limits::new(-1e3, 1e3));
     for limits in [
         Limits::UNBOUNDED,
         Limits::new(-1e3, f64::INFINITY),
         Limits::new(f64::NEG_INFINITY, 1e3),
     ] {
         let unlimited = solved(limits);
-        for (unlimited, far) in unlimited.tracks().iter().zip(far.tracks()) {
-            for (unlimited, far) in unlimited.keys.iter().zip(&far.keys) {
-                for (unlimited, far) in unlimited.angles.iter().zip(far.angles) {
+        for (unlimited, wide_track) in unlimited.tracks().iter().zip(wide.tracks()) {
+            for (unlimited, wide_key) in unlimited.keys.iter().zip(&wide_track.keys) {
+                for (unlimited, wide_angle) in unlimited.angles.iter().zip(wide_key.angles) {
                     assert!(
-                        (unlimited - far).abs() < 1e-3,
-                        "{limits:?}: {unlimited} {far}"
+                        (unlimited - wide_angle).abs() < 1e-3,
+                        "{limits:?}: {unlimited} {wide_angle}"
                     );
                 }
             }

@@ -9,7 +9,7 @@ fn known(names: impl IntoIterator<Item = String>) -> Option<&'static str> {
 }
 
 /// Names common to Mixamo's characters and CMU's captures.
-const SHARED: [&str; 21] = [
+const SHARED_NAMES: [&str; 21] = [
     "Hips",
     "Spine",
     "Spine1",
@@ -35,7 +35,7 @@ const SHARED: [&str; 21] = [
 
 #[test]
 fn skeleton_is_recognised_by_its_unique_names() {
-    let shared = || SHARED.into_iter();
+    let shared = || SHARED_NAMES.into_iter();
     let mixamo = || shared().chain(["Spine2", "HeadTop_End", "LeftHandThumb1"]);
     assert_eq!(known(mixamo().map(str::to_owned)), Some("mixamo"));
     assert_eq!(

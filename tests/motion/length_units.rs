@@ -19,7 +19,7 @@ use crate::clip_ik::{figure, planted, walk};
 /// Centimetres and inches per metre.
 const UNITS: [f64; 2] = [100.0, 39.37007874015748];
 /// Largest difference of an angle in radians, or of a component of a unit quaternion.
-const ALIKE: f64 = 1e-6;
+const ANGLE_TOLERANCE: f64 = 1e-6;
 
 fn scaled(skeleton: &Skeleton, unit: f64) -> Skeleton {
     let bones = skeleton.bones().iter().map(|bone| {
@@ -41,8 +41,8 @@ fn in_metres(q: &[f64], width: usize, lengths: usize, unit: f64) -> Vec<f64> {
 fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
     assert_eq!(expected.len(), found.len(), "{what}");
     let pairs = expected.iter().zip(found);
-    let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(off < ALIKE, "{what}: {off}");
+    let deviation = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(deviation < ANGLE_TOLERANCE, "{what}: {deviation}");
 }
 
 /// Captured steps, retargeted to the humanoid in a unit.
@@ -118,9 +118,9 @@ fn frames_of_drag(model: &Model, skeleton: &Skeleton, unit: f64) -> Vec<f64> {
     for frame in 0..20 {
         for (k, (task, leaf)) in tasks.iter().zip(&leaves).enumerate() {
             let tip = bones[leaf.index()].rest_tip();
-            let way = Vector3::new(0.3, -0.1, 0.2) * (unit * f64::from(frame) / 10.0);
+            let displacement = Vector3::new(0.3, -0.1, 0.2) * (unit * f64::from(frame) / 10.0);
             let side = if k == 0 { 1.0 } else { -1.0 };
-            let target = tip + way * side;
+            let target = tip + displacement * side;
             drag.target_mut(*task).unwrap().set_target(target);
         }
         frames.extend_from_slice(&drag.advance().q);
@@ -160,8 +160,8 @@ fn walking(unit: f64) -> (Armature, Clip) {
     let walk = walk(&metres, true);
     let times: Vec<f32> = (0..=60).map(|k| k as f32 / 30.0).collect();
     let poses = times.iter().map(|time| {
-        let own = crate::clip_ik::pose(&metres, &walk, f64::from(*time));
-        scale(&own, &metres)
+        let scaled_pose = crate::clip_ik::pose(&metres, &walk, f64::from(*time));
+        scale(&scaled_pose, &metres)
     });
     let poses: Vec<Pose> = poses.collect();
     let clip = Clip::through_poses("walk", &armature, &times, &poses).unwrap();
@@ -174,10 +174,10 @@ fn rotations(pose: &Pose) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// Clip with planted feet, and a hand that reaches a target.
-fn edited(place: Vec3A, unit: f64) -> Vec<f64> {
+fn edited(position: Vec3A, unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let hand = armature.bone("hand").unwrap();
-    let target = place.as_dvec3() * unit;
+    let target = position.as_dvec3() * unit;
     let reach = Reach::to(hand, target).unwrap().with_span(0.8..=1.6);
     let edited = planted(&armature)
         .with_reach(reach.with_fade(0.3))
@@ -192,15 +192,15 @@ fn edited(place: Vec3A, unit: f64) -> Vec<f64> {
 
 #[test]
 fn clip_ik_is_alike_in_all_units() {
-    let place = Vec3A::new(0.5, 1.3, 1.5);
-    let metres = edited(place, 1.0);
+    let target = Vec3A::new(0.5, 1.3, 1.5);
+    let metres = edited(target, 1.0);
     for unit in UNITS {
-        assert_alike(&metres, &edited(place, unit), &format!("{unit}"));
+        assert_alike(&metres, &edited(target, unit), &format!("{unit}"));
     }
     // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres. A
     // stretched arm rotates by the square root of the rounding error of single precision.
-    let place = Vec3A::new(1.2, 1.5, 1.5);
-    let [metres, other] = [1.0, 64.0].map(|unit| edited(place, unit));
+    let target = Vec3A::new(1.2, 1.5, 1.5);
+    let [metres, other] = [1.0, 64.0].map(|unit| edited(target, unit));
     assert_alike(&metres, &other, "far");
 }
 
@@ -210,9 +210,9 @@ fn stances(unit: f64) -> Vec<f64> {
     let edited = planted(&armature).solve(&clip).unwrap();
     let stances = edited.stances.iter();
     stances
-        .flat_map(|own| {
-            let place = own.place / unit;
-            [own.span[0], own.span[1], place.x, place.z]
+        .flat_map(|stance| {
+            let position = stance.place / unit;
+            [stance.span[0], stance.span[1], position.x, position.z]
         })
         .collect()
 }
@@ -236,8 +236,8 @@ fn stepped(unit: f64) -> Vec<f64> {
     for step in 0..10 {
         let mut pose = crate::clip_ik::pose(&armature, &clip, f64::from(step) / 5.0);
         let foot = armature.model_from_bone(&pose, bones[2]).unwrap();
-        let by = Vec3A::new(0.02, 0.1, 0.03 * step as f32).as_dvec3() * unit;
-        let target = foot.translation + by.as_vec3a();
+        let offset = Vec3A::new(0.02, 0.1, 0.03 * step as f32).as_dvec3() * unit;
+        let target = foot.translation + offset.as_vec3a();
         let goal = LimbGoal::at(target);
         limb.reach(&armature, &mut pose, &goal).unwrap();
         found.extend(rotations(&pose));

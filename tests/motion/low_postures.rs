@@ -6,11 +6,11 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 use crate::retargeted_soles::SOLE;
 
-/// A subject that moves down by `by` metres and up again, and whose feet slide by `sliding` metres.
-fn lowered(by: f64, sliding: f64) -> Capture {
+/// A subject that moves down by `depth` metres and up again, and whose feet slide by `sliding` metres.
+fn lowered(depth: f64, sliding: f64) -> Capture {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
-        let down = 0.5 * by * (1.0 - (0.026 * k as f64).cos());
+        let down = 0.5 * depth * (1.0 - (0.026 * k as f64).cos());
         let along = sliding * (0.08 * k as f64).sin();
         // Chest and hips, and the knees half as far.
         for (joints, down) in [([0, 1, 5].as_slice(), down), (&[2, 6], 0.5 * down)] {
@@ -51,12 +51,12 @@ fn feet_in_contact_are_not_pressed_into_the_ground() {
 fn sliding_feet_do_not_stop_the_robot() {
     let robot = legs(SOLE);
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    for by in [0.0, 0.4] {
-        let capture = lowered(by, 0.15);
+    for depth in [0.0, 0.4] {
+        let capture = lowered(depth, 0.15);
         let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
         let found = fitted.per_frame().unwrap();
         check_limits(&robot, &found);
-        assert!(found.contacts.iter().all(|stands| !stands));
+        assert!(found.contacts.iter().all(|in_contact| !in_contact));
         assert!(found.mean_error < 0.07, "{} m", found.mean_error);
         assert!(
             found.ground_penetration < 8e-4,

@@ -9,12 +9,12 @@ use kinopt::task::Point;
 /// A prismatic joint whose tool should jump by 1 m, and its mimic joint with a velocity limit of 0.5 m/s.
 #[test]
 fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
-    let (at, room) = (Placement::identity(), Limits::new(-4.0, 4.0));
+    let (at, limits) = (Placement::identity(), Limits::new(-4.0, 4.0));
     let [x, y, _] = Vector3::UNITS;
     for ratio in [-2.5, 0.4] {
         let mut builder = Model::builder("press");
-        let leader = builder.prismatic("leader", None, at, x, room);
-        let follower = builder.prismatic("follower", None, at, y, room);
+        let leader = builder.prismatic("leader", None, at, x, limits);
+        let follower = builder.prismatic("follower", None, at, y, limits);
         let tool = builder.frame("tool", Some(leader), at);
         let follows = Mimic {
             joint: follower,
@@ -37,8 +37,11 @@ fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
             let [before, after] = [frame - 1, frame].map(|frame| solved.frame(frame).unwrap());
             (after[1] - before[1]).abs()
         });
-        let most = steps.fold(0.0, f64::max);
-        assert!(most <= 0.05 + 1e-12 && most > 0.049, "{ratio}: {most}");
+        let largest = steps.fold(0.0, f64::max);
+        assert!(
+            largest <= 0.05 + 1e-12 && largest > 0.049,
+            "{ratio}: {largest}"
+        );
         let last = solved.frame(79).unwrap();
         assert!((last[0] - 1.0).abs() < 1e-3, "{ratio}: {last:?}");
     }

@@ -23,9 +23,9 @@ fn prismatic_joint_stops_at_its_single_limit() {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         let point = motion.add(Point::new(tool, [0.0; 3]));
         // As far beyond the limit as in the other direction.
-        let wanted = move |frame: usize| side * (frame as f64 / 10.0 - 2.0);
+        let target_at = move |frame: usize| side * (frame as f64 / 10.0 - 2.0);
         motion.follow(point, move |frame, point| {
-            point.set_target([wanted(frame), 0.0, 0.0]);
+            point.set_target([target_at(frame), 0.0, 0.0]);
         });
         motion.rate_cost(RateCost::velocity(1e-6));
         let motion = motion.build().unwrap();
@@ -35,12 +35,16 @@ fn prismatic_joint_stops_at_its_single_limit() {
             assert_eq!(solved.termination(), MotionTermination::Stationary);
             for frame in 0..FRAMES {
                 let at = side * solved.frame(frame).unwrap()[0];
-                let expected = (side * wanted(frame)).min(0.5);
+                let expected = (side * target_at(frame)).min(0.5);
                 assert!(at <= 0.5 && (at - expected).abs() < 1e-3, "{frame}: {at}");
                 let reported = solved.active_limits(frame).count();
                 // If the limit is just reached, either report is accepted.
-                if (side * wanted(frame) - 0.5).abs() > 0.06 {
-                    assert_eq!(reported, usize::from(side * wanted(frame) > 0.5), "{frame}");
+                if (side * target_at(frame) - 0.5).abs() > 0.06 {
+                    assert_eq!(
+                        reported,
+                        usize::from(side * target_at(frame) > 0.5),
+                        "{frame}"
+                    );
                 }
             }
         }

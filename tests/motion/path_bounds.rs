@@ -56,11 +56,11 @@ fn sampled(
                 .map(|(a, b)| a + share * (b - a))
                 .collect();
             let at = base_from_tip(robot.model(), arm, &q, base, tip);
-            let wanted = Isometry3::from_parts(
+            let expected = Isometry3::from_parts(
                 Translation3::from(from.translation.vector.lerp(&to.translation.vector, share)),
                 from.rotation.slerp(&to.rotation, share),
             );
-            let (metres, radians) = apart(&at, &wanted);
+            let (metres, radians) = apart(&at, &expected);
             farthest = (farthest.0.max(metres), farthest.1.max(radians));
         }
     }
@@ -157,8 +157,8 @@ fn spline_deviation_is_bounded_from_its_curve() {
     assert!(solution.is_whole());
     let rows: Vec<&[f64]> = solution.rows().collect();
     let mut farthest = 0.0_f64;
-    for (place, point) in fine.points().iter().enumerate() {
-        let (row, share) = (place / 20, (place % 20) as f64 / 20.0);
+    for (index, point) in fine.points().iter().enumerate() {
+        let (row, share) = (index / 20, (index % 20) as f64 / 20.0);
         let (from, to) = (rows[row], rows[(row + 1).min(36)]);
         let q: Vec<f64> = from
             .iter()
@@ -231,8 +231,8 @@ fn check_coriolis_deviation(first: f64) {
             let share = f64::from(k) / 40.0;
             let q = [0, 1, 2].map(|i| rows[0][i] + share * (rows[1][i] - rows[0][i]));
             let displacement = ends[1].translation - ends[0].translation;
-            let wanted = ends[0].translation + displacement * share;
-            farthest = farthest.max((tool_of_polar(&q).translation - wanted).norm());
+            let expected = ends[0].translation + displacement * share;
+            farthest = farthest.max((tool_of_polar(&q).translation - expected).norm());
         }
     }
     let reported = solution.largest_deviation;
@@ -270,18 +270,18 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         let solver = solver.with_start(&start).with_end(&end);
         let solution = solver.solve(&path).unwrap();
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
-        let off = |share: f64| {
+        let deviation_of = |share: f64| {
             let [x, y] = [0, 1].map(|k| start[k] + share * (end[k] - start[k]));
             let (sin, cos) = (turn * share).sin_cos();
             let along = (cos * x + sin * y).abs() - 0.4;
             along.max(0.0).hypot(cos * y - sin * x)
         };
-        let most = (0..=1000).map(|k| off(f64::from(k) / 1000.0));
-        let most = most.fold(0.0, f64::max);
+        let most = (0..=1000).map(|k| deviation_of(f64::from(k) / 1000.0));
+        let largest = most.fold(0.0, f64::max);
         let reported = solution.largest_deviation.metres;
         assert!(
-            most > 0.01 && most <= reported && reported < 1.05 * most + 1e-6,
-            "{most} {reported}"
+            largest > 0.01 && largest <= reported && reported < 1.05 * largest + 1e-6,
+            "{largest} {reported}"
         );
     }
 }

@@ -283,8 +283,8 @@ fn wall_between_two_points_is_reported() {
     let arm = arm.with_atlas(false).build().unwrap();
     let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
     let points = |from: f64, by: f64| -> CartesianPath {
-        let place = |k: u32| Vector3::new(from + by * f64::from(k), 0.3, 0.0);
-        let points = (0..10).map(|k| Placement::translation(place(k)));
+        let position_at = |k: u32| Vector3::new(from + by * f64::from(k), 0.3, 0.0);
+        let points = (0..10).map(|k| Placement::translation(position_at(k)));
         CartesianPath::new(points.collect::<Vec<_>>()).unwrap()
     };
     let free = PathSolver::new(&arm).solve(&points(0.05, 0.04)).unwrap();

@@ -86,10 +86,10 @@ fn each_arm(mut visit: impl FnMut(&Arm, &str)) {
 
 #[test]
 fn lines_that_track_follows_need_no_reconfiguration() {
-    let wanted = cases(100, 12);
+    let case_count = cases(100, 12);
     each_arm(|arm, name| {
         let (mut random, mut followed, mut made) = (Random(56), 0, 0);
-        while followed < wanted {
+        while followed < case_count {
             made += 1;
             let (path, start, track) = tracked(arm, &mut random);
             if rank(&track) != (0, 0) {
@@ -107,11 +107,11 @@ fn lines_that_track_follows_need_no_reconfiguration() {
 
 #[test]
 fn lines_out_of_reach_are_no_worse_than_tracked() {
-    let wanted = cases(20, 3);
+    let case_count = cases(20, 3);
     each_arm(|arm, name| {
         let mut random = Random(57);
         let (mut left, mut jumps, mut reconfigurations) = (0, 0, 0);
-        while left < wanted {
+        while left < case_count {
             let (path, start, track) = tracked(arm, &mut random);
             let (missed, jumped) = rank(&track);
             if missed == 0 {
@@ -135,10 +135,10 @@ fn lines_out_of_reach_are_no_worse_than_tracked() {
 /// Along a line and back: as a closed path, and as an open path with a given end.
 #[test]
 fn closed_paths_from_a_start_need_no_reconfiguration() {
-    let wanted = cases(30, 4);
+    let case_count = cases(30, 4);
     each_arm(|arm, name| {
         let (mut random, mut followed) = (Random(58), 0);
-        while followed < wanted {
+        while followed < case_count {
             let (path, start, track) = tracked(arm, &mut random);
             if rank(&track) != (0, 0) {
                 continue;

@@ -12,8 +12,8 @@ fn point(x: f64) -> Placement<f64> {
 #[test]
 fn invalid_points_and_lists_are_named() {
     assert_eq!(CartesianPath::new(Vec::new()), Err(PathError::Empty));
-    let bad = CartesianPath::new(vec![point(0.4), point(f64::NAN)]);
-    assert!(matches!(bad, Err(PathError::Point { index: 1, .. })));
+    let invalid = CartesianPath::new(vec![point(0.4), point(f64::NAN)]);
+    assert!(matches!(invalid, Err(PathError::Point { index: 1, .. })));
     let path = CartesianPath::new(vec![point(0.4), point(0.41)]).unwrap();
     let times = path.clone().with_times(vec![0.0]);
     assert_eq!(
@@ -35,8 +35,8 @@ fn invalid_curves_are_named() {
     let steps = CartesianPath::spline(vec![point(0.4), point(0.41)], None, 0);
     assert!(steps.unwrap_err().to_string().contains("steps"));
     // Each number is finite, the distance between them is not.
-    let far = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
-    assert!(matches!(far, Err(PathError::Curve(_))), "{far:?}");
+    let path = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
+    assert!(matches!(path, Err(PathError::Curve(_))), "{path:?}");
 }
 
 #[test]

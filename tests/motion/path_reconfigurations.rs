@@ -191,8 +191,8 @@ fn joint_continues_from_the_nearest_turn_after_jump() {
     let angles: Vec<f64> = up.chain(down).collect();
     let mut points: Vec<_> = angles.iter().map(|angle| turned(*angle)).collect();
     // The second tool begins with the arm rotated about its base.
-    let elsewhere = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
-    points.extend([arm.base_from_tool(&elsewhere).unwrap(); 10]);
+    let other_q = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
+    points.extend([arm.base_from_tool(&other_q).unwrap(); 10]);
     let changes = points.len() - 10;
     let tools: Vec<usize> = (0..points.len())
         .map(|k| usize::from(k >= changes))
@@ -225,21 +225,21 @@ fn joint_continues_from_the_nearest_turn_after_jump() {
 #[test]
 fn fewer_reconfigurations_precede_shorter_length() {
     let mut builder = Model::builder("planar");
-    let (here, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
+    let (identity, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
     let mut last = None;
-    builder.frame("base", None, here);
+    builder.frame("base", None, identity);
     for (name, at, lower) in [
-        ("shoulder", here, -3.0),
+        ("shoulder", identity, -3.0),
         ("elbow", Placement::translation(x), -3.0),
         ("hand", Placement::translation(x), -3.25),
     ] {
         last = Some(builder.revolute(name, last, at, z, Limits::new(lower, 3.0)));
     }
-    builder.frame("tool", last, here);
+    builder.frame("tool", last, identity);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     let arm = arm.build().unwrap();
-    let same = arm.with_tool(here).unwrap();
+    let same = arm.with_tool(identity).unwrap();
     let start = [0.2, 1.0, 1.5];
     let hands = [1.5].into_iter();
     let hands = hands.chain((0..=20).map(|k| 2.9 + 0.05 * f64::from(k)));
@@ -292,9 +292,9 @@ fn change_of_tools_is_not_interpolated() {
             let at = [&arm, &other][usize::from(point >= 6)]
                 .base_from_tool(row)
                 .unwrap();
-            let off = (at.translation - aim.translation).norm();
+            let deviation = (at.translation - aim.translation).norm();
             let missed = solution.missed.iter().any(|missed| missed.index == point);
-            assert!(missed || off < 1e-5, "{case}, {point}: {off} m");
+            assert!(missed || deviation < 1e-5, "{case}, {point}: {deviation} m");
         }
         let breaks = solution
             .reconfigurations
@@ -305,10 +305,10 @@ fn change_of_tools_is_not_interpolated() {
             let moves = rows[*row].iter().zip(rows[row - 1]);
             moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) > 0.3 + 1e-9
         };
-        let far: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
+        let jumps: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
         assert!(
-            !solution.missed.is_empty() || far == breaks,
-            "{case}: {far:?} {breaks:?}"
+            !solution.missed.is_empty() || jumps == breaks,
+            "{case}: {jumps:?} {breaks:?}"
         );
         reported += usize::from(breaks.contains(&6));
     }
@@ -320,7 +320,7 @@ fn change_of_tools_is_not_interpolated() {
 #[test]
 fn nearly_equal_branches_are_chosen_again() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
-    let (middle, way) = (
+    let (middle, displacement) = (
         Vector3::new(0.0312, 0.113, 0.1166),
         Vector3::new(-0.3624, -1.0638, 0.4206),
     );
@@ -331,7 +331,7 @@ fn nearly_equal_branches_are_chosen_again() {
     let point = |k: u32| {
         let share = f64::from(k) / 200.0 - 0.5;
         let turned = rotation_exp(turn) * rotation_exp(spin * share);
-        Placement::new(turned, middle + way * share)
+        Placement::new(turned, middle + displacement * share)
     };
     let path = CartesianPath::new((0..=100).map(point).collect::<Vec<_>>()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();

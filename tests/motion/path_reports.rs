@@ -12,7 +12,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 
 /// Two prismatic joints along one line and two revolute joints about one axis.
-const TWICE: &str = r#"<robot name="twice">
+const REDUNDANT_ROBOT: &str = r#"<robot name="twice">
 <link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="tool"/>
 <joint name="slide 1" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
@@ -27,7 +27,7 @@ const TWICE: &str = r#"<robot name="twice">
 /// The tool does not move, while its joints change to another configuration in one step.
 #[test]
 fn furthest_joint_of_a_jump_is_weighted_by_unit() {
-    let robot = Robot::parse(TWICE, "twice.urdf").unwrap();
+    let robot = Robot::parse(REDUNDANT_ROBOT, "twice.urdf").unwrap();
     // Prismatic joints by 0.4 m and revolute ones by 0.5 rad, each.
     let (from, to) = ([0.1, 0.5, 0.0, 0.5], [0.5, 0.1, 0.5, 0.0]);
     for (metres_per_radian, is_slide, distance) in
@@ -98,11 +98,11 @@ fn path_is_not_entered_where_more_is_unreached() {
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
         .unwrap();
-    let far = [10, 20, 30];
+    let unreachable = [10, 20, 30];
     let points = (0..40).map(|k: usize| {
         let angle = 2.0 * TAU * k as f64 / 40.0;
         let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
-        let out = if far.contains(&k) { 3.0 } else { 0.0 };
+        let out = if unreachable.contains(&k) { 3.0 } else { 0.0 };
         Placement::new(turned, begin.translation + Vector3::new(out, 0.0, 0.0))
     });
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
@@ -110,7 +110,7 @@ fn path_is_not_entered_where_more_is_unreached() {
     let solver = PathSolver::new(&arm).with_max_step(0.5);
     let reported = solver.solve(&path).unwrap();
     assert!(
-        !far.contains(&reported.entry),
+        !unreachable.contains(&reported.entry),
         "entered at {}",
         reported.entry
     );
@@ -121,7 +121,7 @@ fn path_is_not_entered_where_more_is_unreached() {
         .map(|missed| (reported.entry + missed.index) % 40);
     let mut missed: Vec<usize> = missed.collect();
     missed.sort_unstable();
-    assert_eq!(missed, far);
+    assert_eq!(missed, unreachable);
 }
 
 /// The tool does not move while its joints have to pass a ball. Distributing this over neighbouring steps would lead
@@ -129,7 +129,11 @@ fn path_is_not_entered_where_more_is_unreached() {
 #[test]
 fn jump_over_an_obstacle_is_not_distributed() {
     let body = r#"<link name="a"><collision><origin xyz="0 0.2 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>"#;
-    let robot = Robot::parse(&TWICE.replace(r#"<link name="a"/>"#, body), "twice.urdf").unwrap();
+    let robot = Robot::parse(
+        &REDUNDANT_ROBOT.replace(r#"<link name="a"/>"#, body),
+        "twice.urdf",
+    )
+    .unwrap();
     let (from, to) = ([0.1, 0.5, 0.0, 0.5], [0.5, 0.1, 0.0, 0.5]);
     let alone = Arm::new(&robot, "base", "tool").unwrap();
     let stand = alone.base_from_tool(&from).unwrap();

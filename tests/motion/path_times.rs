@@ -16,8 +16,8 @@ fn solved() -> PathSolution {
         .unwrap();
     let point = |k: u32| {
         let (sin, cos) = (0.05 * f64::from(k)).sin_cos();
-        let by = Vector3::new(0.0, 0.08 * sin, 0.08 * (1.0 - cos));
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.08 * sin, 0.08 * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let path = CartesianPath::new((0..120).map(point).collect::<Vec<_>>()).unwrap();
     PathSolver::new(&arm).solve(&path).unwrap()
@@ -79,8 +79,8 @@ fn step_too_fast_for_its_time_is_reported() {
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
     let point = |k: u32| {
-        let by = Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let points: Vec<_> = (0..=40).map(point).collect();
     for hasty in [7, 20, 21, 40] {
@@ -92,8 +92,8 @@ fn step_too_fast_for_its_time_is_reported() {
         });
         let path = CartesianPath::new(points.clone()).unwrap();
         let path = path.with_times(times.collect::<Vec<_>>()).unwrap();
-        let solve = |kept: bool| {
-            let solver = PathSolver::new(&arm).with_times_kept(kept);
+        let solve = |keep_times: bool| {
+            let solver = PathSolver::new(&arm).with_times_kept(keep_times);
             solver.solve(&path).unwrap()
         };
         assert!(solve(false).is_whole());
@@ -130,8 +130,8 @@ fn ample_times_change_nothing() {
             .flat_map(|q| {
                 let end = arm.base_from_tool(q).unwrap();
                 (0..4).map(move |k| {
-                    let by = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
-                    Placement::new(end.rotation, end.translation + by)
+                    let offset = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
+                    Placement::new(end.rotation, end.translation + offset)
                 })
             })
             .collect();
@@ -187,8 +187,8 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
     let point = |k: u32| {
-        let by = Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     let points: Vec<_> = (0..=150).map(point).collect();
     let path = CartesianPath::new(points).unwrap();
@@ -198,13 +198,15 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     // Shares of a joint's velocity limit for steps of one second.
     let shares = |row: &[f64], next: &[f64]| {
         let moves = row.iter().zip(next).zip(arm.velocity_limits());
-        moves.fold(0.0_f64, |most, ((a, b), speed)| {
-            most.max((a - b).abs() / speed)
+        moves.fold(0.0_f64, |largest, ((a, b), speed)| {
+            largest.max((a - b).abs() / speed)
         })
     };
     let rows: Vec<&[f64]> = plain.rows().collect();
-    let most = (rows.windows(2)).fold(0.0_f64, |most, pair| most.max(shares(pair[0], pair[1])));
-    let step = 2.0 * most;
+    let largest = (rows.windows(2)).fold(0.0_f64, |largest, pair| {
+        largest.max(shares(pair[0], pair[1]))
+    });
+    let step = 2.0 * largest;
     let times: Vec<f64> = (0..=150).map(|k| step * f64::from(k)).collect();
     let timed = path.with_times(times).unwrap();
     let solution = solver.with_times_kept(true).solve(&timed).unwrap();

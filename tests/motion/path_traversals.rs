@@ -12,8 +12,8 @@ use support::arms::{planar_with_hand, robot, with_endless_joint};
 fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
     let point = |k: u32| {
         let (sin, cos) = (TAU * f64::from(k) / f64::from(points)).sin_cos();
-        let by = Vector3::new(0.0, radius * sin, radius * (1.0 - cos));
-        Placement::new(begin.rotation, begin.translation + by)
+        let offset = Vector3::new(0.0, radius * sin, radius * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + offset)
     };
     (0..points).map(point).collect()
 }
@@ -68,10 +68,11 @@ fn cyclic_path_has_equal_length_from_any_point() {
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
         solution.length
     });
-    let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
-        (least.min(*length), most.max(*length))
-    });
-    assert!(most < least * (1.0 + 1e-4), "{lengths:?}");
+    let (shortest, longest) = (lengths.iter())
+        .fold((f64::MAX, 0.0_f64), |(shortest, longest), length| {
+            (shortest.min(*length), longest.max(*length))
+        });
+    assert!(longest < shortest * (1.0 + 1e-4), "{lengths:?}");
 }
 
 /// The tool makes one full rotation along the path. A last joint with limits has to rewind it.
@@ -207,9 +208,9 @@ fn given_ends_are_kept() {
     assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert_eq!((rows[0], rows[60]), (&start[..], &end[..]));
-    let elsewhere = PathSolver::new(&arm).with_start(&end).solve(&path);
+    let from_end = PathSolver::new(&arm).with_start(&end).solve(&path);
     assert!(matches!(
-        elsewhere,
+        from_end,
         Err(PathError::End { which: "start", .. })
     ));
 }
@@ -248,8 +249,8 @@ fn points_for_two_tools_are_reached() {
     let begin = arm.base_from_tool(&q).unwrap();
     let points: Vec<_> = (0..40)
         .map(|k| {
-            let by = Vector3::new(0.0, 0.003 * f64::from(k), 0.0);
-            Placement::new(begin.rotation, begin.translation + by)
+            let offset = Vector3::new(0.0, 0.003 * f64::from(k), 0.0);
+            Placement::new(begin.rotation, begin.translation + offset)
         })
         .collect();
     let tools: Vec<usize> = (0..40).map(|k| usize::from(k >= 20)).collect();
@@ -324,8 +325,8 @@ fn spline_of_a_line_is_evenly_spaced() {
         let path = CartesianPath::spline(line, None, 4).unwrap();
         assert_eq!(path.points().len() as i32, 4 * (keys - 1) + 1);
         for (k, point) in path.points().iter().enumerate() {
-            let wanted = at(k as f64 / 4.0).translation;
-            assert!((point.translation - wanted).norm() < 1e-12, "{keys}: {k}");
+            let expected = at(k as f64 / 4.0).translation;
+            assert!((point.translation - expected).norm() < 1e-12, "{keys}: {k}");
         }
     }
 }

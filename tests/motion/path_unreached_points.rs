@@ -31,8 +31,8 @@ fn path_leaving_the_workspace_reports_where() {
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert_eq!(solution.rows().len(), 81);
         // Between unreached points the tool does not follow the path, so no deviation counts.
-        let off = solution.largest_deviation.metres;
-        assert!(off < 5e-3, "{name}: {off}");
+        let deviation = solution.largest_deviation.metres;
+        assert!(deviation < 5e-3, "{name}: {deviation}");
         let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
         assert!(
             missed.contains(&40) && !missed.contains(&0) && !missed.contains(&80),
@@ -87,12 +87,12 @@ fn free_position_is_never_beyond_reach() {
         .build()
         .unwrap();
     let begin = arm.base_from_tool(&[0.3]).unwrap();
-    let far = begin.translation + Vector3::new(30.0, 0.0, 0.0);
+    let position = begin.translation + Vector3::new(30.0, 0.0, 0.0);
     // Tilted increasingly, which the first joint cannot follow.
     let points: Vec<_> = (0..8)
         .map(|k| {
             let tilt = rotation_exp(Vector3::new(0.1 * f64::from(k), 0.0, 0.0));
-            Placement::new(tilt * begin.rotation, far)
+            Placement::new(tilt * begin.rotation, position)
         })
         .collect();
     let path = CartesianPath::new(points).unwrap();
@@ -144,13 +144,13 @@ fn points_reachable_from_a_neighbour_are_reached() {
                 assert!(jumps <= 1, "{name}, {case}: {jumps} leaps over {stretch:?}");
             }
             for row in (0..rows.len()).filter(|&row| missed(row)) {
-                for beside in [row.wrapping_sub(1), row + 1] {
-                    if beside < rows.len() && !missed(beside) {
+                for neighbour in [row.wrapping_sub(1), row + 1] {
+                    if neighbour < rows.len() && !missed(neighbour) {
                         bordering += 1;
-                        let tried = arm.solve(points[row], rows[beside]).unwrap();
+                        let tried = arm.solve(points[row], rows[neighbour]).unwrap();
                         assert!(
                             !tried.goals_reached(),
-                            "{name}, {case}: point {row} is reached from {beside}"
+                            "{name}, {case}: point {row} is reached from {neighbour}"
                         );
                     }
                 }
@@ -165,7 +165,7 @@ fn points_reachable_from_a_neighbour_are_reached() {
 #[test]
 fn shortened_path_still_reaches_its_points() {
     let whole = robot("franka_panda");
-    for (q, low, high, way, turn) in [
+    for (q, low, high, displacement, turn) in [
         (
             [
                 0.261878, 1.238528, -1.773319, -0.473370, 2.438892, 1.791326, -0.811011,
@@ -209,7 +209,10 @@ fn shortened_path_still_reaches_its_points() {
         let points = (0..25).map(|k| {
             let share = f64::from(k) / 24.0;
             let turned = rotation_exp(Vector3::from(turn) * share) * begin.rotation;
-            Placement::new(turned, begin.translation + Vector3::from(way) * share)
+            Placement::new(
+                turned,
+                begin.translation + Vector3::from(displacement) * share,
+            )
         });
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();
@@ -217,8 +220,11 @@ fn shortened_path_still_reaches_its_points() {
         let missed: Vec<usize> = reported.missed.iter().map(|missed| missed.index).collect();
         for (k, (q, point)) in reported.rows().zip(&points).enumerate() {
             let at = arm.base_from_tool(q).unwrap();
-            let off = (at.translation - point.translation).norm();
-            assert!(missed.contains(&k) || off < 1.1e-6, "point {k}: {off}");
+            let deviation = (at.translation - point.translation).norm();
+            assert!(
+                missed.contains(&k) || deviation < 1.1e-6,
+                "point {k}: {deviation}"
+            );
         }
     }
 }

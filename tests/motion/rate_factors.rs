@@ -59,15 +59,18 @@ fn factor_affects_only_its_joint() {
     for (make, weight) in make.into_iter().zip([0.05, 0.005, 0.0005]) {
         let [(plain, _), (strong, cost)] =
             [weight, 3.0 * weight].map(|weight| followed(make(weight)));
-        let apart = [&hinge, &ball].map(|own| largest_difference(&plain, &strong, own.clone()));
+        let apart = [&hinge, &ball].map(|joint| largest_difference(&plain, &strong, joint.clone()));
         assert!(apart.iter().all(|apart| *apart > 1e-2), "{apart:?}");
-        for (name, own, other) in [("hinge", &hinge, &ball), ("ball", &ball, &hinge)] {
+        for (name, kind_range, other) in [("hinge", &hinge, &ball), ("ball", &ball, &hinge)] {
             let (mixed, _) = followed(make(weight).scale(name, 3.0));
-            let [own, other] = [
-                largest_difference(&mixed, &strong, own.clone()),
+            let [difference, other] = [
+                largest_difference(&mixed, &strong, kind_range.clone()),
                 largest_difference(&mixed, &plain, other.clone()),
             ];
-            assert!(own < 1e-6 && other < 1e-6, "{name}: {own} {other}");
+            assert!(
+                difference < 1e-6 && other < 1e-6,
+                "{name}: {difference} {other}"
+            );
         }
         let both = make(weight).scale("hinge", 3.0).scale("ball", 3.0);
         let (_, reported) = followed(both);

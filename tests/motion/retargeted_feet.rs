@@ -24,10 +24,10 @@ pub(crate) const MAP: &str = r#"{
 pub(crate) fn legs(feet: &str) -> Robot {
     let mut text = String::from(r#"<robot name="legs"><link name="pelvis"/>"#);
     let mut joint = |name: &str, kind: &str, parent: &str, child: &str, at: &str, more: &str| {
-        let own = if child.ends_with("_foot") { feet } else { "" };
+        let geometry = if child.ends_with("_foot") { feet } else { "" };
         write!(
             text,
-            r#"<link name="{child}">{own}</link><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+            r#"<link name="{child}">{geometry}</link><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
                <origin xyz="{at}"/>{more}</joint>"#
         )
         .unwrap();
@@ -123,13 +123,13 @@ pub(crate) fn person() -> Vec<f64> {
             let lift = 0.6 * step * (1.0 - step);
             let ankle = Vector3::new(0.3 * step, 1.2 * y, 0.09 + lift);
             // Knee of two bones, forward.
-            let way = ankle - hip;
-            let half = 0.5 * way.norm();
+            let leg = ankle - hip;
+            let half = 0.5 * leg.norm();
             let (upper, lower) = (0.42, 0.45);
             let along = half + (upper * upper - lower * lower) / (4.0 * half);
             let ahead = (upper * upper - along * along).max(0.0).sqrt();
-            let forward = Vector3::new(1.0, 0.0, 0.0) - way * (way.x / (4.0 * half * half));
-            let knee = hip + way * (along / (2.0 * half)) + forward * (ahead / forward.norm());
+            let forward = Vector3::new(1.0, 0.0, 0.0) - leg * (leg.x / (4.0 * half * half));
+            let knee = hip + leg * (along / (2.0 * half)) + forward * (ahead / forward.norm());
             let toe = ankle + Vector3::new(0.17, 0.2 * y, -0.06);
             for at in [hip, knee, ankle, toe] {
                 numbers.extend(at.to_array());
@@ -210,8 +210,8 @@ fn ankle_frame_on_the_foot_is_in_contact() {
     standing.sort();
     assert_eq!(standing, feet);
     for (k, name) in found.contact_frames.iter().enumerate() {
-        let stands = found.contacts.chunks(4).filter(|contacts| contacts[k]);
-        assert!(stands.count() > FRAMES / 2, "{name}");
+        let in_contact = found.contacts.chunks(4).filter(|contacts| contacts[k]);
+        assert!(in_contact.count() > FRAMES / 2, "{name}");
     }
     assert!(found.slip < 1e-3, "{} m", found.slip);
 }
@@ -225,7 +225,10 @@ fn target_limbs_have_the_model_lengths() {
     let driven = retargeting.driven();
     let index = |name: &str| {
         let frame = robot.model().frame(name).unwrap();
-        driven.iter().position(|own| *own == frame).unwrap()
+        driven
+            .iter()
+            .position(|driven_frame| *driven_frame == frame)
+            .unwrap()
     };
     // Legs of 0.6 m instead of 0.87 m; feet do not count.
     assert!(
@@ -266,20 +269,20 @@ fn released_foot_returns_smoothly() {
     };
     let toe = model.frame("left_toe").unwrap();
     // Forward position of the toe, frame by frame. The foot is locked for half a second while its target moves forward.
-    let course = |far: f64| -> Vec<f64> {
+    let course = |distance: f64| -> Vec<f64> {
         let mut follower = fitted.follower().unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let mut course = Vec::new();
         for frame in 0..120 {
-            let ahead = far * (f64::from(frame) / 50.0).min(1.0);
+            let ahead = distance * (f64::from(frame) / 50.0).min(1.0);
             let places = stood.iter().enumerate().map(|(k, at)| match is_foot(k) {
                 true => *at + Vector3::new(ahead, 0.0, 0.0),
                 false => *at,
             });
             let places: Vec<_> = places.collect();
             let held = |k: usize| f64::from(is_foot(k) && (10..60).contains(&frame));
-            let stands: Vec<f64> = (0..places.len()).map(held).collect();
-            let q = follower.advance(&places, &stands).unwrap();
+            let in_contact: Vec<f64> = (0..places.len()).map(held).collect();
+            let q = follower.advance(&places, &in_contact).unwrap();
             course.push(kinematics.place(q).unwrap()[toe.index()].translation.x);
         }
         course
@@ -288,8 +291,8 @@ fn released_foot_returns_smoothly() {
     let (gone, stayed) = (course(0.04), course(0.0));
     let apart: Vec<f64> = gone.iter().zip(&stayed).map(|(a, b)| a - b).collect();
     assert!(apart[59] < 0.01 && apart[119] > 0.03, "{apart:?}");
-    let most = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
-    let most = most.fold(0.0, f64::max);
+    let changes = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
+    let largest = changes.fold(0.0, f64::max);
     // At most 1.7 times the mean over the 16 frames of a release.
-    assert!(most < 1.7 * 0.04 / 16.0, "{most} m in a frame");
+    assert!(largest < 1.7 * 0.04 / 16.0, "{largest} m in a frame");
 }

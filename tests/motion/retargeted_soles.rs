@@ -33,13 +33,13 @@ fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
     frames.map(of_frame).collect()
 }
 
-fn deepest(heights: &[[[f64; 4]; 2]]) -> f64 {
+fn max_penetration(heights: &[[[f64; 4]; 2]]) -> f64 {
     let all = heights.iter().flatten().flatten();
-    -all.fold(f64::INFINITY, |least, height| least.min(*height))
+    -all.fold(f64::INFINITY, |smallest, height| smallest.min(*height))
 }
 
 /// Leaning subject, so that a foot known by a line only would roll onto its edge.
-fn leaning() -> Vec<f64> {
+fn leaning_subject() -> Vec<f64> {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let aside = 0.12 * (0.05 * k as f64).sin();
@@ -55,13 +55,13 @@ fn leaning() -> Vec<f64> {
 fn foot_in_contact_is_flat_and_above_the_ground() {
     let (shaped, bare) = (legs(SOLE), legs(""));
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let fitted =
         |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let without = fitted(&bare).per_frame().unwrap();
     assert_eq!(without.ground_penetration, 0.0);
     // Without a shape the ground was at the toes' point, 1 cm above the sole. That much is no roll.
-    let ground_penetration = deepest(&heights(&bare, &without)) - 0.01;
+    let ground_penetration = max_penetration(&heights(&bare, &without)) - 0.01;
     assert!(
         ground_penetration > 2e-3,
         "without its shape it sinks by {ground_penetration} m"
@@ -71,7 +71,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
     for found in [with.per_frame().unwrap(), with.whole().unwrap()] {
         check_limits(&shaped, &found);
         let heights = heights(&shaped, &found);
-        let deepest = deepest(&heights);
+        let deepest = max_penetration(&heights);
         assert!(deepest < 1.5e-3, "{deepest} m");
         // The reported depth is that of the sole's corners.
         assert!((deepest.max(0.0) - found.ground_penetration).abs() < 1e-12);
@@ -83,8 +83,12 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
             found.mean_error
         );
         let mut standing = 0;
-        for (heights, stands) in heights.iter().zip(found.contacts.chunks(2)) {
-            for (foot, _) in heights.iter().zip(stands).filter(|(_, stands)| **stands) {
+        for (heights, in_contact) in heights.iter().zip(found.contacts.chunks(2)) {
+            for (foot, _) in heights
+                .iter()
+                .zip(in_contact)
+                .filter(|(_, in_contact)| **in_contact)
+            {
                 standing += 1;
                 assert!(foot.iter().all(|height| height.abs() < 8e-3), "{foot:?}");
             }
@@ -94,7 +98,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
 }
 
 /// Legs known by their ankles only; no toe keeps the feet level.
-const ANKLES: &str = r#"{
+const ANKLE_MAP: &str = r#"{
     "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
     "drives": {
         "chest": "pelvis",
@@ -108,7 +112,7 @@ const ANKLES: &str = r#"{
 #[test]
 fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let robot = legs(SOLE);
-    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let map = BodyMap::from_json(ANKLE_MAP, "legs").unwrap();
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let down = 0.15 * (1.0 - (0.05 * k as f64).cos());
@@ -140,7 +144,7 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
 fn contacts_of_a_foot_are_independent() {
     let robot = legs(SOLE);
     let model = robot.model();
-    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let map = BodyMap::from_json(ANKLE_MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let stood = fitted.targets(0).unwrap();
@@ -169,10 +173,10 @@ fn contacts_of_a_foot_are_independent() {
                 *at + by
             });
             let places: Vec<_> = places.collect();
-            let stands: Vec<f64> = (0..places.len())
+            let in_contact: Vec<f64> = (0..places.len())
                 .map(|k| f64::from(on_ground && is(k, "foot")))
                 .collect();
-            let q = follower.advance(&places, &stands).unwrap();
+            let q = follower.advance(&places, &in_contact).unwrap();
             if frame >= 250 {
                 rows.push(q.to_vec());
             }
@@ -181,8 +185,8 @@ fn contacts_of_a_foot_are_independent() {
     };
     let (deep, level) = (second_stance(0.3), second_stance(0.0));
     let moves = deep.iter().flatten().zip(level.iter().flatten());
-    let most = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(most < 1e-5, "{most} rad");
+    let largest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-5, "{largest} rad");
 }
 
 /// A small ball under each corner, and a larger one next to it that is 1.4 cm lower although its centre is higher.
@@ -206,7 +210,7 @@ fn round_soles_are_in_contact_by_their_surface() {
     };
     let robot = legs(&PADS.map(pad).concat());
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let feet = ["left_foot", "right_foot"].map(|name| robot.model().frame(name).unwrap());
     let mut kinematics = ForwardKinematics::new(robot.model());
@@ -229,7 +233,7 @@ fn round_soles_are_in_contact_by_their_surface() {
 fn points_of_a_cloud_have_their_radius() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let model = robot.model();
     let under = [
         [-0.03, -0.03, -0.02],
@@ -290,9 +294,9 @@ fn heavier_weight_lands_a_foot_flatter() {
         let found = retargeting.per_frame().unwrap();
         let names = &found.contact_frames;
         let left = names.iter().position(|name| name == "left_foot").unwrap();
-        let stands = |frame: usize| found.contacts[frame * names.len() + left];
+        let in_contact = |frame: usize| found.contacts[frame * names.len() + left];
         let landing = (1..found.frames())
-            .find(|&k| stands(k) && !stands(k - 1))
+            .find(|&k| in_contact(k) && !in_contact(k - 1))
             .unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let mut tilt = |frame: usize| {
@@ -337,7 +341,7 @@ fn ellipsoid_is_equal_under_swapped_axes() {
     for drive in &mut map.drives {
         drive.frame = drive.frame.replace("_heel_string", "_foot");
     }
-    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning_subject(), RATE).unwrap();
     let found = [
         r#"size="0.12 0.04 0.03" pos="0.04 0 -0.03""#,
         r#"size="0.04 0.12 0.03" pos="0.04 0 -0.03" euler="0 0 1.5707963267948966""#,
@@ -347,13 +351,13 @@ fn ellipsoid_is_equal_under_swapped_axes() {
         let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
         retargeting.unwrap().per_frame().unwrap()
     });
-    let off = found[0]
+    let deviation = found[0]
         .q
         .iter()
         .zip(&found[1].q)
         .map(|(a, b)| (a - b).abs());
-    let off = off.fold(0.0, f64::max);
-    assert!(off < 1e-6, "{off}");
+    let deviation = deviation.fold(0.0, f64::max);
+    assert!(deviation < 1e-6, "{deviation}");
     assert!(
         found.iter().all(|found| found.ground_penetration < 0.01),
         "{} m",

@@ -43,20 +43,20 @@ fn steps(robot: &Robot, frames: usize) -> Vec<f64> {
         // The foot moves in the middle third.
         let step = ((phase - 1.0 / 3.0) * 3.0).clamp(0.0, 1.0);
         let step = step * step * (3.0 - 2.0 * step);
-        for (k, own) in stood.iter().enumerate() {
+        for (k, rest) in stood.iter().enumerate() {
             let tremble = 2e-4 * ((frame * (7 + k)) as f64).sin();
-            let mut place = *own + Vector3::new(tremble, -tremble, tremble);
+            let mut position = *rest + Vector3::new(tremble, -tremble, tremble);
             let sway = 0.01 * (phase * 6.0).sin();
             match k {
-                0 => place += Vector3::new(0.02 * phase, sway, -0.02),
-                1 => place += Vector3::new(0.12 * step, 0.0, 0.15 * step * (1.0 - step)),
+                0 => position += Vector3::new(0.02 * phase, sway, -0.02),
+                1 => position += Vector3::new(0.12 * step, 0.0, 0.15 * step * (1.0 - step)),
                 2 => {}
                 _ => {
-                    place +=
+                    position +=
                         Vector3::new(0.05 * (phase * 9.0).sin(), sway, 0.03 * (phase * 5.0).sin())
                 }
             }
-            numbers.extend((place * 4.0).to_array());
+            numbers.extend((position * 4.0).to_array());
         }
         numbers.extend([0.0; 3]);
     }
@@ -110,10 +110,10 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
         assert!(found.slip < most, "{} m", found.slip);
         assert!(found.mean_error < 0.03, "{} m", found.mean_error);
         // The right foot is in contact all the time, the left one before and after its step.
-        let stands = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
-        assert!((0..90).all(|frame| stands(frame)[1]));
+        let in_contact = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
+        assert!((0..90).all(|frame| in_contact(frame)[1]));
         assert_eq!(
-            [10, 45, 80].map(|frame| stands(frame)[0]),
+            [10, 45, 80].map(|frame| in_contact(frame)[0]),
             [true, false, true]
         );
     }
@@ -128,7 +128,7 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
 #[test]
 fn invalid_maps_and_captures_are_named() {
     let robot = nao();
-    let told = |text: &str| {
+    let parsed = |text: &str| {
         let map = BodyMap::from_json(text, "nao.urdf")?;
         let capture = Capture::new(vec!["hips".to_owned()], &[0.0; 6], RATE)?;
         Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).map(drop)
@@ -162,10 +162,10 @@ fn invalid_maps_and_captures_are_named() {
         ("{", &["line 1"]),
         ("[]", &["`drives`", "not a list"]),
     ] {
-        let told = told(text).unwrap_err().to_string();
+        let message = parsed(text).unwrap_err().to_string();
         assert!(
-            words.iter().all(|word| told.contains(word)),
-            "{text}: {told}"
+            words.iter().all(|word| message.contains(word)),
+            "{text}: {message}"
         );
     }
     let names = vec!["a".to_owned(), "b".to_owned()];

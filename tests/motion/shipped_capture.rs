@@ -7,7 +7,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, U
 use kinopt::robot::{BaseJoint, Robot};
 
 /// A NAO is a third as tall as the subject, so its speed limit in contact is a third as well.
-const STANDS: f64 = 0.06;
+const MAX_CONTACT_SPEED: f64 = 0.06;
 
 #[test]
 fn capture_of_steps_is_retargeted_to_the_nao() {
@@ -21,7 +21,7 @@ fn capture_of_steps_is_retargeted_to_the_nao() {
     assert_eq!((guess.up, guess.notes.len()), (Some(UpAxis::Y), 0));
     let options = RetargetOptions::default()
         .with_up(UpAxis::Y)
-        .with_contacts(ContactDetection::default().with_speed(STANDS));
+        .with_contacts(ContactDetection::default().with_speed(MAX_CONTACT_SPEED));
     let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();
     let mut reported = Vec::new();
     let whole = retargeting

@@ -11,8 +11,8 @@ pub(crate) fn slide() -> (Model, FrameId) {
 /// The same with a range of `half` metres in both directions.
 pub(crate) fn rail(half: f64) -> (Model, FrameId) {
     let mut builder = Model::builder("slide");
-    let (at, room) = (Placement::identity(), Limits::new(-half, half));
-    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
+    let (at, limits) = (Placement::identity(), Limits::new(-half, half));
+    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], limits);
     let tool = builder.frame("tool", Some(slide), at);
     (builder.build().unwrap(), tool)
 }

@@ -164,17 +164,17 @@ fn limits_of_a_skeleton_are_kept() {
     let bridge = EulerPoseMap::new(&skeleton);
     let limits: Vec<_> = skeleton.model().limits().collect();
     let outside = |edited: &Clip| {
-        let mut most = 0.0_f64;
+        let mut largest = 0.0_f64;
         for time in [0.0, 0.2, 0.5] {
             let mut q = vec![0.0; limits.len()];
             bridge
                 .angles_of(&pose(&armature, edited, time), &mut q)
                 .unwrap();
             for (angle, limits) in q.iter().zip(&limits) {
-                most = most.max((limits.lower - angle).max(angle - limits.upper));
+                largest = largest.max((limits.lower - angle).max(angle - limits.upper));
             }
         }
-        most
+        largest
     };
     let reach = || Reach::to(hand, DVec3::new(0.6, 0.9, 0.3)).unwrap();
     let free = ClipIk::new(&armature)
@@ -200,18 +200,18 @@ fn rig_with_a_rotated_root_reaches_equally() {
     let arm = ["right_clavicle", "right_upper_arm", "right_forearm"].map(id);
     let reached = |turn: Quat| {
         let mut still = armature.rest().clone();
-        let own = still.local(root).unwrap();
-        still.set_rotation(root, turn * own.rotation).unwrap();
+        let rest = still.local(root).unwrap();
+        still.set_rotation(root, turn * rest.rotation).unwrap();
         let poses = vec![still.clone(); 2];
         let clip = Clip::through_poses("still", &armature, &[0.0, 0.4], &poses).unwrap();
-        let origin = own.translation.as_dvec3();
-        let place = armature.model_from_bone(armature.rest(), hand).unwrap();
-        let place = place.translation.as_dvec3() + DVec3::new(0.35, 0.1, 0.25);
-        let place = origin + turn.as_dquat() * (place - origin);
+        let origin = rest.translation.as_dvec3();
+        let target = armature.model_from_bone(armature.rest(), hand).unwrap();
+        let target = target.translation.as_dvec3() + DVec3::new(0.35, 0.1, 0.25);
+        let target = origin + turn.as_dquat() * (target - origin);
         let ik = ClipIk::new(&armature).with_joints_of(&rig.skeleton);
         let ik = ik
             .with_root(root)
-            .with_reach(Reach::to(hand, place).unwrap());
+            .with_reach(Reach::to(hand, target).unwrap());
         let edited = ik.solve(&clip).unwrap();
         let posed = pose(&armature, &edited.clip, 0.2);
         (
@@ -223,8 +223,8 @@ fn rig_with_a_rotated_root_reaches_equally() {
     let moved = plain[2].angle_between(armature.rest().local(arm[2]).unwrap().rotation);
     assert!(moved > 0.1, "{moved}");
     for turn in [Quat::from_rotation_z(1.2), Quat::from_rotation_x(-0.8)] {
-        let (turned, own) = reached(turn);
-        assert!((own - miss).abs() < 1e-4, "{own} {miss}");
+        let (turned, actual) = reached(turn);
+        assert!((actual - miss).abs() < 1e-4, "{actual} {miss}");
         for (a, b) in turned.iter().zip(&plain) {
             assert!(a.angle_between(*b) < 2e-3, "{a} {b}");
         }

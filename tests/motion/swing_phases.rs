@@ -87,8 +87,11 @@ fn edge_is_cleared_from_the_lower_contact() {
         let over = places
             .filter(|at| (-0.12..0.05).contains(&at.z))
             .map(|at| at.y - ground(at) - lowest);
-        let least = over.fold(f64::INFINITY, f64::min);
-        assert!(least.abs() < 2e-3, "{raised:?}: {least} m over the edge");
+        let smallest = over.fold(f64::INFINITY, f64::min);
+        assert!(
+            smallest.abs() < 2e-3,
+            "{raised:?}: {smallest} m over the edge"
+        );
     }
 }
 
@@ -111,14 +114,17 @@ fn reversed_clip_gives_the_reversed_result() {
                 .solve(clip)
                 .unwrap()
         };
-        let [there, back] = [&walk, &back].map(solve);
-        assert_eq!(there.stances.len(), back.stances.len());
+        let [forward, backward] = [&walk, &back].map(solve);
+        assert_eq!(forward.stances.len(), backward.stances.len());
         for time in &moments {
             for foot in ["foot.l", "foot.r"] {
-                let one = at(&armature, &there.clip, foot, *time);
-                let other = at(&armature, &back.clip, foot, 2.0 - time);
-                let off = one.distance(other);
-                assert!(off < 2e-4, "{foot} at {time} s, {height} m: {off} m");
+                let one = at(&armature, &forward.clip, foot, *time);
+                let other = at(&armature, &backward.clip, foot, 2.0 - time);
+                let deviation = one.distance(other);
+                assert!(
+                    deviation < 2e-4,
+                    "{foot} at {time} s, {height} m: {deviation} m"
+                );
             }
         }
     }
@@ -134,7 +140,7 @@ fn blend_of_a_contact_has_the_configured_duration() {
     let moved = |lead: f64| -> [f32; 2] {
         let planted = planted(&armature).with_detection(detection.with_lead(lead));
         let edited = planted.with_keys_per_second(120.0).solve(&walk).unwrap();
-        let mut most = [0.0_f32; 2];
+        let mut largest = [0.0_f32; 2];
         for foot in ["foot.l", "foot.r"] {
             let bone = armature.bone(foot).unwrap();
             let spans = edited.stances.iter().filter(|stance| stance.bone == bone);
@@ -145,11 +151,11 @@ fn blend_of_a_contact_has_the_configured_duration() {
                 for (k, time) in [end + 0.015, 0.5 * (end + next)].into_iter().enumerate() {
                     let [old, new] =
                         [&walk, &edited.clip].map(|clip| at(&armature, clip, foot, time));
-                    most[k] = most[k].max(old.distance(new));
+                    largest[k] = largest[k].max(old.distance(new));
                 }
             }
         }
-        most
+        largest
     };
     let [short, long] = [0.05, 0.4].map(moved);
     assert!(short[0] > 2e-3 && long[0] > 2e-3, "{short:?} {long:?}");

@@ -42,15 +42,15 @@ fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory {
 /// Largest shares of the limits that a trajectory uses: velocity, acceleration and jerk.
 fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64; 3]) -> [f64; 3] {
     let step = trajectory.duration() / f64::from(SAMPLES);
-    let mut most = [0.0_f64; 3];
+    let mut largest = [0.0_f64; 3];
     let mut last = trajectory.at(0.0);
     for k in 1..=SAMPLES {
         let point = trajectory.at(step * f64::from(k));
         for joint in 0..trajectory.joint_count() {
-            most[0] = most[0].max(point.velocity[joint].abs() / velocity);
-            most[1] = most[1].max(point.acceleration[joint].abs() / acceleration);
+            largest[0] = largest[0].max(point.velocity[joint].abs() / velocity);
+            largest[1] = largest[1].max(point.acceleration[joint].abs() / acceleration);
             let change = (point.acceleration[joint] - last.acceleration[joint]) / step;
-            most[2] = most[2].max(change.abs() / jerk);
+            largest[2] = largest[2].max(change.abs() / jerk);
             // Velocities are those of the joint values.
             let moved = (point.q[joint] - last.q[joint]) / step;
             let mean = 0.5 * (point.velocity[joint] + last.velocity[joint]);
@@ -60,7 +60,7 @@ fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64;
         }
         last = point;
     }
-    most
+    largest
 }
 
 #[test]
@@ -174,10 +174,10 @@ fn blended_corners_stay_within_the_tolerance() {
 /// A reversed path comes to its last row before the reversal, whatever the tolerance.
 #[test]
 fn reversals_are_reached_and_stopped_at() {
-    let there = (0..=20).map(|k| 0.02 * f64::from(k));
-    let q: Vec<f64> = there
+    let outbound = (0..=20).map(|k| 0.02 * f64::from(k));
+    let q: Vec<f64> = outbound
         .clone()
-        .chain(there.rev().skip(1))
+        .chain(outbound.rev().skip(1))
         .flat_map(|q| [q, 0.5 * q])
         .collect();
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.05);
@@ -251,8 +251,8 @@ fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
         let [from, to] = [pair[0], pair[1]].map(Vector3::from);
         let steps = ((to - from).norm() / row_distance).round() as u32;
         points.extend((1..=steps).map(|k| {
-            let by = from + (to - from) * (f64::from(k) / f64::from(steps));
-            Placement::new(begin.rotation, begin.translation + by)
+            let offset = from + (to - from) * (f64::from(k) / f64::from(steps));
+            Placement::new(begin.rotation, begin.translation + offset)
         }));
     }
     let path = CartesianPath::new(points).unwrap();
@@ -438,18 +438,21 @@ fn limits_out_of_range_name_option_and_joint() {
     };
     let limits = TimingLimits::of(&arm).with_acceleration_limits(&[5.0; 6]);
     let joint = arm.joints().nth(2).unwrap();
-    for bad in [0.0, -1.0, f64::NAN] {
-        let bad = [1.0, 1.0, bad, 1.0, 1.0, 1.0];
+    for invalid in [0.0, -1.0, f64::NAN] {
+        let invalid = [1.0, 1.0, invalid, 1.0, 1.0, 1.0];
         for (reported, option) in [
             (
-                error(limits.clone().with_velocity_limits(&bad)),
+                error(limits.clone().with_velocity_limits(&invalid)),
                 "velocity_limits",
             ),
             (
-                error(limits.clone().with_acceleration_limits(&bad)),
+                error(limits.clone().with_acceleration_limits(&invalid)),
                 "acceleration_limits",
             ),
-            (error(limits.clone().with_jerk_limits(&bad)), "jerk_limits"),
+            (
+                error(limits.clone().with_jerk_limits(&invalid)),
+                "jerk_limits",
+            ),
         ] {
             assert!(
                 reported.contains(option) && reported.contains(joint),

@@ -45,11 +45,11 @@ fn person(frame: usize) -> [Vector3<f64>; 9] {
     .map(Vector3::from)
 }
 
-fn capture(frames: usize, place: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
+fn capture(frames: usize, position_at: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
     let places = (0..frames).flat_map(|frame| {
         let positions = person(frame).into_iter().enumerate();
         positions
-            .flat_map(|(joint, at)| place(joint, at).to_array())
+            .flat_map(|(joint, at)| position_at(joint, at).to_array())
             .collect::<Vec<_>>()
     });
     let numbers: Vec<f64> = places.collect();
@@ -171,12 +171,12 @@ fn rotated_subject_gives_the_rotated_robot() {
         .chunks_exact(width)
         .zip(turned.q.chunks_exact(width))
     {
-        let off = unrotated[7..]
+        let deviation = unrotated[7..]
             .iter()
             .zip(&other[7..])
             .map(|(a, b)| (a - b).abs());
         // The tolerance covers the three steps per frame, which differ between the two.
-        assert!(off.fold(0.0, f64::max) < 1e-3);
+        assert!(deviation.fold(0.0, f64::max) < 1e-3);
         assert!((unrotated[0] - other[1]).abs() < 1e-4 && (unrotated[1] + other[0]).abs() < 1e-4);
     }
 }
@@ -233,12 +233,12 @@ fn missing_joints_and_frames_are_named() {
     assert_eq!(lost.unwrap_err(), named);
     // At this distance positions are not resolved to a tenth of a millimetre.
     numbers[3 * 9 * 2 + 3 * 7 + 1] = -1e300;
-    let far = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
+    let result = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
     let named = RetargetError::TooFar {
         frame: 2,
         joint: "LeftHand".to_owned(),
     };
-    assert_eq!(far.unwrap_err(), named);
+    assert_eq!(result.unwrap_err(), named);
 }
 
 /// A file without frames is not a frame in the rest pose. A file with a frame in the rest pose is a motion.
@@ -254,11 +254,11 @@ fn capture_without_frames_is_an_error() {
     let none = captured("Frames: 0 Frame Time: 0.1");
     let again = serde_json::to_string(&none.clip).unwrap();
     let again: Clip = serde_json::from_str(&again).unwrap();
-    let (own, lifted) = (&none.armature, none.armature.clone());
+    let (rest_armature, lifted) = (&none.armature, none.armature.clone());
     for clip in [
         &none.clip,
         &again,
-        &none.clip.at_rest_in(own, &lifted).unwrap(),
+        &none.clip.at_rest_in(rest_armature, &lifted).unwrap(),
     ] {
         assert!(clip.is_empty() && clip.span() == [0.0, 0.0]);
         let refused = Capture::of_clip(&none.armature, clip, 30.0);

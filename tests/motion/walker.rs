@@ -68,9 +68,9 @@ impl Walker {
         let step = motion.add(Pose::new(right, stood));
         motion.follow(step, move |frame, pose| {
             let phase = frame as f64 / RATE * 3.0;
-            let mut place = stood;
-            place.translation += Vector3::new(0.02 * phase.sin(), 0.02 * phase.cos(), 0.0);
-            pose.set_target(place);
+            let mut target = stood;
+            target.translation += Vector3::new(0.02 * phase.sin(), 0.02 * phase.cos(), 0.0);
+            pose.set_target(target);
         });
         motion.add(Task::new(Posture::new(model, &self.stance)).scale(0.05));
         motion.rate_cost(RateCost::acceleration(2e-5));

@@ -40,7 +40,13 @@ fn motion(order: usize, weight: f64) -> MotionProblem {
 
 /// Minimum of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`. Those before `begin` are
 /// given.
-fn least(x: &[f64], begin: usize, end: usize, order: usize, weight: f64) -> DVector<f64> {
+fn least_squares_window(
+    x: &[f64],
+    begin: usize,
+    end: usize,
+    order: usize,
+    weight: f64,
+) -> DVector<f64> {
     let coefficients: &[f64] =
         [&[-1.0, 1.0][..], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]][order - 1];
     let w = weight / TIME_STEP_S.powi(order as i32);
@@ -75,27 +81,30 @@ fn windows_continue_from_the_kept_frames() {
         let motion = motion(order, weight);
         let solver = MotionSolver::default().with_tolerance(1e-12);
         let whole = solver.solve(&motion, &[0.0]).unwrap();
-        let expected = least(&[], 0, FRAMES, order, weight);
-        let off = |ours: &[f64], theirs: &[f64]| {
+        let expected = least_squares_window(&[], 0, FRAMES, order, weight);
+        let deviation_of = |ours: &[f64], theirs: &[f64]| {
             let apart = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs());
             apart.fold(0.0, f64::max)
         };
-        assert!(off(whole.q(), expected.as_slice()) < 1e-6, "order {order}");
+        assert!(
+            deviation_of(whole.q(), expected.as_slice()) < 1e-6,
+            "order {order}"
+        );
 
         let mut expected = vec![0.0; FRAMES];
         let mut begin = 0;
         while begin < FRAMES {
             let end = (begin + frames + ahead).min(FRAMES);
-            let window = least(&expected, begin, end, order, weight);
+            let window = least_squares_window(&expected, begin, end, order, weight);
             expected[begin..end].copy_from_slice(window.as_slice());
             begin = if end == FRAMES { end } else { begin + frames };
         }
         // Without an effect of the seams it would be another motion.
-        assert!(off(&expected, whole.q()) > 1e-3, "order {order}");
+        assert!(deviation_of(&expected, whole.q()) > 1e-3, "order {order}");
         let cut = solver.with_windows(Some(Windows::new(frames, ahead)));
         let cut = cut.solve(&motion, &[0.0]).unwrap();
         assert_eq!(cut.termination(), MotionTermination::Stationary);
-        let off = off(cut.q(), &expected);
-        assert!(off < 1e-6, "order {order}: off by {off}");
+        let deviation_of = deviation_of(cut.q(), &expected);
+        assert!(deviation_of < 1e-6, "order {order}: off by {deviation_of}");
     }
 }

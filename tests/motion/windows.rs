@@ -73,14 +73,14 @@ fn unconverged_window_is_reported() {
     let windows = Windows::new(12, 3);
     let (first, all) = (to_and_fro(15), to_and_fro(60));
     let mut cut = 0;
-    for most in 1..30 {
-        let solver = MotionSolver::default().with_max_iterations(most);
+    for limit in 1..30 {
+        let solver = MotionSolver::default().with_max_iterations(limit);
         let alone = solver.solve(&first, &[0.0]).unwrap().termination();
         let solver = solver.with_windows(Some(windows));
         let reported = solver.solve(&all, &[0.0]).unwrap().termination();
         if alone == MotionTermination::IterationLimit {
             cut += 1;
-            assert_eq!(reported, MotionTermination::IterationLimit, "{most}");
+            assert_eq!(reported, MotionTermination::IterationLimit, "{limit}");
         }
     }
     assert!(cut > 5, "{cut}");

@@ -119,8 +119,11 @@ fn slerp_equals_scipy() {
             assert!((ours.length() - 1.0).abs() < 1e-6);
             // `nlerp` stays on the arc and equals `slerp` at the ends and in the middle.
             let close = [0.0, 0.5, 1.0].contains(&share);
-            let off = angle_between(nlerp(from, to, share).as_dquat(), quaternion(at));
-            assert!(off < if close { 2e-6 } else { 0.2 }, "{share}: {off}");
+            let deviation = angle_between(nlerp(from, to, share).as_dquat(), quaternion(at));
+            assert!(
+                deviation < if close { 2e-6 } else { 0.2 },
+                "{share}: {deviation}"
+            );
         }
     }
 }
@@ -164,8 +167,8 @@ fn rotation_hermites_about_one_axis_equal_scipy() {
             let rate = |key: usize| (DVec3::from(spline.rates[key]) * length).as_vec3();
             let segment = RotationHermite::new(keys[key], rate(key), keys[key + 1], rate(key + 1));
             let u = (at - spline.times[key]) / length;
-            let off = angle_between(segment.at(u as f32).as_dquat(), quaternion(rotation));
-            assert!(off < 3e-6, "{off}");
+            let deviation = angle_between(segment.at(u as f32).as_dquat(), quaternion(rotation));
+            assert!(deviation < 3e-6, "{deviation}");
         }
     }
 }
@@ -183,10 +186,14 @@ fn euler_angles_of_all_orders_equal_scipy() {
                 .abs_diff_eq(DMat3::ZERO, 1e-14)
         );
         let from_matrix = case.order.from_matrix(&matrix(case.matrix));
-        for got in [case.order.from_quaternion(theirs), from_matrix] {
-            assert!(!got.gimbal_lock);
-            for (ours, theirs) in got.angles.iter().zip(case.angles) {
-                assert!((ours - theirs).abs() < 1e-13, "{:?}: {got:?}", case.order);
+        for actual in [case.order.from_quaternion(theirs), from_matrix] {
+            assert!(!actual.gimbal_lock);
+            for (ours, theirs) in actual.angles.iter().zip(case.angles) {
+                assert!(
+                    (ours - theirs).abs() < 1e-13,
+                    "{:?}: {actual:?}",
+                    case.order
+                );
             }
         }
         let turn = AxisAngle::from_quaternion(theirs);

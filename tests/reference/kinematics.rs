@@ -24,8 +24,8 @@ use kinopt::task::{Point, Pose, Quantity, Task};
 use nalgebra::DMatrix;
 use serde::Deserialize;
 
-const PLACED_WITHIN: f64 = 1e-12;
-const JACOBIAN_WITHIN: f64 = 1e-10;
+const PLACEMENT_TOLERANCE: f64 = 1e-12;
+const JACOBIAN_TOLERANCE: f64 = 1e-10;
 
 /// Six rows, linear then angular, with one number for each variable.
 type RowBlock = Vec<Vec<f64>>;
@@ -124,10 +124,10 @@ fn twists(
     route: Derivatives,
 ) -> DMatrix<f64> {
     let mut kinematics = ForwardKinematics::under(model, map, &[frame]).unwrap();
-    let here = kinematics.place(x).unwrap()[0];
+    let frame_pose = kinematics.place(x).unwrap()[0];
     let mut builder = Problem::builder(model);
     builder.parameters(map.clone());
-    let task = Task::new(Pose::new(frame, here));
+    let task = Task::new(Pose::new(frame, frame_pose));
     builder.add(
         task.weight(Quantity::Metres, 1.0)
             .weight(Quantity::Radians, 1.0),
@@ -144,11 +144,11 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
     assert_eq!(theirs.len(), 6, "{what}");
     for (row, theirs) in theirs.iter().enumerate() {
         assert_eq!(theirs.len(), ours.ncols(), "{what}");
-        for (column, wanted) in theirs.iter().enumerate() {
-            let off = (ours[(row, column)] - wanted).abs();
+        for (column, expected) in theirs.iter().enumerate() {
+            let deviation = (ours[(row, column)] - expected).abs();
             assert!(
-                off <= JACOBIAN_WITHIN,
-                "{what}, row {row}, column {column}: off by {off:e}"
+                deviation <= JACOBIAN_TOLERANCE,
+                "{what}, row {row}, column {column}: off by {deviation:e}"
             );
         }
     }
@@ -204,8 +204,12 @@ fn placements_of_rigs_equal_the_recursion() {
                 };
                 let pairs = columns(&ours).into_iter().zip(columns(&theirs));
                 for (ours, theirs) in pairs.flat_map(|(a, b)| a.into_iter().zip(b)) {
-                    let off = (ours - theirs).abs();
-                    assert!(off <= PLACED_WITHIN, "{}, {name}: off by {off:e}", rig.file);
+                    let deviation = (ours - theirs).abs();
+                    assert!(
+                        deviation <= PLACEMENT_TOLERANCE,
+                        "{}, {name}: off by {deviation:e}",
+                        rig.file
+                    );
                 }
             }
         }
@@ -281,19 +285,23 @@ fn cost_derivatives_of_rigs_equal_casadi() {
         for case in &rig.cases {
             let reaching = Reaching::new(&model, &map, &rig.file, &case.targets);
             let (cost, gradient) = reaching.cost_and_gradient(&case.x);
-            assert!((cost - case.cost).abs() <= PLACED_WITHIN, "{}", rig.file);
+            assert!(
+                (cost - case.cost).abs() <= PLACEMENT_TOLERANCE,
+                "{}",
+                rig.file
+            );
             assert_eq!(gradient.len(), case.gradient.len());
             for (ours, theirs) in gradient.iter().zip(&case.gradient) {
-                assert!((ours - theirs).abs() <= PLACED_WITHIN, "{}", rig.file);
+                assert!((ours - theirs).abs() <= PLACEMENT_TOLERANCE, "{}", rig.file);
             }
             assert_eq!(case.hessian.len(), case.x.len());
             for (column, theirs) in case.hessian.iter().enumerate() {
                 let ours = reaching.hessian_column(&case.x, column);
                 for (ours, theirs) in ours.iter().zip(theirs) {
-                    let off = (ours - theirs).abs();
+                    let deviation = (ours - theirs).abs();
                     assert!(
-                        off <= JACOBIAN_WITHIN,
-                        "{}, column {column}: off by {off:e}",
+                        deviation <= JACOBIAN_TOLERANCE,
+                        "{}, column {column}: off by {deviation:e}",
                         rig.file
                     );
                 }

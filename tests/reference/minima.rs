@@ -21,11 +21,11 @@ use nalgebra::DMatrix;
 use support::sample::part;
 
 /// Relative to the reference's cost.
-const NO_WORSE: f64 = 1e-9;
+const COST_TOLERANCE: f64 = 1e-9;
 /// Remainder of a zero cost at tolerances of 1e-9 m, in m².
-const NOTHING: f64 = 1e-16;
+const ZERO_COST: f64 = 1e-16;
 /// Cosine between the residual and its first-order change by any free variable.
-const STATIONARY: f64 = 1e-6;
+const MAX_GRADIENT_COSINE: f64 = 1e-6;
 /// The problems are solved in parallel, because they are many.
 const THREADS: usize = 4;
 /// Problems whose solution is a stationary minimum other than the best known.
@@ -117,17 +117,17 @@ fn costs_and_kkt_residuals_equal_the_references() {
     for statement in &problems {
         let problem = problem(statement, &models[&statement.model]);
         for (tool, result) in &statement.answers {
-            let here = measure(&problem, &result.x);
-            let off = (here.cost - result.cost).abs() / result.cost.max(1e-6);
+            let measured = measure(&problem, &result.x);
+            let deviation = (measured.cost - result.cost).abs() / result.cost.max(1e-6);
             assert!(
-                off < 1e-12,
-                "{}, {tool}: cost off by {off:e}",
+                deviation < 1e-12,
+                "{}, {tool}: cost off by {deviation:e}",
                 statement.name
             );
-            let off = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
+            let deviation = (measured.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
             assert!(
-                off < 1e-10,
-                "{}, {tool}: kkt off by {off:e}",
+                deviation < 1e-10,
+                "{}, {tool}: kkt off by {deviation:e}",
                 statement.name
             );
         }
@@ -144,17 +144,22 @@ struct Verdict<'a> {
 fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
     let problem = problem(statement, loaded);
     let solution = solve(statement, &problem);
-    let here = measure(&problem, &variables(&problem, &solution.q));
+    let measured = measure(&problem, &variables(&problem, &solution.q));
     let best = statement.minima[statement.best].cost;
-    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    let reported = (solution.cost - measured.cost).abs() <= 1e-12 * measured.cost.max(ZERO_COST);
     assert!(reported, "{}: {} told", statement.name, solution.cost);
-    let moving = !solution.reached && here.cosine > STATIONARY;
-    let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
+    let moving = !solution.reached && measured.cosine > MAX_GRADIENT_COSINE;
+    let above = measured.cost > best * (1.0 + COST_TOLERANCE) + ZERO_COST;
     Verdict {
         name: &statement.name,
-        not_stationary: moving
-            .then(|| format!("{} at a cosine of {:e}", solution.termination, here.cosine)),
-        above_the_best: above.then(|| format!("{:.9e}, the best known is {best:.9e}", here.cost)),
+        not_stationary: moving.then(|| {
+            format!(
+                "{} at a cosine of {:e}",
+                solution.termination, measured.cosine
+            )
+        }),
+        above_the_best: above
+            .then(|| format!("{:.9e}, the best known is {best:.9e}", measured.cost)),
     }
 }
 

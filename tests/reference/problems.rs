@@ -35,7 +35,7 @@ pub(super) struct Statement {
     pub(super) name: String,
     pub(super) kind: String,
     pub(super) model: String,
-    tasks: Vec<Asked>,
+    tasks: Vec<StatedTask>,
     pub(super) start: Vec<f64>,
     pub(super) answers: BTreeMap<String, Answer>,
     pub(super) minima: Vec<Minimum>,
@@ -65,15 +65,15 @@ struct Weights {
 
 /// One task as the fixture states it, with rotations by rows.
 #[derive(Deserialize)]
-struct Asked {
+struct StatedTask {
     weights: Weights,
     #[serde(flatten)]
-    residual: AskedResidual,
+    residual: StatedResidual,
 }
 
 #[derive(Deserialize)]
 #[serde(tag = "task", rename_all = "kebab-case")]
-enum AskedResidual {
+enum StatedResidual {
     Point {
         frame: String,
         target: [f64; 3],
@@ -162,29 +162,29 @@ fn weighted<R: Residual>(residual: R, weights: &Weights) -> Task<R> {
     })
 }
 
-fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
+fn add(builder: &mut ProblemBuilder<'_>, task: &StatedTask, loaded: &Loaded) {
     let Loaded { model, map } = loaded;
     let frame = |name: &str| model.frame(name).unwrap();
-    let weights = &asked.weights;
-    match &asked.residual {
-        AskedResidual::Point { frame: at, target } => {
+    let weights = &task.weights;
+    match &task.residual {
+        StatedResidual::Point { frame: at, target } => {
             builder.add(weighted(Point::new(frame(at), *target), weights));
         }
-        AskedResidual::Ray {
+        StatedResidual::Ray {
             frame: at,
             eye,
             through,
         } => {
             builder.add(weighted(Ray::new(frame(at), *eye, *through), weights));
         }
-        AskedResidual::Plane {
+        StatedResidual::Plane {
             frame: at,
             point,
             normal,
         } => {
             builder.add(weighted(Plane::new(frame(at), *point, *normal), weights));
         }
-        AskedResidual::Distance {
+        StatedResidual::Distance {
             frame: at,
             other,
             distance,
@@ -192,7 +192,7 @@ fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
             let residual = Distance::new(frame(at), frame(other), *distance);
             builder.add(weighted(residual, weights));
         }
-        AskedResidual::Orientation {
+        StatedResidual::Orientation {
             frame: at,
             rotation: rows,
         } => {
@@ -201,7 +201,7 @@ fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
                 weights,
             ));
         }
-        AskedResidual::Pose {
+        StatedResidual::Pose {
             frame: at,
             target,
             rotation: rows,
@@ -209,19 +209,19 @@ fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
             let placement = Placement::new(rotation(rows), (*target).into());
             builder.add(weighted(Pose::new(frame(at), placement), weights));
         }
-        AskedResidual::LookAt {
+        StatedResidual::LookAt {
             frame: at,
             axis,
             target,
         } => {
             builder.add(weighted(LookAt::new(frame(at), *axis, *target), weights));
         }
-        AskedResidual::Posture { reference } => {
+        StatedResidual::Posture { reference } => {
             let joints = map.leaders().iter().map(|&c| model.moving_joints()[c]);
             let values = joints.zip(reference.iter().copied());
             builder.add(weighted(Posture::of_joints(values), weights));
         }
-        AskedResidual::Centring => {
+        StatedResidual::Centring => {
             builder.add(weighted(LimitCentring::new(model), weights));
         }
     }
@@ -230,8 +230,8 @@ fn add(builder: &mut ProblemBuilder<'_>, asked: &Asked, loaded: &Loaded) {
 pub(super) fn problem(statement: &Statement, loaded: &Loaded) -> Problem {
     let mut builder = Problem::builder(&loaded.model);
     builder.parameters(loaded.map.clone());
-    for asked in &statement.tasks {
-        add(&mut builder, asked, loaded);
+    for task in &statement.tasks {
+        add(&mut builder, task, loaded);
     }
     // The references minimise the weighted sum.
     builder.preferences(Preferences::Traded);

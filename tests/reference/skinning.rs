@@ -58,10 +58,10 @@ fn posed_vertices_equal_the_reference() {
             for method in SkinningMethod::ALL {
                 let expected = &pose[method.name()];
                 let posed = method.mesh(mesh, weights, &transforms).unwrap();
-                let off = largest_deviation(entry, expected, posed.positions());
+                let deviation = largest_deviation(entry, expected, posed.positions());
                 assert!(
-                    off < 1e-5 * mesh.size(),
-                    "{method} {}: off by {off}",
+                    deviation < 1e-5 * mesh.size(),
+                    "{method} {}: off by {deviation}",
                     entry["file"]
                 );
 
@@ -76,8 +76,8 @@ fn posed_vertices_equal_the_reference() {
                 );
                 let squares: f64 = all().map(|p| p.distance_squared(centroid)).sum();
                 let spread = (squares / count).sqrt();
-                let wanted = expected["spread"].as_f64().unwrap();
-                assert!((spread - wanted).abs() < 1e-6 * mesh.size());
+                let expected = expected["spread"].as_f64().unwrap();
+                assert!((spread - expected).abs() < 1e-6 * mesh.size());
             }
         }
     }
@@ -100,11 +100,11 @@ fn vertices_of_packed_weights_equal_the_reference() {
             let lbs = PackedLinearBlend::new(&packed, &transforms).unwrap();
             let dqs = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
             let ways: [(&str, &dyn Deformation); 2] = [("lbs", &lbs), ("dqs", &dqs)];
-            for (name, way) in ways {
+            for (name, method) in ways {
                 let mut posed = mesh.positions().to_vec();
-                way.positions(mesh.positions(), &mut posed).unwrap();
-                let off = largest_deviation(entry, &pose[name], &posed);
-                assert!(off < 1e-5 * mesh.size(), "{name}: off by {off}");
+                method.positions(mesh.positions(), &mut posed).unwrap();
+                let deviation = largest_deviation(entry, &pose[name], &posed);
+                assert!(deviation < 1e-5 * mesh.size(), "{name}: off by {deviation}");
                 compared += 1;
             }
         }

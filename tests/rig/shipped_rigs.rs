@@ -96,8 +96,8 @@ fn weights_are_smooth_and_sum_to_one() {
             .iter()
             .flat_map(|t| [(t[0], t[1]), (t[1], t[2])]);
         let jump = jumps.map(|(v, w)| (table.row(v as usize) - table.row(w as usize)).amax());
-        let most = jump.fold(0.0, f64::max);
-        assert!(most < 0.7, "{name}: {most}");
+        let largest = jump.fold(0.0, f64::max);
+        assert!(largest < 0.7, "{name}: {largest}");
     }
 }
 

@@ -95,26 +95,26 @@ fn vertex_normals_are_never_nan() {
 #[test]
 fn invalid_parts_are_rejected_by_name() {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-    let bad = |p: Vec<Vec3>, n, t| TriangleMesh::new(p, n, t).unwrap_err();
+    let invalid = |p: Vec<Vec3>, n, t| TriangleMesh::new(p, n, t).unwrap_err();
     assert_eq!(
-        bad(positions.clone(), vec![], vec![[0, 1, 2], [0, 3, 1]]),
+        invalid(positions.clone(), vec![], vec![[0, 1, 2], [0, 3, 1]]),
         MeshError::IndexOutOfRange {
             triangle: 1,
             index: 3,
             vertices: 3
         }
     );
-    let few = bad(positions.clone(), vec![Vec3::X], vec![]).to_string();
+    let few = invalid(positions.clone(), vec![Vec3::X], vec![]).to_string();
     assert_eq!(few, "1 normals where there must be 3");
     // The first of several is named.
     let nan = Vec3::new(0.0, f32::NAN, 0.0);
     let nans = vec![Vec3::X, nan, nan];
     assert_eq!(
-        bad(positions.clone(), nans.clone(), vec![]),
+        invalid(positions.clone(), nans.clone(), vec![]),
         MeshError::NonFiniteNormal { vertex: 1 }
     );
     assert_eq!(
-        bad(nans, vec![], vec![]),
+        invalid(nans, vec![], vec![]),
         MeshError::NonFinitePosition { vertex: 1 }
     );
     let mesh = TriangleMesh::new(positions, vec![], vec![[0, 1, 2]]).unwrap();

@@ -26,10 +26,10 @@ fn unsmoothed_weights_follow_the_formula() {
         let [x, r] = [f64::from(p.x), f64::from(p.y).hypot(f64::from(p.z))];
         let pull = |beyond: f64| (r * r + beyond * beyond + core * core).powi(-2);
         let (left, right) = (pull((x - 4.0).max(0.0)), pull((4.0 - x).max(0.0)));
-        let got = weights.to_table()[(vertex, 1)];
+        let actual = weights.to_table()[(vertex, 1)];
         assert!(
-            (got - right / (left + right)).abs() < 1e-9,
-            "vertex {vertex}: {got}"
+            (actual - right / (left + right)).abs() < 1e-9,
+            "vertex {vertex}: {actual}"
         );
     }
 }
@@ -108,10 +108,10 @@ fn limbs_follow_their_own_bones() {
 /// A palm with five finger bones, all near each other.
 fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
     let side = 80;
-    let place = |k: u32| k as f32 / side as f32;
+    let coordinate = |k: u32| k as f32 / side as f32;
     let corners = (0..=side).flat_map(|y| (0..=side).map(move |x| (x, y)));
     let positions = corners
-        .map(|(x, y)| glam::Vec3::new(place(x), place(y), 0.12))
+        .map(|(x, y)| glam::Vec3::new(coordinate(x), coordinate(y), 0.12))
         .collect();
     let squares = (0..side).flat_map(|y| (0..side).map(move |x| y * (side + 1) + x));
     let triangles = squares
@@ -136,27 +136,27 @@ fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
 #[test]
 fn pruning_to_four_influences_is_smooth() {
     let (mesh, bones) = palm();
-    let with = |most: usize| {
-        let mut own = AutomaticWeights::default();
-        own.most = most;
-        own.for_segments(&mesh, &bones).unwrap()
+    let with = |max_influences: usize| {
+        let mut options = AutomaticWeights::default();
+        options.most = max_influences;
+        options.for_segments(&mesh, &bones).unwrap()
     };
     let all = with(64);
     let (plain, _) = all.pruned(4).unwrap();
     // Increase of steps along edges by pruning.
-    let added = |own: &SkinWeights| {
-        let change = own.to_table() - all.to_table();
+    let added = |weights: &SkinWeights| {
+        let change = weights.to_table() - all.to_table();
         let edges = mesh.triangles().iter();
         let edges = edges.flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
         let steps = edges.map(|(a, b)| (change.row(a as usize) - change.row(b as usize)).amax());
         steps.fold(0.0, f64::max)
     };
     let four = with(4);
-    let own = AutomaticWeights::default().for_segments(&mesh, &bones);
-    let [plain, faded, own] = [&plain, &four, &own.unwrap()].map(added);
+    let from_defaults = AutomaticWeights::default().for_segments(&mesh, &bones);
+    let [plain, faded, from_defaults] = [&plain, &four, &from_defaults.unwrap()].map(added);
     // Without smoothing of the pruned weights the ratio would be 0.57.
     assert!(faded < 0.54 * plain, "{plain} {faded}");
-    assert!(own < 1e-6, "{plain} {own}");
+    assert!(from_defaults < 1e-6, "{plain} {from_defaults}");
     for influences in four.iter() {
         let sum: f64 = influences.iter().map(|i| i.weight).sum();
         assert!((sum - 1.0).abs() < 1e-12 && influences.iter().all(|i| i.weight > 0.0));
@@ -171,20 +171,20 @@ fn kept_weights_fade_by_the_dropped_one() {
     let mut two = AutomaticWeights::default();
     two.falloff = 2.0;
     two.most = 2;
-    let kept = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
+    let kept_weights = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
         let weights = two.for_segments(&dot, bones).unwrap();
         let influences = weights.influences(0).iter();
         influences
             .map(|influence| (influence.bone, influence.weight))
             .collect()
     };
-    let [(0, first), (2, second)] = kept(&[at(1.0), at(3.0), at(-2.0)])[..] else {
+    let [(0, first), (2, second)] = kept_weights(&[at(1.0), at(3.0), at(-2.0)])[..] else {
         panic!("the nearest two");
     };
     let [a, b] = [36.0 - 16.0 / 36.0, 9.0 - 16.0 / 9.0];
     assert!((first - a / (a + b)).abs() < 1e-12 && (second - b / (a + b)).abs() < 1e-12);
     // Equal weights have nothing to fade to.
-    let equal = kept(&[at(1.0), at(-1.0), [DVec3::Y; 2]]);
+    let equal = kept_weights(&[at(1.0), at(-1.0), [DVec3::Y; 2]]);
     assert_eq!(equal, [(0, 0.5), (1, 0.5)]);
 }
 

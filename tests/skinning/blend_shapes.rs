@@ -12,11 +12,11 @@ const SHAPES: usize = 4;
 const VERTICES: usize = 30;
 
 fn shape(random: &mut Random) -> Vec<Vec3> {
-    let place = |_| {
+    let position = |_| {
         let [x, y, z] = <[f64; 3]>::from(random.vector(2.0)).map(|v| v as f32);
         Vec3::new(x, y, z)
     };
-    (0..VERTICES).map(place).collect()
+    (0..VERTICES).map(position).collect()
 }
 
 fn named(shapes: &[Vec<Vec3>]) -> BlendShapes {
@@ -29,12 +29,12 @@ fn named(shapes: &[Vec<Vec3>]) -> BlendShapes {
 }
 
 fn weights(random: &mut Random) -> [f32; SHAPES] {
-    let mut own = [0.0; SHAPES];
-    for weight in &mut own[1..] {
+    let mut shape_weights = [0.0; SHAPES];
+    for weight in &mut shape_weights[1..] {
         *weight = random.within(-0.4, 0.9) as f32;
     }
-    own[0] = 1.0 - own[1..].iter().sum::<f32>();
-    own
+    shape_weights[0] = 1.0 - shape_weights[1..].iter().sum::<f32>();
+    shape_weights
 }
 
 #[test]
@@ -45,11 +45,11 @@ fn mesh_is_the_weighted_mean_of_its_shapes() {
         let (shapes, w) = (named(&list), weights(&mut random));
         let mut mixed = vec![Vec3::NAN; VERTICES];
         shapes.blend(&w, &mut mixed).unwrap();
-        for (vertex, got) in mixed.iter().enumerate() {
+        for (vertex, actual) in mixed.iter().enumerate() {
             let exact: DVec3 = (0..SHAPES)
                 .map(|j| list[j][vertex].as_dvec3() * f64::from(w[j]))
                 .sum();
-            assert!((got.as_dvec3() - exact).length() < 2e-6);
+            assert!((actual.as_dvec3() - exact).length() < 2e-6);
         }
         // A single full weight gives that shape exactly.
         for j in 0..SHAPES {
@@ -66,17 +66,18 @@ fn common_displacement_is_kept() {
     // A common displacement of all shapes displaces the mean equally; a weight sum of 0.9 would scale it.
     let mut random = Random::new(2);
     let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
-    let by = Vec3::new(10.0, -20.0, 5.0);
+    let offset = Vec3::new(10.0, -20.0, 5.0);
     let moved: Vec<Vec<Vec3>> = list
         .iter()
-        .map(|shape| shape.iter().map(|p| *p + by).collect())
+        .map(|shape| shape.iter().map(|p| *p + offset).collect())
         .collect();
     let w = weights(&mut random);
-    let (mut here, mut there) = (vec![Vec3::ZERO; VERTICES], vec![Vec3::ZERO; VERTICES]);
-    named(&list).blend(&w, &mut here).unwrap();
-    named(&moved).blend(&w, &mut there).unwrap();
-    for (here, there) in here.iter().zip(&there) {
-        assert!((*there - *here - by).length() < 2e-5);
+    let (mut positions, mut moved_positions) =
+        (vec![Vec3::ZERO; VERTICES], vec![Vec3::ZERO; VERTICES]);
+    named(&list).blend(&w, &mut positions).unwrap();
+    named(&moved).blend(&w, &mut moved_positions).unwrap();
+    for (position, moved_position) in positions.iter().zip(&moved_positions) {
+        assert!((*moved_position - *position - offset).length() < 2e-5);
     }
 }
 

@@ -41,10 +41,10 @@ fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
     TriangleMesh::new((0..8).map(corner).collect(), Vec::new(), triangles).unwrap()
 }
 
-fn weights(of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
+fn weights(weights_of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
     let mut builder = SkinWeights::builder(vertices, 2);
     for vertex in 0..vertices {
-        for (bone, weight) in of(vertex).into_iter().enumerate() {
+        for (bone, weight) in weights_of(vertex).into_iter().enumerate() {
             builder.add(vertex, bone, weight).unwrap();
         }
     }
@@ -107,22 +107,23 @@ fn tube_volumes_sum_to_the_whole() {
     let tube = TwistedTube::default();
     let mesh = tube.mesh().unwrap();
     let volumes = bone_volumes(&mesh, &tube.weights().unwrap()).unwrap();
-    let whole = mesh.signed_volume();
+    let mesh_volume = mesh.signed_volume();
     assert_close(
         volumes.iter().map(|part| part.volume).sum(),
-        whole,
-        2e-3 * whole,
+        mesh_volume,
+        2e-3 * mesh_volume,
     );
     // Both ends are equal.
-    assert_close(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
+    assert_close(volumes[0].volume, volumes[1].volume, 2e-3 * mesh_volume);
     assert_close(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
 }
 
 #[test]
 fn open_mesh_is_rejected() {
-    let whole = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
-    let (open, _) = whole.triangles().split_at(10);
-    let open = TriangleMesh::new(whole.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
+    let closed_mesh = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+    let (open, _) = closed_mesh.triangles().split_at(10);
+    let open =
+        TriangleMesh::new(closed_mesh.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
     let one = |vertices| weights(|_| [1.0, 0.0], vertices);
     assert_eq!(bone_volumes(&open, &one(8)).unwrap_err(), VolumeError::Open);
     let empty = TriangleMesh::new(Vec::new(), Vec::new(), Vec::new()).unwrap();
@@ -137,7 +138,7 @@ fn open_mesh_is_rejected() {
         bone_volumes(&point, &one(8)).unwrap_err(),
         VolumeError::Open
     );
-    let error = bone_volumes(&whole, &one(7)).unwrap_err();
+    let error = bone_volumes(&closed_mesh, &one(7)).unwrap_err();
     assert!(
         matches!(error, VolumeError::Size(SizeMismatch { .. })),
         "{error}"
@@ -147,12 +148,12 @@ fn open_mesh_is_rejected() {
 /// One column in a hundred may be open.
 #[test]
 fn small_hole_loses_only_its_own_volume() {
-    let whole = cuboid([0.0; 3], [4.0, 4.0, 1.0]);
+    let closed_mesh = cuboid([0.0; 3], [4.0, 4.0, 1.0]);
     for (side, is_open) in [(0.25_f32, false), (1.0, true)] {
         // A corner of the top is cut off.
-        let mut corners = whole.positions().to_vec();
+        let mut corners = closed_mesh.positions().to_vec();
         corners.extend([Vec3::new(side, 0.0, 1.0), Vec3::new(0.0, side, 1.0)]);
-        let rest = whole
+        let rest = closed_mesh
             .triangles()
             .iter()
             .filter(|triangle| **triangle != [4, 5, 6]);
@@ -176,8 +177,8 @@ fn rig_mass_equals_mesh_volume() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/humanoid/humanoid.json");
     let rig = Rig::read(file).unwrap();
     let masses = rig.masses(1000.0).unwrap();
-    let whole = rig.mesh.as_ref().unwrap().signed_volume();
-    assert_close(masses.total() / 1000.0, whole, 5e-3 * whole);
+    let mesh_volume = rig.mesh.as_ref().unwrap().signed_volume();
+    assert_close(masses.total() / 1000.0, mesh_volume, 5e-3 * mesh_volume);
     // At rest the centre is that of the mesh, by the divergence theorem.
     let mesh = rig.mesh.as_ref().unwrap();
     let mut moment = glam::DVec3::ZERO;
@@ -190,13 +191,13 @@ fn rig_mass_equals_mesh_volume() {
     for (ours, theirs) in centre
         .to_array()
         .into_iter()
-        .zip((moment / whole).to_array())
+        .zip((moment / mesh_volume).to_array())
     {
         assert_close(ours, theirs, 3e-3 * mesh.size());
     }
 
-    let bad = rig.masses(-1.0).unwrap_err();
-    assert!(matches!(bad, MassError::BadMass { .. }), "{bad}");
+    let invalid = rig.masses(-1.0).unwrap_err();
+    assert!(matches!(invalid, MassError::BadMass { .. }), "{invalid}");
     assert!(matches!(rig.masses(0.0), Err(MassError::NoMass { .. })));
     let bare = Rig {
         mesh: None,

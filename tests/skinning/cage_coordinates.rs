@@ -71,8 +71,8 @@ fn points_and_linear_functions_are_reproduced() {
                 "{point}: coordinates sum to {sum}"
             );
             let pairs = shares().zip(cage.positions());
-            let got: f64 = pairs.map(|(share, corner)| share * value(*corner)).sum();
-            assert!((got - value(*point)).abs() < 4e-6, "{point}: {got}");
+            let actual: f64 = pairs.map(|(share, corner)| share * value(*corner)).sum();
+            assert!((actual - value(*point)).abs() < 4e-6, "{point}: {actual}");
         }
         let mut posed = vec![Vec3::ZERO; points.len()];
         binding.positions(cage.positions(), &mut posed).unwrap();
@@ -104,7 +104,7 @@ fn coordinates_are_unit_invariant() {
     let binding = CageBinding::new(&cage, &points).unwrap();
     // Powers of two, so that positions are exact.
     for unit in [1e-9_f32, 1e9].map(|unit| unit.log2().round().exp2()) {
-        let scaled = |places: &[Vec3]| places.iter().map(|place| *place * unit).collect();
+        let scaled = |places: &[Vec3]| places.iter().map(|position| *position * unit).collect();
         let scaled_cage: Vec<Vec3> = scaled(cage.positions());
         let scaled_cage =
             TriangleMesh::new(scaled_cage, vec![], cage.triangles().to_vec()).unwrap();

@@ -60,15 +60,15 @@ fn blended_rotations_keep_the_axis_distance() {
     for share in [0.1, 0.25, 0.5, 0.8] {
         let weights = weights(&[&[1.0 - share, share]]);
         let angle = 2.9_f64;
-        let far = about(pivot, Quat::from_rotation_z(angle as f32));
+        let rotated = about(pivot, Quat::from_rotation_z(angle as f32));
         let rest = pivot + Vec3::new(2.0, 0.0, 0.7);
-        let got = posed(&weights, &[Affine3A::IDENTITY, far], &[rest])[0] - pivot;
+        let actual = posed(&weights, &[Affine3A::IDENTITY, rotated], &[rest])[0] - pivot;
         let half = (share * (angle / 2.0).sin()).atan2(1.0 - share + share * (angle / 2.0).cos());
         let (sin, cos) = (2.0 * half).sin_cos();
         let expected = Vec3::new(2.0 * cos as f32, 2.0 * sin as f32, 0.7);
         assert!(
-            (got - expected).length() < 3e-6,
-            "{share}: {got} {expected}"
+            (actual - expected).length() < 3e-6,
+            "{share}: {actual} {expected}"
         );
     }
 }
@@ -132,9 +132,9 @@ fn stretch_is_applied_at_rest() {
     }
     // Without rotation, two phases equal linear blend.
     let both = self::weights(&[&[0.3, 0.7]]);
-    let scale = |by: f32, at: Vec3| {
+    let scale = |factor: f32, at: Vec3| {
         Affine3A::from_translation(at)
-            * Affine3A::from_scale(Vec3::splat(by))
+            * Affine3A::from_scale(Vec3::splat(factor))
             * Affine3A::from_translation(-at)
     };
     let pivots = [Vec3::X, Vec3::new(0.0, 3.0, 0.0)];
@@ -257,9 +257,9 @@ fn non_rigid_transforms_are_rejected_by_name() {
         SkinningError::Mirrored { bone: 1 }
     );
     let still = with(Affine3A::IDENTITY);
-    let few = DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]);
-    let few = few.unwrap_err().to_string();
-    assert_eq!(few, "1 pivots where there must be 2");
+    let message = DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]);
+    let message = message.unwrap_err().to_string();
+    assert_eq!(message, "1 pivots where there must be 2");
     assert_eq!(
         DualQuaternionBlend::stretched(&weights, &still, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
         SkinningError::NonFinitePivot { bone: 1 }
@@ -366,9 +366,9 @@ fn shared_scale_and_mirror_scale_the_blend() {
         Vec3::new(0.4, -0.4, 0.4),
         Vec3::splat(-0.01),
     ] {
-        let whole = Affine3A::from_rotation_translation(twist, Vec3::new(1.0, 2.0, 3.0))
+        let motion = Affine3A::from_rotation_translation(twist, Vec3::new(1.0, 2.0, 3.0))
             * Affine3A::from_scale(scale);
-        let transforms = rigid.map(|bone| whole * bone);
+        let transforms = rigid.map(|bone| motion * bone);
         let blends: [Box<dyn Deformation>; 3] = [
             Box::new(DualQuaternionBlend::new(&weights, &transforms).unwrap()),
             Box::new(DualQuaternionBlend::stretched(&weights, &transforms, &pivots).unwrap()),
@@ -378,7 +378,7 @@ fn shared_scale_and_mirror_scale_the_blend() {
             let mut out = [Vec3::ZERO; 3];
             blend.positions(&rest, &mut out).unwrap();
             for (out, expected) in out.iter().zip(&expected) {
-                let expected = whole.transform_point3(*expected);
+                let expected = motion.transform_point3(*expected);
                 let error = (*out - expected).length();
                 assert!(
                     error < 1e-5 * (1.0 + 100.0 * scale.x.abs()),

@@ -85,8 +85,11 @@ fn tiny_normals_become_unit_or_zero() {
     let blend = PackedLinearBlend::new(&packed, &still).unwrap();
     for blend in [blend.clone(), blend.portable()] {
         for (normal, rest) in normals(&blend, &rest).iter().zip(&rest) {
-            let off = normal.length() - 1.0;
-            assert!(*normal == Vec3::ZERO || off.abs() < 1e-6, "{rest} {normal}");
+            let deviation = normal.length() - 1.0;
+            assert!(
+                *normal == Vec3::ZERO || deviation.abs() < 1e-6,
+                "{rest} {normal}"
+            );
         }
     }
 }

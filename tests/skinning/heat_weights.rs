@@ -130,10 +130,10 @@ fn mirrored_mesh_has_mirrored_weights() {
 #[test]
 fn weights_do_not_cross_gaps() {
     let finger = closed_tube(4.0, 0.5, 12, 12);
-    let beside = Vec3::new(0.0, 1.01, 0.0);
+    let offset = Vec3::new(0.0, 1.01, 0.0);
     let count = finger.positions().len() as u32;
     let positions = finger.positions().iter().copied();
-    let both = positions.chain(finger.positions().iter().map(|p| *p + beside));
+    let both = positions.chain(finger.positions().iter().map(|p| *p + offset));
     let triangles = finger.triangles().iter().copied();
     let triangles = triangles.chain(finger.triangles().iter().map(|t| t.map(|i| i + count)));
     let mesh = TriangleMesh::new(both.collect(), vec![], triangles.collect()).unwrap();
@@ -195,7 +195,7 @@ fn seams_are_joined_and_pieces_separate() {
     let triangles: Vec<[u32; 3]> = triangles.collect();
     positions.push(Vec3::new(7.0, 2.0, 0.0));
     let torn = TriangleMesh::new(positions, vec![], triangles).unwrap();
-    let whole = HeatWeights::default()
+    let closed_weights = HeatWeights::default()
         .for_segments(&mesh, &bones())
         .unwrap();
     let weights = HeatWeights::default()
@@ -203,7 +203,7 @@ fn seams_are_joined_and_pieces_separate() {
         .unwrap();
     check(&weights);
     for (corner, vertex) in mesh.triangles().iter().flatten().enumerate() {
-        assert!((row(&weights, corner) - row(&whole, *vertex as usize)).amax() < 1e-9);
+        assert!((row(&weights, corner) - row(&closed_weights, *vertex as usize)).amax() < 1e-9);
     }
     let alone = torn.positions().len() - 1;
     assert!(row(&weights, alone)[2] > 1.0 - 1e-12);
@@ -215,12 +215,13 @@ fn halves_at_zero_and_minus_zero_are_joined() {
     let tube = closed_tube(8.0, 0.6, 12, 10);
     let mut positions: Vec<Vec3> = tube.positions().to_vec();
     positions.iter_mut().for_each(|p| p.x -= 4.0);
-    let whole = TriangleMesh::new(positions.clone(), vec![], tube.triangles().to_vec()).unwrap();
+    let closed_mesh =
+        TriangleMesh::new(positions.clone(), vec![], tube.triangles().to_vec()).unwrap();
     let count = positions.len() as u32;
     let beyond = |t: &[u32; 3]| t.iter().any(|i| positions[*i as usize].x > 0.0);
     // The second half has separate vertices, so the seam's are duplicated.
-    let own = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
-    let triangles: Vec<[u32; 3]> = whole.triangles().iter().map(own).collect();
+    let split_triangle = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
+    let triangles: Vec<[u32; 3]> = closed_mesh.triangles().iter().map(split_triangle).collect();
     let minus = |p: &Vec3| if p.x == 0.0 { p.with_x(-0.0) } else { *p };
     let both = positions.iter().map(minus).chain(positions.iter().copied());
     let halves = TriangleMesh::new(both.collect(), vec![], triangles).unwrap();
@@ -228,14 +229,14 @@ fn halves_at_zero_and_minus_zero_are_joined() {
         .iter()
         .map(|b| b.map(|end| end - 4.0 * DVec3::X))
         .collect();
-    let [expected, weights] =
-        [&whole, &halves].map(|mesh| HeatWeights::default().for_segments(mesh, &bones).unwrap());
+    let [expected, weights] = [&closed_mesh, &halves]
+        .map(|mesh| HeatWeights::default().for_segments(mesh, &bones).unwrap());
     let mut seam = 0;
     for (vertex, position) in positions.iter().enumerate() {
         let copies = [vertex, vertex + count as usize];
         for copy in copies {
-            let off = (row(&weights, copy) - row(&expected, vertex)).amax();
-            assert!(off < 1e-9, "{position}: {off}");
+            let deviation = (row(&weights, copy) - row(&expected, vertex)).amax();
+            assert!(deviation < 1e-9, "{position}: {deviation}");
         }
         seam += usize::from(position.x == 0.0);
     }

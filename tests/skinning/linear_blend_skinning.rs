@@ -149,10 +149,10 @@ fn skin_follows_a_posed_chain() {
     let mut bones: Vec<Bone> = Vec::new();
     let rests: Vec<_> = (0..count).map(|_| numbers.placement(1.0)).collect();
     for (index, rest) in rests.iter().enumerate() {
-        let known = Skeleton::new("chain", bones.clone()).unwrap();
+        let chain = Skeleton::new("chain", bones.clone()).unwrap();
         bones.push(Bone {
             name: format!("bone/{index}"),
-            parent: index.checked_sub(1).and_then(|i| known.bone_at(i)),
+            parent: index.checked_sub(1).and_then(|i| chain.bone_at(i)),
             length: 0.4,
             model_from_rest: placement_of(rest),
             limits: [Limits::UNBOUNDED; 3],

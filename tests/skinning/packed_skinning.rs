@@ -26,7 +26,8 @@ fn close(a: &Vertices, b: &Vertices) {
         assert!((*a - *b).length() < 1e-3, "tangent {vertex}: {a} {b}");
     }
     // Nearly all of them agree to rounding.
-    let near = |pairs: &mut dyn Iterator<Item = f32>| pairs.filter(|off| *off < 3e-6).count();
+    let near =
+        |pairs: &mut dyn Iterator<Item = f32>| pairs.filter(|deviation| *deviation < 3e-6).count();
     let normals = &mut a
         .normals
         .iter()
@@ -178,9 +179,9 @@ fn excess_influences_and_bad_poses_are_rejected() {
 
     let still = vec![Affine3A::IDENTITY; BONES];
     let mut blend = PackedLinearBlend::new(&packed, &still).unwrap();
-    let few = format!("2 bone transforms where there must be {BONES}");
+    let expected = format!("2 bone transforms where there must be {BONES}");
     let error = blend.set_transforms(&still[..2]).unwrap_err();
-    assert_eq!(error.to_string(), few);
+    assert_eq!(error.to_string(), expected);
     let mut broken = still.clone();
     broken[3].translation.y = f32::INFINITY;
     broken[BONES - 1].translation.x = f32::NAN;
@@ -199,8 +200,8 @@ fn excess_influences_and_bad_poses_are_rejected() {
     let refused = SkinningError::NotRigid { bone: 5 };
     let mut blend = PackedDualQuaternionBlend::new(&packed, &still).unwrap();
     assert_eq!(blend.set_transforms(&scaled).unwrap_err(), refused);
-    let kept = rest.deformed(&blend);
-    for (posed, rest) in kept.positions.iter().zip(&rest.positions) {
+    let deformed = rest.deformed(&blend);
+    for (posed, rest) in deformed.positions.iter().zip(&rest.positions) {
         assert!((*posed - *rest).length() < 1e-6);
     }
     assert_eq!(

@@ -75,8 +75,8 @@ fn common_motion_is_exact() {
 #[test]
 fn root_bone_acts_as_a_handle() {
     let rests = [Vec3::new(0.5, -1.0, 2.0), Vec3::X];
-    let standing = |place: Vec3| LocalTransform {
-        translation: place.into(),
+    let standing = |position: Vec3| LocalTransform {
+        translation: position.into(),
         ..LocalTransform::IDENTITY
     };
     let bones = rests.iter().enumerate().map(|(k, &rest)| ArmatureBone {

@@ -9,7 +9,7 @@ use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
 
 /// Environment variable that marks the child process.
-const ASKED: &str = "KINOPT_TESTS_ASK_FOR_THE_PATH";
+const CHILD_VARIABLE: &str = "KINOPT_TESTS_ASK_FOR_THE_PATH";
 
 /// True if this process uses the portable path: the other one rounds a product and a sum once.
 fn is_portable() -> bool {
@@ -25,7 +25,7 @@ fn is_portable() -> bool {
 
 #[test]
 fn portable_paths_are_opt_in() {
-    if std::env::var_os(ASKED).is_some() {
+    if std::env::var_os(CHILD_VARIABLE).is_some() {
         println!("portable: {}", is_portable());
         return;
     }
@@ -33,7 +33,9 @@ fn portable_paths_are_opt_in() {
         let mut command = Command::new(std::env::current_exe().unwrap());
         let test = "portable_paths::portable_paths_are_opt_in";
         command.args(["--exact", test, "--nocapture"]);
-        command.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
+        command
+            .env(CHILD_VARIABLE, "1")
+            .env_remove("KINOPT_PORTABLE");
         command.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
         let output = command.output().unwrap();
         let text = String::from_utf8_lossy(&output.stdout);

@@ -181,8 +181,10 @@ fn pruning_keeps_the_largest_and_reports_losses() {
     let bones =
         |vertex: usize| -> Vec<u32> { two.influences(vertex).iter().map(|i| i.bone).collect() };
     assert_eq!([bones(0), bones(1), bones(2)], [[1, 3], [1, 2], [0, 1]]);
-    let kept: Vec<f64> = two.influences(0).iter().map(|i| i.weight).collect();
-    assert!((kept[0] - 4.0 / 7.0).abs() < 1e-15 && (kept[1] - 3.0 / 7.0).abs() < 1e-15);
+    let kept_weights: Vec<f64> = two.influences(0).iter().map(|i| i.weight).collect();
+    assert!(
+        (kept_weights[0] - 4.0 / 7.0).abs() < 1e-15 && (kept_weights[1] - 3.0 / 7.0).abs() < 1e-15
+    );
     let Pruning {
         vertices,
         largest_lost,
@@ -202,10 +204,10 @@ fn pruning_keeps_the_largest_and_reports_losses() {
 fn pruning_drops_negative_weights_first() {
     let weights = SkinWeights::from_table(&dmatrix![0.7, -0.008, 0.005, 0.303]).unwrap();
     let (three, pruning) = weights.pruned(3).unwrap();
-    let kept = three.influences(0);
-    let bones: Vec<u32> = kept.iter().map(|i| i.bone).collect();
+    let influences = three.influences(0);
+    let bones: Vec<u32> = influences.iter().map(|i| i.bone).collect();
     assert_eq!(bones, [0, 2, 3]);
-    for (influence, weight) in kept.iter().zip([0.7, 0.005, 0.303]) {
+    for (influence, weight) in influences.iter().zip([0.7, 0.005, 0.303]) {
         assert!((influence.weight - weight / 1.008).abs() < 1e-15);
     }
     assert!((pruning.largest_lost - 0.008).abs() < 1e-15);

@@ -58,15 +58,15 @@ fn bounds_contain_vertices_beyond_their_bones() {
     let weights = builder.build().unwrap();
     let rest = [Vec3::new(1.0, 2.0, 3.0)];
     let boxes = BoneBoxes::new(&weights, &rest).unwrap();
-    for far in [10.0, -10.0] {
+    for distance in [10.0, -10.0] {
         let transforms = [
             Affine3A::IDENTITY,
-            Affine3A::from_translation(Vec3::X * far),
+            Affine3A::from_translation(Vec3::X * distance),
         ];
         let mut posed = rest;
         let blend = LinearBlend::new(&weights, &transforms).unwrap();
         blend.positions(&rest, &mut posed).unwrap();
-        assert!((posed[0].x - (1.0 + 1.009 * far)).abs() < 1e-5);
+        assert!((posed[0].x - (1.0 + 1.009 * distance)).abs() < 1e-5);
         let bounds = boxes.linear_blend(&transforms).unwrap().unwrap();
         inside(&posed, bounds);
         let [low, high] = bounds;

@@ -51,22 +51,22 @@ fn tube_is_closed_with_the_volume_of_a_prism() {
 #[test]
 fn linear_blend_collapses_like_a_candy_wrapper() {
     let tube = TwistedTube::default();
-    let whole = tube.mesh().unwrap().signed_volume();
+    let rest_volume = tube.mesh().unwrap().signed_volume();
     for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
         let twist = degrees.to_radians();
         let posed = twisted(&tube, SkinningMethod::LinearBlend, twist);
         // The middle ring is the mean of two rings: |½ + ½ e^{iφ}| = cos(φ/2).
-        let (place, radius) = waist(&tube, &posed);
+        let (centre, radius) = waist(&tube, &posed);
         assert!(
             (radius - (twist / 2.0).cos()).abs() < 1e-6,
             "{degrees}: {radius}"
         );
-        assert!(degrees == 0.0 || place == tube.length / 2.0);
-        let kept = posed.signed_volume() / whole;
+        assert!(degrees == 0.0 || centre == tube.length / 2.0);
+        let volume_ratio = posed.signed_volume() / rest_volume;
         let expected = 1.0 - tube.blended_share * (1.0 - twist.cos()) / 3.0;
         assert!(
-            (kept - expected).abs() < 2e-3,
-            "{degrees}°: {kept}, not {expected}"
+            (volume_ratio - expected).abs() < 2e-3,
+            "{degrees}°: {volume_ratio}, not {expected}"
         );
     }
     // At half a turn it vanishes.
@@ -77,7 +77,7 @@ fn linear_blend_collapses_like_a_candy_wrapper() {
 #[test]
 fn dual_quaternions_keep_the_radius_of_every_ring() {
     let tube = TwistedTube::default();
-    let whole = tube.mesh().unwrap().signed_volume();
+    let rest_volume = tube.mesh().unwrap().signed_volume();
     for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
         let posed = twisted(&tube, SkinningMethod::DualQuaternion, degrees.to_radians());
         let rings = &posed.positions()[..(tube.rings * tube.sides) as usize];
@@ -89,7 +89,10 @@ fn dual_quaternions_keep_the_radius_of_every_ring() {
             );
         }
         // The rest is the loss of flat triangles between rings that rotate against each other.
-        let kept = posed.signed_volume() / whole;
-        assert!((0.995..1.0001).contains(&kept), "{degrees}°: {kept}");
+        let volume_ratio = posed.signed_volume() / rest_volume;
+        assert!(
+            (0.995..1.0001).contains(&volume_ratio),
+            "{degrees}°: {volume_ratio}"
+        );
     }
 }

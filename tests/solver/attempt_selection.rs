@@ -72,8 +72,8 @@ fn restarts_keep_a_reached_limb() {
     let mut arm = |name: &str| {
         let named = |joint: &str| format!("{name} {joint}");
         let near = builder.revolute(named("shoulder"), None, Placement::identity(), z, limits);
-        let far = builder.revolute(named("elbow"), Some(near), link, z, limits);
-        builder.frame(named("tip"), Some(far), link)
+        let elbow = builder.revolute(named("elbow"), Some(near), link, z, limits);
+        builder.frame(named("tip"), Some(elbow), link)
     };
     let [idle, busy] = ["left", "right"].map(&mut arm);
     let model = builder.build().unwrap();

@@ -76,16 +76,16 @@ impl Standing {
     }
 
     fn hold_feet(&self, builder: &mut ProblemBuilder<'_>) {
-        for (foot, stands) in self.feet {
-            builder.add(Pose::new(foot, stands));
+        for (foot, foot_pose) in self.feet {
+            builder.add(Pose::new(foot, foot_pose));
         }
     }
 
     /// Corners of the soles in the ground plane.
     fn corners(&self) -> Vec<[f64; 2]> {
-        let soles = self.feet.iter().flat_map(|(_, stands)| {
+        let soles = self.feet.iter().flat_map(|(_, foot_pose)| {
             SOLE.map(|corner| {
-                let Vector3 { x, y, .. } = stands.apply(corner.into());
+                let Vector3 { x, y, .. } = foot_pose.apply(corner.into());
                 [x, y]
             })
         });
@@ -94,7 +94,7 @@ impl Standing {
 
     /// Fraction of the hand task's gradient that the best reactions of feet, edges and limits leave. Also the distance
     /// of the centre of mass outside the polygon, in metres, and the number of active edges.
-    fn left_over(&self, q: &[f64], target: [f64; 3], margin: f64) -> (f64, f64, usize) {
+    fn remaining_gradient(&self, q: &[f64], target: [f64; 3], margin: f64) -> (f64, f64, usize) {
         let hand = self.problem(|builder| {
             builder.add(Point::new(self.hand.0, target));
         });
@@ -157,9 +157,9 @@ fn nearest_push(free: &DMatrix<f64>, pushes: &[DVector<f64>], g: &DVector<f64>) 
             .collect();
         let a = DMatrix::from_columns(&columns);
         let z = a.clone().svd(true, true).solve(&-g, 1e-11).unwrap();
-        let own = passive.iter().zip(z.iter().skip(free.ncols()));
-        if let Some((&k, _)) = own.into_iter().find(|(_, z)| **z < -1e-12) {
-            passive.retain(|own| *own != k);
+        let multipliers = passive.iter().zip(z.iter().skip(free.ncols()));
+        if let Some((&k, _)) = multipliers.into_iter().find(|(_, z)| **z < -1e-12) {
+            passive.retain(|candidate| *candidate != k);
             continue;
         }
         let left = a * z + g;
@@ -180,7 +180,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
     let body = Standing::new();
     let once = Restarts::default().with_attempts(1);
     let solver = Solver::default().with_restarts(once);
-    let away = [
+    let directions = [
         [1.5, 0.0, 0.2],
         [1.5, 0.3, -0.2],
         [0.0, 1.5, 0.3],
@@ -199,7 +199,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
         (0.0, &carried),
         (0.01, &carried),
     ] {
-        for by in away {
+        for by in directions {
             let from = body.hand.1.translation;
             let target = (from + Vector3::from(by)).to_array();
             let problem = body.problem(|builder| {
@@ -211,7 +211,7 @@ fn unreachable_hand_leans_to_the_balance_limit() {
             let solution = solver.solve_once(&problem, &body.start).unwrap();
             let reached: Vec<bool> = solution.tasks().map(|task| task.reached).collect();
             assert_eq!(reached, [true, true, true, false], "{}", solution.explain());
-            let (left, beyond, edges) = body.left_over(&solution.q, target, margin);
+            let (left, beyond, edges) = body.remaining_gradient(&solution.q, target, margin);
             assert!(beyond < 1e-6, "{margin} {by:?}: {beyond} m out of balance");
             assert!(
                 left < 1e-6,

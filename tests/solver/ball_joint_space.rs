@@ -61,8 +61,8 @@ fn steps_and_differences_are_inverse() {
     let mut on_edges = 0;
     for round in 0..400 {
         // Mostly inside, or projected onto edges from far outside.
-        let far = if round % 2 == 0 { 0.3 } else { 4.0 };
-        let mut x: Vec<f64> = (0..n).map(|_| random.within(-far, far)).collect();
+        let range = if round % 2 == 0 { 0.3 } else { 4.0 };
+        let mut x: Vec<f64> = (0..n).map(|_| random.within(-range, range)).collect();
         space.project(&mut x);
         assert!(is_within(&problem, &model, &x), "round {round}");
         let mut again = x.clone();
@@ -73,17 +73,17 @@ fn steps_and_differences_are_inverse() {
         step.fill_with(|| random.within(-1e-3, 1e-3));
         space.integrate(&x, &step, &mut to);
         space.difference(&to, &x, &mut back);
-        let off = |a: &[f64], b: &[f64]| {
+        let deviation_of = |a: &[f64], b: &[f64]| {
             let both = a.iter().zip(b);
-            both.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+            both.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
         };
         assert!(
-            off(&back, &step) < 1e-12,
+            deviation_of(&back, &step) < 1e-12,
             "round {round}: {back:?} {step:?}"
         );
         let longest = step
             .iter()
-            .fold(0.0_f64, |most, value| most.max(value.abs()));
+            .fold(0.0_f64, |largest, value| largest.max(value.abs()));
         assert!((space.distance(&to, &x, &mut back) - longest).abs() < 1e-12);
 
         for k in 0..n {
@@ -93,23 +93,23 @@ fn steps_and_differences_are_inverse() {
             step.fill(0.0);
             step[k] = taken;
             space.integrate(&x, &step, &mut to);
-            assert!(off(&alone, &to) < 1e-15, "round {round}, {k}");
+            assert!(deviation_of(&alone, &to) < 1e-15, "round {round}, {k}");
             space.return_one(&x, k, &mut alone);
             assert_eq!(alone, x, "round {round}, {k}");
 
             let (down, up) = space.room(&x, k);
-            for (sign, room) in [(-1.0, down), (1.0, up)] {
+            for (sign, slack) in [(-1.0, down), (1.0, up)] {
                 let taken = space.integrate_one(&x, k, sign * 1e-4, &mut alone);
-                assert_eq!(space.stopped_step(&x, k, taken).is_some(), 1e-4 > room);
+                assert_eq!(space.stopped_step(&x, k, taken).is_some(), 1e-4 > slack);
                 let left = !is_within(&problem, &model, &alone);
-                if room == 0.0 {
+                if slack == 0.0 {
                     assert!(left, "round {round}: {k} goes {sign} from {x:?} and stays");
                     on_edges += 1;
                     // A configuration outside is projected back to its origin or near it.
                     space.project(&mut alone);
                     let moved = space.distance(&alone, &x, &mut back);
                     assert!(moved < 1e-3, "round {round}, {k}: {moved:e}");
-                } else if room == f64::INFINITY && sign < 0.0 {
+                } else if slack == f64::INFINITY && sign < 0.0 {
                     // From an edge straight inward.
                     let curved = left && {
                         space.project(&mut alone);
@@ -151,7 +151,7 @@ fn half_a_turn_is_not_an_edge() {
         for k in 0..3 {
             assert!((beyond[k] - (PI + over - TAU) * axis[k]).abs() < 1e-12);
         }
-        let longest = (0..3).fold(0.0_f64, |most, k| most.max(axis[k].abs()));
+        let longest = (0..3).fold(0.0_f64, |largest, k| largest.max(axis[k].abs()));
         let moved = space.distance(&beyond, &x, &mut back);
         let expected = longest * (short + over);
         assert!((moved - expected).abs() < 1e-12, "{moved} {expected}");

@@ -70,10 +70,10 @@ fn no_solution_violates_a_limit() {
             .map(|_| random.within(-3.0, 3.0))
             .collect();
         for solver in solvers() {
-            let few = Stopping::default().with_max_iterations(30);
+            let stopping = Stopping::default().with_max_iterations(30);
             let solver = solver
                 .with_restarts(Restarts::default().with_attempts(3))
-                .with_stopping(few);
+                .with_stopping(stopping);
             let solution = solver.solve(&problem, &start, &mut workspace).unwrap();
             assert_eq!(
                 figure.broken(&solution.q),
@@ -141,16 +141,19 @@ fn derivative_routes_agree_at_special_rotations() {
                 (&analytic - &dual).amax() < 1e-11 * size,
                 "seed {seed}, case {case}"
             );
-            let off = (&analytic - &central).amax();
-            assert!(off < 1e-7 * size, "seed {seed}, case {case}: {off:e}");
+            let deviation = (&analytic - &central).amax();
+            assert!(
+                deviation < 1e-7 * size,
+                "seed {seed}, case {case}: {deviation:e}"
+            );
 
             let mut scratch = problem.scratch();
             let mut evaluation = Evaluation::new(&problem, &mut scratch);
             let mut residual = vec![0.0; evaluation.rows()];
             evaluation.residual(&x, &mut residual);
             let mut gradient = vec![0.0; x.len()];
-            let mut room = DMatrix::zeros(residual.len(), x.len());
-            evaluation.gradient(&x, &residual, &mut gradient, &mut room);
+            let mut buffer = DMatrix::zeros(residual.len(), x.len());
+            evaluation.gradient(&x, &residual, &mut gradient, &mut buffer);
             let product = dual.transpose() * nalgebra::DVector::from_vec(residual);
             let scale = product.amax().max(1.0);
             for (ours, theirs) in gradient.iter().zip(&product) {

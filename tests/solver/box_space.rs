@@ -33,7 +33,9 @@ fn box_space_steps_projects_and_holds() {
         assert_eq!(to, half);
         space.integrate(&x, &step, &mut to);
         space.difference(&to, &x, &mut back);
-        let largest = step.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
+        let largest = step
+            .iter()
+            .fold(0.0_f64, |largest, step| largest.max(step.abs()));
         assert!(back.iter().zip(&step).all(|(a, b)| (a - b).abs() < 1e-15));
         assert!((space.distance(&to, &x, &mut back) - largest).abs() < 1e-15);
         let mut inside = to.clone();
@@ -59,8 +61,8 @@ fn box_space_steps_projects_and_holds() {
             assert_eq!(space.held_at(&x, k, slope[k], 0.1), held);
             assert_eq!(space.holds(&x, k, slope[k], 0.1), held.is_some());
             reported[held.map_or(2, |side| usize::from(side == Side::Upper))] += 1;
-            let there = (x[k] - slope[k] / 2.0).max(lower[k]).min(upper[k]);
-            norm = norm.max((there - x[k]).abs());
+            let minimum = (x[k] - slope[k] / 2.0).max(lower[k]).min(upper[k]);
+            norm = norm.max((minimum - x[k]).abs());
         }
         assert!((space.projected_gradient_norm(&x, &slope, 2.0) - norm).abs() < 1e-15);
         let lost = vec![f64::NAN; n];

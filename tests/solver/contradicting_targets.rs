@@ -83,9 +83,9 @@ fn predicted_decrease_includes_curvature() {
         let mut builder = Problem::builder(model);
         for name in ["left_hand", "head", "right_hand", "left_foot", "right_foot"] {
             let bone = rig.skeleton.bone(name).unwrap();
-            let (at, off) = (pose.tip(&rig.skeleton, bone).unwrap(), random.vector(0.6));
-            let wanted = [at.x + off.x, at.y + off.y, at.z + off.z];
-            builder.add(Point::new(rig.skeleton.tip(bone), wanted));
+            let (at, offset) = (pose.tip(&rig.skeleton, bone).unwrap(), random.vector(0.6));
+            let target = [at.x + offset.x, at.y + offset.y, at.z + offset.z];
+            builder.add(Point::new(rig.skeleton.tip(bone), target));
         }
         let problem = builder.build().unwrap();
         let solver = Solver::default().with_restarts(Restarts::none());

@@ -14,7 +14,7 @@ use kinopt::{Problem, Solution, Solver};
 use support::planar_arm;
 
 /// Clearance from the table at which motion stops, metres.
-const STAND_OFF: f64 = 1e-3;
+const MIN_CLEARANCE: f64 = 1e-3;
 
 /// Depth of a frame's origin below the table, z = 0.
 #[derive(Clone, Debug)]
@@ -53,8 +53,8 @@ impl ClearanceCheck for OverTable {
     }
 
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
-        match to[1] < STAND_OFF {
-            true => ((from[1] - STAND_OFF) / (from[1] - to[1])).max(0.0),
+        match to[1] < MIN_CLEARANCE {
+            true => ((from[1] - MIN_CLEARANCE) / (from[1] - to[1])).max(0.0),
             false => 1.0,
         }
     }
@@ -111,7 +111,11 @@ fn drag_into_obstacle_stops_at_clearance() {
             drag.advance();
             assert!(drag.q()[1] >= 0.0, "{under}, {frame}: {:?}", drag.q());
         }
-        assert!(drag.q()[1] <= STAND_OFF + 1e-9, "{under}: {:?}", drag.q());
+        assert!(
+            drag.q()[1] <= MIN_CLEARANCE + 1e-9,
+            "{under}: {:?}",
+            drag.q()
+        );
         assert_eq!(drag.solution().collisions()[0].second, "table");
         assert!(!drag.solution().reached);
     }

@@ -117,9 +117,9 @@ fn one_sided_limit_is_named() {
 #[test]
 fn posture_exactly_at_a_limit_is_named() {
     let (model, _) = chain(2, Limits::new(-2.0, 1.2));
-    for (wanted, is_pressed) in [(1.2, false), (1.3, true)] {
+    for (reference, is_pressed) in [(1.2, false), (1.3, true)] {
         let mut tasks = Problem::builder(&model);
-        tasks.add(Posture::new(&model, &[0.3, wanted]));
+        tasks.add(Posture::new(&model, &[0.3, reference]));
         let reported = differentiability(&tasks.build().unwrap(), &[0.3, 1.2]);
         let on_limit = NoDerivative::OnLimit {
             joint: "joint 1".into(),
@@ -287,9 +287,9 @@ fn foreign_input_is_rejected() {
     let mut workspace = DerivativeWorkspace::default();
     let short = SolutionDerivative::new(&problem, &[0.0], &mut workspace);
     assert!(matches!(short.unwrap_err(), SolveError::StartLength { .. }));
-    let bad = SolutionDerivative::new(&problem, &[0.0, f64::NAN], &mut workspace);
+    let invalid = SolutionDerivative::new(&problem, &[0.0, f64::NAN], &mut workspace);
     assert!(matches!(
-        bad.unwrap_err(),
+        invalid.unwrap_err(),
         SolveError::StartNotFinite { .. }
     ));
 
@@ -401,9 +401,9 @@ fn satisfied_task_keeps_other_weight_derivatives() {
         let mut velocity = [0.0; 4];
         derivative.velocity(&rates, &mut velocity).unwrap();
         let forward: f64 = slope.iter().zip(velocity).map(|(s, v)| s * v).sum();
-        let off = (forward - gradient.weights()[weight]).abs();
+        let deviation = (forward - gradient.weights()[weight]).abs();
         assert!(
-            off < 1e-9,
+            deviation < 1e-9,
             "weight {weight}: {forward} {:?}",
             gradient.weights()
         );

@@ -18,17 +18,17 @@ fn chain_of(links: usize, length: f64) -> (Model, FrameId) {
 /// Point task at the present position of the tip, added `times` times.
 fn problem_of(model: &Model, tip: FrameId, q: &[f64], times: usize) -> Problem {
     let mut kinematics = ForwardKinematics::new(model);
-    let there = kinematics.place(q).unwrap()[tip.index()].translation;
+    let target = kinematics.place(q).unwrap()[tip.index()].translation;
     let mut tasks = Problem::builder(model);
     for _ in 0..times {
-        tasks.add(Point::new(tip, there));
+        tasks.add(Point::new(tip, target));
     }
     tasks.build().unwrap()
 }
 
 #[test]
 fn nearly_stretched_arm_has_a_derivative() {
-    let of = |q: &[f64; 2], length: f64| {
+    let derivative_at = |q: &[f64; 2], length: f64| {
         let (model, tip) = chain_of(2, length);
         let problem = problem_of(&model, tip, q, 1);
         let mut workspace = DerivativeWorkspace::default();
@@ -37,14 +37,14 @@ fn nearly_stretched_arm_has_a_derivative() {
         (derivative.differentiability().clone(), by_target)
     };
     let (nearly, fully) = ([0.3, 1e-4], [0.3, 0.0]);
-    let (_, expected) = of(&nearly, 1.0);
+    let (_, expected) = derivative_at(&nearly, 1.0);
     for length in [1e-4, 1e-2, 1.0, 1e3] {
-        let (differentiability, by_target) = of(&nearly, length);
+        let (differentiability, by_target) = derivative_at(&nearly, length);
         assert_eq!(differentiability, Differentiability::Unique, "{length}");
-        let off = (by_target - &expected).amax() / expected.amax();
-        assert!(off < 1e-9, "{length}: {off:e}");
+        let deviation = (by_target - &expected).amax() / expected.amax();
+        assert!(deviation < 1e-9, "{length}: {deviation:e}");
         let singular = NoDerivative::Singular { directions: 1 };
-        let (differentiability, _) = of(&fully, length);
+        let (differentiability, _) = derivative_at(&fully, length);
         assert_eq!(
             differentiability,
             Differentiability::DoesNotExist(singular),
@@ -72,9 +72,13 @@ fn duplicate_tasks_count_once_in_any_unit() {
 fn unreachable_target_derivative_in_any_unit() {
     for length in [1e-6, 1e-3, 1.0, 1e3] {
         let (model, tip) = chain_of(3, length);
-        let (angle, far) = (0.4_f64, 5.0 * length);
+        let (angle, target_distance) = (0.4_f64, 5.0 * length);
         let mut tasks = Problem::builder(&model);
-        let target = [far * angle.cos(), far * angle.sin(), 0.0];
+        let target = [
+            target_distance * angle.cos(),
+            target_distance * angle.sin(),
+            0.0,
+        ];
         tasks.add(Point::new(tip, target));
         let problem = tasks.build().unwrap();
         let mut workspace = DerivativeWorkspace::default();
@@ -85,7 +89,7 @@ fn unreachable_target_derivative_in_any_unit() {
             Differentiability::Unique,
             "{length}"
         );
-        let by_target = derivative.by_target(0).unwrap() * far;
+        let by_target = derivative.by_target(0).unwrap() * target_distance;
         let across = [-angle.sin(), angle.cos()];
         for (joint, expected) in [1.0, 0.0, 0.0].into_iter().enumerate() {
             let turned = (0..2).map(|k| by_target[(joint, k)] * across[k]);
@@ -99,7 +103,7 @@ fn unreachable_target_derivative_in_any_unit() {
 #[test]
 fn soft_task_derivative_in_any_unit() {
     let q = [0.3, 0.5, -0.4, 0.9];
-    let of = |length: f64, times: usize| {
+    let derivative_in = |length: f64, times: usize| {
         let (model, tip) = chain_of(4, length);
         let at = ForwardKinematics::new(&model).place(&q).unwrap()[tip.index()].translation;
         let mut tasks = Problem::builder(&model);
@@ -118,11 +122,11 @@ fn soft_task_derivative_in_any_unit() {
         // Change of the posture.
         derivative.by_target(times).unwrap()
     };
-    let expected = of(1.0, 1);
+    let expected = derivative_in(1.0, 1);
     for length in [1e-6, 1.0, 1e3] {
         for times in [1, 2] {
-            let off = (of(length, times) - &expected).amax();
-            assert!(off < 1e-6, "{length}, {times} times: {off:e}");
+            let deviation = (derivative_in(length, times) - &expected).amax();
+            assert!(deviation < 1e-6, "{length}, {times} times: {deviation:e}");
         }
     }
 }

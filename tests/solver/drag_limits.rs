@@ -47,16 +47,16 @@ impl Body {
     }
 
     fn limits(&self) -> MotionLimits {
-        let of = |rate: usize| {
+        let limits_of = |rate: usize| {
             let mut limits = vec![JOINT[rate]; self.model().configuration_len()];
             limits[..3].fill(LINEAR[rate]);
             limits[3..7].fill(ANGULAR[rate]);
             limits
         };
         MotionLimits::unlimited(self.model().configuration_len())
-            .with_velocity(of(0))
-            .with_acceleration(of(1))
-            .with_jerk(of(2))
+            .with_velocity(limits_of(0))
+            .with_acceleration(limits_of(1))
+            .with_jerk(limits_of(2))
     }
 
     /// A drag with its feet pinned, and the position of the hand at the start.
@@ -81,8 +81,9 @@ impl Body {
         let mut kinematics = ForwardKinematics::of_frames(self.model(), &self.feet).unwrap();
         let start = kinematics.place(&self.stance).unwrap().to_vec();
         let now = kinematics.place(q).unwrap();
-        let off = start.iter().zip(now);
-        off.map(|(a, b)| (a.translation - b.translation).norm())
+        let deviations = start.iter().zip(now);
+        deviations
+            .map(|(a, b)| (a.translation - b.translation).norm())
             .fold(0.0, f64::max)
     }
 }
@@ -131,8 +132,8 @@ impl<'a> Rates<'a> {
                 norm(&values[..3]) / LINEAR[rate],
                 norm(&values[3..6]) / ANGULAR[rate],
             ];
-            let most = joints.chain(base).fold(0.0, f64::max);
-            self.largest[rate] = self.largest[rate].max(most);
+            let largest = joints.chain(base).fold(0.0, f64::max);
+            self.largest[rate] = self.largest[rate].max(largest);
         }
         self.before = [velocity, acceleration];
     }

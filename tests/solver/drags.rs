@@ -16,9 +16,9 @@ use support::random::Random;
 use support::tasks::{Curve, OfJoint};
 
 /// Largest joint displacement in a frame, radians, with rounding.
-const MOST_MOVE: f64 = 0.15 + 1e-12;
+const MAX_MOVE: f64 = 0.15 + 1e-12;
 /// Largest number of evaluations in a frame: its steps, a perturbation's steps and the estimation of curvature.
-const EVALUATIONS: usize = 400;
+const MAX_EVALUATIONS: usize = 400;
 
 /// Drag of a rig's second tip with the other tips pinned.
 fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
@@ -62,11 +62,11 @@ fn frame_reports_limits_of_the_model() {
     // Frames of one step end by the iteration limit.
     let once = kinopt::solver::Stopping::default().with_max_iterations(1);
     let mut drag = drag.with_solver(kinopt::Solver::default(), once).unwrap();
-    let far = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
+    let target = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
     let model = rig.skeleton.model();
     let (mut limits_told, mut moves_told) = (0, 0);
     for _ in 0..40 {
-        drag.target_mut(hand).unwrap().set_target(far);
+        drag.target_mut(hand).unwrap().set_target(target);
         let solution = drag.advance();
         for held in solution.active_limits() {
             if held.kind == kinopt::ik::BoundKind::Move {
@@ -74,8 +74,8 @@ fn frame_reports_limits_of_the_model() {
                 continue;
             }
             limits_told += 1;
-            let known = |l: Limits| held.value == l.lower || held.value == l.upper;
-            assert!(model.limits().any(known), "{held:?}");
+            let is_limit = |l: Limits| held.value == l.lower || held.value == l.upper;
+            assert!(model.limits().any(is_limit), "{held:?}");
         }
     }
     assert!(limits_told + moves_told > 0);
@@ -99,11 +99,11 @@ fn drag_beyond_reach_and_back_never_jumps() {
                 .set_target(from + aside * size);
             let solution = drag.advance();
             assert!(
-                furthest(&solution.q, &q) <= MOST_MOVE,
+                furthest(&solution.q, &q) <= MAX_MOVE,
                 "{seed}, frame {frame}"
             );
             assert!(
-                solution.counts.residuals <= EVALUATIONS,
+                solution.counts.residuals <= MAX_EVALUATIONS,
                 "{:?}",
                 solution.counts
             );
@@ -129,8 +129,8 @@ fn drag_beyond_reach_and_back_never_jumps() {
 fn drag_rests_at_unreachable_target() {
     let rig = RandomRig::new(2);
     let (mut drag, hand, from) = drag(&rig, &slightly_bent(&rig.skeleton));
-    let far = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
-    drag.target_mut(hand).unwrap().set_target(far);
+    let target = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
+    drag.target_mut(hand).unwrap().set_target(target);
     for _ in 0..150 {
         drag.advance();
     }
@@ -184,7 +184,7 @@ fn jumping_target_is_followed_with_reported_lag() {
     while !drag.advance().reached {
         assert!(drag.is_speed_limited(), "{}", drag.solution().explain());
         assert!(drag.solution().explain().contains("allowed move"));
-        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
         q.copy_from_slice(drag.q());
         frames += 1;
         assert!(frames < 60);
@@ -213,7 +213,7 @@ fn stretched_arm_bends_for_a_returning_target() {
         let x = (2.5 - 0.02 * f64::from(frame)).max(1.5);
         drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
-        assert!(furthest(drag.q(), &q) <= MOST_MOVE);
+        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
         // A joint without influence on any task keeps its value.
         assert_eq!(drag.q()[2], 0.7);
         q.copy_from_slice(drag.q());
@@ -243,7 +243,7 @@ fn drag_jumps_only_with_search_and_reports_it() {
         let before = keen.q().to_vec();
         keen.advance();
         let moved = furthest(keen.q(), &before);
-        if moved > MOST_MOVE {
+        if moved > MAX_MOVE {
             let jump = keen.jump().expect("a leap is told");
             assert_eq!(jump.distance, moved);
             jumps += 1;
@@ -314,8 +314,8 @@ struct Valleys;
 impl Curve for Valleys {
     fn at<S: Scalar>(&self, s: S) -> S {
         let c = S::constant;
-        let beside = s + c(3.0);
-        (s - c(3.0)) * (beside * beside + c(0.1))
+        let shifted = s + c(3.0);
+        (s - c(3.0)) * (shifted * shifted + c(0.1))
     }
 }
 
@@ -413,12 +413,12 @@ fn stand_at_equals_a_new_drag() {
 fn settled_drag_continues_in_small_steps() {
     let rig = RandomRig::new(4);
     let start = slightly_bent(&rig.skeleton);
-    for far in [0.05, 0.6] {
+    for distance in [0.05, 0.6] {
         let (mut body, hand, from) = drag(&rig, &start);
-        let target = from + Vector3::new(1.0, 0.5, 0.2) * (far * rig.skeleton.size());
+        let target = from + Vector3::new(1.0, 0.5, 0.2) * (distance * rig.skeleton.size());
         body.target_mut(hand).unwrap().set_target(target);
         let settled = body.settle(200).clone();
-        assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
+        assert_eq!(settled.reached, distance < 0.1, "{}", settled.explain());
         assert!(body.is_at_rest() && !body.is_speed_limited() && settled.iterations > 0);
         assert_eq!(body.jump(), None);
         // The following frames start from there, in small steps again.
@@ -430,7 +430,7 @@ fn settled_drag_continues_in_small_steps() {
         body.target_mut(hand).unwrap().set_target(back);
         let before = body.q().to_vec();
         body.advance();
-        assert!(furthest(body.q(), &before) <= MOST_MOVE);
+        assert!(furthest(body.q(), &before) <= MAX_MOVE);
     }
 }
 

@@ -11,7 +11,7 @@ use support::methods::methods;
 struct Narrow {
     lower: [f64; 5],
     upper: [f64; 5],
-    asked: usize,
+    evaluations: usize,
     counts: Counts,
 }
 
@@ -24,7 +24,7 @@ impl Narrow {
                 "{x} is not within {lower} and {upper}"
             );
         }
-        self.asked += 1;
+        self.evaluations += 1;
     }
 
     fn parts(x: &[f64], row: usize) -> (f64, [f64; 2]) {
@@ -92,18 +92,18 @@ impl LeastSquares for Narrow {
 
 #[test]
 fn evaluations_stay_within_problem_bounds() {
-    const ROOM: f64 = 1e-9;
+    const BOUND_WIDTH: f64 = 1e-9;
     // Near the lower and near the upper bound.
     for at in [0.2, 0.8] {
         let mut differences = 0;
         for method in methods() {
             let mut problem = Narrow {
                 lower: [-50.0, -50.0, -50.0, -50.0, 0.2],
-                upper: [50.0, 50.0, 50.0, 50.0, 0.2 + ROOM],
-                asked: 0,
+                upper: [50.0, 50.0, 50.0, 50.0, 0.2 + BOUND_WIDTH],
+                evaluations: 0,
                 counts: Counts::default(),
             };
-            let start = [25.0, 5.0, -5.0, -1.0, 0.2 + at * ROOM];
+            let start = [25.0, 5.0, -5.0, -1.0, 0.2 + at * BOUND_WIDTH];
             let mut memory = SolverState::default();
             let stopping = Stopping::default();
             minimise(
@@ -127,7 +127,7 @@ fn evaluations_stay_within_problem_bounds() {
             assert_eq!(counts.gradients, gradients, "{}", method.name());
             assert!((counts.residuals..=counts.residuals + gradients).contains(&residuals));
             assert!(
-                problem.asked > 10 && memory.cost() < 1e5,
+                problem.evaluations > 10 && memory.cost() < 1e5,
                 "{}",
                 method.name()
             );

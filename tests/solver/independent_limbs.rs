@@ -21,11 +21,11 @@ fn robot() -> Robot {
         .iter()
         .enumerate()
         .map(|(k, arm)| {
-            let own = inner
+            let arm_text = inner
                 .replace("name=\"", &format!("name=\"{arm}_"))
                 .replace("link=\"", &format!("link=\"{arm}_"));
             format!(
-                "{own}<joint name=\"{arm}_mount\" type=\"fixed\"><parent link=\"torso\"/><child link=\"{arm}_base\"/>\
+                "{arm_text}<joint name=\"{arm}_mount\" type=\"fixed\"><parent link=\"torso\"/><child link=\"{arm}_base\"/>\
                  <origin xyz=\"{k} 0 0\"/></joint>"
             )
         })

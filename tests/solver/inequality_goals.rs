@@ -25,8 +25,8 @@ const UP: [f64; 3] = [0.0, 0.0, 1.0];
 fn slide() -> (Model, FrameId) {
     let mut builder = Model::builder("slide");
     let axis = Vector3::UNITS[2];
-    let room = Limits::new(-2.0, 2.0);
-    let slide = builder.prismatic("z", None, Placement::identity(), axis, room);
+    let limits = Limits::new(-2.0, 2.0);
+    let slide = builder.prismatic("z", None, Placement::identity(), axis, limits);
     let frame = builder.frame("t", Some(slide), Placement::identity());
     (builder.build().unwrap(), frame)
 }
@@ -70,10 +70,10 @@ impl Residual for Below {
 }
 
 /// Results of a one-variable goal with a posture, from several starts, by the solver and by a settled drag.
-fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
+fn ends(model: &Model, goal: Add<'_>, reference: f64, starts: &[f64]) -> Vec<f64> {
     let mut builder = Problem::builder(model);
     goal(&mut builder);
-    builder.add(Posture::new(model, &[wanted]));
+    builder.add(Posture::new(model, &[reference]));
     let problem = builder.build().unwrap();
     let mut ends = Vec::new();
     for &start in starts {
@@ -86,11 +86,11 @@ fn ends(model: &Model, goal: Add<'_>, wanted: f64, starts: &[f64]) -> Vec<f64> {
     ends
 }
 
-fn all_at(ends: &[f64], wanted: f64, what: &str) {
-    let off = ends
+fn assert_all_near(ends: &[f64], expected: f64, what: &str) {
+    let deviation = ends
         .iter()
-        .fold(0.0_f64, |most, x| most.max((x - wanted).abs()));
-    assert!(off < 2e-6, "{what}: {ends:?}, not {wanted}");
+        .fold(0.0_f64, |largest, x| largest.max((x - expected).abs()));
+    assert!(deviation < 2e-6, "{what}: {ends:?}, not {expected}");
 }
 
 #[test]
@@ -107,13 +107,13 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         }),
         ("goal", &|builder| {
             let target = Placement::translation([0.0, 0.0, 1.25].into());
-            let room = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, target).with_goal(room));
+            let bounds = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
+            builder.add(Pose::new(carried, target).with_goal(bounds));
         }),
     ];
     for (what, goal) in rooms {
-        all_at(&ends(&slide, goal, 1.0, &starts), 1.0, what);
-        all_at(&ends(&slide, goal, -1.0, &starts), 0.5, what);
+        assert_all_near(&ends(&slide, goal, 1.0, &starts), 1.0, what);
+        assert_all_near(&ends(&slide, goal, -1.0, &starts), 0.5, what);
     }
     let (hinge, carried) = hinge();
     let gaze: Add<'_> = &|builder| {
@@ -121,9 +121,9 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         builder.add(Gaze::along(carried, ahead, ahead, 0.3));
     };
     let starts = [1.0, 0.3, -1.2, 0.1];
-    all_at(&ends(&hinge, gaze, 0.0, &starts), 0.0, "gaze");
-    all_at(&ends(&hinge, gaze, 0.2, &starts), 0.2, "gaze");
-    all_at(&ends(&hinge, gaze, -0.9, &starts), -0.3, "gaze");
+    assert_all_near(&ends(&hinge, gaze, 0.0, &starts), 0.0, "gaze");
+    assert_all_near(&ends(&hinge, gaze, 0.2, &starts), 0.2, "gaze");
+    assert_all_near(&ends(&hinge, gaze, -0.9, &starts), -0.3, "gaze");
 }
 
 /// Half-space above a floor as a bounded task, and a point below it on a lower level.
@@ -147,8 +147,9 @@ fn nearest(corners: [[f64; 2]; 3], to: [f64; 2]) -> [f64; 2] {
         return to;
     }
     let on_side = |(a, b): ([f64; 2], [f64; 2])| {
-        let (side, way) = ([b[0] - a[0], b[1] - a[1]], [to[0] - a[0], to[1] - a[1]]);
-        let share = (side[0] * way[0] + side[1] * way[1]) / (side[0].powi(2) + side[1].powi(2));
+        let (side, displacement) = ([b[0] - a[0], b[1] - a[1]], [to[0] - a[0], to[1] - a[1]]);
+        let share = (side[0] * displacement[0] + side[1] * displacement[1])
+            / (side[0].powi(2) + side[1].powi(2));
         let share = share.clamp(0.0, 1.0);
         [a[0] + share * side[0], a[1] + share * side[1]]
     };
@@ -181,9 +182,9 @@ fn sledge_in_triangle_reaches_closest_point() {
             let solution = Solver::default()
                 .solve_once(&builder.build().unwrap(), &start)
                 .unwrap();
-            let off = f64::hypot(solution.q[0] - best[0], solution.q[1] - best[1]);
+            let deviation = f64::hypot(solution.q[0] - best[0], solution.q[1] - best[1]);
             assert!(
-                off < 2e-6,
+                deviation < 2e-6,
                 "{what} {seed}: {:?}, not {best:?}: {}",
                 solution.q,
                 solution.explain()
@@ -228,18 +229,18 @@ fn posture_above_floor_is_stationary() {
     let (mut on_edge, mut left) = (0, Vec::new());
     for seed in 0..cases(100, 20) as u64 {
         let mut random = Random::new(1000 + seed);
-        let [start, wanted] = [(); 2].map(|()| configuration_of(model, &mut random));
+        let [start, reference] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut builder = Problem::builder(model);
         let floor = || Plane::new(flange, [0.0, 0.0, 0.4], UP);
         builder.add(Bounded::at_least(floor(), 0.0));
-        builder.add(Posture::new(model, &wanted));
+        builder.add(Posture::new(model, &reference));
         let solution = Solver::default()
             .solve_once(&builder.build().unwrap(), &start)
             .unwrap();
         assert!(solution.reached, "{seed}: {}", solution.explain());
 
         let mut alone = Problem::builder(model);
-        alone.add(Posture::new(model, &wanted));
+        alone.add(Posture::new(model, &reference));
         let (residual, jacobian) = linearised(&alone.build().unwrap(), &solution.q);
         let mut slope = jacobian.transpose() * &residual;
         let mut plane = Problem::builder(model);
@@ -254,14 +255,14 @@ fn posture_above_floor_is_stationary() {
                 (slope[j], row[j]) = (0.0, 0.0);
             }
         }
-        let whole = residual.norm();
+        let residual_norm = residual.norm();
         let along = slope.dot(&row.column(0));
         // A floor only opposes a downward pull.
         if height[0] < 1e-8 && along > 0.0 {
             on_edge += 1;
             slope -= row.column(0) * (along / row.norm_squared());
         }
-        left.push(slope.norm() / whole.max(1e-9));
+        left.push(slope.norm() / residual_norm.max(1e-9));
     }
     left.sort_by(f64::total_cmp);
     assert!(on_edge * 10 > left.len(), "{on_edge} of {}", left.len());
@@ -274,9 +275,9 @@ fn posture_above_floor_is_stationary() {
 #[test]
 fn inequalities_on_all_axes_hold() {
     let mut builder = Model::builder("slides");
-    let (mut last, room) = (None, Limits::new(-2.0, 2.0));
+    let (mut last, limits) = (None, Limits::new(-2.0, 2.0));
     for (name, axis) in ["x", "y", "z"].iter().zip(Vector3::UNITS) {
-        last = Some(builder.prismatic(*name, last, Placement::identity(), axis, room));
+        last = Some(builder.prismatic(*name, last, Placement::identity(), axis, limits));
     }
     let carried = builder.frame("t", last, Placement::identity());
     let model = builder.build().unwrap();
@@ -287,15 +288,15 @@ fn inequalities_on_all_axes_hold() {
         // With a point on a lower level, and with a soft task.
         for level in [true, false] {
             let mut builder = Problem::builder(&model);
-            let room = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, Placement::identity()).with_goal(room));
-            let far = sign.map(|sign| 1.5 * sign);
+            let bounds = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
+            builder.add(Pose::new(carried, Placement::identity()).with_goal(bounds));
+            let target = sign.map(|sign| 1.5 * sign);
             match level {
                 true => {
-                    builder.add(Task::new(Point::new(carried, far)).at_level(1));
+                    builder.add(Task::new(Point::new(carried, target)).at_level(1));
                 }
                 false => {
-                    builder.add(Posture::new(&model, &far));
+                    builder.add(Posture::new(&model, &target));
                 }
             }
             let problem = builder.build().unwrap();

@@ -46,12 +46,12 @@ fn problem(rig: &RandomRig, unit: f64, seed: u64) -> Problem {
         let target = rig.tip(&transforms, tip);
         builder.add(Point::new(rig.skeleton.tip(tip), target));
     }
-    let stands = |k: usize| -> Placement<f64> {
+    let target_pose = |k: usize| -> Placement<f64> {
         let bone = rig.tips[k].index();
         placement(&(transforms[bone] * rig.rests[bone]))
     };
-    builder.add(Pose::new(rig.skeleton.tail(rig.tips[3]), stands(3)));
-    let turned = stands(4).rotation;
+    builder.add(Pose::new(rig.skeleton.tail(rig.tips[3]), target_pose(3)));
+    let turned = target_pose(4).rotation;
     builder.add(Orientation::new(rig.skeleton.tail(rig.tips[4]), turned));
     builder.build().unwrap()
 }
@@ -126,16 +126,16 @@ fn scaling_by_a_power_of_two_is_exact() {
 fn placed_model_gives_equal_steps() {
     for seed in 0..4 {
         let mut random = Random::new(seed);
-        let away = rigid(random.rotation(), random.vector(2.0));
-        let here = RandomRig::new(seed);
-        let there = RandomRig::placed(seed, 1.0, away);
-        let from_here = problem(&here, 1.0, seed);
-        let from_there = problem(&there, 1.0, seed);
+        let world_from_base = rigid(random.rotation(), random.vector(2.0));
+        let original_rig = RandomRig::new(seed);
+        let placed_rig = RandomRig::placed(seed, 1.0, world_from_base);
+        let from_here = problem(&original_rig, 1.0, seed);
+        let from_there = problem(&placed_rig, 1.0, seed);
         for solver in solvers() {
             let solver = solver.with_stopping(Stopping::default().with_max_iterations(10));
             let solver = solver.with_restarts(Restarts::none());
-            let a = run(&solver, &here, &from_here);
-            let b = run(&solver, &there, &from_there);
+            let a = run(&solver, &original_rig, &from_here);
+            let b = run(&solver, &placed_rig, &from_there);
             let label = format!("rig {seed}, {}", solver.method());
             agree(&label, &a, &b);
             for (one, same) in a.0.iter().zip(&b.0) {

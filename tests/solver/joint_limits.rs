@@ -67,8 +67,8 @@ fn starts(model: &Model, random: &mut Random) -> Vec<Vec<f64>> {
         })
         .collect();
     let outside = inside.iter().map(|_| random.within(-50.0, 50.0)).collect();
-    let far = inside.iter().map(|v| 1e300 * v.signum()).collect();
-    vec![inside, corner, outside, far]
+    let huge = inside.iter().map(|v| 1e300 * v.signum()).collect();
+    vec![inside, corner, outside, huge]
 }
 
 fn short() -> (Stopping, Restarts) {
@@ -191,8 +191,8 @@ fn problem_bounds_on_mimic_joints_hold() {
         builder.add(Pose::new(tree.far_frame(), placement(&goal)));
         // Narrow bounds around one configuration of the map.
         let rooms: Vec<Limits> = q.iter().map(|v| Limits::new(v - 0.05, v + 0.03)).collect();
-        for (&joint, &room) in moving.iter().zip(&rooms) {
-            builder.bound(joint, room);
+        for (&joint, &bounds) in moving.iter().zip(&rooms) {
+            builder.bound(joint, bounds);
         }
         let problem = builder.build().unwrap();
         for solver in solvers() {
@@ -220,17 +220,17 @@ fn rounding_keeps_mimic_joints_within_bounds() {
         let follower = builder.revolute("follower", Some(leader), origin, z, wide);
         let model = builder.build().unwrap();
         let (ratio, offset) = (random.within(0.2, 3.0), random.within(-1.0, 1.0));
-        let room = Limits::new(random.within(-3.0, -2.0), random.within(2.0, 3.0));
+        let bounds = Limits::new(random.within(-3.0, -2.0), random.within(2.0, 3.0));
         let map = ParameterMap::builder(&model).with_coupled(follower, leader, ratio, offset);
         let mut builder = Problem::builder(&model);
         builder.parameters(map.build().unwrap());
-        builder.bound(follower, room);
-        let far = if case % 2 == 0 { 19.0 } else { -19.0 };
-        builder.add(Posture::of_joints([(leader, far)]));
+        builder.bound(follower, bounds);
+        let target = if case % 2 == 0 { 19.0 } else { -19.0 };
+        builder.add(Posture::of_joints([(leader, target)]));
         let solution = Solver::default().solve_once(&builder.build().unwrap(), &[0.0; 2]);
         let q = solution.unwrap().q[1];
-        assert!(room.contains(q), "{case}: {q:?} in {room:?}");
-        on_bound += usize::from(q == room.lower || q == room.upper);
+        assert!(bounds.contains(q), "{case}: {q:?} in {bounds:?}");
+        on_bound += usize::from(q == bounds.lower || q == bounds.upper);
     }
     assert!(on_bound > 100, "{on_bound}");
 }

@@ -33,19 +33,19 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
     let at = kinematics.place(&q).unwrap();
     let mut pick = || body.frames[random.below(body.frames.len())];
     let (frame, other) = (pick(), pick());
-    let here = at[frame.index()];
+    let frame_pose = at[frame.index()];
     let aside = vector(random.vector(off));
-    let place = here.translation + aside;
-    let pose = Placement::new(here.rotation, place);
+    let position = frame_pose.translation + aside;
+    let pose = Placement::new(frame_pose.rotation, position);
     match random.below(16) {
         0..4 => {
             tasks.add(Pose::new(frame, pose));
         }
         4 | 5 => {
-            tasks.add(Point::new(frame, place).at(vector(random.vector(0.2))));
+            tasks.add(Point::new(frame, position).at(vector(random.vector(0.2))));
         }
         6 => {
-            tasks.add(Orientation::new(frame, here.rotation));
+            tasks.add(Orientation::new(frame, frame_pose.rotation));
         }
         // A frame relative to itself has no free pose.
         7 if frame != other => {
@@ -54,19 +54,19 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Pose::new(frame, seen).relative_to(other));
         }
         8 => {
-            tasks.add(LookAt::new(frame, direction(random), place));
+            tasks.add(LookAt::new(frame, direction(random), position));
         }
         9 => {
-            tasks.add(Gaze::at(frame, direction(random), place, 0.3));
+            tasks.add(Gaze::at(frame, direction(random), position, 0.3));
         }
         10 => {
             tasks.add(Bounded::new(Pose::new(frame, pose), 0.05));
         }
         11 => {
-            tasks.add(CentreOfMass::new(&body.masses, place));
+            tasks.add(CentreOfMass::new(&body.masses, position));
         }
         12 => {
-            let corners = (0..4).map(|_| place + vector(random.vector(0.2)));
+            let corners = (0..4).map(|_| position + vector(random.vector(0.2)));
             let polygon = SupportPolygon::new(&body.masses).with_points(corners);
             tasks.add(polygon);
         }
@@ -75,7 +75,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             // A frame that too few joints move is rejected.
             match task.validate() {
                 Ok(()) => tasks.add(Task::new(task).preference()).index(),
-                Err(_) => tasks.add(Point::new(frame, place)).index(),
+                Err(_) => tasks.add(Point::new(frame, position)).index(),
             };
         }
         14 => {
@@ -83,8 +83,8 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Smoothness::new(model, &model.neutral(), 0.1));
         }
         _ => {
-            tasks.add(Plane::new(frame, place, direction(random)));
-            tasks.add(Ray::new(other, place + Vector3::UNITS[0], place));
+            tasks.add(Plane::new(frame, position, direction(random)));
+            tasks.add(Ray::new(other, position + Vector3::UNITS[0], position));
             if frame != other {
                 tasks.add(Distance::new(frame, other, random.within(0.0, 1.0)));
             }
@@ -117,7 +117,7 @@ fn start(body: &Body, random: &mut Random) -> Vec<f64> {
 
 /// Move limits: zero, tiny, one step, or larger than the ranges.
 fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
-    let mut most = Vec::new();
+    let mut largest = Vec::new();
     let size = [1e-6, 0.01, 0.3, 2.0][random.below(4)];
     for rule in &body.rules {
         let bound = match random.below(8) {
@@ -125,9 +125,9 @@ fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
             1 => f64::INFINITY,
             _ => random.within(0.0, size),
         };
-        most.resize(most.len() + rule.coordinates(), bound);
+        largest.resize(largest.len() + rule.coordinates(), bound);
     }
-    most
+    largest
 }
 
 /// Mostly few iterations, so that searches end anywhere; one in 40 runs to its end.
@@ -135,10 +135,10 @@ fn settings(solver: Solver, random: &mut Random) -> Solver {
     if random.below(40) == 0 {
         return solver;
     }
-    let few = Stopping::default().with_max_iterations(1 + random.below(25));
+    let stopping = Stopping::default().with_max_iterations(1 + random.below(25));
     let attempts = Restarts::default().with_attempts(1 + random.below(3));
     let attempts = attempts.with_seed(random.bits());
-    solver.with_stopping(few).with_restarts(attempts)
+    solver.with_stopping(stopping).with_restarts(attempts)
 }
 
 /// Counts of outcomes.
@@ -168,9 +168,9 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             }
         }
         1 => {
-            let few = Stopping::default().with_max_iterations(5);
-            let ccd = Ccd::default().with_stopping(few);
-            let fabrik = Fabrik::default().with_stopping(few);
+            let stopping = Stopping::default().with_max_iterations(5);
+            let ccd = Ccd::default().with_stopping(stopping);
+            let fabrik = Fabrik::default().with_stopping(stopping);
             let methods: [&dyn Geometric; 2] = [&ccd, &fabrik];
             for method in methods {
                 let result = method.solve_question((&problem).into(), &start, &mut Silent);
@@ -192,8 +192,12 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             let solver = settings(Solver::default(), random);
             let solution = solver.solve(question, &start, workspace).unwrap();
             look(solution, "moves");
-            let fault =
-                support::kept_limits::moved_too_far(&body.rules, &most, &stood, &solution.q);
+            let fault = support::configuration_rules::moved_too_far(
+                &body.rules,
+                &most,
+                &stood,
+                &solution.q,
+            );
             assert_eq!(fault, None, "{}", solution.explain());
             let blocked = solution
                 .active_limits()
@@ -216,27 +220,27 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
 
 #[test]
 fn no_result_violates_a_limit() {
-    const QUESTIONS: usize = 4;
+    const QUERIES: usize = 4;
     let mut workspace = Workspace::new();
     let mut tally = Tally::default();
-    let wanted = cases(20_000, 600);
-    for seed in 0..wanted / QUESTIONS {
+    let case_count = cases(20_000, 600);
+    for seed in 0..case_count / QUERIES {
         let random = &mut Random::new(seed as u64);
         let body = Body::new(random, 2 + seed % 9);
         for q in [
             body.model.neutral(),
             body.model.random_configuration(random.bits()),
         ] {
-            let fault = support::kept_limits::broken(&body.rules, &[], &q);
+            let fault = support::configuration_rules::broken(&body.rules, &[], &q);
             assert_eq!(fault, None, "seed {seed}");
         }
         if body.map.variables() > 0 {
-            for _ in 0..QUESTIONS {
+            for _ in 0..QUERIES {
                 solve_and_check(&body, random, &mut tally, &mut workspace);
             }
         }
     }
-    let least = wanted / 20;
+    let least = case_count / 20;
     let counts = [
         tally.reached,
         tally.missed,

@@ -21,7 +21,7 @@ struct Scene {
     pinned: Vec<(FrameId, Vector3<f64>)>,
     kinematics: ForwardKinematics<f64>,
     /// Largest joint displacement in a frame (radians) and largest distance of a pinned tip (metres).
-    most: [f64; 2],
+    largest: [f64; 2],
 }
 
 impl Scene {
@@ -39,11 +39,11 @@ impl Scene {
         let mut tasks = Problem::builder(model);
         let mut dragged = None;
         let mut pinned = Vec::new();
-        for (&tip, &place) in tips.iter().zip(&places) {
-            let task = tasks.add(Point::new(tip, place));
+        for (&tip, &position) in tips.iter().zip(&places) {
+            let task = tasks.add(Point::new(tip, position));
             match tip == rig.skeleton.tip(hand) {
-                true => dragged = Some((task, place)),
-                false => pinned.push((tip, place)),
+                true => dragged = Some((task, position)),
+                false => pinned.push((tip, position)),
             }
         }
         tasks.add(Posture::new(model, &rest));
@@ -55,7 +55,7 @@ impl Scene {
             from,
             pinned,
             kinematics: ForwardKinematics::of_frames(model, &frames).unwrap(),
-            most: [0.0; 2],
+            largest: [0.0; 2],
         }
     }
 
@@ -68,14 +68,14 @@ impl Scene {
         let moves = self.drag.q().iter().zip(&before);
         let furthest = moves.map(|(a, b)| (a - b).abs());
         let placed = self.kinematics.place(self.drag.q()).unwrap();
-        let off = self.pinned.iter().zip(placed);
-        let off = off.map(|((_, place), now)| (now.translation - *place).norm());
-        self.most[0] = furthest.fold(self.most[0], f64::max);
-        self.most[1] = off.fold(self.most[1], f64::max);
+        let deviations = self.pinned.iter().zip(placed);
+        let deviation = deviations.map(|((_, target), now)| (now.translation - *target).norm());
+        self.largest[0] = furthest.fold(self.largest[0], f64::max);
+        self.largest[1] = deviation.fold(self.largest[1], f64::max);
     }
 
     /// Advances until the drag rests, with a stationary target. Returns the number of frames.
-    fn settle(&mut self, up: f64) -> usize {
+    fn advance_until_rest(&mut self, up: f64) -> usize {
         let mut frames = 0;
         loop {
             self.advance(up);
@@ -94,7 +94,7 @@ impl Scene {
     }
 
     /// Advances one frame. True if the skeleton moves again after a rest, before reaching the target.
-    fn sets_off(&mut self, up: f64, rested: &mut bool) -> bool {
+    fn starts_to_move(&mut self, up: f64, rested: &mut bool) -> bool {
         let before = self.drag.q().to_vec();
         self.advance(up);
         let moves = self.drag.q().iter().zip(&before);
@@ -124,10 +124,10 @@ fn hand_reaches_target_for_any_drag_course() {
         while scene.drag.is_speed_limited() {
             scene.advance(up);
         }
-        scene.most = [0.0; 2];
-        let frames = scene.settle(up);
+        scene.largest = [0.0; 2];
+        let frames = scene.advance_until_rest(up);
         let reported = scene.drag.solution();
-        let [moved, off] = scene.most;
+        let [moved, off] = scene.largest;
         assert!(moved <= 0.15 + 1e-12 && off < 0.02, "{seed}: {moved} {off}");
         assert!(frames < 900, "{seed}");
         // The remaining misses need another branch, and are reported.
@@ -148,7 +148,7 @@ fn drag_rests_at_unreachable_target() {
     for k in 0..60 {
         scene.advance(f64::from(k) * 0.02);
     }
-    let frames = scene.settle(1.2);
+    let frames = scene.advance_until_rest(1.2);
     assert!(frames < 300 && !scene.drag.solution().reached, "{frames}");
     let rest = scene.drag.q().to_vec();
     for _ in 0..40 {
@@ -171,7 +171,7 @@ fn relocated_drag_drops_its_escape() {
         scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
-            if !scene.sets_off(up, &mut rested) {
+            if !scene.starts_to_move(up, &mut rested) {
                 continue;
             }
             out += 1;
@@ -199,7 +199,7 @@ fn retargeted_drag_drops_its_escape() {
         scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
-            if scene.sets_off(up, &mut rested) {
+            if scene.starts_to_move(up, &mut rested) {
                 break;
             }
         }
@@ -207,14 +207,18 @@ fn retargeted_drag_drops_its_escape() {
             continue;
         }
         out += 1;
-        let mut led = scene.drag;
-        let mut fresh = Drag::new(led.problem().clone(), led.q()).unwrap();
+        let mut dragged = scene.drag;
+        let mut fresh = Drag::new(dragged.problem().clone(), dragged.q()).unwrap();
         let target = scene.from + Vector3::new(0.0, 0.0, 0.8 * up);
-        for drag in [&mut led, &mut fresh] {
+        for drag in [&mut dragged, &mut fresh] {
             drag.target_mut(scene.hand).unwrap().set_target(target);
         }
         for frame in 0..3 {
-            assert_eq!(led.advance().q, fresh.advance().q, "{seed}, frame {frame}");
+            assert_eq!(
+                dragged.advance().q,
+                fresh.advance().q,
+                "{seed}, frame {frame}"
+            );
         }
     }
     assert!(out > 0);

@@ -92,9 +92,9 @@ fn low_redundancy_targets_take_100_attempts() {
     let mut workspace = Workspace::new();
     let solver = Solver::default().with_restarts(Restarts::default().with_attempts(100));
     for seed in 0..40 {
-        let mut there = model.random_configuration(seed);
-        there[..7].copy_from_slice(&standing[..7]);
-        let problem = ends_as_at(&model, &ends, &there);
+        let mut target_q = model.random_configuration(seed);
+        target_q[..7].copy_from_slice(&standing[..7]);
+        let problem = ends_as_at(&model, &ends, &target_q);
         assert_eq!((problem.variables(), problem.rows()), (25, 24));
         let solution = solver.solve(&problem, &standing, &mut workspace);
         let solution = solution.expect("a valid start");
@@ -107,9 +107,9 @@ fn low_redundancy_targets_take_100_attempts() {
 fn low_redundancy_raises_the_default_attempts() {
     let (model, ends) = body();
     let made = |ends: &[FrameId], restarts: Restarts| {
-        let mut far = model.neutral();
-        far[0] = 1e3;
-        let problem = ends_as_at(&model, ends, &far);
+        let mut far_start = model.neutral();
+        far_start[0] = 1e3;
+        let problem = ends_as_at(&model, ends, &far_start);
         let stopping = Stopping::default().with_max_iterations(1);
         let solver = Solver::default().with_stopping(stopping);
         let solver = solver.with_restarts(restarts);
@@ -134,12 +134,12 @@ fn basin_hopping_ignores_earlier_problems() {
     let as_it_stands = ends_as_at(&model, &ends, &standing);
     let mut hopped = 0;
     for seed in 0..6 {
-        let mut there = model.random_configuration(seed);
-        there[..7].copy_from_slice(&standing[..7]);
-        let problem = ends_as_at(&model, &ends, &there);
-        let mut kept = Workspace::new();
-        assert!(solve(&as_it_stands, &mut kept).reached);
-        let again = solve(&problem, &mut kept);
+        let mut target_q = model.random_configuration(seed);
+        target_q[..7].copy_from_slice(&standing[..7]);
+        let problem = ends_as_at(&model, &ends, &target_q);
+        let mut workspace = Workspace::new();
+        assert!(solve(&as_it_stands, &mut workspace).reached);
+        let again = solve(&problem, &mut workspace);
         let fresh = solve(&problem, &mut Workspace::new());
         assert_eq!((&again.q, again.attempts), (&fresh.q, fresh.attempts));
         hopped += usize::from(fresh.attempts > 8);
@@ -151,9 +151,9 @@ fn basin_hopping_ignores_earlier_problems() {
 #[test]
 fn agreeing_attempts_start_independently() {
     let (model, ends) = body();
-    let starts = |far: f64| {
-        let mut there = model.neutral();
-        there[0] = far;
+    let starts = |distance: f64| {
+        let mut target_q = model.neutral();
+        target_q[0] = distance;
         let restarts = Restarts::default().with_attempts(16).with_agreeing(99);
         let stopping = Stopping::default().with_max_iterations(1);
         let solver = Solver::default().with_stopping(stopping);
@@ -165,7 +165,7 @@ fn agreeing_attempts_start_independently() {
             }
             ControlFlow::Continue(())
         };
-        let problem = ends_as_at(&model, &ends, &there);
+        let problem = ends_as_at(&model, &ends, &target_q);
         let (start, mut workspace) = (model.neutral(), Workspace::new());
         let reported = solver.solve_observed(&problem, &start, &mut workspace, &mut watch);
         assert_eq!(reported.expect("a valid start").attempts, 16);

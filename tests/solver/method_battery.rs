@@ -15,7 +15,7 @@ use support::classics::{
 use support::methods::methods;
 use support::random::Random;
 
-const BEYOND: f64 = f64::INFINITY;
+const UNBOUNDED: f64 = f64::INFINITY;
 
 /// Gradient descent needs 20 times as many iterations as the other methods.
 fn patience(method: &dyn AnyMethod) -> Stopping {
@@ -271,7 +271,7 @@ fn starts_on_and_outside_bounds_converge() {
 
 #[test]
 fn variables_without_range_stay_fixed() {
-    let fixed = Bounded::within(Rosenbrock, &[0.3, -BEYOND], &[0.3, BEYOND]);
+    let fixed = Bounded::within(Rosenbrock, &[0.3, -UNBOUNDED], &[0.3, UNBOUNDED]);
     let cost = 0.5 * 0.49;
     finds(
         "one fixed",
@@ -322,9 +322,9 @@ fn outcome_reports_the_projected_gradient() {
         problem.jacobian(memory.x(), &mut jacobian);
         let gradient = jacobian.transpose() * DVector::from_column_slice(memory.residual());
         let moved = memory.x().iter().zip(&gradient).enumerate();
-        let norm = moved.fold(0.0, |most: f64, (k, (x, g))| {
+        let norm = moved.fold(0.0, |largest: f64, (k, (x, g))| {
             let projected = (x - g).clamp(problem.lower[k], problem.upper[k]);
-            most.max((projected - x).abs())
+            largest.max((projected - x).abs())
         });
         let reported = outcome.projected_gradient.unwrap();
         assert!(

@@ -47,16 +47,16 @@ fn initial_damping_shortens_the_first_step() {
 /// along both.
 #[test]
 fn rank_tolerance_merges_similar_columns() {
-    const APART: f64 = 1e-3;
+    const ANGLE: f64 = 1e-3;
     let mut builder = Model::builder("slides");
     let at = Placement::identity();
-    let room = Limits::new(-5.0, 5.0);
+    let limits = Limits::new(-5.0, 5.0);
     let ways = [
         Vector3::UNITS[0],
-        Vector3::new(APART.cos(), APART.sin(), 0.0),
+        Vector3::new(ANGLE.cos(), ANGLE.sin(), 0.0),
     ];
-    let first = builder.prismatic("first", None, at, ways[0], room);
-    let second = builder.prismatic("second", Some(first), at, ways[1], room);
+    let first = builder.prismatic("first", None, at, ways[0], limits);
+    let second = builder.prismatic("second", Some(first), at, ways[1], limits);
     let tip = builder.frame("tip", Some(second), at);
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);

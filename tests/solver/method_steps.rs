@@ -349,12 +349,12 @@ fn separable_rows_follow_the_free_variables() {
         let iterations = ended.unwrap().iterations;
         let x = DVector::from_column_slice(state.x());
         let (_, gradient) = problem.at(&x);
-        let off = (problem.cut(&(&x - gradient)) - &x).amax();
+        let deviation = (problem.cut(&(&x - gradient)) - &x).amax();
         let (first, last) = (held(&problem, &start), held(&problem, &x));
         released += usize::from(first.iter().zip(&last).any(|(a, b)| *a && !b));
         assert!(
-            iterations < 30 && off < 1e-7,
-            "{case}: {iterations} {off:e}"
+            iterations < 30 && deviation < 1e-7,
+            "{case}: {iterations} {deviation:e}"
         );
     }
     assert!(released >= 10, "{released}");

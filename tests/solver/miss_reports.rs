@@ -21,8 +21,8 @@ fn zero_weight_task_reports_its_error() {
     let model = robot.model();
     let tool = model.frame("flange").unwrap();
     let mut random = Random::new(1);
-    let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
-    let target = placement_of(model, "flange", &there);
+    let [target_q, start] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let target = placement_of(model, "flange", &target_q);
     for (weight, of_place) in [(0.0, 1.0), (1e-300, 2.0), (1e-160, 0.5)] {
         let mut builder = Problem::builder(model);
         builder.parameters(robot.map().clone());
@@ -80,9 +80,9 @@ fn agreeing_attempts_are_counted_and_reported() {
         "{}",
         alone.explain()
     );
-    let far = solve([3.0, 0.0, 0.0], 32);
-    assert!(far.is_out_of_reach());
-    let words = far.explain();
+    let unreachable = solve([3.0, 0.0, 0.0], 32);
+    assert!(unreachable.is_out_of_reach());
+    let words = unreachable.explain();
     assert!(
         words.contains("3.000 m from `joint 0`") && words.contains("reaches 1.400 m"),
         "{words}"
@@ -180,8 +180,8 @@ fn reached_target_is_not_out_of_reach() {
     let problem = builder.build().unwrap();
     let solver = Solver::default();
     let mut workspace = Workspace::new();
-    let far = solver.solve(&problem, &[0.3, 0.2], &mut workspace).unwrap();
-    assert!(far.is_out_of_reach());
+    let solution = solver.solve(&problem, &[0.3, 0.2], &mut workspace).unwrap();
+    assert!(solution.is_out_of_reach());
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(tip, [1.0, 0.5, 0.0]));
     let near = builder.build().unwrap();
@@ -295,8 +295,12 @@ fn unreachable_soft_task_is_not_blamed() {
         let mut builder = Problem::builder(&model);
         // Within the chain's length, but not within its limits.
         builder.add(Point::new(tip, [0.0, 1.0, 0.0]));
-        let far = Task::new(Point::new(tip, [9.0, 0.0, 0.0])).named("far");
-        builder.add(if far_is_goal { far } else { far.preference() });
+        let far_task = Task::new(Point::new(tip, [9.0, 0.0, 0.0])).named("far");
+        builder.add(if far_is_goal {
+            far_task
+        } else {
+            far_task.preference()
+        });
         let problem = builder.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &[0.0, 0.0]).unwrap();
         assert!(!solution.reached);
@@ -318,9 +322,9 @@ fn unreachable_soft_task_is_not_blamed() {
 fn overflowing_cost_has_no_gradient_norm() {
     let model = planar_arm(&[1.0, 0.4], None);
     let tip = model.frame("tip").unwrap();
-    for (far, finite) in [(1e100, true), (1e200, false)] {
+    for (distance, finite) in [(1e100, true), (1e200, false)] {
         let mut builder = Problem::builder(&model);
-        builder.add(Point::new(tip, [far, 0.0, 0.0]));
+        builder.add(Point::new(tip, [distance, 0.0, 0.0]));
         let problem = builder.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &[0.3, 0.4]).unwrap();
         assert!(!solution.reached);
@@ -329,7 +333,7 @@ fn overflowing_cost_has_no_gradient_norm() {
         assert_eq!(
             slope.is_some_and(f64::is_finite),
             finite,
-            "{far:e}: {slope:?}"
+            "{distance:e}: {slope:?}"
         );
         assert!(finite || slope.is_none(), "{slope:?}");
     }

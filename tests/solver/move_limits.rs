@@ -13,8 +13,8 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Orientation, Point, Pose};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
+use support::configuration_rules::angle_between;
 use support::figures::{Figure, unit};
-use support::kept_limits::angle_between;
 use support::random::Random;
 use support::{placement, vector};
 
@@ -45,8 +45,8 @@ fn quaternion(q: na::UnitQuaternion<f64>) -> [f64; 4] {
     [q.w, q.i, q.j, q.k]
 }
 
-fn random_turn(random: &mut Random, most: f64) -> na::UnitQuaternion<f64> {
-    na::UnitQuaternion::from_axis_angle(&random.direction(), random.within(0.0, most))
+fn random_turn(random: &mut Random, max_angle: f64) -> na::UnitQuaternion<f64> {
+    na::UnitQuaternion::from_axis_angle(&random.direction(), random.within(0.0, max_angle))
 }
 
 #[test]
@@ -67,10 +67,10 @@ fn move_limited_ball_follows_the_geodesic() {
             assert!(!solution.reached);
             // On the geodesic, at the limited angle.
             let nearest = start * rotation.powf(most / rotation.angle());
-            let off = nearest.angle_to(&unit(&solution.q));
+            let deviation = nearest.angle_to(&unit(&solution.q));
             assert!(
-                off < 1e-6,
-                "case {case}: {off:e} off\n{}",
+                deviation < 1e-6,
+                "case {case}: {deviation:e} off\n{}",
                 solution.explain()
             );
             let moved = angle_between(&from, &solution.q);
@@ -100,8 +100,12 @@ fn total_angle_limit_is_equal_for_all_axes() {
             let start = model.random_configuration(random.bits());
             let solution = Solver::default().solve_once(&problem, &start).unwrap();
             let nearest = na::UnitQuaternion::from_axis_angle(&axis, most);
-            let off = nearest.angle_to(&unit(&solution.q));
-            assert!(off < 1e-6, "{off:e} off\n{}", solution.explain());
+            let deviation = nearest.angle_to(&unit(&solution.q));
+            assert!(
+                deviation < 1e-6,
+                "{deviation:e} off\n{}",
+                solution.explain()
+            );
             assert!(model.is_within_limits(&solution.q));
             let held: Vec<_> = solution.active_limits().collect();
             assert_eq!((held[0].joint, held[0].value), ("shoulder", most));
@@ -123,8 +127,8 @@ fn total_angle_and_cone_hold_together() {
         .unwrap();
     assert!(model.is_within_limits(&solution.q), "{:?}", solution.q);
     // cos ½angle = cos ½swing · cos ½twist.
-    let wanted = 2.0 * (0.5_f64.cos() / 0.4_f64.cos()).acos();
-    let nearest = swing(0.8) * twist(wanted);
+    let twist_angle = 2.0 * (0.5_f64.cos() / 0.4_f64.cos()).acos();
+    let nearest = swing(0.8) * twist(twist_angle);
     let cost = |q: na::UnitQuaternion<f64>| q.angle_to(&(swing(1.4) * twist(0.9)));
     let reached_cost = cost(unit(&solution.q));
     assert!(
@@ -206,11 +210,11 @@ fn source_joint_keeps_the_tighter_move_limit() {
         tasks.parameters(map.build().unwrap());
         tasks.add(Point::new(hand, [0.0, 1.0, 0.0]));
         let problem = tasks.build().unwrap();
-        for (own, followers, goes) in [(0.03, 0.1, 0.03), (0.1, 0.1, 0.05)] {
+        for (leader_limit, follower_limit, goes) in [(0.03, 0.1, 0.03), (0.1, 0.1, 0.05)] {
             let most = if leader_first {
-                [own, followers]
+                [leader_limit, follower_limit]
             } else {
-                [followers, own]
+                [follower_limit, leader_limit]
             };
             let moves = MoveLimits::new(&problem, &most, &[0.0; 2]).unwrap();
             let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
@@ -283,8 +287,11 @@ fn derivatives_agree_at_a_move_limit() {
         });
         let size = jacobians[0].amax().max(1.0);
         for (route, jacobian) in Derivatives::ALL.iter().zip(&jacobians) {
-            let off = (jacobian - &jacobians[0]).amax();
-            assert!(off < 1e-6 * size, "seed {seed}, {route:?}: {off:e}");
+            let deviation = (jacobian - &jacobians[0]).amax();
+            assert!(
+                deviation < 1e-6 * size,
+                "seed {seed}, {route:?}: {deviation:e}"
+            );
         }
     }
 }
@@ -303,8 +310,8 @@ fn drag_frame_rotates_ball_by_the_move_limit() {
     drag = drag.with_max_move(0.1).unwrap();
     for frame in 1..20 {
         drag.advance();
-        let wanted = na::UnitQuaternion::from_axis_angle(&axis, 0.1 * f64::from(frame));
-        assert!(wanted.angle_to(&unit(drag.q())) < 1e-6, "frame {frame}");
+        let target = na::UnitQuaternion::from_axis_angle(&axis, 0.1 * f64::from(frame));
+        assert!(target.angle_to(&unit(drag.q())) < 1e-6, "frame {frame}");
         assert!(drag.is_speed_limited());
     }
     drag.advance();
@@ -343,8 +350,8 @@ fn invalid_move_limits_are_named_in_errors() {
             ..
         }
     ));
-    for bad in [-0.1, f64::NAN] {
-        assert!(refused(&[bad; 4]).to_string().contains("max_move"));
+    for invalid in [-0.1, f64::NAN] {
+        assert!(refused(&[invalid; 4]).to_string().contains("max_move"));
     }
     assert!(
         refused(&[0.1, 0.1, 0.1, 0.2])

@@ -103,9 +103,9 @@ fn solved(skeleton: &Skeleton, target: [f64; 3]) -> (kinopt::Solution, usize) {
 fn search_has_the_columns_that_tasks_move() {
     let (few, many) = (character(1, 10), character(29, 10));
     for target in [[0.9, 0.4, 0.1], [2.0, 1.0, 0.3]] {
-        let [few, many] = [&few, &many].map(|own| solved(own, target));
+        let [few, many] = [&few, &many].map(|problem| solved(problem, target));
         assert_eq!((few.1, many.1), (3 * 13, 3 * 13));
-        let costs = [&few, &many].map(|own| own.0.cost);
+        let costs = [&few, &many].map(|solution| solution.0.cost);
         let near = 1e-3 * costs[0] + 1e-9;
         assert!((costs[0] - costs[1]).abs() < near, "{costs:?}");
         assert_eq!(few.0.reached, many.0.reached);

@@ -37,15 +37,16 @@ fn derivative_near_full_stretch_is_accurate() {
             let mut derivative = SolutionDerivative::new(&problem, &q, &mut memory).unwrap();
             let moved = derivative.by_target(0).unwrap();
             let (_, jacobian) = linearised(&problem, &q);
-            let off = (&jacobian * &moved - DMatrix::identity(3, 3)).amax();
-            assert!(off < 1e-12, "bent by {bend}: {off:e}");
+            let deviation = (&jacobian * &moved - DMatrix::identity(3, 3)).amax();
+            assert!(deviation < 1e-12, "bent by {bend}: {deviation:e}");
             // Reverse mode as well: Jᵀ · gradient is the slope.
             let slope = [0.3, -0.2, 0.9];
             let mut gradient = derivative.parameters();
             derivative.gradient(&slope, &mut gradient).unwrap();
             let reported = DVector::from_column_slice(gradient.target(0));
-            let off = (jacobian.transpose() * reported - DVector::from_column_slice(&slope)).amax();
-            assert!(off < 1e-12, "bent by {bend}: {off:e}");
+            let deviation =
+                (jacobian.transpose() * reported - DVector::from_column_slice(&slope)).amax();
+            assert!(deviation < 1e-12, "bent by {bend}: {deviation:e}");
         }
     }
 }

@@ -19,7 +19,7 @@ const JOINT_STEP: f64 = 0.1;
 /// Random configuration with every third joint on a limit, and one near it.
 fn on_limits(model: &Model, random: &mut Random) -> [Vec<f64>; 2] {
     let mut start = model.random_configuration(random.bits());
-    let mut beside = start.clone();
+    let mut nearby = start.clone();
     for id in model.joint_ids() {
         let joint = &model.joints()[id.index()];
         let turns = joint.kind.moves() && !joint.kind.is_ball() && !joint.kind.slides();
@@ -31,15 +31,15 @@ fn on_limits(model: &Model, random: &mut Random) -> [Vec<f64>; 2] {
         if random.below(3) == 0 && limit.is_finite() {
             start[at] = limit;
         }
-        beside[at] = limits.clamp(start[at] + random.within(-JOINT_STEP, JOINT_STEP));
+        nearby[at] = limits.clamp(start[at] + random.within(-JOINT_STEP, JOINT_STEP));
     }
-    [start, beside]
+    [start, nearby]
 }
 
 /// Poses of the feet and points of the hands at a configuration.
-fn problem(model: &Model, there: &[f64]) -> Problem {
+fn problem(model: &Model, target_q: &[f64]) -> Problem {
     let mut kinematics = ForwardKinematics::new(model);
-    let places = kinematics.place(there).unwrap();
+    let places = kinematics.place(target_q).unwrap();
     let mut tasks = Problem::builder(model);
     for foot in ["left_sole", "right_sole"] {
         let frame = model.frame(foot).unwrap();
@@ -66,8 +66,8 @@ fn near_targets_keep_the_first_attempt() {
         let first = Solver::default().with_restarts(Restarts::none());
         let (mut reached, mut differ) = (0, 0);
         for _ in 0..cases {
-            let [start, beside] = on_limits(model, &mut random);
-            let problem = problem(model, &beside);
+            let [start, nearby] = on_limits(model, &mut random);
+            let problem = problem(model, &nearby);
             let first = first.solve(&problem, &start, &mut alone).unwrap();
             let found = Solver::default().solve(&problem, &start, &mut all).unwrap();
             reached += usize::from(first.reached);

@@ -37,18 +37,18 @@ fn nan_target_ends_as_non_finite() {
     let mut builder = Problem::builder(&model);
     let task = builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
     let problem = builder.build().unwrap();
-    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+    for invalid in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
         for route in Derivatives::ALL {
             let problem = problem.clone().with_derivatives(route);
             for solver in solvers() {
-                let target = [0.6, bad, 0.0];
+                let target = [0.6, invalid, 0.0];
                 let mut targets = problem.targets();
                 targets.get_mut(task).unwrap().set_target(target);
                 let mut workspace = Workspace::new();
                 let start = [9.0, 0.1, -9.0];
                 let question = problem.with_targets(&targets).unwrap();
                 let solution = solver.solve(question, &start, &mut workspace).unwrap();
-                let label = format!("{bad}, {}, {route:?}", solver.method());
+                let label = format!("{invalid}, {}, {route:?}", solver.method());
                 assert_sound(&label, solution, &model);
                 assert_eq!(solution.termination, Termination::NonFinite, "{label}");
                 assert!(!solution.reached, "{label}");
@@ -72,10 +72,10 @@ fn nan_rotation_ends_as_non_finite() {
     let turned = rotation_exp(Vector3::new(0.0, 0.0, 0.4));
     // The tenth case sets all entries.
     for entry in 0..10 {
-        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        for invalid in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
             let mut columns = [turned.x, turned.y, turned.z].map(Vector3::to_array);
             for k in (0..9).filter(|k| entry == 9 || *k == entry) {
-                columns[k / 3][k % 3] = bad;
+                columns[k / 3][k % 3] = invalid;
             }
             let [x, y, z] = columns.map(Vector3::from);
             let broken = Matrix3::from_columns(x, y, z);
@@ -88,15 +88,15 @@ fn nan_rotation_ends_as_non_finite() {
             let mut turn = problem.targets();
             turn.get_mut(orientation).unwrap().set_target(broken);
             let target = Placement::new(broken, Vector3::zero());
-            let mut whole = posed.targets();
-            whole.get_mut(pose).unwrap().set_target(target);
-            for (problem, targets) in [(&problem, &turn), (&posed, &whole)] {
+            let mut pose_targets = posed.targets();
+            pose_targets.get_mut(pose).unwrap().set_target(target);
+            for (problem, targets) in [(&problem, &turn), (&posed, &pose_targets)] {
                 for route in Derivatives::ALL {
                     let problem = problem.clone().with_derivatives(route);
                     let question = problem.with_targets(targets).unwrap();
                     for solver in solvers() {
                         let solution = solver.solve_once(question, &[0.1, 0.2, 0.3]).unwrap();
-                        let label = format!("{entry}: {bad}, {}, {route:?}", solver.method());
+                        let label = format!("{entry}: {invalid}, {}, {route:?}", solver.method());
                         assert_sound(&label, &solution, &model);
                         assert_eq!(solution.termination, Termination::NonFinite, "{label}");
                         assert!(!solution.reached, "{label}");
@@ -113,12 +113,12 @@ fn non_finite_start_error_names_the_joint() {
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
     let problem = builder.build().unwrap();
-    for bad in [f64::NAN, f64::INFINITY] {
-        let error = Solver::default().solve_once(&problem, &[0.0, bad, 0.0]);
+    for invalid in [f64::NAN, f64::INFINITY] {
+        let error = Solver::default().solve_once(&problem, &[0.0, invalid, 0.0]);
         let message = error.unwrap_err().to_string();
         assert!(message.contains("joint 1"), "{message}");
         // The first of several is named.
-        let error = Solver::default().solve_once(&problem, &[0.0, bad, bad]);
+        let error = Solver::default().solve_once(&problem, &[0.0, invalid, invalid]);
         let message = error.unwrap_err().to_string();
         assert!(message.contains("joint 1"), "{message}");
     }
@@ -283,7 +283,7 @@ fn residual_without_rows_does_not_panic() {
 fn non_finite_start_error_reports_the_value() {
     let (model, tip) = arm();
     let [first, second, third] = [0, 1, 2].map(|k| model.moving_joints()[k]);
-    for (held, bad) in [(first, second), (first, third), (second, third)] {
+    for (held, invalid) in [(first, second), (first, third), (second, third)] {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let map = ParameterMap::builder(&model).with_locked(held, 0.2);
             let mut builder = Problem::builder(&model);
@@ -291,7 +291,7 @@ fn non_finite_start_error_reports_the_value() {
             builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
             let problem = builder.build().unwrap();
             let mut start = [0.1; 3];
-            start[model.coordinate(bad).unwrap()] = value;
+            start[model.coordinate(invalid).unwrap()] = value;
             let error = Solver::default().solve_once(&problem, &start).unwrap_err();
             let SolveError::StartNotFinite {
                 joint,
@@ -300,7 +300,7 @@ fn non_finite_start_error_reports_the_value() {
             else {
                 panic!("{error}")
             };
-            assert_eq!(joint, model.joints()[bad.index()].name);
+            assert_eq!(joint, model.joints()[invalid.index()].name);
             assert_eq!(reported.to_bits(), value.to_bits());
         }
     }

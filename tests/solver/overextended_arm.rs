@@ -12,12 +12,15 @@ use support::{planar_arm, planar_tip};
 
 const LINKS: [f64; 2] = [1.0, 0.8];
 /// 0.7 m beyond the stretched arm.
-const FAR: f64 = 2.5;
+const TARGET_DISTANCE: f64 = 2.5;
 
 fn problem() -> Problem {
     let model = planar_arm(&LINKS, None);
     let mut builder = Problem::builder(&model);
-    builder.add(Point::new(model.frame("tip").unwrap(), [0.0, FAR, 0.0]));
+    builder.add(Point::new(
+        model.frame("tip").unwrap(),
+        [0.0, TARGET_DISTANCE, 0.0],
+    ));
     builder.build().unwrap()
 }
 
@@ -43,13 +46,13 @@ fn raw(damping: f64, steps: usize) -> (f64, f64) {
     let tip = planar_tip(&LINKS, x.as_slice());
     (
         longest,
-        (tip - nalgebra::Vector3::new(0.0, FAR, 0.0)).norm(),
+        (tip - nalgebra::Vector3::new(0.0, TARGET_DISTANCE, 0.0)).norm(),
     )
 }
 
 #[test]
 fn only_damped_gauss_newton_steps_converge() {
-    let best = FAR - 1.8;
+    let best = TARGET_DISTANCE - 1.8;
     let (longest, _) = raw(0.0, 100);
     assert!(
         longest > 1.0,
@@ -62,7 +65,7 @@ fn only_damped_gauss_newton_steps_converge() {
 #[test]
 fn every_method_stretches_towards_the_target() {
     let problem = problem();
-    let best = FAR - 1.8;
+    let best = TARGET_DISTANCE - 1.8;
     for solver in [
         Solver::new(LevenbergMarquardt::default()),
         Solver::new(GaussNewton::default()),
@@ -76,7 +79,7 @@ fn every_method_stretches_towards_the_target() {
                 .with_stopping(Stopping::default().with_max_iterations(steps));
             let solution = limited.solve_once(&problem, &[0.3, 1.0]).unwrap();
             let tip = planar_tip(&LINKS, &solution.q);
-            let missed = (tip - nalgebra::Vector3::new(0.0, FAR, 0.0)).norm();
+            let missed = (tip - nalgebra::Vector3::new(0.0, TARGET_DISTANCE, 0.0)).norm();
             assert!(
                 missed <= last && !solution.reached,
                 "{name}: {missed} after {last}"

@@ -9,7 +9,7 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};
 
 /// Smallest steps of two consecutive frames that count as a reversal, radians.
-const REVERSAL: f64 = 0.01;
+const MIN_REVERSAL_STEP: f64 = 0.01;
 
 /// Trajectory of a hand on a circle in the y-z plane, after a straight segment along x.
 struct Course {
@@ -70,7 +70,7 @@ impl Course {
             let [step, before] = &mut steps;
             model.difference(&last, drag.q(), step).unwrap();
             let mut both = step.iter().zip(before.iter());
-            let reverses = |a: f64, b: f64| a * b < 0.0 && a.abs().min(b.abs()) > REVERSAL;
+            let reverses = |a: f64, b: f64| a * b < 0.0 && a.abs().min(b.abs()) > MIN_REVERSAL_STEP;
             reversals += usize::from(both.any(|(a, b)| reverses(*a, *b)));
             last.copy_from_slice(drag.q());
             steps.swap(0, 1);

@@ -15,7 +15,7 @@ use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
 
-use crate::soft_task_fixtures::{Add, left_over, placement_of, problem, within_limits};
+use crate::soft_task_fixtures::{Add, placement_of, problem, remaining_gradient, within_limits};
 
 /// Arm with a tool target and a conflicting elbow target.
 struct Conflict {
@@ -34,12 +34,12 @@ impl Conflict {
         let (model, map) = (robot.model().clone(), robot.map().clone());
         let mut random = Random::new(seed);
         let start = configuration_of(&model, &mut random);
-        let there = configuration_of(&model, &mut random);
-        let elsewhere = configuration_of(&model, &mut random);
-        let of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
-        let position = of(ELBOW, &elsewhere).translation;
+        let target_q = configuration_of(&model, &mut random);
+        let other_q = configuration_of(&model, &mut random);
+        let pose_of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
+        let position = pose_of(ELBOW, &other_q).translation;
         Self {
-            tool: of(tool, &there),
+            tool: pose_of(tool, &target_q),
             elbow: [position.x, position.y, position.z],
             model,
             map,
@@ -74,17 +74,21 @@ fn cost(solution: &Solution, task: usize) -> f64 {
 fn lower_level_is_stationary_within_the_first() {
     let mut conflicts = 0;
     for seed in 0..cases(100, 6) as u64 {
-        let asked = Conflict::new(seed);
+        let conflict = Conflict::new(seed);
         let first: Add<'_> = &|builder| {
-            builder.add(asked.tool());
+            builder.add(conflict.tool());
         };
         let second: Add<'_> = &|builder| {
-            builder.add(Task::new(asked.elbow()).at_level(1).scale(100.0));
+            builder.add(Task::new(conflict.elbow()).at_level(1).scale(100.0));
         };
-        let alone = asked.problem(&[first]);
-        let both = asked.problem(&[first, second]);
-        let by_itself = Solver::default().solve_once(&alone, &asked.start).unwrap();
-        let solution = Solver::default().solve_once(&both, &asked.start).unwrap();
+        let alone = conflict.problem(&[first]);
+        let both = conflict.problem(&[first, second]);
+        let by_itself = Solver::default()
+            .solve_once(&alone, &conflict.start)
+            .unwrap();
+        let solution = Solver::default()
+            .solve_once(&both, &conflict.start)
+            .unwrap();
         for (with, without) in errors(&solution, 0).iter().zip(errors(&by_itself, 0)) {
             assert!((with - without).abs() < 1e-9, "{seed}: {with} {without}");
         }
@@ -94,7 +98,7 @@ fn lower_level_is_stationary_within_the_first() {
         }
         conflicts += 1;
         assert!(cost(&solution, 1) > 0.0);
-        let left = left_over(&alone, &asked.problem(&[second]), &solution.q);
+        let left = remaining_gradient(&alone, &conflict.problem(&[second]), &solution.q);
         assert!(
             left < 1e-4,
             "{seed}: {left} of the slope is left\n{}",
@@ -110,19 +114,19 @@ fn lower_level_is_stationary_within_the_first() {
 fn attempts_stay_within_the_limit() {
     let mut missed = 0;
     for seed in 0..6 {
-        let asked = Conflict::new(seed);
+        let conflict = Conflict::new(seed);
         let first: Add<'_> = &|builder| {
-            builder.add(asked.tool());
+            builder.add(conflict.tool());
         };
         let second: Add<'_> = &|builder| {
-            builder.add(Task::new(asked.elbow()).at_level(1));
+            builder.add(Task::new(conflict.elbow()).at_level(1));
         };
-        for most in [1, 2, 7] {
-            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(most));
-            let both = asked.problem(&[first, second]);
-            let solution = solver.solve_once(&both, &asked.start).unwrap();
+        for limit in [1, 2, 7] {
+            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(limit));
+            let both = conflict.problem(&[first, second]);
+            let solution = solver.solve_once(&both, &conflict.start).unwrap();
             assert!(
-                (1..=most).contains(&solution.attempts),
+                (1..=limit).contains(&solution.attempts),
                 "{}",
                 solution.explain()
             );
@@ -136,27 +140,31 @@ fn attempts_stay_within_the_limit() {
 fn lower_level_does_not_increase_a_miss() {
     let mut gained = 0;
     for seed in 0..cases(40, 3) as u64 {
-        let asked = Conflict::new(seed);
-        let far: Add<'_> = &|builder| {
-            let tool = asked.model.frame(panda().2).unwrap();
-            let place = asked.tool.translation * 4.0;
-            builder.add(Point::new(tool, [place.x, place.y, place.z]));
+        let conflict = Conflict::new(seed);
+        let add_far_point: Add<'_> = &|builder| {
+            let tool = conflict.model.frame(panda().2).unwrap();
+            let target = conflict.tool.translation * 4.0;
+            builder.add(Point::new(tool, [target.x, target.y, target.z]));
         };
         let second: Add<'_> = &|builder| {
-            builder.add(Task::new(asked.elbow()).at_level(1));
+            builder.add(Task::new(conflict.elbow()).at_level(1));
         };
-        let alone = asked.problem(&[far]);
-        let both = asked.problem(&[far, second]);
-        let by_itself = Solver::default().solve_once(&alone, &asked.start).unwrap();
-        let solution = Solver::default().solve_once(&both, &asked.start).unwrap();
+        let alone = conflict.problem(&[add_far_point]);
+        let both = conflict.problem(&[add_far_point, second]);
+        let by_itself = Solver::default()
+            .solve_once(&alone, &conflict.start)
+            .unwrap();
+        let solution = Solver::default()
+            .solve_once(&both, &conflict.start)
+            .unwrap();
         if by_itself.reached {
             continue;
         }
         let (with, without) = (cost(&solution, 0), cost(&by_itself, 0));
         assert!(with <= without * (1.0 + 1e-8), "{seed}: {with} {without}");
         let elbow = |q: &[f64]| {
-            let place = placement_of(&asked.model, ELBOW, q).translation;
-            (place - Vector3::from(asked.elbow)).norm()
+            let position = placement_of(&conflict.model, ELBOW, q).translation;
+            (position - Vector3::from(conflict.elbow)).norm()
         };
         gained += usize::from(elbow(&solution.q) < elbow(&by_itself.q) - 1e-6);
         let explanation = solution.explain();
@@ -171,14 +179,14 @@ fn lower_level_does_not_increase_a_miss() {
 #[test]
 fn three_levels_do_not_disturb_each_other() {
     for seed in 0..cases(30, 3) as u64 {
-        let asked = Conflict::new(seed);
-        let [hand, wrist] = [panda().2, "link6"].map(|name| asked.model.frame(name).unwrap());
-        let place = asked.tool.translation;
+        let conflict = Conflict::new(seed);
+        let [hand, wrist] = [panda().2, "link6"].map(|name| conflict.model.frame(name).unwrap());
+        let target = conflict.tool.translation;
         let first: Add<'_> = &|builder| {
-            builder.add(Point::new(hand, [place.x, place.y, place.z]));
+            builder.add(Point::new(hand, [target.x, target.y, target.z]));
         };
         let second: Add<'_> = &|builder| {
-            builder.add(Task::new(asked.elbow()).at_level(1));
+            builder.add(Task::new(conflict.elbow()).at_level(1));
         };
         let third: Add<'_> = &|builder| {
             builder.add(
@@ -187,19 +195,21 @@ fn three_levels_do_not_disturb_each_other() {
                     .scale(1e3),
             );
         };
-        let two = asked.problem(&[first, second]);
-        let three = asked.problem(&[first, second, third]);
-        let above = Solver::default().solve_once(&two, &asked.start).unwrap();
-        let solution = Solver::default().solve_once(&three, &asked.start).unwrap();
+        let two = conflict.problem(&[first, second]);
+        let three = conflict.problem(&[first, second, third]);
+        let above = Solver::default().solve_once(&two, &conflict.start).unwrap();
+        let solution = Solver::default()
+            .solve_once(&three, &conflict.start)
+            .unwrap();
         assert_eq!(
             above.tasks().next().unwrap().reached,
             solution.tasks().next().unwrap().reached
         );
         // Two local minima may differ, but neither leaves a gradient.
         if !solution.tasks().nth(1).unwrap().reached {
-            let left = left_over(
-                &asked.problem(&[first]),
-                &asked.problem(&[second]),
+            let left = remaining_gradient(
+                &conflict.problem(&[first]),
+                &conflict.problem(&[second]),
                 &solution.q,
             );
             assert!(left < 1e-4, "{seed}: {left}");
@@ -238,26 +248,26 @@ fn first_level_is_reached_despite_heavier_levels() {
 #[test]
 fn compatible_levels_are_all_reached() {
     for seed in 0..cases(40, 4) as u64 {
-        let asked = Conflict::new(seed);
+        let conflict = Conflict::new(seed);
         let mut random = Random::new(seed ^ 0xabc);
-        let there = configuration_of(&asked.model, &mut random);
-        let place = |frame: &str| placement_of(&asked.model, frame, &there);
-        let (hand, elbow) = (place(panda().2), place(ELBOW).translation);
-        let problem = asked.problem(&[&|builder| {
+        let target_q = configuration_of(&conflict.model, &mut random);
+        let placement_at = |frame: &str| placement_of(&conflict.model, frame, &target_q);
+        let (hand, elbow) = (placement_at(panda().2), placement_at(ELBOW).translation);
+        let problem = conflict.problem(&[&|builder| {
             let hand = hand.translation;
             builder.add(Point::new(
-                asked.model.frame(panda().2).unwrap(),
+                conflict.model.frame(panda().2).unwrap(),
                 [hand.x, hand.y, hand.z],
             ));
             let elbow = Point::new(
-                asked.model.frame(ELBOW).unwrap(),
+                conflict.model.frame(ELBOW).unwrap(),
                 [elbow.x, elbow.y, elbow.z],
             );
             builder.add(Task::new(elbow).at_level(1));
-            builder.add(Posture::new(&asked.model, &there));
+            builder.add(Posture::new(&conflict.model, &target_q));
         }]);
         let solution = Solver::default()
-            .solve_once(&problem, &asked.start)
+            .solve_once(&problem, &conflict.start)
             .unwrap();
         assert!(solution.reached, "{seed}: {}", solution.explain());
     }
@@ -265,15 +275,15 @@ fn compatible_levels_are_all_reached() {
 
 #[test]
 fn drag_keeps_first_level_at_unreachable_second() {
-    let asked = Conflict::new(3);
-    let at = |frame: &str| placement_of(&asked.model, frame, &asked.start).translation;
+    let conflict = Conflict::new(3);
+    let at = |frame: &str| placement_of(&conflict.model, frame, &conflict.start).translation;
     let (hand, elbow) = (at(panda().2), at(ELBOW));
-    let mut builder = Problem::builder(&asked.model);
-    builder.parameters(asked.map.clone());
-    let [tool, link] = [panda().2, ELBOW].map(|name| asked.model.frame(name).unwrap());
+    let mut builder = Problem::builder(&conflict.model);
+    builder.parameters(conflict.map.clone());
+    let [tool, link] = [panda().2, ELBOW].map(|name| conflict.model.frame(name).unwrap());
     builder.add(Point::new(tool, [hand.x, hand.y, hand.z]));
     let dragged = builder.add(Task::new(Point::new(link, [elbow.x, elbow.y, elbow.z])).at_level(1));
-    let mut drag = Drag::new(builder.build().unwrap(), &asked.start).unwrap();
+    let mut drag = Drag::new(builder.build().unwrap(), &conflict.start).unwrap();
     let mut missed = 0;
     for frame in 0..60 {
         let aside = 0.02 * f64::from(frame);
@@ -309,14 +319,14 @@ fn drag_at_rest_keeps_a_missed_first_level() {
     let model = builder.build().unwrap();
     let mut random = Random::new(17);
     for case in 0..cases(200, 24) {
-        let mut far = |least: f64| {
+        let mut random_point = |least: f64| {
             let (angle, reach) = (random.within(-3.0, 3.0), random.within(least, 2.0 * least));
             [reach * angle.cos(), reach * angle.sin(), 0.0]
         };
         let mut builder = Problem::builder(&model);
         // Two links reach 2 m, four links 4 m.
-        builder.add(Point::new(ends[1], far(2.1)));
-        let second = Task::new(Point::new(ends[3], far(4.1))).scale(30.0);
+        builder.add(Point::new(ends[1], random_point(2.1)));
+        let second = Task::new(Point::new(ends[3], random_point(4.1))).scale(30.0);
         builder.add(second.at_level(1));
         let start = [(); 4].map(|()| random.within(-2.0, 2.0));
         let steps = Stopping::default().with_max_iterations([40, 3, 2][case % 3]);
@@ -333,11 +343,11 @@ fn drag_at_rest_keeps_a_missed_first_level() {
 
 #[test]
 fn soft_tasks_have_levels_of_their_own() {
-    let asked = Conflict::new(8);
-    let other = configuration_of(&asked.model, &mut Random::new(77));
+    let conflict = Conflict::new(8);
+    let other = configuration_of(&conflict.model, &mut Random::new(77));
     let solve = |adds: &[Add<'_>], traded: bool| {
-        let mut builder = Problem::builder(&asked.model);
-        builder.parameters(asked.map.clone());
+        let mut builder = Problem::builder(&conflict.model);
+        builder.parameters(conflict.map.clone());
         for add in adds {
             add(&mut builder);
         }
@@ -346,18 +356,18 @@ fn soft_tasks_have_levels_of_their_own() {
         }
         let problem = builder.build().unwrap();
         Solver::default()
-            .solve_once(&problem, &asked.start)
+            .solve_once(&problem, &conflict.start)
             .unwrap()
     };
     let goal: Add<'_> = &|builder| {
-        builder.add(asked.tool());
+        builder.add(conflict.tool());
     };
     let elbow: Add<'_> = &|builder| {
-        builder.add(Task::new(asked.elbow()).preference());
+        builder.add(Task::new(conflict.elbow()).preference());
     };
     let posture: Add<'_> = &|builder| {
         builder.add(
-            Task::new(Posture::new(&asked.model, &other))
+            Task::new(Posture::new(&conflict.model, &other))
                 .at_level(1)
                 .scale(1e3),
         );
@@ -368,7 +378,7 @@ fn soft_tasks_have_levels_of_their_own() {
     assert!(ranked.reached);
     assert!(cost(&ranked, 1) <= cost(&elbow_alone, 1) * (1.0 + 1e-6));
     let second: Add<'_> = &|builder| {
-        builder.add(Task::new(asked.elbow()).at_level(1));
+        builder.add(Task::new(conflict.elbow()).at_level(1));
     };
     let traded = solve(&[goal, second, posture], true);
     let strict = solve(&[goal, second, posture], false);
@@ -414,20 +424,24 @@ fn relaxed_levels_leave_no_state() {
     let problem = tasks.build().unwrap();
     let mut random = Random::new(41);
     // Bits of `case` select the unreachable tasks.
-    let asked = (0..8).map(|case| {
+    let target_lists = (0..8).map(|case| {
         let mut targets = problem.targets();
         let q: [f64; 4] = [(); 4].map(|()| random.within(-1.0, 1.0));
         let (mut angle, mut end) = (q[0], Vector3::new(q[0].cos(), q[0].sin(), 0.0));
         for (k, &point) in points.iter().enumerate() {
             angle += q[k + 1];
             end += Vector3::new(angle.cos(), angle.sin(), 0.0);
-            let far = if case >> k & 1 == 1 { 9.0 } else { 1.0 };
-            targets.get_mut(point).unwrap().set_target(end * far);
+            let factor = if case >> k & 1 == 1 { 9.0 } else { 1.0 };
+            targets.get_mut(point).unwrap().set_target(end * factor);
         }
         targets
     });
-    let asked: Vec<_> = asked.collect();
-    let asked = || asked.iter().map(|own| problem.with_targets(own).unwrap());
+    let target_lists: Vec<_> = target_lists.collect();
+    let queries = || {
+        target_lists
+            .iter()
+            .map(|targets| problem.with_targets(targets).unwrap())
+    };
     let start = [0.2, 0.3, 0.2, 0.1];
     // Interrupted searches miss levels in the descent from the common minimum.
     let cut = (1..7).map(|iterations| {
@@ -436,11 +450,11 @@ fn relaxed_levels_leave_no_state() {
         once.with_stopping(stopping)
     });
     for solver in cut.chain([Solver::default()]) {
-        let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
+        let fresh = queries().map(|question| solver.solve_once(question, &start).unwrap());
         let fresh: Vec<_> = fresh.collect();
         assert!(fresh.iter().filter(|reported| reported.reached).count() <= 1);
-        for question in asked() {
-            for (other, expected) in asked().zip(&fresh) {
+        for question in queries() {
+            for (other, expected) in queries().zip(&fresh) {
                 let mut workspace = Workspace::new();
                 solver.solve(question, &start, &mut workspace).unwrap();
                 let reported = solver.solve(other, &start, &mut workspace).unwrap();

@@ -10,15 +10,15 @@ use kinopt::task::{Pose, Posture, Quantity, Task};
 use kinopt::{Model, Problem, Solver, Workspace};
 use support::random::Random;
 
-const PLACES: [[f64; 3]; 4] = [
+const POSITIONS: [[f64; 3]; 4] = [
     [0.0, 0.0, 0.3],
     [0.0, 0.1, 0.0],
     [0.3, 0.0, 0.0],
     [0.2, 0.0, 0.1],
 ];
 
-fn at(place: [f64; 3]) -> Placement<f64> {
-    Placement::translation(Vector3::from(place))
+fn at(position: [f64; 3]) -> Placement<f64> {
+    Placement::translation(Vector3::from(position))
 }
 
 /// Chain of a ball joint and three revolute joints, with its tip.
@@ -76,7 +76,7 @@ fn assert_equal(a: &Problem, b: &Problem, model: &Model, seed: u64) {
 
 #[test]
 fn changed_weights_equal_a_rebuilt_problem() {
-    let (model, _, tip) = arm(PLACES);
+    let (model, _, tip) = arm(POSITIONS);
     let first = problem(&model, tip, [1.0, 0.3, 0.01]);
     assert_eq!(first.weights(), [1.0, 0.3, 0.01]);
     for weights in [[2.0, 0.1, 1.0], [0.0, 0.5, 0.2], [0.0, 0.0, 1.0]] {
@@ -91,10 +91,10 @@ fn changed_weights_equal_a_rebuilt_problem() {
 
 #[test]
 fn changed_joint_origins_equal_a_rebuilt_problem() {
-    let (model, joints, tip) = arm(PLACES);
+    let (model, joints, tip) = arm(POSITIONS);
     let mut random = Random::new(7);
     for _ in 0..8 {
-        let places = PLACES.map(|place| place.map(|number| number + 0.1 * random.unit()));
+        let places = POSITIONS.map(|position| position.map(|number| number + 0.1 * random.unit()));
         let moved = model.clone();
         let moved = moved
             .with_joint_origins(joints.iter().copied().zip(places))
@@ -113,7 +113,7 @@ fn changed_joint_origins_equal_a_rebuilt_problem() {
 
 #[test]
 fn invalid_weights_and_origins_are_rejected() {
-    let (model, joints, tip) = arm(PLACES);
+    let (model, joints, tip) = arm(POSITIONS);
     let first = problem(&model, tip, [1.0, 0.3, 0.01]);
     let few = first.clone().with_weights(&[1.0]);
     assert!(matches!(
@@ -124,9 +124,9 @@ fn invalid_weights_and_origins_are_rejected() {
         })
     ));
     for weight in [f64::NAN, -0.5, f64::INFINITY] {
-        let bad = first.clone().with_weights(&[1.0, weight, 1.0]);
+        let invalid = first.clone().with_weights(&[1.0, weight, 1.0]);
         assert!(
-            matches!(bad, Err(ProblemError::BadWeight { .. })),
+            matches!(invalid, Err(ProblemError::BadWeight { .. })),
             "{weight}"
         );
     }
@@ -155,11 +155,11 @@ fn invalid_weights_and_origins_are_rejected() {
 /// The last value of a repeated weight or tolerance applies.
 #[test]
 fn last_weight_and_tolerance_apply() {
-    let (model, _, tip) = arm(PLACES);
+    let (model, _, tip) = arm(POSITIONS);
     let start = model.neutral();
-    let solved = |said: &dyn Fn(Task<Pose>) -> Task<Pose>| {
+    let solved = |change: &dyn Fn(Task<Pose>) -> Task<Pose>| {
         let mut tasks = Problem::builder(&model);
-        tasks.add(said(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
+        tasks.add(change(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
         tasks.add(Posture::new(&model, &start));
         tasks.preferences(kinopt::problem::Preferences::Traded);
         Solver::default()

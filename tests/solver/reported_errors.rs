@@ -15,13 +15,13 @@ use support::sample::part;
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 
-const METRE: f64 = 2.0;
-const RADIAN: f64 = 0.5;
-const PULL: f64 = 0.01;
-const METRES_WITHIN: f64 = 1e-5;
-const RADIANS_WITHIN: f64 = 1e-4;
+const METRE_WEIGHT: f64 = 2.0;
+const RADIAN_WEIGHT: f64 = 0.5;
+const POSTURE_WEIGHT: f64 = 0.01;
+const POSITION_TOLERANCE: f64 = 1e-5;
+const ANGLE_TOLERANCE: f64 = 1e-4;
 
-struct Asked {
+struct TestCase {
     tree: RandomTree,
     pose: Rigid,
     point: na::Vector3<f64>,
@@ -30,7 +30,7 @@ struct Asked {
 }
 
 /// Pose of one frame, point of another and a posture.
-fn random_case(seed: u64, reachable: bool) -> Asked {
+fn random_case(seed: u64, reachable: bool) -> TestCase {
     let tree = RandomTree::new(seed, 14);
     let mut random = Random::new(seed);
     let slots = [13, 12];
@@ -49,21 +49,21 @@ fn random_case(seed: u64, reachable: bool) -> Asked {
     let mut builder = Problem::builder(&tree.model);
     builder.add(
         Task::new(Pose::new(a, placement(&pose)))
-            .weight(Quantity::Metres, METRE)
-            .weight(Quantity::Radians, RADIAN)
-            .tolerance(Quantity::Metres, METRES_WITHIN)
-            .tolerance(Quantity::Radians, RADIANS_WITHIN),
+            .weight(Quantity::Metres, METRE_WEIGHT)
+            .weight(Quantity::Radians, RADIAN_WEIGHT)
+            .tolerance(Quantity::Metres, POSITION_TOLERANCE)
+            .tolerance(Quantity::Radians, ANGLE_TOLERANCE),
     );
-    builder.add(Task::new(Point::new(b, point)).tolerance(Quantity::Metres, METRES_WITHIN));
+    builder.add(Task::new(Point::new(b, point)).tolerance(Quantity::Metres, POSITION_TOLERANCE));
     if !reachable {
         let rest = vec![0.0; q.len()];
         let pull = Posture::new(&tree.model, &rest);
-        builder.add(Task::new(pull).weight(Quantity::JointUnits, PULL));
+        builder.add(Task::new(pull).weight(Quantity::JointUnits, POSTURE_WEIGHT));
         // The blocking limits are those of the weighted sum.
         builder.preferences(Preferences::Traded);
     }
     let problem = builder.build().unwrap();
-    Asked {
+    TestCase {
         tree,
         pose,
         point,
@@ -73,28 +73,31 @@ fn random_case(seed: u64, reachable: bool) -> Asked {
 }
 
 /// Position, orientation, point and posture error.
-fn errors(asked: &Asked, q: &[f64]) -> [f64; 4] {
-    let at = asked.tree.frames_at(q);
-    let [a, b] = asked.slots.map(|s| at[s]);
-    let turn = a.rotation * asked.pose.rotation.inverse();
+fn errors(case: &TestCase, q: &[f64]) -> [f64; 4] {
+    let at = case.tree.frames_at(q);
+    let [a, b] = case.slots.map(|s| at[s]);
+    let turn = a.rotation * case.pose.rotation.inverse();
     [
-        (a.translation.vector - asked.pose.translation.vector).norm(),
+        (a.translation.vector - case.pose.translation.vector).norm(),
         na::UnitQuaternion::from_rotation_matrix(&turn).angle(),
-        (b.translation.vector - asked.point).norm(),
+        (b.translation.vector - case.point).norm(),
         q.iter().map(|v| v * v).sum::<f64>().sqrt(),
     ]
 }
 
-fn cost(asked: &Asked, q: &[f64], posture: bool) -> f64 {
-    let [position, angle, point, pull] = errors(asked, q);
-    let pull = if posture { PULL * pull } else { 0.0 };
-    0.5 * ((METRE * position).powi(2) + (RADIAN * angle).powi(2) + point.powi(2) + pull.powi(2))
+fn cost(case: &TestCase, q: &[f64], posture: bool) -> f64 {
+    let [position, angle, point, pull] = errors(case, q);
+    let pull = if posture { POSTURE_WEIGHT * pull } else { 0.0 };
+    0.5 * ((METRE_WEIGHT * position).powi(2)
+        + (RADIAN_WEIGHT * angle).powi(2)
+        + point.powi(2)
+        + pull.powi(2))
 }
 
-fn check(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
-    let expected = errors(asked, &solution.q);
+fn check(label: &str, case: &TestCase, solution: &Solution, posture: bool) {
+    let expected = errors(case, &solution.q);
     let tasks: Vec<_> = solution.tasks().collect();
-    assert_eq!(tasks.len(), asked.problem.tasks());
+    assert_eq!(tasks.len(), case.problem.tasks());
     let ours = [
         tasks[0].position_error().unwrap(),
         tasks[0].orientation_error().unwrap(),
@@ -107,29 +110,29 @@ fn check(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
         let pull = tasks[2].error(Quantity::JointUnits).unwrap();
         assert!((pull - expected[3]).abs() < 1e-12);
     }
-    let own_cost = cost(asked, &solution.q, posture);
+    let own_cost = cost(case, &solution.q, posture);
     assert!(
         (solution.cost - own_cost).abs() <= 1e-12 * own_cost.max(1e-3),
         "{label}"
     );
 
     let [position, angle, point, _] = expected;
-    let pose_met = position <= METRES_WITHIN && angle <= RADIANS_WITHIN;
-    let reached = pose_met && point <= METRES_WITHIN;
+    let pose_met = position <= POSITION_TOLERANCE && angle <= ANGLE_TOLERANCE;
+    let reached = pose_met && point <= POSITION_TOLERANCE;
     assert_eq!(solution.reached, reached, "{label}: {expected:?}");
     assert_eq!(tasks[0].reached, pose_met, "{label}");
-    assert_eq!(tasks[1].reached, point <= METRES_WITHIN, "{label}");
+    assert_eq!(tasks[1].reached, point <= POSITION_TOLERANCE, "{label}");
     assert!(
         solution
             .explain()
             .starts_with(if reached { "Reached" } else { "Not reached" })
     );
-    check_limits(label, asked, solution, posture);
+    check_limits(label, case, solution, posture);
 }
 
 /// Every named limit is active and the cost falls beyond it. No blocking joint is left unnamed.
-fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
-    let model = &asked.tree.model;
+fn check_limits(label: &str, case: &TestCase, solution: &Solution, posture: bool) {
+    let model = &case.tree.model;
     let step = 1e-5;
     let mut named = Vec::new();
     for limit in solution.active_limits() {
@@ -147,10 +150,10 @@ fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) 
             "{label}: not on its limit"
         );
         assert_eq!(limit.value.to_bits(), end.to_bits());
-        let shifted = |by: f64| {
+        let shifted = |change: f64| {
             let mut q = solution.q.clone();
-            q[c] += by;
-            cost(asked, &q, posture)
+            q[c] += change;
+            cost(case, &q, posture)
         };
         let fall = (shifted(-outward * step) - shifted(outward * step)) / (2.0 * step);
         let close = (fall - limit.push).abs() <= 1e-6 * (1.0 + fall.abs());
@@ -174,7 +177,7 @@ fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) 
         };
         let mut q = solution.q.clone();
         q[c] += outward * step;
-        let falls = cost(asked, &q, posture) < solution.cost - 1e-3 * step;
+        let falls = cost(case, &q, posture) < solution.cost - 1e-3 * step;
         assert!(
             !falls || named.contains(&c),
             "{label}: joint {c} blocks but is not named"
@@ -188,19 +191,17 @@ fn reports_match_the_returned_configuration() {
     let mut workspace = Workspace::new();
     for seed in part(0..12, 2) {
         for reachable in [true, false] {
-            let asked = random_case(seed, reachable);
-            let start = asked.tree.configuration(&mut Random::new(seed + 100));
+            let case = random_case(seed, reachable);
+            let start = case.tree.configuration(&mut Random::new(seed + 100));
             for solver in solvers() {
                 for iterations in [0, 3, 100] {
                     let solver = solver
                         .clone()
                         .with_stopping(Stopping::default().with_max_iterations(iterations))
                         .with_restarts(Restarts::default().with_attempts(3));
-                    let solution = solver
-                        .solve(&asked.problem, &start, &mut workspace)
-                        .unwrap();
+                    let solution = solver.solve(&case.problem, &start, &mut workspace).unwrap();
                     let label = format!("tree {seed}, {}, {iterations}", solver.method());
-                    check(&label, &asked, solution, !reachable);
+                    check(&label, &case, solution, !reachable);
                     seen[usize::from(solution.reached)] += 1;
                 }
             }
@@ -224,9 +225,9 @@ fn lengths_are_reported_in_the_models_unit() {
     let text = text.unwrap().explain();
     assert!(text.contains(" units.") && !text.contains(" m."), "{text}");
 
-    let asked = random_case(1, false);
-    let start = asked.tree.model.neutral();
-    let text = kinopt::Solver::default().solve_once(&asked.problem, &start);
+    let case = random_case(1, false);
+    let start = case.tree.model.neutral();
+    let text = kinopt::Solver::default().solve_once(&case.problem, &start);
     let text = text.unwrap().explain();
     assert!(text.contains(" m") && !text.contains("units"), "{text}");
 }

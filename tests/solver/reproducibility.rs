@@ -68,8 +68,8 @@ fn reused_moved_and_fresh_workspaces_agree() {
             let fresh: Vec<_> = questions
                 .iter()
                 .map(|question| {
-                    let own = solver.solve_once(&question.problem, &question.start);
-                    bits(&own.unwrap())
+                    let solution = solver.solve_once(&question.problem, &question.start);
+                    bits(&solution.unwrap())
                 })
                 .collect();
             // Visits problems of other sizes, some twice in a row.
@@ -100,8 +100,8 @@ fn target_moved_and_restored_gives_equal_results() {
             .unwrap()
             .set_target(random.vector(2.0));
         let question = problem.with_targets(&targets).unwrap();
-        let elsewhere = bits(solver.solve(question, &start, &mut workspace).unwrap());
-        assert_ne!(first, elsewhere);
+        let other = bits(solver.solve(question, &start, &mut workspace).unwrap());
+        assert_ne!(first, other);
         targets.get_mut(task).unwrap().set_target(near);
         let question = problem.with_targets(&targets).unwrap();
         let back = bits(solver.solve(question, &start, &mut workspace).unwrap());
@@ -143,7 +143,7 @@ fn endings() -> Vec<(&'static str, Problem, Solver)> {
         tasks.build().unwrap()
     };
     let (near, far) = ([1.2, 0.9, 0.0], [4.0, 1.0, 0.0]);
-    let of = |at: [f64; 3]| {
+    let problem_at = |at: [f64; 3]| {
         build(&|tasks| {
             tasks.add(hand(at));
         })
@@ -175,15 +175,15 @@ fn endings() -> Vec<(&'static str, Problem, Solver)> {
         .with_gradient_tolerance(0.0)
         .with_step_tolerance(0.0);
     vec![
-        ("reached", of(near), usual.clone()),
-        ("far", of(far), usual.clone()),
+        ("reached", problem_at(near), usual.clone()),
+        ("far", problem_at(far), usual.clone()),
         ("against limits", limited, usual.clone()),
         ("within a preference", preferring, usual.clone()),
         ("traded", traded, usual.clone()),
         ("on levels", ranked, usual.clone()),
-        ("to the last digit", of(far), once(exact)),
-        ("cut short", of(near), once(steps)),
-        ("no number", of([1e300, 0.0, 0.0]), usual),
+        ("to the last digit", problem_at(far), once(exact)),
+        ("cut short", problem_at(near), once(steps)),
+        ("no number", problem_at([1e300, 0.0, 0.0]), usual),
     ]
 }
 
@@ -226,22 +226,22 @@ fn stalled_search_has_no_influence() {
         .with_step_tolerance(0.0)
         .with_max_iterations(400);
     let places = [[4.0, 1.0, 0.0], [1.2, 0.9, 0.0], [-3.0, 2.0, 0.0]];
-    let asked = places.map(|place| {
+    let target_lists = places.map(|position| {
         let mut targets = problem.targets();
-        targets.get_mut(task).unwrap().set_target(place);
+        targets.get_mut(task).unwrap().set_target(position);
         targets
     });
     let start = [0.3, 0.4, 0.2];
     for solver in solvers() {
         let once = solver.with_restarts(Restarts::none());
         let once = once.with_stopping(stopping);
-        let fresh = asked.each_ref().map(|targets| {
+        let fresh = target_lists.each_ref().map(|targets| {
             let question = problem.with_targets(targets).unwrap();
             bits(&once.solve_once(question, &start).unwrap())
         });
         let mut workspace = Workspace::new();
         for k in [0, 1, 2, 0, 2, 1] {
-            let question = problem.with_targets(&asked[k]).unwrap();
+            let question = problem.with_targets(&target_lists[k]).unwrap();
             let again = bits(once.solve(question, &start, &mut workspace).unwrap());
             assert_eq!(again, fresh[k], "{} {k}", once.method());
         }

@@ -85,8 +85,8 @@ fn starts_depend_on_seed_and_number_only() {
         assert_ne!(many[k], many[k + 1]);
     }
     // Even attempts are sampled from the whole box, independent of the caller's start.
-    let elsewhere = tree.configuration(&mut Random::new(99));
-    let moved = attempts(&tree.model, 7, 5, &elsewhere);
+    let other_q = tree.configuration(&mut Random::new(99));
+    let moved = attempts(&tree.model, 7, 5, &other_q);
     let bounded: Vec<usize> = (0..start.len())
         .filter(|&c| tree.model.limits().nth(c).unwrap().upper.is_finite())
         .collect();
@@ -223,10 +223,10 @@ fn miss_costs_as_much_as_a_few_attempts() {
         let mut builder = Problem::builder(model);
         let at_ease = rig.skeleton.pose(&model.neutral()).unwrap();
         for (k, &tip) in rig.tips.iter().enumerate() {
-            let place = at_ease.tip(&rig.skeleton, tip).unwrap();
-            let far = if k == 1 { 3.0 } else { 0.0 };
-            let aside = kinopt::spatial::Vector3::new(far, 0.5 * far, 0.2 * far);
-            builder.add(Point::new(rig.skeleton.tip(tip), place + aside));
+            let tip_position = at_ease.tip(&rig.skeleton, tip).unwrap();
+            let distance = if k == 1 { 3.0 } else { 0.0 };
+            let aside = kinopt::spatial::Vector3::new(distance, 0.5 * distance, 0.2 * distance);
+            builder.add(Point::new(rig.skeleton.tip(tip), tip_position + aside));
         }
         let problem = builder.build().unwrap();
         let evaluations = |solver: &Solver| {
@@ -435,10 +435,10 @@ fn at_least_one_attempt_converges() {
     builder.add(Point::new(model.frame("tip").unwrap(), [1.5, 3.0, 0.0]));
     let problem = builder.build().unwrap();
     let mut later = 0;
-    for most in 1..12 {
+    for limit in 1..12 {
         let [none, one] = [0, 1].map(|agreeing| {
             let solver = Solver::default()
-                .with_stopping(Stopping::default().with_max_iterations(most))
+                .with_stopping(Stopping::default().with_max_iterations(limit))
                 .with_restarts(Restarts::default().with_agreeing(agreeing));
             solver.solve_once(&problem, &[-0.9, 0.8, -0.9])
         });

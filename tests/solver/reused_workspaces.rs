@@ -35,18 +35,18 @@ fn assert_reuse_equals_new(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) 
     let (robot, _, tool) = panda();
     let model = robot.model();
     let (mut random, solver) = (Random::new(seed), Solver::default());
-    let (mut kept, mut reported) = (Workspace::new(), [0; 2]);
+    let (mut workspace, mut reported) = (Workspace::new(), [0; 2]);
     for turn in 0..cases(60, 12) {
-        let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
-        let mut target = placement_of(model, tool, &there);
+        let [target_q, start] = [(); 2].map(|()| configuration_of(model, &mut random));
+        let mut target = placement_of(model, tool, &target_q);
         if turn % 2 == 0 {
             target.translation = target.translation * random.within(1.1, 2.0);
         }
         let mut targets = problem.targets();
         targets.get_mut(pose).unwrap().set_target(target);
-        let asked = || problem.with_targets(&targets).unwrap();
-        let fresh = solver.solve_once(asked(), &start).unwrap();
-        let again = solver.solve(asked(), &start, &mut kept).unwrap();
+        let query = || problem.with_targets(&targets).unwrap();
+        let fresh = solver.solve_once(query(), &start).unwrap();
+        let again = solver.solve(query(), &start, &mut workspace).unwrap();
         assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "{turn}");
         reported[usize::from(fresh.reached)] += 1;
     }
@@ -125,8 +125,8 @@ fn relocated_drag_equals_a_new_drag() {
         let start = configuration_of(model, &mut random);
         let mut used = Drag::new(problem.clone(), &start).unwrap();
         for turn in 0..cases(12, 4) {
-            let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
-            let mut target = placement_of(model, tool, &there);
+            let [target_q, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+            let mut target = placement_of(model, tool, &target_q);
             let share = if turn % 2 == 0 { 1.6 } else { 1.0 };
             target.translation = target.translation * share;
             used.target_mut(pose).unwrap().set_target(target);
@@ -136,9 +136,9 @@ fn relocated_drag_equals_a_new_drag() {
             used.settle(40);
             used.set_configuration(&other).unwrap();
             let mut fresh = Drag::new(problem.clone(), &other).unwrap();
-            let there = placement_of(model, tool, &configuration_of(model, &mut random));
+            let new_target = placement_of(model, tool, &configuration_of(model, &mut random));
             for drag in [&mut used, &mut fresh] {
-                drag.target_mut(pose).unwrap().set_target(there);
+                drag.target_mut(pose).unwrap().set_target(new_target);
             }
             for step in 0..12 {
                 let message = [&mut used, &mut fresh].map(|drag| match step {
@@ -165,7 +165,7 @@ fn reused_derivative_workspace() {
             builder.add(Posture::new(model, &rest));
         }),
     ];
-    let mut kept = DerivativeWorkspace::default();
+    let mut reused = DerivativeWorkspace::default();
     for turn in 0..cases(60, 16) {
         let (problem, pose) = &problems[turn / 2 % 2];
         let q = configuration_of(model, &mut random);
@@ -175,11 +175,11 @@ fn reused_derivative_workspace() {
         }
         let mut targets = problem.targets();
         targets.get_mut(*pose).unwrap().set_target(target);
-        let asked = problem.with_targets(&targets).unwrap();
-        let solution = Solver::default().solve_once(asked, &q).unwrap();
+        let query = problem.with_targets(&targets).unwrap();
+        let solution = Solver::default().solve_once(query, &q).unwrap();
         let mut new = DerivativeWorkspace::default();
-        let reported = [&mut kept, &mut new].map(|memory| {
-            let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
+        let reported = [&mut reused, &mut new].map(|memory| {
+            let mut derivative = SolutionDerivative::new(query, &solution.q, memory).unwrap();
             let by_target = derivative.by_target(0).unwrap();
             (derivative.differentiability().clone(), by_target)
         });
@@ -193,16 +193,16 @@ fn resumed_derivative_equals_the_factorised() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let q = configuration_of(model, &mut Random::new(32));
-    let (whole, pose) = problem(PoseBounds::pose(), |_| ());
-    let mut targets = whole.targets();
+    let (pose_problem, pose) = problem(PoseBounds::pose(), |_| ());
+    let mut targets = pose_problem.targets();
     let target = placement_of(model, tool, &q);
     targets.get_mut(pose).unwrap().set_target(target);
-    let asked = whole.with_targets(&targets).unwrap();
+    let query = pose_problem.with_targets(&targets).unwrap();
     let mut memory = DerivativeWorkspace::default();
-    assert!(SolutionDerivative::resume(asked, &mut memory).is_none());
-    let first = SolutionDerivative::new(asked, &q, &mut memory);
+    assert!(SolutionDerivative::resume(query, &mut memory).is_none());
+    let first = SolutionDerivative::new(query, &q, &mut memory);
     let first = first.unwrap().by_target(0).unwrap();
-    let mut on = SolutionDerivative::resume(asked, &mut memory).unwrap();
+    let mut on = SolutionDerivative::resume(query, &mut memory).unwrap();
     assert_eq!(on.by_target(0).unwrap(), first);
     let mut planar = Problem::builder(model);
     planar.add(Point::new(frame(ELBOW), [0.1, 0.2, 0.3]));

@@ -32,8 +32,8 @@ fn threads_share_a_problem_with_own_targets() {
                 let mut targets = shared.targets();
                 for _ in 0..cases(5, 2) {
                     let places = [0; 2].map(|_| random.vector(1.0).into());
-                    for (id, place) in ids.into_iter().zip(places) {
-                        targets.get_mut(id).unwrap().set_target(place);
+                    for (id, position) in ids.into_iter().zip(places) {
+                        targets.get_mut(id).unwrap().set_target(position);
                     }
                     let question = shared.with_targets(&targets).unwrap();
                     let solver = Solver::default();

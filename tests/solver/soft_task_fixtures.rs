@@ -40,7 +40,7 @@ pub(crate) fn linearised(problem: &Problem, x: &[f64]) -> (DVector<f64>, DMatrix
 
 /// Fraction of the soft tasks' gradient that required tasks and bounds leave: ‖g + Cᵀy‖ without components that push
 /// out of bounds. The multipliers y come from nalgebra's singular values and Newton steps with halvings.
-pub(crate) fn left_over(goals: &Problem, pulls: &Problem, q: &[f64]) -> f64 {
+pub(crate) fn remaining_gradient(goals: &Problem, pulls: &Problem, q: &[f64]) -> f64 {
     let mut x = vec![0.0; goals.variables()];
     goals.parameters().reduce(q, &mut x).unwrap();
     let (_, held) = linearised(goals, &x);
@@ -110,8 +110,8 @@ pub(crate) fn drag(seed: u64) -> Drag {
     let model = rig.skeleton.model();
     let mut random = Random::new(seed);
     let start = configuration_of(model, &mut random);
-    let there = configuration_of(model, &mut random);
-    let at = rig.transforms(&there);
+    let target_q = configuration_of(model, &mut random);
+    let at = rig.transforms(&target_q);
     Drag {
         map: ParameterMap::free(model),
         rest: model.neutral(),

@@ -16,7 +16,9 @@ use support::random::Random;
 use support::trees::configuration_of;
 use support::{planar_arm, planar_tip};
 
-use crate::soft_task_fixtures::{Add, drag, left_over, placement_of, problem, within_limits};
+use crate::soft_task_fixtures::{
+    Add, drag, placement_of, problem, remaining_gradient, within_limits,
+};
 
 #[test]
 fn panda_reaches_with_default_soft_tasks() {
@@ -30,8 +32,8 @@ fn panda_reaches_with_default_soft_tasks() {
     for (k, kind) in kinds.iter().enumerate() {
         for seed in 0..cases as u64 {
             let mut random = Random::new(seed);
-            let [there, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
-            let target = placement_of(model, tool, &there);
+            let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
+            let target = placement_of(model, tool, &target_q);
             let goal: Add<'_> = &|builder| {
                 builder.add(Pose::new(frame, target));
             };
@@ -58,7 +60,7 @@ fn panda_reaches_with_default_soft_tasks() {
             assert_eq!(solution.termination, Termination::Reached);
             assert!(within_limits(&both, &solution.q));
             steps[k] += solution.iterations - alone.iterations;
-            left.push(left_over(&goals, &pulls, &solution.q));
+            left.push(remaining_gradient(&goals, &pulls, &solution.q));
         }
     }
     left.sort_by(f64::total_cmp);
@@ -87,7 +89,7 @@ fn rig_reaches_with_all_kinds_of_soft_tasks() {
         assert!(within_limits(&both, &solution.q));
         let again = Solver::default().solve_once(&both, &drag.start).unwrap();
         assert_eq!(again.q, solution.q);
-        left.push(left_over(&goals, &pulls, &solution.q));
+        left.push(remaining_gradient(&goals, &pulls, &solution.q));
         steps += solution.iterations - alone.iterations;
     }
     assert!(left.iter().all(|left| *left < 1e-3), "{left:?}");
@@ -103,8 +105,8 @@ fn rows_of_infinite_tolerance_constrain_nothing() {
     let mut left = Vec::new();
     for seed in 0..4 {
         let mut random = Random::new(seed);
-        let [there, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
-        let target = placement_of(model, tool, &there);
+        let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
+        let target = placement_of(model, tool, &target_q);
         let pose: Add<'_> = &|builder| {
             let pose = Task::new(Pose::new(frame, target));
             builder.add(pose.tolerance(Quantity::Radians, f64::INFINITY));
@@ -121,7 +123,7 @@ fn rows_of_infinite_tolerance_constrain_nothing() {
             let both = problem(model, map, &tasks);
             let solution = Solver::default().solve_once(&both, &start).unwrap();
             assert!(solution.reached, "{seed}: {}", solution.explain());
-            left.push(left_over(&goals, &pulls, &solution.q));
+            left.push(remaining_gradient(&goals, &pulls, &solution.q));
         }
     }
     assert!(left.iter().all(|left| *left < 3e-3), "{left:?}");
@@ -144,7 +146,7 @@ fn posture_costs_a_drag_few_steps_per_frame() {
         let mut builder = Problem::builder(model);
         let tips = figure.rig.tips.iter().zip(&places);
         let tasks: Vec<_> = tips
-            .map(|(&tip, place)| builder.add(Point::new(skeleton.tip(tip), *place)))
+            .map(|(&tip, position)| builder.add(Point::new(skeleton.tip(tip), *position)))
             .collect();
         if posture {
             builder.add(Posture::new(model, rest));
@@ -171,18 +173,18 @@ fn posture_costs_a_drag_few_steps_per_frame() {
         drag.settle(200);
         assert!(drag.is_at_rest());
         let goal: Add<'_> = &|builder| {
-            for (k, (&tip, place)) in figure.rig.tips.iter().zip(&places).enumerate() {
+            for (k, (&tip, position)) in figure.rig.tips.iter().zip(&places).enumerate() {
                 let turn = 0.05 * f64::from(frames - 1);
                 let sway = nalgebra::Vector3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * 0.05;
                 let sway = if k == 0 { sway } else { sway * 0.0 };
-                builder.add(Point::new(skeleton.tip(tip), place + sway));
+                builder.add(Point::new(skeleton.tip(tip), position + sway));
             }
         };
         let pull: Add<'_> = &|builder| {
             builder.add(Posture::new(model, rest));
         };
         let [goals, pulls] = [goal, pull].map(|add| problem(model, &figure.map, &[add]));
-        let left = left_over(&goals, &pulls, drag.q());
+        let left = remaining_gradient(&goals, &pulls, drag.q());
         assert!(left < 1e-2, "{left}");
     }
     // Two steps of the soft task, and the required tasks' steps from its minimum.
@@ -216,11 +218,11 @@ impl Residual for Sum {
 fn soft_task_on_two_joints_moves_both() {
     let mut builder = Model::builder("three joints at one place");
     let z = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
-    let (here, link) = (
+    let (identity, link) = (
         Placement::identity(),
         Placement::translation([1.0, 0.0, 0.0].into()),
     );
-    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, here, z));
+    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, identity, z));
     let tip = builder.frame("tip", Some(c), link);
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);
@@ -274,13 +276,13 @@ fn partly_reached_task_is_not_reached() {
         (Quantity::Metres, [true, false]),
         (Quantity::Radians, [false, true]),
     ] {
-        let away = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
+        let placement = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
         let pose = Pose::new(
             tip,
             if free == Quantity::Metres {
                 target
             } else {
-                away
+                placement
             },
         );
         let mut builder = Problem::builder(&model);

@@ -36,8 +36,8 @@ fn soft_tasks_do_not_increase_a_miss() {
             alone.cost
         );
         let pull = |q: &[f64]| {
-            let off = q.iter().zip(&drag.rest).map(|(a, b)| (a - b).powi(2));
-            0.5 * off.sum::<f64>()
+            let deviations = q.iter().zip(&drag.rest).map(|(a, b)| (a - b).powi(2));
+            0.5 * deviations.sum::<f64>()
         };
         assert!(
             pull(&solution.q) < pull(&alone.q),

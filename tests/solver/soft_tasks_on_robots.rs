@@ -25,20 +25,20 @@ fn robot_postures_on_limits_are_stationary() {
     let cases = support::sample::cases(40, 12);
     let neutral = model.neutral();
     for case in 0..cases {
-        let mut beside = |by: f64, share: f64| -> Vec<f64> {
+        let mut nearby = |by: f64, share: f64| -> Vec<f64> {
             let values = neutral.iter().zip(model.limits());
             values
                 .map(|(value, limits)| limits.clamp(value + random.within(-by, by)) * share)
                 .collect()
         };
-        let (there, posture) = (beside(0.8, 0.95), beside(1.2, 0.9));
+        let (target_q, posture) = (nearby(0.8, 0.95), nearby(1.2, 0.9));
         let mut tasks = Problem::builder(model);
-        for (&end, &at) in ends.iter().zip(kinematics.place(&there).unwrap()) {
+        for (&end, &at) in ends.iter().zip(kinematics.place(&target_q).unwrap()) {
             tasks.add(Pose::new(end, at));
         }
         tasks.add(Posture::new(model, &posture));
         let problem = tasks.build().unwrap();
-        let solution = solver.solve(&problem, &there, &mut workspace).unwrap();
+        let solution = solver.solve(&problem, &target_q, &mut workspace).unwrap();
         assert!(solution.reached, "{case}: {}", solution.explain());
         let on_limits = solution.q.iter().zip(model.limits());
         limits += on_limits

@@ -31,15 +31,15 @@ fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
     Conditions {
         model: &case.model,
         problem: &case.plain,
-        held,
-        pulled,
+        constraint_rows: held,
+        cost_rows: pulled,
         limits: limits_at(&case.model, q, &case.cones),
     }
 }
 
 /// Counts of active limits and solutions, and the largest error.
 #[derive(Debug, Default)]
-struct Seen {
+struct Counts {
     unique: usize,
     flagged: usize,
     limits: usize,
@@ -51,21 +51,24 @@ struct Seen {
     worst: f64,
 }
 
-fn look(seed: u64, seen: &mut Seen) {
-    let here = case(seed, &Change::Targets(0.0));
+fn check_seed(seed: u64, seen: &mut Counts) {
+    let unchanged_case = case(seed, &Change::Targets(0.0));
     let solution = Solver::default()
-        .solve_once(&here.problem, &here.start)
+        .solve_once(&unchanged_case.problem, &unchanged_case.start)
         .unwrap();
     let mut q = solution.q.clone();
-    let mut at = conditions(&here, &q, solution.reached);
-    if !solution.reached && !here.traded && here.problem.tasks() > here.goals {
+    let mut at = conditions(&unchanged_case, &q, solution.reached);
+    if !solution.reached
+        && !unchanged_case.traded
+        && unchanged_case.problem.tasks() > unchanged_case.goals
+    {
         // Soft tasks at a miss are tested elsewhere.
         seen.flagged += 1;
         return;
     }
     let mut lambda = at.multipliers(&q);
     // Only limits with a positive multiplier are active.
-    let first = at.held.len();
+    let first = at.constraint_rows.len();
     let pushed: Vec<bool> = (0..at.limits.len())
         .map(|k| lambda[first + k] > 1e-6)
         .collect();
@@ -75,15 +78,16 @@ fn look(seed: u64, seen: &mut Seen) {
     let mut last = f64::INFINITY;
     for _ in 0..3 {
         let inverse = at.newton(&q, &lambda);
-        last = at.settle(&mut q, &mut lambda, &inverse, 3);
+        last = at.converge(&mut q, &mut lambda, &inverse, 3);
     }
     let inverse = at.newton(&q, &lambda);
-    last = last.min(at.settle(&mut q, &mut lambda, &inverse, 5));
-    let moved = velocity(&here.model, &solution.q, &q).amax();
+    last = last.min(at.converge(&mut q, &mut lambda, &inverse, 5));
+    let moved = velocity(&unchanged_case.model, &solution.q, &q).amax();
     let mut workspace = DerivativeWorkspace::default();
     if moved > 1e-2 {
         // The search was cut short, which the derivative detects.
-        let derivative = SolutionDerivative::new(&here.problem, &solution.q, &mut workspace);
+        let derivative =
+            SolutionDerivative::new(&unchanged_case.problem, &solution.q, &mut workspace);
         let derivative = derivative.unwrap();
         assert!(!derivative.differentiability().is_unique(), "seed {seed}");
         seen.cut_short += 1;
@@ -93,7 +97,7 @@ fn look(seed: u64, seen: &mut Seen) {
         seen.flagged += 1;
         return;
     }
-    let derivative = SolutionDerivative::new(&here.problem, &q, &mut workspace).unwrap();
+    let derivative = SolutionDerivative::new(&unchanged_case.problem, &q, &mut workspace).unwrap();
     if !derivative.differentiability().is_unique() {
         seen.flagged += 1;
         return;
@@ -106,14 +110,16 @@ fn look(seed: u64, seen: &mut Seen) {
         .filter(|limit| matches!(limit, Limit::Edge(..)))
         .count();
     seen.missed += usize::from(!solution.reached);
-    let mut derivative = derivative.with_joint_origins(&here.model).unwrap();
+    let mut derivative = derivative
+        .with_joint_origins(&unchanged_case.model)
+        .unwrap();
     for change in [
         Change::Targets(1.0),
         Change::Weight(1.0),
         Change::Origin(1.0),
     ] {
         let rates = case(seed, &change.times(0.0)).rates;
-        let mut reported = vec![0.0; here.model.degrees_of_freedom()];
+        let mut reported = vec![0.0; unchanged_case.model.degrees_of_freedom()];
         derivative.velocity(&rates, &mut reported).unwrap();
         let reported = na::DVector::from_vec(reported);
 
@@ -137,26 +143,30 @@ fn look(seed: u64, seen: &mut Seen) {
             let conditions = Conditions {
                 model: &there.model,
                 problem: &there.plain,
-                held: at.held.clone(),
-                pulled: at.pulled.clone(),
+                constraint_rows: at.constraint_rows.clone(),
+                cost_rows: at.cost_rows.clone(),
                 limits: at.limits.clone(),
             };
             let (mut to, mut lambda) = (q.clone(), lambda.clone());
-            conditions.settle(&mut to, &mut lambda, &inverse, 10);
+            conditions.converge(&mut to, &mut lambda, &inverse, 10);
             if share == 1.0 {
                 // A solver from here converges to the same configuration.
                 let again = Solver::default().solve_once(&there.problem, &q).unwrap();
-                let apart = velocity(&here.model, &to, &again.q).amax();
+                let apart = velocity(&unchanged_case.model, &to, &again.q).amax();
                 seen.asked_again += 1;
                 seen.same_again += usize::from(apart < 1e-3);
             }
-            shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
+            shown.axpy(
+                weight / (12.0 * step),
+                &velocity(&unchanged_case.model, &q, &to),
+                1.0,
+            );
         }
-        let off = (&reported - &shown).amax() / size;
-        seen.worst = seen.worst.max(off);
+        let deviation = (&reported - &shown).amax() / size;
+        seen.worst = seen.worst.max(deviation);
         assert!(
-            off < 1e-6,
-            "seed {seed} {change:?}: off by {off:e}\n{reported}{shown}"
+            deviation < 1e-6,
+            "seed {seed} {change:?}: off by {deviation:e}\n{reported}{shown}"
         );
     }
 }
@@ -182,11 +192,11 @@ fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
 
 #[test]
 fn derivatives_match_repeated_solves() {
-    let mut seen = Seen::default();
-    let wanted = cases(1000, 20);
+    let mut seen = Counts::default();
+    let case_count = cases(1000, 20);
     for seed in 0.. {
-        look(seed, &mut seen);
-        if seen.unique >= wanted {
+        check_seed(seed, &mut seen);
+        if seen.unique >= case_count {
             break;
         }
     }
@@ -212,10 +222,10 @@ fn derivative_by_velocity_is_the_time_step() {
         let tip = builder.frame("tip", Some(hinge), Placement::identity());
         let model = builder.build().unwrap();
         let before = [0.4, -0.7];
-        let place = ForwardKinematics::new(&model).place(&before).unwrap()[tip.index()];
+        let placement = ForwardKinematics::new(&model).place(&before).unwrap()[tip.index()];
         let velocity = (axis * 0.5, axis * -1.5);
         let mut tasks = Problem::builder(&model);
-        tasks.add(FrameVelocity::new(tip, place, dt, velocity));
+        tasks.add(FrameVelocity::new(tip, placement, dt, velocity));
         let problem = tasks.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &before).unwrap();
         assert!(solution.reached);
@@ -238,8 +248,8 @@ fn velocity_gradients_follow_the_manifold() {
     let mut builder = Model::builder("free, ball and hinge");
     let at = Placement::identity();
     let [x, _, z] = Vector3::UNITS;
-    let room = [Limits::new(-1.0, 1.0); 3];
-    let body = builder.free("body", None, at, room);
+    let position_limits = [Limits::new(-1.0, 1.0); 3];
+    let body = builder.free("body", None, at, position_limits);
     let ball = builder.ball("ball", Some(body), at, x, None);
     let limits = Limits::new(-1.0, 1.0);
     let hinge = builder.revolute("hinge", Some(ball), at, z, limits);

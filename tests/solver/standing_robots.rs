@@ -29,12 +29,18 @@ fn person() -> Body {
     let (mut feet, mut knees) = (Vec::new(), Vec::new());
     for (side, y) in [("left", 0.1), ("right", -0.1)] {
         let mut hinge = |part: &str, parent, z, axis, limits| {
-            let place = if part == "hip roll" {
+            let placement = if part == "hip roll" {
                 at(0.0, y, z)
             } else {
                 at(0.0, 0.0, z)
             };
-            builder.revolute(format!("{side} {part}"), Some(parent), place, axis, limits)
+            builder.revolute(
+                format!("{side} {part}"),
+                Some(parent),
+                placement,
+                axis,
+                limits,
+            )
         };
         let roll = hinge("hip roll", pelvis, -0.05, along_x, wide);
         let hip = hinge("hip", roll, 0.0, along_y, wide);
@@ -71,7 +77,7 @@ fn placed(model: &Model, frame: FrameId, q: &[f64]) -> Placement<f64> {
 }
 
 /// Drags the hand along a straight line and returns the final configuration.
-fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<f64> {
+fn dragged(body: &Body, start: &[f64], displacement: Vector3<f64>, upright: bool) -> Vec<f64> {
     let model = &body.model;
     let mut tasks = Problem::builder(model);
     let from = placed(model, body.hand, start).translation;
@@ -86,7 +92,7 @@ fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<
     });
     let mut drag = Drag::new(tasks.build().unwrap(), start).unwrap();
     for step in 1..=30 {
-        let at = from + way * (f64::from(step) / 30.0);
+        let at = from + displacement * (f64::from(step) / 30.0);
         drag.target_mut(hand).unwrap().set_target(at);
         drag.advance();
     }
@@ -103,7 +109,7 @@ fn lean(body: &Body, q: &[f64]) -> f64 {
         .acos()
 }
 
-fn bent(body: &Body, q: &[f64]) -> f64 {
+fn knee_bend(body: &Body, q: &[f64]) -> f64 {
     let angles = body
         .knees
         .map(|knee| q[body.model.coordinate(knee).unwrap()]);
@@ -117,7 +123,7 @@ fn crouch_bends_the_knees_above_the_feet() {
     let map = ParameterMap::free(model);
     let up = Vector3::UNITS[2];
     let q = crouched_configuration(model, &map, &body.feet, &rest, up).unwrap();
-    assert!(model.is_within_limits(&q) && bent(&body, &q) > 0.3);
+    assert!(model.is_within_limits(&q) && knee_bend(&body, &q) > 0.3);
     for foot in body.feet {
         let (before, after) = (placed(model, foot, &rest), placed(model, foot, &q));
         assert!((before.translation - after.translation).norm() < 1e-6);
@@ -172,10 +178,10 @@ fn crouch_height_is_above_the_lower_foot() {
         first
     });
     for part in ["hip roll", "hip", "knee", "ankle", "ankle roll"] {
-        let of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
+        let value_of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
         let mirror = if part.ends_with("roll") { -1.0 } else { 1.0 };
         for (side, other) in [("left", "right"), ("right", "left")] {
-            let [actual, mirrored] = [of(&stances[0], side), of(&stances[1], other)];
+            let [actual, mirrored] = [value_of(&stances[0], side), value_of(&stances[1], other)];
             assert!(
                 (actual - mirror * mirrored).abs() < 1e-5,
                 "{side} {part}: {actual} {mirrored}"
@@ -193,13 +199,13 @@ fn hand_dragged_down_bends_the_legs() {
     let down = Vector3::new(0.2, 0.0, -0.45);
     let q = dragged(&body, &stance, down, true);
     let reached = placed(&body.model, body.hand, &q).translation;
-    let wanted = placed(&body.model, body.hand, &stance).translation + down;
-    assert!((reached - wanted).norm() < 1e-5);
+    let expected = placed(&body.model, body.hand, &stance).translation + down;
+    assert!((reached - expected).norm() < 1e-5);
     let bowed = dragged(&body, &stance, down, false);
     assert!(
-        bent(&body, &q) > 1.2 && lean(&body, &q) < 0.5,
+        knee_bend(&body, &q) > 1.2 && lean(&body, &q) < 0.5,
         "{} {}",
-        bent(&body, &q),
+        knee_bend(&body, &q),
         lean(&body, &q)
     );
     assert!(
@@ -286,12 +292,13 @@ fn conflicting_levels_come_to_rest() {
     let robot = support::arms::robot("aldebaran_nao");
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let (model, masses) = (robot.model(), robot.masses().unwrap());
-    let [pulled, stands] = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
+    let [pulled, support_foot] = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
     let mut tasks = Problem::builder(model);
     tasks.parameters(robot.map().clone());
-    let at = placed(model, stands, &NAO_ON_ONE_FOOT);
-    tasks.add(Pose::new(stands, at));
-    let balance = SupportPolygon::new(&masses).with_points_on(stands, robot.sole(stands));
+    let at = placed(model, support_foot, &NAO_ON_ONE_FOOT);
+    tasks.add(Pose::new(support_foot, at));
+    let balance =
+        SupportPolygon::new(&masses).with_points_on(support_foot, robot.sole(support_foot));
     tasks.add(Task::new(balance).at_level(1));
     let mut raised = placed(model, pulled, &NAO_ON_ONE_FOOT);
     raised.rotation = placed(model, pulled, &model.neutral()).rotation;
@@ -315,17 +322,17 @@ fn conflicting_levels_come_to_rest() {
         );
         position * position + turn * turn
     };
-    let mut least = f64::INFINITY;
+    let mut smallest = f64::INFINITY;
     // The robot weighs metres and radians differently, so one may improve slightly at the other's cost.
-    const WEIGHED_OTHERWISE: f64 = 1.0 + 1e-5;
+    const COST_RATIO_TOLERANCE: f64 = 1.0 + 1e-5;
     for frame in 0..200 {
         drag.advance();
         let now = missed(&drag);
         assert!(
-            now < least * WEIGHED_OTHERWISE,
-            "frame {frame}: {now} after {least}"
+            now < smallest * COST_RATIO_TOLERANCE,
+            "frame {frame}: {now} after {smallest}"
         );
-        least = now;
+        smallest = now;
         if drag.is_at_rest() {
             break;
         }

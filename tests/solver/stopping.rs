@@ -74,9 +74,9 @@ fn observer_cancels_the_search() {
                 }
             };
             let mut workspace = Workspace::new();
-            let far = problem([0.2, 0.7, 0.0]);
+            let far_problem = problem([0.2, 0.7, 0.0]);
             let solution = solver
-                .solve_observed(&far, &START, &mut workspace, &mut watch)
+                .solve_observed(&far_problem, &START, &mut workspace, &mut watch)
                 .unwrap();
             assert_eq!(
                 solution.termination,
@@ -104,7 +104,7 @@ fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
             (0 | 1, _) => ControlFlow::Continue(()),
             (_, true) => ControlFlow::Break(()),
             (_, false) => {
-                std::thread::sleep(LIMIT);
+                std::thread::sleep(TIME_LIMIT);
                 ControlFlow::Continue(())
             }
         }
@@ -112,12 +112,12 @@ fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
 }
 
 /// Enough for a first attempt on any machine.
-const LIMIT: Duration = Duration::from_millis(400);
+const TIME_LIMIT: Duration = Duration::from_millis(400);
 
 #[test]
 fn interruption_of_a_later_attempt_is_reported() {
-    let stopping = Stopping::default().with_time_limit(LIMIT);
-    let far = problem([5.0, 0.0, 0.0]);
+    let stopping = Stopping::default().with_time_limit(TIME_LIMIT);
+    let unreachable_problem = problem([5.0, 0.0, 0.0]);
     let start = [0.0; 3];
     for (cancels, ended) in [
         (true, Termination::Cancelled),
@@ -126,7 +126,12 @@ fn interruption_of_a_later_attempt_is_reported() {
         let mut workspace = Workspace::new();
         let solver = Solver::default().with_stopping(stopping);
         let solution = solver
-            .solve_observed(&far, &start, &mut workspace, &mut interrupt(cancels))
+            .solve_observed(
+                &unreachable_problem,
+                &start,
+                &mut workspace,
+                &mut interrupt(cancels),
+            )
             .unwrap();
         assert_eq!((solution.termination, solution.attempts), (ended, 2));
         // Stretched towards the target from the start: the first attempt is returned.
@@ -134,7 +139,7 @@ fn interruption_of_a_later_attempt_is_reported() {
 
         let swept = Ccd::default().with_stopping(stopping);
         let solution = swept
-            .solve_observed(&far, &start, &mut interrupt(cancels))
+            .solve_observed(&unreachable_problem, &start, &mut interrupt(cancels))
             .unwrap();
         assert_eq!((solution.termination, solution.attempts), (ended, 2));
         assert_eq!(solution.q, start);
@@ -203,7 +208,7 @@ fn soft_tasks_end_before_the_iteration_limit() {
 #[test]
 fn lowest_iterate_is_returned() {
     let rig = support::bones::RandomRig::new(6);
-    let far = rig.drawn_to(|| [0.9, -0.8, 0.7]);
+    let far_problem = rig.drawn_to(|| [0.9, -0.8, 0.7]);
     let start = rig.skeleton.model().neutral();
     let mut climbed = 0;
     for most in 1..40 {
@@ -217,7 +222,7 @@ fn lowest_iterate_is_returned() {
             .with_stopping(stopping)
             .with_restarts(Restarts::none());
         let mut workspace = Workspace::new();
-        let solution = solver.solve_observed(&far, &start, &mut workspace, &mut watch);
+        let solution = solver.solve_observed(&far_problem, &start, &mut workspace, &mut watch);
         let solution = solution.unwrap();
         let lowest = seen.iter().copied().fold(f64::INFINITY, f64::min);
         assert!(
@@ -251,15 +256,15 @@ fn small_step_is_reported() {
 #[test]
 fn small_step_to_the_target_is_reached() {
     let target = [0.2, 0.7, 0.0];
-    let there = Solver::default().solve_once(&problem(target), &START);
-    let beside: Vec<f64> = there.unwrap().q.iter().map(|q| q + 1e-5).collect();
+    let solution = Solver::default().solve_once(&problem(target), &START);
+    let nearby: Vec<f64> = solution.unwrap().q.iter().map(|q| q + 1e-5).collect();
     let mut reported = 0;
     for solver in solvers() {
         let ended = |tolerance: f64| {
             let stopping = Stopping::default().with_step_tolerance(tolerance);
             let solver = solver.clone().with_stopping(stopping);
             let solver = solver.with_restarts(Restarts::none());
-            solver.solve_once(&problem(target), &beside).unwrap()
+            solver.solve_once(&problem(target), &nearby).unwrap()
         };
         let exact = ended(1e-15);
         if exact.reached && exact.iterations == 1 {

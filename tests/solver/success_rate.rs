@@ -39,8 +39,8 @@ fn default_solver_reaches_99_percent() {
 
         let transforms = rig.transforms(&solution.q);
         let errors = rig.tips.iter().zip(&targets);
-        let worst = errors.fold(0.0, |most: f64, (&tip, target)| {
-            most.max((rig.tip(&transforms, tip) - target).norm())
+        let worst = errors.fold(0.0, |largest: f64, (&tip, target)| {
+            largest.max((rig.tip(&transforms, tip) - target).norm())
         });
         // The two evaluations differ by rounding, far below the tolerance.
         assert_eq!(

@@ -10,7 +10,7 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Quantity};
 
 /// Largest allowed difference of the two sides, metres, from the tolerance and flat directions.
-const SYMMETRIC: f64 = 1e-3;
+const SYMMETRY_TOLERANCE: f64 = 1e-3;
 
 fn humanoid() -> Rig {
     let models = concat!(
@@ -52,11 +52,15 @@ fn lopsided(skeleton: &Skeleton, q: &[f64]) -> f64 {
         if bone.name.starts_with("right_") {
             return 0.0;
         }
-        let [here, there] = [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
-        let ends = [pose.tail(here).unwrap(), pose.tip(skeleton, here).unwrap()];
+        let [bone_id, mirror_bone] =
+            [bone.name.as_str(), &other].map(|name| skeleton.bone(name).unwrap());
+        let ends = [
+            pose.tail(bone_id).unwrap(),
+            pose.tip(skeleton, bone_id).unwrap(),
+        ];
         let others = [
-            pose.tail(there).unwrap(),
-            pose.tip(skeleton, there).unwrap(),
+            pose.tail(mirror_bone).unwrap(),
+            pose.tip(skeleton, mirror_bone).unwrap(),
         ];
         let apart = ends
             .into_iter()
@@ -85,13 +89,13 @@ fn symmetric_hand_targets_settle_symmetrically() {
         ([0.2, 3.0, 1.4], false),
     ] {
         let target = Vector3::from(target);
-        for (hand, place) in hands.into_iter().zip([target, mirrored(target)]) {
-            body.target_mut(hand).unwrap().set_target(place);
+        for (hand, target) in hands.into_iter().zip([target, mirrored(target)]) {
+            body.target_mut(hand).unwrap().set_target(target);
         }
         body.set_configuration(&rest).unwrap();
         let settled = body.settle(200);
         assert_eq!(settled.reached, within, "{target:?}: {}", settled.explain());
         let off = lopsided(skeleton, &settled.q);
-        assert!(off < SYMMETRIC, "{target:?}: {off}");
+        assert!(off < SYMMETRY_TOLERANCE, "{target:?}: {off}");
     }
 }

@@ -207,10 +207,10 @@ fn moving_unreachable_target_causes_no_jumps() {
         let solution = solve(&solver, &model, target, &q);
         assert!(!solution.reached);
         let moved = solution.q.iter().zip(&q).map(|(a, b)| (a - b).abs());
-        let most = moved.fold(0.0, f64::max);
+        let largest = moved.fold(0.0, f64::max);
         assert!(
-            frame == 0 || most < 0.1,
-            "frame {frame} jumped by {most} rad"
+            frame == 0 || largest < 0.1,
+            "frame {frame} jumped by {largest} rad"
         );
         q.clone_from(&solution.q);
     }

@@ -113,19 +113,19 @@ fn invalid_residual_error_uses_its_own_message() {
 #[test]
 fn bounded_task_leaves_freedom_to_soft_tasks() {
     let (model, circle) = arm();
-    let (wanted, centre, frame) = ([0.2, 0.3, -0.2], circle.centre, circle.frame);
+    let (reference, centre, frame) = ([0.2, 0.3, -0.2], circle.centre, circle.frame);
     let mut tasks = Problem::builder(&model);
     // Ring of ±10 cm about the circle.
     let ring = Task::new(task::Bounded::new(circle, 0.1)).named("hand on the ring");
     tasks.add(ring.tolerance(Quantity::Metres, 1e-9));
-    tasks.add(Posture::new(&model, &wanted));
+    tasks.add(Posture::new(&model, &reference));
     let problem = tasks.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0; 3]).unwrap();
     assert!(solution.reached, "{}", solution.explain());
     assert_eq!(solution.tasks().next().unwrap().name, "hand on the ring");
     // The posture is farther out and pulls the hand to the ring's outer edge.
-    let mut place = kinopt::kinematics::ForwardKinematics::new(&model);
-    let tip = place.place(&solution.q).unwrap()[frame.index()].translation - centre;
+    let mut kinematics = kinopt::kinematics::ForwardKinematics::new(&model);
+    let tip = kinematics.place(&solution.q).unwrap()[frame.index()].translation - centre;
     assert!((0.59..0.6 + 1e-8).contains(&tip.norm()), "{}", tip.norm());
 }
 
@@ -172,8 +172,8 @@ fn methods_share_memory_but_no_state() {
         exact
     );
     // On the bound x₀ = 0.9 the minimum is at x₁ = 0.81.
-    for (x, wanted) in first.0.iter().zip([0.9, 0.81]) {
-        assert!((x - wanted).abs() < 1e-5, "{x}");
+    for (x, expected) in first.0.iter().zip([0.9, 0.81]) {
+        assert!((x - expected).abs() < 1e-5, "{x}");
     }
 }
 

@@ -22,8 +22,8 @@ fn weighted_soft_tasks_are_named() {
     let (model, map) = (robot.model(), robot.map());
     let frame = model.frame(tool).unwrap();
     let mut random = Random::new(2);
-    let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
-    let target = placement_of(model, tool, &there);
+    let [target_q, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let target = placement_of(model, tool, &target_q);
     for weight in [1.0, 1e-2] {
         let mut builder = Problem::builder(model);
         builder.parameters(map.clone());
@@ -33,11 +33,11 @@ fn weighted_soft_tasks_are_named() {
                 .weight(Quantity::JointUnits, weight)
                 .named("my posture"),
         );
-        builder.add(Task::new(Posture::new(model, &there)).weight(Quantity::JointUnits, 1e-9));
+        builder.add(Task::new(Posture::new(model, &target_q)).weight(Quantity::JointUnits, 1e-9));
         builder.preferences(Preferences::Traded);
         let problem = builder.build().unwrap();
         assert_eq!(problem.preferences(), Preferences::Traded);
-        let solution = Solver::default().solve_once(&problem, &there).unwrap();
+        let solution = Solver::default().solve_once(&problem, &target_q).unwrap();
         assert!(!solution.reached);
         let named: Vec<&str> = solution.pulling_preferences().collect();
         assert_eq!(named, ["my posture"]);
@@ -123,10 +123,10 @@ fn interrupted_or_nan_soft_task_is_reported() {
     let (model, map) = (robot.model(), robot.map());
     let frame = model.frame(tool).unwrap();
     let mut random = Random::new(4);
-    let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+    let [target_q, other] = [(); 2].map(|()| configuration_of(model, &mut random));
     let mut builder = Problem::builder(model);
     builder.parameters(map.clone());
-    builder.add(Pose::new(frame, placement_of(model, tool, &there)));
+    builder.add(Pose::new(frame, placement_of(model, tool, &target_q)));
     let task = builder.add(Posture::new(model, &other));
     let problem = builder.build().unwrap();
     for (cancels, ended) in [
@@ -147,7 +147,7 @@ fn interrupted_or_nan_soft_task_is_reported() {
         };
         let mut workspace = Workspace::new();
         // Required tasks are reached at the start.
-        let solution = solver.solve_observed(&problem, &there, &mut workspace, &mut watch);
+        let solution = solver.solve_observed(&problem, &target_q, &mut workspace, &mut watch);
         let solution = solution.unwrap();
         assert!(solution.reached);
         assert_eq!(solution.termination, ended);
@@ -161,7 +161,7 @@ fn interrupted_or_nan_soft_task_is_reported() {
     let posture = targets.get_mut(task).unwrap();
     posture.set_reference(&vec![f64::NAN; other.len()]).unwrap();
     let question = problem.with_targets(&targets).unwrap();
-    let solution = Solver::default().solve_once(question, &there).unwrap();
+    let solution = Solver::default().solve_once(question, &target_q).unwrap();
     assert_eq!(solution.termination, Termination::NonFinite);
     assert!(solution.q.iter().all(|v| v.is_finite()));
 }

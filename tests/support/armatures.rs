@@ -59,8 +59,8 @@ pub fn pose(armature: &Armature, random: &mut Random) -> Pose {
 
 /// Angle between two rotations, radians.
 pub fn apart(a: Quat, b: Quat) -> f32 {
-    let turn = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
-    (2.0 * turn.xyz().length().min(1.0).asin()) as f32
+    let rotation_between = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
+    (2.0 * rotation_between.xyz().length().min(1.0).asin()) as f32
 }
 
 /// Largest difference between two poses, over lengths in metres and angles in radians.
@@ -86,12 +86,12 @@ pub fn model_by_ancestors(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
         let mut product = glam::DAffine3::IDENTITY;
         while let Some(bone) = next {
             let local = pose.local(bone).unwrap();
-            let own = glam::DAffine3::from_scale_rotation_translation(
+            let parent_from_bone = glam::DAffine3::from_scale_rotation_translation(
                 local.scale.as_dvec3(),
                 local.rotation.as_dquat().normalize(),
                 local.translation.as_dvec3(),
             );
-            product = own * product;
+            product = parent_from_bone * product;
             next = armature.parent(bone);
         }
         let m = product.matrix3;

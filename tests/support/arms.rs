@@ -119,15 +119,15 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// Planar arm of two links of 1 m with a rotating hand; the shoulder has the given limits.
 pub fn planar_with_hand(shoulder: Limits) -> Arm {
     let mut builder = Model::builder("planar");
-    let here = Placement::identity();
+    let identity = Placement::identity();
     let [x, _, z] = kinopt::spatial::Vector3::UNITS;
     let link = Placement::translation(x);
-    let turns = Limits::new(-3.0, 3.0);
-    builder.frame("base", None, here);
-    let shoulder = builder.revolute("shoulder", None, here, z, shoulder);
-    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
-    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
-    builder.frame("tool", Some(hand), here);
+    let limits = Limits::new(-3.0, 3.0);
+    builder.frame("base", None, identity);
+    let shoulder = builder.revolute("shoulder", None, identity, z, shoulder);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, limits);
+    let hand = builder.revolute("hand", Some(elbow), link, z, limits);
+    builder.frame("tool", Some(hand), identity);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     arm.build().unwrap()

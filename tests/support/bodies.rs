@@ -10,7 +10,7 @@ use kinopt::problem::{Preferences, TaskId};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Posture, Quantity, Task};
 
-use super::kept_limits::{Cone, Role, Rule, cross, exponential};
+use super::configuration_rules::{Cone, Role, Rule, cross, exponential};
 use super::random::Random;
 use super::{placement, vector};
 
@@ -78,7 +78,7 @@ impl Body {
 
     /// First broken rule of a configuration, if any.
     pub fn broken(&self, q: &[f64]) -> Option<String> {
-        super::kept_limits::broken(&self.rules, &self.roles, q)
+        super::configuration_rules::broken(&self.rules, &self.roles, q)
     }
 
     /// Configuration at the edges of all limits. Numbers are at an end of their range, balls on their cones and at an
@@ -120,18 +120,18 @@ impl Parts {
         let name = format!("joint {index}");
         let at = placement(&random.rigid(0.4));
         let direction = random.direction().into_inner();
-        let across = cross(direction.into(), random.direction().into_inner().into());
-        let across = nalgebra::Vector3::from(across).normalize();
-        let (axis, about) = (vector(direction), vector(across));
+        let perpendicular = cross(direction.into(), random.direction().into_inner().into());
+        let perpendicular = nalgebra::Vector3::from(perpendicular).normalize();
+        let (axis, about) = (vector(direction), vector(perpendicular));
         // The first joint is a base joint in most cases, and always movable.
         let kind = match index {
             0 => [2, 4, 8, 8][random.below(4)],
             _ => random.below(9),
         };
-        let own = name.clone();
+        let joint_name = name.clone();
         let mut numbers = |part: &str, limits: Limits| {
             let rule = Rule::Number(limits);
-            self.moving.push((format!("{own}{part}"), rule));
+            self.moving.push((format!("{joint_name}{part}"), rule));
         };
         let carrier = match kind {
             0 => builder.fixed(name, parent, at),
@@ -157,7 +157,7 @@ impl Parts {
                     0 => None,
                     kind => Some(Cone {
                         axis: direction.into(),
-                        about: across.into(),
+                        about: perpendicular.into(),
                         swing: if kind == 1 { [PI; 2] } else { swing(random) },
                         twist: if kind == 1 {
                             Limits::UNBOUNDED
@@ -176,7 +176,7 @@ impl Parts {
                     }
                 });
                 let joint = builder.ball(name, parent, at, axis, limits);
-                self.moving.push((own, Rule::Ball(cone)));
+                self.moving.push((joint_name, Rule::Ball(cone)));
                 joint
             }
             6 => {
@@ -188,23 +188,27 @@ impl Parts {
                 joint
             }
             7 => {
-                let room = [room(random), room(random)];
+                let position_limits = [base_bounds(random), base_bounds(random)];
                 let yaw = range(random, 3.0);
-                let joint = builder.planar(name, parent, at, axis, room, yaw);
+                let joint = builder.planar(name, parent, at, axis, position_limits, yaw);
                 let parts = ["/x", "/y", "/yaw"].into_iter();
-                for (part, limits) in parts.zip([room[0], room[1], yaw]) {
+                for (part, limits) in parts.zip([position_limits[0], position_limits[1], yaw]) {
                     numbers(part, limits);
                 }
                 joint
             }
             _ => {
-                let room = [room(random), room(random), room(random)];
-                let joint = builder.free(name, parent, at, room);
-                for (part, limits) in ["/x", "/y", "/z"].into_iter().zip(room) {
+                let position_limits = [
+                    base_bounds(random),
+                    base_bounds(random),
+                    base_bounds(random),
+                ];
+                let joint = builder.free(name, parent, at, position_limits);
+                for (part, limits) in ["/x", "/y", "/z"].into_iter().zip(position_limits) {
                     numbers(part, limits);
                 }
                 self.moving
-                    .push((format!("{own}/rotation"), Rule::Ball(None)));
+                    .push((format!("{joint_name}/rotation"), Rule::Ball(None)));
                 joint
             }
         };
@@ -223,7 +227,7 @@ fn range(random: &mut Random, size: f64) -> Limits {
 }
 
 /// Random base bounds.
-fn room(random: &mut Random) -> Limits {
+fn base_bounds(random: &mut Random) -> Limits {
     match random.below(3) {
         0 => Limits::UNBOUNDED,
         _ => range(random, 1.0),
@@ -247,11 +251,11 @@ fn swing(random: &mut Random) -> [f64; 2] {
 
 /// Adds a limit of the total angle to two of three balls with limits.
 fn whole_angle(cone: Cone, random: &mut Random) -> Cone {
-    let least = cone.twist.clamp(0.0).abs();
+    let rest_twist = cone.twist.clamp(0.0).abs();
     let angle = match random.below(3) {
         0 => PI,
-        1 => least + random.within(1e-3, 0.1),
-        _ => least + random.within(0.1, 2.0),
+        1 => rest_twist + random.within(1e-3, 0.1),
+        _ => rest_twist + random.within(0.1, 2.0),
     };
     Cone { angle, ..cone }
 }
@@ -274,7 +278,7 @@ fn roles(
 ) -> (ParameterMap, Vec<Role>) {
     let mut builder = ParameterMap::builder(model);
     let mut roles = Vec::new();
-    let mut master = None;
+    let mut source = None;
     for (name, rule) in moving {
         let joint = model.joint(name).unwrap();
         let at = model.coordinate(joint).unwrap();
@@ -291,15 +295,15 @@ fn roles(
             }
             (Rule::Number(limits), 1 | 2) => {
                 // The line goes through the middles of both ranges, so that the range of the source joint is not empty.
-                let Some((other, middle)) = master else {
-                    master = Some((joint, in_the_middle(limits)));
+                let Some((other, middle)) = source else {
+                    source = Some((joint, in_the_middle(limits)));
                     continue;
                 };
                 let ratio = random.within(-1.5, 1.5);
                 let offset = in_the_middle(limits) - ratio * middle;
                 builder = builder.with_coupled(joint, other, ratio, offset);
-                let leads = model.coordinate(other).unwrap();
-                roles.push(Role::Follows(at, leads, ratio, offset));
+                let source_index = model.coordinate(other).unwrap();
+                roles.push(Role::Follows(at, source_index, ratio, offset));
             }
             _ => {}
         }
@@ -325,10 +329,10 @@ pub fn direction(random: &mut Random) -> Vector3<f64> {
 pub fn sledge() -> (Model, FrameId, Masses) {
     let mut builder = Model::builder("sledge");
     let [x, y, _] = Vector3::UNITS;
-    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
-    let along = builder.prismatic("along", None, still, x, wide);
-    let aside = builder.prismatic("aside", Some(along), still, y, wide);
-    let frame = builder.frame("mass", Some(aside), still);
+    let (identity, limits) = (Placement::identity(), Limits::new(-5.0, 5.0));
+    let along = builder.prismatic("along", None, identity, x, limits);
+    let sideways = builder.prismatic("aside", Some(along), identity, y, limits);
+    let frame = builder.frame("mass", Some(sideways), identity);
     let model = builder.build().unwrap();
     let (at, mass) = (Vector3::zero(), 2.0);
     let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();

@@ -27,12 +27,12 @@ pub fn random_masses(tree: &RandomTree, random: &mut Random) -> (Masses, Vec<Mas
     });
     let masses = Masses::new(&tree.model, points).unwrap();
     let moved = |&(k, _, _): &Mass| {
-        let mut above = tree.hung[k].0;
-        while let Some(joint) = above {
+        let mut ancestor = tree.frame_offsets[k].0;
+        while let Some(joint) = ancestor {
             if tree.parts[joint].kind != JointKind::Fixed {
                 return true;
             }
-            above = tree.parts[joint].parent;
+            ancestor = tree.parts[joint].parent;
         }
         false
     };
@@ -65,14 +65,14 @@ pub fn outside_hull(points: &[na::Vector2<f64>], at: na::Vector2<f64>) -> na::Ve
     let mut nearest = at - points[0];
     for a in points {
         for b in points {
-            let way = b - a;
-            let share = match way.norm_squared() {
+            let edge = b - a;
+            let fraction = match edge.norm_squared() {
                 0.0 => 0.0,
-                squared => ((at - a).dot(&way) / squared).clamp(0.0, 1.0),
+                squared => ((at - a).dot(&edge) / squared).clamp(0.0, 1.0),
             };
-            let miss = at - (a + way * share);
-            if miss.norm() < nearest.norm() {
-                nearest = miss;
+            let offset = at - (a + edge * fraction);
+            if offset.norm() < nearest.norm() {
+                nearest = offset;
             }
         }
     }
@@ -85,7 +85,7 @@ pub fn body_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<Task
     all.extend(joint_cases(tree, q, random));
     let at = tree.frames_at(q);
     let slot = at.len() - 2;
-    let (frame, here) = (tree.frames[slot], at[slot]);
+    let (frame, frame_pose) = (tree.frames[slot], at[slot]);
 
     let axis = random.direction().into_inner();
     let across = axis.cross(&random.direction()).normalize();
@@ -94,18 +94,18 @@ pub fn body_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<Task
         ("gaze along", 1.3),
         ("gaze along, almost opposite", 3.0),
     ] {
-        let aim = here.rotation * (axis * f64::cos(off) + across * f64::sin(off));
+        let aim = frame_pose.rotation * (axis * f64::cos(off) + across * f64::sin(off));
         all.push(sum_case(
             name,
             move || Gaze::along(frame, axis * 2.0, aim * 0.3, 0.4),
             move |at, _| vec![((at[slot].rotation * axis).angle(&aim) - 0.4).max(0.0)],
         ));
-        let watched = here.translation.vector + aim * 2.0;
+        let gaze_target = frame_pose.translation.vector + aim * 2.0;
         all.push(sum_case(
             name,
-            move || Gaze::at(frame, axis * 0.7, watched, 0.4),
+            move || Gaze::at(frame, axis * 0.7, gaze_target, 0.4),
             move |at, _| {
-                let sight = watched - at[slot].translation.vector;
+                let sight = gaze_target - at[slot].translation.vector;
                 vec![((at[slot].rotation * axis).angle(&sight) - 0.4).max(0.0)]
             },
         ));
@@ -121,16 +121,16 @@ pub fn body_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<Task
             na::Rotation3::from_axis_angle(&turning, -angle),
             na::Vector3::zeros(),
         );
-        let turned = back.rotation * here.rotation;
-        let previous = rigid(turned, here.translation.vector + random.vector(0.01));
+        let turned = back.rotation * frame_pose.rotation;
+        let previous = rigid(turned, frame_pose.translation.vector + random.vector(0.01));
         let [v, w] = [random.vector(0.3), random.vector(0.3)];
         all.push(sum_case(
             name,
             move || FrameVelocity::new(frame, placement(&previous), 0.1, (v, w)),
             move |at, _| {
-                let way = at[slot].translation.vector - previous.translation.vector;
+                let displacement = at[slot].translation.vector - previous.translation.vector;
                 let turn = rotation_vector(at[slot].rotation * previous.rotation.inverse());
-                let linear = way / 0.1 - v;
+                let linear = displacement / 0.1 - v;
                 let angular = na::Vector3::from_vec(turn) / 0.1 - w;
                 linear.iter().chain(angular.iter()).copied().collect()
             },
@@ -146,59 +146,59 @@ fn balance_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskC
     let (masses, parts) = random_masses(tree, random);
     let target = centre(&at, &parts) + random.vector(0.3);
     let mut all = Vec::new();
-    let own = (masses.clone(), parts.clone());
+    let mass_data = (masses.clone(), parts.clone());
     all.push(sum_case(
         "centre of mass",
-        move || CentreOfMass::new(&own.0, target),
-        move |at, _| (centre(at, &own.1) - target).as_slice().to_vec(),
+        move || CentreOfMass::new(&mass_data.0, target),
+        move |at, _| (centre(at, &mass_data.1) - target).as_slice().to_vec(),
     ));
-    let own = (masses.clone(), parts.clone());
+    let mass_data = (masses.clone(), parts.clone());
     all.push(sum_case(
         "centre of mass over a point",
-        move || CentreOfMass::new(&own.0, target).free_along(Axis::Z),
-        move |at, _| (centre(at, &own.1) - target).as_slice()[..2].to_vec(),
+        move || CentreOfMass::new(&mass_data.0, target).free_along(Axis::Z),
+        move |at, _| (centre(at, &mass_data.1) - target).as_slice()[..2].to_vec(),
     ));
-    let own = (masses.clone(), parts.clone());
+    let mass_data = (masses.clone(), parts.clone());
     let seen = at[other].inverse() * na::Point3::from(target);
     all.push(sum_case(
         "centre of mass in a base",
         move || {
-            let task = CentreOfMass::new(&own.0, seen.coords).relative_to(base);
+            let task = CentreOfMass::new(&mass_data.0, seen.coords).relative_to(base);
             task.free_along(Axis::X)
         },
         move |at, _| {
-            let placed = at[other].inverse() * na::Point3::from(centre(at, &own.1));
+            let placed = at[other].inverse() * na::Point3::from(centre(at, &mass_data.1));
             (placed - seen).as_slice()[1..].to_vec()
         },
     ));
-    let own = (masses.clone(), parts.clone());
+    let mass_data = (masses.clone(), parts.clone());
     all.push(sum_case(
         "centre of mass within a room",
-        move || Bounded::new(CentreOfMass::new(&own.0, target), 0.05),
+        move || Bounded::new(CentreOfMass::new(&mass_data.0, target), 0.05),
         move |at, _| {
-            let miss = centre(at, &own.1) - target;
+            let miss = centre(at, &mass_data.1) - target;
             miss.iter().map(|v| v - v.clamp(-0.05, 0.05)).collect()
         },
     ));
 
     let corners: Vec<na::Vector3<f64>> = (0..6).map(|_| target + random.vector(0.2)).collect();
-    let own = (masses.clone(), parts.clone());
+    let mass_data = (masses.clone(), parts.clone());
     let flat = |v: &na::Vector3<f64>| v.xy();
     let points = corners.clone();
     all.push(sum_case(
         "support polygon",
-        move || SupportPolygon::new(&own.0).with_points(points.iter().map(|p| vector(*p))),
+        move || SupportPolygon::new(&mass_data.0).with_points(points.iter().map(|p| vector(*p))),
         move |at, _| {
             let hull: Vec<_> = corners.iter().map(flat).collect();
-            outside_hull(&hull, centre(at, &own.1).xy())
+            outside_hull(&hull, centre(at, &mass_data.1).xy())
                 .as_slice()
                 .to_vec()
         },
     ));
     let feet: Vec<(usize, Vec<na::Vector3<f64>>)> = [other, at.len() - 2]
         .map(|foot| {
-            let place = at[foot].inverse() * na::Point3::from(target);
-            let soles = (0..3).map(|_| place.coords + random.vector(0.2));
+            let local_target = at[foot].inverse() * na::Point3::from(target);
+            let soles = (0..3).map(|_| local_target.coords + random.vector(0.2));
             (foot, soles.collect())
         })
         .to_vec();
@@ -234,12 +234,12 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
     let mut all = Vec::new();
     let coefficients: Vec<f64> = q.iter().map(|_| random.within(-2.0, 2.0)).collect();
     let joints = model.moving_joints().to_vec();
-    let (own, factors) = (model.clone(), coefficients.clone());
+    let (tree_model, factors) = (model.clone(), coefficients.clone());
     all.push(sum_case(
         "joint coupling",
         move || {
             let pairs = joints.iter().copied().zip(factors.iter().copied());
-            JointCoupling::new(&own, pairs, 0.3)
+            JointCoupling::new(&tree_model, pairs, 0.3)
         },
         move |_, q| {
             let sum: f64 = q.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
@@ -257,17 +257,18 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
                 .collect()
         }
     };
-    let (own, near, weighted) = (model.clone(), reference.clone(), weights.clone());
+    let (tree_model, reference_copy, weighted) =
+        (model.clone(), reference.clone(), weights.clone());
     let expected = rows.clone();
     all.push(sum_case(
         "posture with weights",
-        move || Posture::new(&own, &near).with_weights(weighted.clone()),
+        move || Posture::new(&tree_model, &reference_copy).with_weights(weighted.clone()),
         move |_, q| expected(q, 1.0),
     ));
-    let own = model.clone();
+    let tree_model = model.clone();
     all.push(sum_case(
         "smoothness with weights",
-        move || Smoothness::new(&own, &reference, 0.02).with_weights(weights.clone()),
+        move || Smoothness::new(&tree_model, &reference, 0.02).with_weights(weights.clone()),
         move |_, q| rows(q, 1.0 / 0.02),
     ));
 
@@ -280,10 +281,10 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
     ] {
         let path = |k: usize| {
             let mut joints = Vec::new();
-            let mut above = tree.hung[k].0;
-            while let Some(joint) = above {
+            let mut ancestor = tree.frame_offsets[k].0;
+            while let Some(joint) = ancestor {
                 joints.push(tree.joints[joint]);
-                above = tree.parts[joint].parent;
+                ancestor = tree.parts[joint].parent;
             }
             joints
         };
@@ -300,16 +301,16 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
         if moving < part.len() || (part.end == 6 && turning < 3) {
             continue;
         }
-        let (own, frame, base) = (
+        let (tree_model, frame, base) = (
             model.clone(),
             tree.frames[slot],
             base.map(|k| tree.frames[k]),
         );
         let rows = part.clone();
         let product = move |q: &[f64]| -> na::DMatrix<f64> {
-            let of = |frame| frame_jacobian(&own, frame, q).unwrap();
-            let tip = of(frame);
-            let at = kinopt::kinematics::ForwardKinematics::new(&own)
+            let jacobian_of = |frame| frame_jacobian(&tree_model, frame, q).unwrap();
+            let tip = jacobian_of(frame);
+            let at = kinopt::kinematics::ForwardKinematics::new(&tree_model)
                 .place(q)
                 .unwrap()[frame.index()]
             .translation;
@@ -318,14 +319,14 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
                 let mut column = tip.column(k).into_owned();
                 if let Some(base) = base {
                     // Motion of the base at the tip is subtracted.
-                    let moved = of(base);
-                    let place = kinopt::kinematics::ForwardKinematics::new(&own)
+                    let moved = jacobian_of(base);
+                    let base_origin = kinopt::kinematics::ForwardKinematics::new(&tree_model)
                         .place(q)
                         .unwrap()[base.index()]
                     .translation;
-                    let away = na::Vector3::from(at) - na::Vector3::from(place);
+                    let lever = na::Vector3::from(at) - na::Vector3::from(base_origin);
                     let turn = moved.fixed_view::<3, 1>(3, k).into_owned();
-                    let carried = moved.fixed_view::<3, 1>(0, k) + turn.cross(&away);
+                    let carried = moved.fixed_view::<3, 1>(0, k) + turn.cross(&lever);
                     for r in 0..3 {
                         column[r] -= carried[r];
                         column[3 + r] -= turn[r];
@@ -342,19 +343,19 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
         }
         let measure = move |q: &[f64]| product(q).determinant().max(0.0).sqrt();
         // Twice the current measure, so that half of the requirement is missing.
-        let least = 2.0 * measure(q);
-        let own = model.clone();
+        let required = 2.0 * measure(q);
+        let tree_model = model.clone();
         all.push(sum_case(
             name,
             move || {
-                let task = Manipulability::new(&own, base, frame, least);
+                let task = Manipulability::new(&tree_model, base, frame, required);
                 match (part.start, part.end) {
                     (0, 3) => task.of_position(),
                     (3, _) => task.of_orientation(),
                     _ => task,
                 }
             },
-            move |_, q| vec![(1.0 - measure(q) / least).max(0.0)],
+            move |_, q| vec![(1.0 - measure(q) / required).max(0.0)],
         ));
     }
     all

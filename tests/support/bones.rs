@@ -46,11 +46,11 @@ impl RandomRig {
         let mut random = Random::new(seed);
         let count = 19 + random.below(4);
         let trunk = 3 + random.below(2);
-        let mut own = Parts::default();
-        own.add(&mut random, None, [(0.0, 0.0); 3]);
+        let mut parts = Parts::default();
+        parts.add(&mut random, None, [(0.0, 0.0); 3]);
         for _ in 1..trunk {
-            let parent = own.parents.len() - 1;
-            own.add(
+            let parent = parts.parents.len() - 1;
+            parts.add(
                 &mut random,
                 Some(parent),
                 [(-0.5, 0.5), (-0.6, 0.6), (-0.5, 0.5)],
@@ -58,7 +58,7 @@ impl RandomRig {
         }
         let mut tips = Vec::new();
         for limb in 0..5 {
-            let bones_left = count - own.parents.len();
+            let bones_left = count - parts.parents.len();
             let length = bones_left / (5 - limb);
             let mut parent = trunk - 1 - random.below(2);
             for segment in 0..length {
@@ -72,12 +72,12 @@ impl RandomRig {
                     (_, 1) => [(-1.0, 1.0), (0.0, 1.6), (-3.0, 3.0)],
                     _ => [(0.0, 0.0), (-0.8, 0.8), (-1.2, 1.2)],
                 };
-                own.add(&mut random, Some(parent), limits);
-                parent = own.parents.len() - 1;
+                parts.add(&mut random, Some(parent), limits);
+                parent = parts.parents.len() - 1;
             }
             tips.push(parent);
         }
-        own.build(seed, unit, moved, &tips)
+        parts.build(seed, unit, moved, &tips)
     }
 
     /// Transform T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹ of every bone, as a plain product.

@@ -12,10 +12,10 @@ use super::random::Random;
 use super::stationary::Cone;
 
 /// Weight of a radian relative to a metre, for any reach.
-const TURN: f64 = 0.5;
+const RADIAN_WEIGHT: f64 = 0.5;
 
 fn turning<R: Residual>(residual: R) -> Task<R> {
-    Task::new(residual).weight(Quantity::Radians, TURN)
+    Task::new(residual).weight(Quantity::Radians, RADIAN_WEIGHT)
 }
 
 /// Adds a task with its weight multiplied by a factor.
@@ -32,9 +32,9 @@ pub enum Change {
 impl Change {
     pub fn times(&self, share: f64) -> Self {
         match self {
-            Self::Targets(by) => Self::Targets(by * share),
-            Self::Weight(by) => Self::Weight(by * share),
-            Self::Origin(by) => Self::Origin(by * share),
+            Self::Targets(size) => Self::Targets(size * share),
+            Self::Weight(size) => Self::Weight(size * share),
+            Self::Origin(size) => Self::Origin(size * share),
         }
     }
 }
@@ -69,7 +69,7 @@ fn is_figure(kind: u64) -> bool {
 /// Chain in which the origin of one joint is shifted on its parent.
 fn body(kind: u64, (shifted, shift): (usize, na::Vector3<f64>), random: &mut Random) -> Body {
     let mut joint = 0;
-    let mut place = |random: &mut Random| {
+    let mut joint_placement = |random: &mut Random| {
         let mut at = random.rigid(0.3);
         if joint == shifted {
             at.translation.vector += shift;
@@ -90,13 +90,13 @@ fn body(kind: u64, (shifted, shift): (usize, na::Vector3<f64>), random: &mut Ran
     };
     let mut coordinate = 0;
     if figure {
-        let room = [Limits::new(-1.0, 1.0); 3];
-        let at = place(random);
-        last = Some(builder.free("base", None, at, room));
+        let position_limits = [Limits::new(-1.0, 1.0); 3];
+        let at = joint_placement(random);
+        last = Some(builder.free("base", None, at, position_limits));
         coordinate += 7;
     }
     for index in 0..joints {
-        let at = place(random);
+        let at = joint_placement(random);
         let axis = random.direction();
         let along = super::vector(axis.into_inner());
         let name = format!("joint {index}");
@@ -143,7 +143,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
     let random = &mut Random::new(seed + 77);
     let kind = seed % KINDS;
     let origin = match change {
-        Change::Origin(by) => *by,
+        Change::Origin(size) => *size,
         _ => 0.0,
     };
     let shifted = random.below(4) + 1;
@@ -161,17 +161,17 @@ pub fn case(seed: u64, change: &Change) -> Case {
     let mut kinematics = ForwardKinematics::of_frames(&straight.model, &frames).unwrap();
     let at: Vec<Placement<f64>> = kinematics.place(&q).unwrap().to_vec();
     let step = match change {
-        Change::Targets(by) => *by,
+        Change::Targets(size) => *size,
         _ => 0.0,
     };
     let weight = match change {
-        Change::Weight(by) => *by,
+        Change::Weight(size) => *size,
         _ => 0.0,
     };
-    let far = |random: &mut Random, by: f64| super::vector(random.vector(by));
+    let random_offset = |random: &mut Random, by: f64| super::vector(random.vector(by));
     let mut goals: Vec<Goal> = Vec::new();
     let mut target_steps: Vec<Vec<f64>> = Vec::new();
-    let mut six = |random: &mut Random, count: usize| -> Vec<f64> {
+    let mut random_rates = |random: &mut Random, count: usize| -> Vec<f64> {
         let step: Vec<f64> = (0..count).map(|_| random.within(-1.0, 1.0)).collect();
         target_steps.push(step.clone());
         step
@@ -185,49 +185,55 @@ pub fn case(seed: u64, change: &Change) -> Case {
         0..=2 => {
             let mut target = at_tip;
             if kind == 2 {
-                target.translation += far(random, 0.8);
+                target.translation += random_offset(random, 0.8);
             }
-            let own = six(random, 6);
+            let target_rates = random_rates(random, 6);
             goals.push(Box::new(move |tasks, times| {
                 let mut target = target;
-                let way = Vector3::new(own[0], own[1], own[2]) * step;
-                target.translation += target.rotation * way;
-                target.rotation = turned(target.rotation, &own[3..], step);
+                let displacement =
+                    Vector3::new(target_rates[0], target_rates[1], target_rates[2]) * step;
+                target.translation += target.rotation * displacement;
+                target.rotation = turned(target.rotation, &target_rates[3..], step);
                 tasks.add(turning(Pose::new(tip, target)).scale(times));
             }));
         }
         3 | 5 => {
-            let own = six(random, 3);
+            let target_rates = random_rates(random, 3);
             goals.push(Box::new(move |tasks, times| {
-                let way = Vector3::new(own[0], own[1], own[2]) * step;
-                tasks.add(Task::new(Point::new(tip, at_tip.translation + way)).scale(times));
+                let displacement =
+                    Vector3::new(target_rates[0], target_rates[1], target_rates[2]) * step;
+                tasks.add(
+                    Task::new(Point::new(tip, at_tip.translation + displacement)).scale(times),
+                );
             }));
         }
         4 | 6 => {
-            let miss = if kind == 6 {
-                far(random, 1.5)
+            let offset = if kind == 6 {
+                random_offset(random, 1.5)
             } else {
-                far(random, 0.0)
+                random_offset(random, 0.0)
             };
-            let (own, other) = (six(random, 3), six(random, 3));
+            let (target_rates, other) = (random_rates(random, 3), random_rates(random, 3));
             goals.push(Box::new(move |tasks, times| {
-                let way = Vector3::new(own[0], own[1], own[2]) * step;
-                let target = at_tip.translation + miss + way;
+                let displacement =
+                    Vector3::new(target_rates[0], target_rates[1], target_rates[2]) * step;
+                let target = at_tip.translation + offset + displacement;
                 tasks.add(Task::new(Point::new(tip, target)).scale(times));
                 let target = turned(at_first.rotation, &other, step);
                 tasks.add(turning(Orientation::new(first, target)));
             }));
         }
         _ => {
-            let off = far(random, 1.0);
-            let (own, other) = (six(random, 3), six(random, 6));
+            let off = random_offset(random, 1.0);
+            let (target_rates, other) = (random_rates(random, 3), random_rates(random, 6));
             goals.push(Box::new(move |tasks, times| {
-                let way = Vector3::new(own[0], own[1], own[2]) * step;
-                let target = at_first.translation + off + way;
+                let displacement =
+                    Vector3::new(target_rates[0], target_rates[1], target_rates[2]) * step;
+                let target = at_first.translation + off + displacement;
                 tasks.add(Task::new(Point::new(first, target)).scale(times));
                 let mut target = at_tip;
-                let way = Vector3::new(other[0], other[1], other[2]) * step;
-                target.translation += target.rotation * way;
+                let displacement = Vector3::new(other[0], other[1], other[2]) * step;
+                target.translation += target.rotation * displacement;
                 target.rotation = turned(target.rotation, &other[3..], step);
                 tasks.add(turning(Pose::new(tip, target)));
             }));
@@ -281,8 +287,8 @@ pub fn case(seed: u64, change: &Change) -> Case {
         Change::Weight(_) => {
             // Position and orientation of a pose, each with its own weight.
             let blocks = if kind <= 2 { 2 } else { 1 };
-            let own = [1.0, TURN];
-            rates.weights_mut()[..blocks].copy_from_slice(&own[..blocks]);
+            let block_rates = [1.0, RADIAN_WEIGHT];
+            rates.weights_mut()[..blocks].copy_from_slice(&block_rates[..blocks]);
         }
         Change::Origin(_) => {
             rates = rates.with_joint_origins(model.joints().len());
@@ -290,7 +296,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
             let index = match (figure, shifted) {
                 (true, 0) => 0,
                 (true, later) => later + 3,
-                (false, own) => own,
+                (false, joint) => joint,
             };
             rates.joint_origins_mut()[index] = super::vector(shift);
         }

@@ -65,18 +65,20 @@ fn keys(value: &Value, all: &mut Vec<String>) {
     if let Value::Object(map) = value {
         all.extend(map.keys().cloned());
     }
-    children(value).into_iter().for_each(|own| keys(own, all));
+    children(value)
+        .into_iter()
+        .for_each(|child| keys(child, all));
 }
 
 /// Random list or object of a document.
 fn holder<'v>(root: &'v mut Value, random: &mut Random) -> &'v mut Value {
-    let mut way = random.clone();
+    let mut candidate = random.clone();
     let is_any = |value: &Value| !children(value).is_empty();
     for _ in 0..8 {
-        let tried = way.clone();
-        if is_any(below(root, &mut way, false)) {
-            *random = way;
-            return below(root, &mut tried.clone(), false);
+        let before = candidate.clone();
+        if is_any(below(root, &mut candidate, false)) {
+            *random = candidate;
+            return below(root, &mut before.clone(), false);
         }
     }
     root
@@ -84,27 +86,27 @@ fn holder<'v>(root: &'v mut Value, random: &mut Random) -> &'v mut Value {
 
 /// Applies one random change to a document.
 pub fn change(root: &mut Value, random: &mut Random) {
-    let elsewhere = below(&mut root.clone(), random, false).clone();
-    let mut known = Vec::new();
-    keys(root, &mut known);
+    let other_value = below(&mut root.clone(), random, false).clone();
+    let mut known_keys = Vec::new();
+    keys(root, &mut known_keys);
     let (one, other) = (random.bits() as usize, random.bits() as usize);
     match random.below(12) {
         0..=2 => {
             let all = values();
             *below(root, random, true) = all[one % all.len()].clone();
         }
-        3 => *below(root, random, true) = elsewhere,
+        3 => *below(root, random, true) = other_value,
         4 | 5 => {
-            let own = below(root, random, true);
-            if let Some(number) = own.as_f64() {
+            let value = below(root, random, true);
+            if let Some(number) = value.as_f64() {
                 let by = [2.0, -1.0, 0.5, 1.001, 1e-9, 1e6][one % 6];
-                *own = json!(number * by);
-            } else if let Some(text) = own.as_str() {
-                *own = match one % 4 {
+                *value = json!(number * by);
+            } else if let Some(text) = value.as_str() {
+                *value = match one % 4 {
                     0 => json!(format!("{text}{text}")),
                     1 => json!(text.to_uppercase()),
                     2 => json!(text.get(1..).unwrap_or("x")),
-                    _ => json!(known[other % known.len().max(1)]),
+                    _ => json!(known_keys[other % known_keys.len().max(1)]),
                 };
             }
         }
@@ -122,8 +124,8 @@ pub fn change(root: &mut Value, random: &mut Random) {
                 list.insert(other % (list.len() + 1), copy);
             }
             Value::Object(map) => {
-                let key = known[one % known.len()].clone();
-                map.insert(key, elsewhere);
+                let key = known_keys[one % known_keys.len()].clone();
+                map.insert(key, other_value);
             }
             _ => {}
         },
@@ -147,16 +149,16 @@ pub fn change(root: &mut Value, random: &mut Random) {
 
 /// `count` documents, each with one to three random changes.
 pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
-    let whole: Value = serde_json::from_str(text).unwrap();
+    let original: Value = serde_json::from_str(text).unwrap();
     let each = (0..count).map(|number| {
-        let mut own = whole.clone();
+        let mut document = original.clone();
         for _ in 0..=random.below(3) {
-            change(&mut own, random);
+            change(&mut document, random);
         }
         // Compact or pretty-printed.
         match number % 2 {
-            0 => own.to_string(),
-            _ => serde_json::to_string_pretty(&own).unwrap(),
+            0 => document.to_string(),
+            _ => serde_json::to_string_pretty(&document).unwrap(),
         }
     });
     each.collect()

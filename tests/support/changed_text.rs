@@ -59,12 +59,12 @@ fn change(text: &str, random: &mut Random) -> String {
         10 => lines.swap(line, (line + 1) % count),
         11 => {
             let upper = pieces[word].to_uppercase();
-            let own = if upper == pieces[word] {
+            let changed_case = if upper == pieces[word] {
                 upper.to_lowercase()
             } else {
                 upper
             };
-            pieces[word] = &own;
+            pieces[word] = &changed_case;
             return pieces.concat();
         }
         12 => pieces.truncate(word),
@@ -80,11 +80,11 @@ fn change(text: &str, random: &mut Random) -> String {
 /// `count` texts, each with one to three random changes.
 pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
     let each = (0..count).map(|_| {
-        let mut own = text.to_owned();
+        let mut text_copy = text.to_owned();
         for _ in 0..=random.below(3) {
-            own = change(&own, random);
+            text_copy = change(&text_copy, random);
         }
-        own
+        text_copy
     });
     each.collect()
 }

@@ -60,7 +60,8 @@ impl Element {
 
     fn of(node: roxmltree::Node<'_, '_>) -> Self {
         let attributes = node.attributes();
-        let attributes = attributes.map(|own| (own.name().to_owned(), own.value().to_owned()));
+        let attributes =
+            attributes.map(|attribute| (attribute.name().to_owned(), attribute.value().to_owned()));
         let children = node.children().filter(roxmltree::Node::is_element);
         Self {
             tag: node.tag_name().name().to_owned(),
@@ -136,39 +137,43 @@ impl Element {
 
     /// Applies one random change.
     pub fn change(&mut self, random: &mut Random) {
-        let mut known = Vec::new();
-        self.all_attributes(&mut known);
+        let mut known_attributes = Vec::new();
+        self.all_attributes(&mut known_attributes);
         let count = self.count();
         let (one, other) = (random.below(count), random.below(count));
         match random.below(12) {
             // Replaces an attribute's value, or one number in it, by another value.
             0..=5 => {
                 let kind = random.below(3);
-                let (_, elsewhere) = known[random.below(known.len())].clone();
+                let (_, other_value) =
+                    known_attributes[random.below(known_attributes.len())].clone();
                 let (value, number) = (
                     VALUES[random.below(VALUES.len())],
                     NUMBERS[random.below(NUMBERS.len())],
                 );
-                let place = random.bits() as usize;
+                let position = random.bits() as usize;
                 // First element with attributes from that number on.
                 for number_of in (one..count).chain(0..one) {
                     let Some(element) = self.at(number_of) else {
                         break;
                     };
-                    let (among, own) = (element.attributes.len(), &mut element.attributes);
-                    let Some((_, own)) = own.get_mut(place % among.max(1)) else {
+                    let (among, value_to_change) =
+                        (element.attributes.len(), &mut element.attributes);
+                    let Some((_, value_to_change)) =
+                        value_to_change.get_mut(position % among.max(1))
+                    else {
                         continue;
                     };
                     match kind {
-                        0 => *own = value.to_owned(),
-                        1 => *own = elsewhere,
+                        0 => *value_to_change = value.to_owned(),
+                        1 => *value_to_change = other_value,
                         _ => {
-                            let mut words: Vec<&str> = own.split_whitespace().collect();
-                            let at = place % words.len().max(1);
+                            let mut words: Vec<&str> = value_to_change.split_whitespace().collect();
+                            let at = position % words.len().max(1);
                             if let Some(word) = words.get_mut(at) {
                                 *word = number;
                             }
-                            *own = words.join(" ");
+                            *value_to_change = words.join(" ");
                         }
                     }
                     break;
@@ -176,16 +181,19 @@ impl Element {
             }
             // Removes an attribute, or adds one from another element.
             6 => {
-                let place = random.bits() as usize;
-                if let Some(element) = self.at(one).filter(|own| !own.attributes.is_empty()) {
+                let position = random.bits() as usize;
+                if let Some(element) = self
+                    .at(one)
+                    .filter(|candidate| !candidate.attributes.is_empty())
+                {
                     let among = element.attributes.len();
-                    element.attributes.remove(place % among);
+                    element.attributes.remove(position % among);
                 }
             }
             7 => {
-                let (name, value) = known[random.below(known.len())].clone();
+                let (name, value) = known_attributes[random.below(known_attributes.len())].clone();
                 if let Some(element) = self.at(one) {
-                    element.attributes.retain(|(own, _)| *own != name);
+                    element.attributes.retain(|(key, _)| *key != name);
                     element.attributes.push((name, value));
                 }
             }
@@ -201,7 +209,10 @@ impl Element {
             // Removes, duplicates or moves an element.
             9 => drop(self.take(one)),
             10 => {
-                let copy = self.at(one).map(|own| own.clone()).filter(|_| one > 0);
+                let copy = self
+                    .at(one)
+                    .map(|original| original.clone())
+                    .filter(|_| one > 0);
                 if let (Some(copy), Some(parent)) = (copy, self.at(other)) {
                     parent.children.push(copy);
                 }

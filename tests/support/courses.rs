@@ -62,16 +62,16 @@ enum Shape {
 }
 
 const STEP_PERIOD: f64 = 0.6;
-const REST: f64 = 0.4;
+const PAUSE_TIME: f64 = 0.4;
 const HAND_RATE: f64 = 30.0;
 
 impl Course {
     /// Placement base_from_tool at a time in seconds.
     pub fn at(&self, time: f64) -> Placement<f64> {
-        let moved = |by: Vector3<f64>, turn: Vector3<f64>| {
+        let moved = |offset: Vector3<f64>, turn: Vector3<f64>| {
             Placement::new(
                 self.first.rotation * rotation_exp(turn),
-                self.first.translation + by,
+                self.first.translation + offset,
             )
         };
         match &self.shape {
@@ -81,14 +81,16 @@ impl Course {
                 turn,
                 speed,
             } => {
-                let way = length / speed;
-                let share = match time {
-                    t if t < way => t / way,
-                    t if t < way + REST => 1.0,
-                    t if t < 2.0 * way + REST => 1.0 - (t - way - REST) / way,
+                let travel_time = length / speed;
+                let fraction = match time {
+                    t if t < travel_time => t / travel_time,
+                    t if t < travel_time + PAUSE_TIME => 1.0,
+                    t if t < 2.0 * travel_time + PAUSE_TIME => {
+                        1.0 - (t - travel_time - PAUSE_TIME) / travel_time
+                    }
                     _ => 0.0,
                 };
-                moved(*direction * (share * length), *turn * share)
+                moved(*direction * (fraction * length), *turn * fraction)
             }
             Shape::Circle {
                 right,
@@ -97,8 +99,8 @@ impl Course {
                 rate,
             } => {
                 let angle = rate * time;
-                let by = *right * (radius * angle.sin()) + *up * (radius * (1.0 - angle.cos()));
-                moved(by, Vector3::zero())
+                let offset = *right * (radius * angle.sin()) + *up * (radius * (1.0 - angle.cos()));
+                moved(offset, Vector3::zero())
             }
             Shape::Steps(poses) => poses[((time / STEP_PERIOD) as usize).min(poses.len() - 1)],
             Shape::Hand {
@@ -111,11 +113,11 @@ impl Course {
                 let time = sample / HAND_RATE;
                 let mut random = Random(seed.wrapping_add(sample as u64));
                 let mut jitter = || vector(&mut random) * *noise;
-                let mut by = jitter();
+                let mut offset = jitter();
                 for (amplitude, rate) in amplitudes.iter().zip(rates) {
-                    by += *amplitude * (TAU * rate * time).sin();
+                    offset += *amplitude * (TAU * rate * time).sin();
                 }
-                moved(by, jitter() * 3.0)
+                moved(offset, jitter() * 3.0)
             }
         }
     }
@@ -127,8 +129,8 @@ fn vector(random: &mut Random) -> Vector3<f64> {
 }
 
 fn direction(random: &mut Random) -> Vector3<f64> {
-    let way = vector(random);
-    way * way.norm().max(1e-9).recip()
+    let v = vector(random);
+    v * v.norm().max(1e-9).recip()
 }
 
 /// Course number `index` of an arm. The kind cycles with the index; everything else is random.
@@ -199,10 +201,13 @@ pub fn course(arm: &Arm, index: usize) -> Course {
         }
         "steps" => {
             let pose = |random: &mut Random, near: bool| {
-                let far = if near { 0.1 } else { 0.5 };
-                let by = vector(random) * (far * size);
-                let turn = vector(random) * far;
-                Placement::new(first.rotation * rotation_exp(turn), first.translation + by)
+                let size_factor = if near { 0.1 } else { 0.5 };
+                let offset = vector(random) * (size_factor * size);
+                let turn = vector(random) * size_factor;
+                Placement::new(
+                    first.rotation * rotation_exp(turn),
+                    first.translation + offset,
+                )
             };
             Shape::Steps((0..5).map(|k| pose(&mut random, k % 2 == 0)).collect())
         }
@@ -216,7 +221,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
         },
     };
     let duration = match &shape {
-        Shape::Line { length, speed, .. } => 2.0 * (length / speed + REST),
+        Shape::Line { length, speed, .. } => 2.0 * (length / speed + PAUSE_TIME),
         Shape::Steps(poses) => poses.len() as f64 * STEP_PERIOD,
         Shape::Circle { .. } | Shape::Hand { .. } => 3.0,
     };
@@ -266,10 +271,20 @@ pub fn reference(arm: &Arm, course: &Course, time_step: f64) -> Vec<Vec<f64>> {
     let mut velocities = Vec::with_capacity(cycles);
     for k in 1..=cycles {
         let target = course.at(k as f64 * step);
-        let here = arm.base_from_tool(&q).unwrap();
-        let turn: Matrix3<f64> = target.rotation * here.rotation.transpose();
-        let (by, turn) = (target.translation - here.translation, rotation_log(&turn));
-        let error = nalgebra::Vector6::new(by.x, by.y, by.z, turn.x, turn.y, turn.z);
+        let base_from_tool = arm.base_from_tool(&q).unwrap();
+        let turn: Matrix3<f64> = target.rotation * base_from_tool.rotation.transpose();
+        let (position_error, turn) = (
+            target.translation - base_from_tool.translation,
+            rotation_log(&turn),
+        );
+        let error = nalgebra::Vector6::new(
+            position_error.x,
+            position_error.y,
+            position_error.z,
+            turn.x,
+            turn.y,
+            turn.z,
+        );
         let j = jacobian.at(&q).unwrap();
         let mut normal = j * j.transpose();
         for i in 0..6 {
@@ -294,10 +309,10 @@ pub fn unexcused(found: &[Reversal], reference: &[Vec<f64>]) -> Vec<Reversal> {
         return Vec::new();
     }
     let excuses = reversals(reference);
-    let excused = |own: &&Reversal| {
+    let excused = |reversal: &&Reversal| {
         !excuses.iter().any(|other| {
-            let at = other.cycle as f64 / REFERENCE_RATE as f64;
-            other.joint == own.joint && (at - own.cycle as f64).abs() <= 2.0
+            let cycle = other.cycle as f64 / REFERENCE_RATE as f64;
+            other.joint == reversal.joint && (cycle - reversal.cycle as f64).abs() <= 2.0
         })
     };
     found.iter().filter(excused).copied().collect()

@@ -84,7 +84,7 @@ impl Figure {
             };
             let along = |axis: &na::Unit<na::Vector3<f64>>| super::vector(axis.into_inner());
             let id = match &kind {
-                Kind::Free(room) => builder.free(&*name, on, at, *room),
+                Kind::Free(position_limits) => builder.free(&*name, on, at, *position_limits),
                 Kind::Ball(None) => builder.ball(&*name, on, at, along(&axis), None),
                 Kind::Ball(Some(cone)) => {
                     let limits = BallLimits::elliptic(along(&cone.about), cone.swing, cone.twist);
@@ -123,11 +123,11 @@ impl Figure {
 
     /// Placement of every frame.
     pub fn frames_at(&self, q: &[f64]) -> Vec<Rigid> {
-        let mut rest = q;
+        let mut remaining_q = q;
         let mut take = |count: usize| {
-            let (own, others) = rest.split_at(count);
-            rest = others;
-            own
+            let (values, remaining) = remaining_q.split_at(count);
+            remaining_q = remaining;
+            values
         };
         let mut world: Vec<Rigid> = Vec::new();
         for part in &self.parts {
@@ -146,8 +146,8 @@ impl Figure {
                     Rigid::from_parts(na::Translation3::identity(), turned)
                 }
                 Kind::Slide(axis, _) => {
-                    let way = axis.into_inner() * take(1)[0];
-                    Rigid::from_parts(way.into(), na::Rotation3::identity())
+                    let displacement = axis.into_inner() * take(1)[0];
+                    Rigid::from_parts(displacement.into(), na::Rotation3::identity())
                 }
             };
             let parent = part.parent.map_or(Rigid::identity(), |p| world[p]);
@@ -165,8 +165,8 @@ impl Figure {
         let mut at = 0;
         for part in &self.parts {
             let fault = match &part.kind {
-                Kind::Free(room) => {
-                    let out = (0..3).find(|&k| !room[k].contains(q[at + k]));
+                Kind::Free(position_limits) => {
+                    let out = (0..3).find(|&k| !position_limits[k].contains(q[at + k]));
                     let length = quaternion_length(&q[at + 3..]);
                     at += 7;
                     out.map(|k| format!("slides out along {k}")).or_else(|| {
@@ -174,12 +174,15 @@ impl Figure {
                     })
                 }
                 Kind::Ball(cone) => {
-                    let own = &q[at..at + 4];
+                    let quaternion = &q[at..at + 4];
                     at += 4;
-                    let length = quaternion_length(own);
+                    let length = quaternion_length(quaternion);
                     (length > 1e-12)
                         .then(|| format!("quaternion off by {length:e}"))
-                        .or_else(|| cone.as_ref().and_then(|cone| cone.broken(&unit(own))))
+                        .or_else(|| {
+                            cone.as_ref()
+                                .and_then(|cone| cone.broken(&unit(quaternion)))
+                        })
                 }
                 Kind::Hinge(_, limits) | Kind::Slide(_, limits) => {
                     at += 1;

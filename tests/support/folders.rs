@@ -7,8 +7,8 @@ pub struct Folder(PathBuf);
 
 impl Folder {
     pub fn new(name: &str) -> Self {
-        let own = format!("kinopt-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(own);
+        let folder_name = format!("kinopt-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(folder_name);
         std::fs::create_dir_all(&folder).unwrap();
         Self(folder)
     }

@@ -50,25 +50,25 @@ pub fn bent(armature: &Armature, random: &mut Random) -> Pose {
     pose
 }
 
-pub struct Places {
+pub struct JointPositions {
     pub root: Vec3A,
     pub mid: Vec3A,
     pub end: Vec3A,
 }
 
-pub fn places(armature: &Armature, pose: &Pose) -> Places {
+pub fn joint_positions(armature: &Armature, pose: &Pose) -> JointPositions {
     let mut model = vec![Affine3A::IDENTITY; armature.bones()];
     armature.local_to_model(pose, &mut model).unwrap();
-    let of = |name| &model[armature.bone(name).unwrap().index()];
-    Places {
-        root: of("upper").translation,
-        mid: of("lower").translation,
-        end: of("lower").transform_point3a(END),
+    let transform_of = |name| &model[armature.bone(name).unwrap().index()];
+    JointPositions {
+        root: transform_of("upper").translation,
+        mid: transform_of("lower").translation,
+        end: transform_of("lower").transform_point3a(END),
     }
 }
 
 /// Random target within reach of the arm from its pose.
-pub fn reachable(random: &mut Random, from: &Places) -> Vec3A {
+pub fn reachable(random: &mut Random, from: &JointPositions) -> Vec3A {
     let direction = rotation(random, 3.0) * Vec3A::X;
     from.root + direction * random.within(0.12, 0.5) as f32
 }

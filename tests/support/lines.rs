@@ -20,11 +20,11 @@ pub const ROBOTS: [(&str, &str, &str); 7] = [
 
 /// Robots of a test: a debug build takes one of each kind unless `KINOPT_CASES` is set.
 pub fn robots() -> impl Iterator<Item = &'static str> {
-    let few = few();
+    let is_reduced = few();
     let all = ROBOTS.into_iter().map(|(name, ..)| name);
     all.filter(move |name| {
         let kinds = ["franka_panda", "universal_ur5e", "adept_cobra_s600"];
-        !few || kinds.contains(name)
+        !is_reduced || kinds.contains(name)
     })
 }
 
@@ -51,32 +51,34 @@ pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
 /// Line from a random configuration; none if the branch does not end within 1.5 m.
 fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
     /// Step of the search for the end of the branch, metres.
-    const COARSE: f64 = 5e-3;
+    const COARSE_STEP: f64 = 5e-3;
     // Length of the line before and after the end of the branch, metres.
-    let around = if few() { 0.015 } else { 0.03 };
+    let half_length = if few() { 0.015 } else { 0.03 };
     let q = inner(arm, random);
     let first = arm.base_from_tool(&q).ok()?;
     let mut unit = || 2.0 * random.unit() - 1.0;
-    let way = Vector3::new(unit(), unit(), unit());
-    let way = way * way.norm().recip();
-    let at = |metres: f64| Placement::new(first.rotation, first.translation + way * metres);
-    let mut known = vec![q];
+    let direction = Vector3::new(unit(), unit(), unit());
+    let direction = direction * direction.norm().recip();
+    let at = |metres: f64| Placement::new(first.rotation, first.translation + direction * metres);
+    let mut configurations = vec![q];
     let mut solution = Solution::default();
-    let mut follower = arm.follower(&known[0]).ok()?;
+    let mut follower = arm.follower(&configurations[0]).ok()?;
     for k in 1..300 {
-        let metres = f64::from(k) * COARSE;
+        let metres = f64::from(k) * COARSE_STEP;
         let jump = follower.advance(at(metres), &mut solution).ok()?;
         if solution.reached && jump.is_none() {
-            known.push(solution.q.clone());
+            configurations.push(solution.q.clone());
             continue;
         }
-        let back = (around / COARSE) as usize;
-        let place = known.len().checked_sub(1 + back)?;
-        let from = place as f64 * COARSE;
-        let steps = (2.0 * around / STEP) as usize;
+        let steps_back = (half_length / COARSE_STEP) as usize;
+        let start_index = configurations.len().checked_sub(1 + steps_back)?;
+        let start_distance = start_index as f64 * COARSE_STEP;
+        let steps = (2.0 * half_length / STEP) as usize;
         return Some(Line {
-            start: known[place].clone(),
-            out: (0..steps).map(|k| at(from + k as f64 * STEP)).collect(),
+            start: configurations[start_index].clone(),
+            out: (0..steps)
+                .map(|k| at(start_distance + k as f64 * STEP))
+                .collect(),
         });
     }
     None

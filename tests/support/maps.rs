@@ -46,7 +46,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     let model = &tree.model;
     let moving = model.moving_joints();
     let limits: Vec<Limits> = model.limits().collect();
-    let own = |n: usize| {
+    let free_rules = |n: usize| {
         (0..n)
             .map(|c| (Some(c), 1.0, 0.0))
             .collect::<Vec<(Option<usize>, f64, f64)>>()
@@ -55,7 +55,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     let mut all = vec![ExpectedMap {
         name: "free",
         map: ParameterMap::free(model),
-        rules: own(n),
+        rules: free_rules(n),
     }];
 
     let mut builder = ParameterMap::builder(model);
@@ -80,7 +80,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     let (first, last) = (0, n - 1);
     let ratio = -0.6;
     let offset = middle(&limits[last]) - ratio * middle(&limits[first]);
-    let mut rules = own(n);
+    let mut rules = free_rules(n);
     rules[last] = (Some(first), ratio, offset);
     all.push(ExpectedMap {
         name: "coupled",

@@ -15,8 +15,8 @@ pub fn longest(a: &[f64], b: &[f64]) -> f64 {
 /// than half of a step of 0.2 rad. Of a hundred parts, longer ones are divided into twenty. The null space motion is
 /// distributed evenly.
 pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
-    const PARTS: u32 = 100;
-    const SMALLER: u32 = 20;
+    const PARTS_PER_SEGMENT: u32 = 100;
+    const STEPS_PER_PART: u32 = 20;
     let [begin, end] = ends.map(Isometry3::from);
     let arm = arm.with_search(Search::Start).unwrap();
     // Step from one fraction of the segment to a later one.
@@ -30,13 +30,13 @@ pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> 
         let near = gone.position_error().is_some_and(|metres| metres < 1e-4);
         (near && longest(q, &gone.q) <= 0.1).then_some(gone.q)
     };
-    let share = |smaller: u32| f64::from(smaller) / f64::from(PARTS * SMALLER);
+    let share = |smaller: u32| f64::from(smaller) / f64::from(PARTS_PER_SEGMENT * STEPS_PER_PART);
     let mut q = from.to_vec();
-    for part in 0..PARTS - 1 {
-        let begin = part * SMALLER;
-        let whole = go(&q, share(begin), share(begin + SMALLER));
-        let gone = whole.or_else(|| {
-            let mut steps = begin..begin + SMALLER;
+    for part in 0..PARTS_PER_SEGMENT - 1 {
+        let begin = part * STEPS_PER_PART;
+        let single_step = go(&q, share(begin), share(begin + STEPS_PER_PART));
+        let gone = single_step.or_else(|| {
+            let mut steps = begin..begin + STEPS_PER_PART;
             steps.try_fold(q.clone(), |q, at| go(&q, share(at), share(at + 1)))
         });
         let Some(gone) = gone else {

@@ -8,11 +8,11 @@ pub struct Random(u64);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        let mut own = Self(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) ^ 0x1234_5678_9ABC_DEF1);
+        let mut generator = Self(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) ^ 0x1234_5678_9ABC_DEF1);
         for _ in 0..8 {
-            own.bits();
+            generator.bits();
         }
-        own
+        generator
     }
 
     pub fn bits(&mut self) -> u64 {

@@ -11,7 +11,7 @@ use kinopt::solver::Stopping;
 use kinopt::task::{CentreOfMass, Point};
 use kinopt::{Solution, Solver};
 
-use crate::kept_limits::{Cone, Rule, broken, cross};
+use crate::configuration_rules::{Cone, Rule, broken, cross};
 
 /// Rules of a model's joints in configuration order.
 fn rules(model: &Model) -> Vec<Rule> {
@@ -42,11 +42,11 @@ fn rules(model: &Model) -> Vec<Rule> {
 
 /// Unit vector perpendicular to an axis.
 fn across(axis: [f64; 3]) -> [f64; 3] {
-    let least = (0..3)
+    let smallest = (0..3)
         .min_by(|a, b| axis[*a].abs().total_cmp(&axis[*b].abs()))
         .unwrap();
     let mut other = [0.0; 3];
-    other[least] = 1.0;
+    other[smallest] = 1.0;
     let side = cross(axis, other);
     let length = side.iter().map(|c| c * c).sum::<f64>().sqrt();
     side.map(|c| c / length)
@@ -79,17 +79,19 @@ pub fn check(robot: &Robot, seed: u64) {
     assert!(model.is_within_limits(&q));
     let small = q.iter().all(|value| value.abs() < 1e3);
     if small {
-        let (mut v, mut there, mut back) = (
+        let (mut v, mut moved_q, mut velocity_back) = (
             vec![0.1; model.degrees_of_freedom()],
             q.clone(),
             vec![0.0; model.degrees_of_freedom()],
         );
-        v.iter_mut().step_by(2).for_each(|own| *own = -0.2);
-        model.integrate(&q, &v, &mut there).unwrap();
-        model.difference(&q, &there, &mut back).unwrap();
+        v.iter_mut()
+            .step_by(2)
+            .for_each(|velocity| *velocity = -0.2);
+        model.integrate(&q, &v, &mut moved_q).unwrap();
+        model.difference(&q, &moved_q, &mut velocity_back).unwrap();
         let off = v
             .iter()
-            .zip(&back)
+            .zip(&velocity_back)
             .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(off < 1e-9, "integrate and difference: {off:e}");
     }
@@ -107,20 +109,20 @@ pub fn check(robot: &Robot, seed: u64) {
 }
 
 /// Solutions are within limits, and report whether loops are closed, reached or not.
-fn check_solutions(robot: &Robot, rules: &[Rule], there: &[f64]) {
+fn check_solutions(robot: &Robot, rules: &[Rule], target_q: &[f64]) {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let mut problem = Problem::builder(model);
     problem.parameters(robot.map().clone());
     if let Some(frame) = model.frame_ids().last() {
-        let place = kinematics.place(there).unwrap()[frame.index()].translation;
-        problem.add(Point::new(frame, place));
+        let target = kinematics.place(target_q).unwrap()[frame.index()].translation;
+        problem.add(Point::new(frame, target));
     }
     if let Ok(masses) = robot.masses() {
         problem.add(CentreOfMass::new(&masses, [0.1, 0.2, 0.3]));
     }
-    let few = Stopping::default().with_max_iterations(15);
-    let solver = Solver::default().with_stopping(few);
+    let stopping = Stopping::default().with_max_iterations(15);
+    let solver = Solver::default().with_stopping(stopping);
     let solver = solver.with_restarts(Restarts::default().with_attempts(2));
     let problem = match problem.build() {
         Ok(problem) => problem,

@@ -2,13 +2,13 @@
 
 /// Number of cases: the first number in a release build, the second in a debug build, or `KINOPT_CASES`.
 pub fn cases(release: usize, debug: usize) -> usize {
-    let asked = std::env::var("KINOPT_CASES").ok();
+    let requested = std::env::var("KINOPT_CASES").ok();
     let usual = if cfg!(debug_assertions) {
         debug
     } else {
         release
     };
-    asked.map_or(usual, |count| count.parse().unwrap())
+    requested.map_or(usual, |count| count.parse().unwrap())
 }
 
 /// True if a test checks only a part of its cases: in a debug build, unless `KINOPT_CASES` is set.

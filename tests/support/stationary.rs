@@ -25,7 +25,7 @@ pub enum Limit {
 }
 
 /// Swing about the two axes and twist of a quaternion w, x, y, z, radians.
-fn parted(q: &[f64], cone: &Cone) -> [f64; 3] {
+fn swing_and_twist(q: &[f64], cone: &Cone) -> [f64; 3] {
     let rotation = na::UnitQuaternion::from_quaternion(na::Quaternion::new(q[0], q[1], q[2], q[3]));
     let (w, along) = (rotation.w, rotation.imag().dot(&cone.axis));
     let twist = 2.0 * along.atan2(w);
@@ -46,10 +46,10 @@ impl Limit {
         match self {
             Self::Value(at, end, sign) => sign * (q[*at] - end),
             Self::Edge(at, cone) => {
-                let [u, v, _] = parted(&q[*at..], cone);
+                let [u, v, _] = swing_and_twist(&q[*at..], cone);
                 0.5 * ((u / cone.swing[0]).powi(2) + (v / cone.swing[1]).powi(2) - 1.0)
             }
-            Self::Twist(at, cone, end, sign) => sign * (parted(&q[*at..], cone)[2] - end),
+            Self::Twist(at, cone, end, sign) => sign * (swing_and_twist(&q[*at..], cone)[2] - end),
         }
     }
 }
@@ -89,15 +89,15 @@ pub struct Conditions<'a> {
     pub model: &'a Model,
     /// Problem with an identity map, so that its variables are the configuration.
     pub problem: &'a Problem,
-    pub held: Vec<usize>,
-    pub pulled: Vec<usize>,
+    pub constraint_rows: Vec<usize>,
+    pub cost_rows: Vec<usize>,
     pub limits: Vec<Limit>,
 }
 
 /// Step of fourth-order differences of residuals.
-const STEP: f64 = 2e-3;
+const RESIDUAL_STEP: f64 = 2e-3;
 /// Step of second-order differences of the conditions, for an approximate matrix.
-const COARSE: f64 = 1e-4;
+const CONDITION_STEP: f64 = 1e-4;
 
 impl Conditions<'_> {
     fn variables(&self, q: &[f64]) -> Vec<f64> {
@@ -123,12 +123,12 @@ impl Conditions<'_> {
         let mut scratch = self.problem.scratch();
         let mut r = vec![0.0; self.problem.rows()];
         Evaluation::new(self.problem, &mut scratch).residual(&self.variables(q), &mut r);
-        let pulled = self.pulled.iter().map(|&row| r[row]);
-        let held = self.held.iter().map(|&row| r[row]);
+        let pulled = self.cost_rows.iter().map(|&row| r[row]);
+        let held = self.constraint_rows.iter().map(|&row| r[row]);
         let held = held.chain(self.limits.iter().map(|limit| limit.outward(q)));
         (
-            na::DVector::from_iterator(self.pulled.len(), pulled),
-            na::DVector::from_iterator(self.held.len() + self.limits.len(), held),
+            na::DVector::from_iterator(self.cost_rows.len(), pulled),
+            na::DVector::from_iterator(self.constraint_rows.len() + self.limits.len(), held),
         )
     }
 
@@ -139,7 +139,7 @@ impl Conditions<'_> {
     }
 
     /// Values and their derivatives by the velocity.
-    fn sloped(
+    fn values_and_slopes(
         &self,
         q: &[f64],
     ) -> (
@@ -155,9 +155,9 @@ impl Conditions<'_> {
         for k in 0..dof {
             for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
                 let mut v = na::DVector::zeros(dof);
-                v[k] = share * STEP;
+                v[k] = share * RESIDUAL_STEP;
                 let (p, h) = self.values(&self.moved(q, &v));
-                let weight = weight / (12.0 * STEP);
+                let weight = weight / (12.0 * RESIDUAL_STEP);
                 by_pulled.column_mut(k).axpy(weight, &p, 1.0);
                 by_held.column_mut(k).axpy(weight, &h, 1.0);
             }
@@ -167,7 +167,7 @@ impl Conditions<'_> {
 
     /// Conditions that should be zero for multipliers λ.
     fn conditions(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DVector<f64> {
-        let (pulled, held, by_pulled, by_held) = self.sloped(q);
+        let (pulled, held, by_pulled, by_held) = self.values_and_slopes(q);
         let slope = by_pulled.transpose() * pulled + by_held.transpose() * lambda;
         na::DVector::from_iterator(
             slope.len() + held.len(),
@@ -177,7 +177,7 @@ impl Conditions<'_> {
 
     /// Multipliers of the least residual.
     pub fn multipliers(&self, q: &[f64]) -> na::DVector<f64> {
-        let (pulled, held, by_pulled, by_held) = self.sloped(q);
+        let (pulled, held, by_pulled, by_held) = self.values_and_slopes(q);
         if held.is_empty() {
             return held;
         }
@@ -193,18 +193,18 @@ impl Conditions<'_> {
     /// other. None if it is singular beyond that, because several directions are undetermined.
     pub fn newton(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DMatrix<f64> {
         let dof = self.model.degrees_of_freedom();
-        let (_, _, _, by_held) = self.sloped(q);
+        let (_, _, _, by_held) = self.values_and_slopes(q);
         let order = dof + by_held.nrows();
         let mut matrix = na::DMatrix::zeros(order, order);
         for k in 0..dof {
             let mut v = na::DVector::zeros(dof);
-            v[k] = COARSE;
+            v[k] = CONDITION_STEP;
             let ahead = self.conditions(&self.moved(q, &v), lambda);
-            v[k] = -COARSE;
+            v[k] = -CONDITION_STEP;
             let behind = self.conditions(&self.moved(q, &v), lambda);
             matrix
                 .column_mut(k)
-                .copy_from(&((ahead - behind) / (2.0 * COARSE)));
+                .copy_from(&((ahead - behind) / (2.0 * CONDITION_STEP)));
         }
         matrix
             .view_mut((0, dof), (dof, by_held.nrows()))
@@ -213,7 +213,7 @@ impl Conditions<'_> {
     }
 
     /// Newton iteration with a fixed inverse until all conditions hold. Returns the length of the last step.
-    pub fn settle(
+    pub fn converge(
         &self,
         q: &mut Vec<f64>,
         lambda: &mut na::DVector<f64>,

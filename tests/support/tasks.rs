@@ -110,8 +110,8 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let at = tree.frames_at(q);
     let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
     let (frame, other_frame) = (tree.frames[slot], tree.frames[other]);
-    let here = at[slot];
-    let near = here.translation.vector + random.vector(0.7);
+    let frame_pose = at[slot];
+    let near = frame_pose.translation.vector + random.vector(0.7);
     let offset = random.vector(0.4);
     let mut all = Vec::new();
 
@@ -124,8 +124,8 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         "point with an offset",
         move || Point::new(frame, near).at(offset),
         move |at, _| {
-            let place = at[slot] * na::Point3::from(offset);
-            (place.coords - near).as_slice().to_vec()
+            let point = at[slot] * na::Point3::from(offset);
+            (point.coords - near).as_slice().to_vec()
         },
     ));
 
@@ -144,7 +144,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let (focal, centre) = ([500.0, 480.0], [320.0, 240.0]);
     let camera_rotation = random.rotation();
     // 3 m in front of the frame.
-    let camera_at = here.translation.vector - camera_rotation * na::Vector3::z() * 3.0;
+    let camera_at = frame_pose.translation.vector - camera_rotation * na::Vector3::z() * 3.0;
     let world_from_camera = rigid(camera_rotation, camera_at);
     all.push(sum_case(
         "pixel",
@@ -176,7 +176,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         ),
     ];
     for (name, angle, smooth) in misses {
-        let target = na::Rotation3::from_axis_angle(&axis, -angle) * here.rotation;
+        let target = na::Rotation3::from_axis_angle(&axis, -angle) * frame_pose.rotation;
         let mut case = sum_case(
             name,
             move || Orientation::new(frame, target.into_inner()),
@@ -202,10 +202,10 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let gaze = random.vector(1.0);
     let sights = [
         ("look-at", random.vector(2.0)),
-        ("look-at on target", { here.rotation * gaze * 3.0 }),
+        ("look-at on target", { frame_pose.rotation * gaze * 3.0 }),
     ];
     for (name, towards) in sights {
-        let watched = here.translation.vector + towards;
+        let watched = frame_pose.translation.vector + towards;
         all.push(sum_case(
             name,
             move || LookAt::new(frame, gaze, watched),
@@ -376,12 +376,12 @@ fn world_miss(placed: Rigid, target: Rigid) -> Vec<f64> {
 /// Part of a pose error beyond the half widths, in the target's axes: metres, and a rotation vector. If any component
 /// has goal bounds, the rotation is twice the quaternion's vector part.
 fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> {
-    let away = target.inverse() * placed;
-    let mut rows = away.translation.vector.as_slice().to_vec();
+    let target_from_placed = target.inverse() * placed;
+    let mut rows = target_from_placed.translation.vector.as_slice().to_vec();
     if half_widths == [0.0; 6] {
-        rows.extend(rotation_vector(away.rotation));
+        rows.extend(rotation_vector(target_from_placed.rotation));
     } else {
-        let turn = na::UnitQuaternion::from_rotation_matrix(&away.rotation);
+        let turn = na::UnitQuaternion::from_rotation_matrix(&target_from_placed.rotation);
         // Of the two equal quaternions, the one whose largest component is positive.
         let largest = turn.coords[turn.coords.iamax()];
         rows.extend(turn.imag().iter().map(|v| 2.0 * v * largest.signum()));

@@ -20,7 +20,7 @@ pub struct RandomTree {
     pub parts: Vec<Part>,
     pub joints: Vec<JointId>,
     /// Joint index and offset of every frame.
-    pub hung: Vec<(Option<usize>, Rigid)>,
+    pub frame_offsets: Vec<(Option<usize>, Rigid)>,
     pub frames: Vec<FrameId>,
 }
 
@@ -42,11 +42,11 @@ impl RandomTree {
     pub fn placed(seed: u64, joints: usize, world_from_base: Rigid) -> Self {
         let mut random = Random::new(seed);
         let mut builder = Model::builder(format!("tree {seed}"));
-        let mut own = Self {
+        let mut tree = Self {
             model: Model::builder("").build().unwrap(),
             parts: Vec::new(),
             joints: Vec::new(),
-            hung: Vec::new(),
+            frame_offsets: Vec::new(),
             frames: Vec::new(),
         };
         let first_kind = random.below(4);
@@ -75,27 +75,27 @@ impl RandomTree {
                 _ => Limits::new(0.0, 0.0),
             };
             let unnormalised = axis.into_inner() * [1.0, 4.0, 0.25][random.below(3)];
-            own.joints.push(builder.joint(Joint::new(
+            tree.joints.push(builder.joint(Joint::new(
                 format!("joint {index}"),
-                parent.map(|p| own.joints[p]),
+                parent.map(|p| tree.joints[p]),
                 placement(&offset),
                 kind,
                 unnormalised,
                 limits,
             )));
-            own.parts.push(Part {
+            tree.parts.push(Part {
                 parent,
                 parent_from_joint: offset,
                 kind,
                 axis,
             });
             let hung = (Some(index), random.rigid(0.3));
-            own.hang(&mut builder, format!("frame {index}"), hung);
+            tree.hang(&mut builder, format!("frame {index}"), hung);
         }
         let fixed = (None, world_from_base * random.rigid(1.0));
-        own.hang(&mut builder, "anchor".to_owned(), fixed);
-        own.model = builder.build().unwrap();
-        own
+        tree.hang(&mut builder, "anchor".to_owned(), fixed);
+        tree.model = builder.build().unwrap();
+        tree
     }
 
     fn hang(
@@ -107,7 +107,7 @@ impl RandomTree {
         let on = joint.map(|j| self.joints[j]);
         self.frames
             .push(builder.frame(name, on, placement(&offset)));
-        self.hung.push((joint, offset));
+        self.frame_offsets.push((joint, offset));
     }
 
     /// Placement of every frame, as products of nalgebra's isometries.
@@ -137,7 +137,7 @@ impl RandomTree {
                 .map_or(Rigid::identity(), |p| world_from_joint[p]);
             world_from_joint.push(parent * part.parent_from_joint * moved);
         }
-        self.hung
+        self.frame_offsets
             .iter()
             .map(|(joint, offset)| match joint {
                 Some(joint) => world_from_joint[*joint] * offset,

@@ -53,15 +53,15 @@ fn task_within_its_interval_costs_nothing() {
     let (model, base, tip) = arm(3.0);
     let q = [0.3, 0.9, -0.4];
     let near = placed(&[0.31, 0.88, -0.35]);
-    let room = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
+    let bounds = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
     let low = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
-    let far = planar_tip(&LINKS[1..], &q[1..]).norm();
+    let tip_distance = planar_tip(&LINKS[1..], &q[1..]).norm();
     for problem in [
-        problem(&model, Pose::new(tip, near).with_goal(room)),
+        problem(&model, Pose::new(tip, near).with_goal(bounds)),
         problem(&model, Bounded::at_least(low, 0.5)),
         problem(
             &model,
-            Bounded::new(Distance::new(tip, base, far + 0.1), 0.2),
+            Bounded::new(Distance::new(tip, base, tip_distance + 0.1), 0.2),
         ),
     ] {
         let mut scratch = problem.scratch();
@@ -121,21 +121,21 @@ fn bounded_task_keeps_its_name() {
 #[test]
 fn target_in_a_moving_frame_is_met() {
     let (model, base, tip) = arm(3.0);
-    let wanted = [0.4, 0.7, -1.2];
-    let at = planar_tip(&LINKS[1..], &wanted[1..]);
-    let turn = rotation_exp(Z * (wanted[1] + wanted[2]));
+    let reference = [0.4, 0.7, -1.2];
+    let at = planar_tip(&LINKS[1..], &reference[1..]);
+    let turn = rotation_exp(Z * (reference[1] + reference[2]));
     let relative = Placement::new(turn, at.into());
     let mut builder = Problem::builder(&model);
     builder.add(Pose::new(tip, relative).relative_to(base));
     builder.add(Orientation::new(tip, turn).relative_to(base));
     // And at a point where the same joints bring both together.
-    let world = Vector3::from(planar_tip(&LINKS, &wanted));
+    let world = Vector3::from(planar_tip(&LINKS, &reference));
     builder.add(Point::new(tip, world));
     let problem = builder.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0; 3]).unwrap();
     assert!(solution.reached, "{}", solution.explain());
-    for (q, wanted) in solution.q.iter().zip(wanted) {
-        assert!((q - wanted).abs() < 1e-5, "{q} {wanted}");
+    for (q, reference) in solution.q.iter().zip(reference) {
+        assert!((q - reference).abs() < 1e-5, "{q} {reference}");
     }
     assert_eq!(solution.tasks().next().unwrap().frame, Some("tip"));
 }
@@ -144,11 +144,15 @@ fn target_in_a_moving_frame_is_met() {
 #[test]
 fn far_target_in_a_base_is_not_out_of_reach() {
     let (model, base, tip) = arm(0.5);
-    let far = [0.0, 9.0, 0.0];
-    assert!(solve(&model, Point::new(tip, far), &[0.0; 3]).is_out_of_reach());
-    let relative = solve(&model, Point::new(tip, far).relative_to(base), &[0.0; 3]);
+    let unreachable = [0.0, 9.0, 0.0];
+    assert!(solve(&model, Point::new(tip, unreachable), &[0.0; 3]).is_out_of_reach());
+    let relative = solve(
+        &model,
+        Point::new(tip, unreachable).relative_to(base),
+        &[0.0; 3],
+    );
     assert!(!relative.reached && !relative.is_out_of_reach());
-    let at = Placement::translation(far.into());
+    let at = Placement::translation(unreachable.into());
     assert!(solve(&model, Pose::new(tip, at), &[0.0; 3]).is_out_of_reach());
     let slides = Pose::new(tip, at).with_goal(PoseBounds::free_along(Axis::Y));
     let slides = solve(&model, slides, &[0.0; 3]);

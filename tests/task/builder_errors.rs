@@ -26,18 +26,18 @@ fn names<T, E: Display>(result: Result<T, E>, parts: &[&str]) {
     }
 }
 
-fn still() -> Placement<f64> {
+fn identity_placement() -> Placement<f64> {
     Placement::identity()
 }
 
 fn stretched() -> Placement<f64> {
-    let mut placement = still();
+    let mut placement = identity_placement();
     placement.rotation.x.x = 1.1;
     placement
 }
 
 fn mirror() -> Placement<f64> {
-    let mut placement = still();
+    let mut placement = identity_placement();
     placement.rotation.z.z = -1.0;
     placement
 }
@@ -45,8 +45,14 @@ fn mirror() -> Placement<f64> {
 /// A model of one joint `elbow` with a frame `hand`, changed by `edit` before it is built.
 fn model_with(edit: impl FnOnce(&mut ModelBuilder, JointId)) -> Result<Model, impl Display> {
     let mut builder = Model::builder("arm");
-    let elbow = builder.revolute("elbow", None, still(), Z, Limits::new(-1.0, 2.0));
-    builder.frame("hand", Some(elbow), still());
+    let elbow = builder.revolute(
+        "elbow",
+        None,
+        identity_placement(),
+        Z,
+        Limits::new(-1.0, 2.0),
+    );
+    builder.frame("hand", Some(elbow), identity_placement());
     edit(&mut builder, elbow);
     builder.build()
 }
@@ -55,7 +61,7 @@ fn model_with(edit: impl FnOnce(&mut ModelBuilder, JointId)) -> Result<Model, im
 fn foreign_joint() -> JointId {
     let mut builder = Model::builder("other");
     (0..50)
-        .map(|k| builder.fixed(format!("{k}"), None, still()))
+        .map(|k| builder.fixed(format!("{k}"), None, identity_placement()))
         .last()
         .unwrap()
 }
@@ -63,7 +69,7 @@ fn foreign_joint() -> JointId {
 fn foreign_frame() -> FrameId {
     let mut builder = Model::builder("other");
     (0..50)
-        .map(|k| builder.frame(format!("{k}"), None, still()))
+        .map(|k| builder.frame(format!("{k}"), None, identity_placement()))
         .last()
         .unwrap()
 }
@@ -72,25 +78,25 @@ fn foreign_frame() -> FrameId {
 fn model_errors_name_the_culprit() {
     names(
         model_with(|b, _| {
-            b.fixed("elbow", None, still());
+            b.fixed("elbow", None, identity_placement());
         }),
         &["joint", "`elbow`", "twice"],
     );
     names(
         model_with(|b, _| {
-            b.frame("hand", None, still());
+            b.frame("hand", None, identity_placement());
         }),
         &["frame", "`hand`", "twice"],
     );
     names(
         model_with(|b, _| {
-            b.fixed("lost", Some(foreign_joint()), still());
+            b.fixed("lost", Some(foreign_joint()), identity_placement());
         }),
         &["joint", "`lost`"],
     );
     names(
         model_with(|b, _| {
-            b.frame("lost", Some(foreign_joint()), still());
+            b.frame("lost", Some(foreign_joint()), identity_placement());
         }),
         &["frame", "`lost`"],
     );
@@ -102,7 +108,13 @@ fn model_errors_name_the_culprit() {
     ] {
         names(
             model_with(|b, e| {
-                b.prismatic("slide", Some(e), still(), Z, Limits::new(lower, upper));
+                b.prismatic(
+                    "slide",
+                    Some(e),
+                    identity_placement(),
+                    Z,
+                    Limits::new(lower, upper),
+                );
             }),
             &["`slide`", "limits", &lower.to_string(), &upper.to_string()],
         );
@@ -115,7 +127,7 @@ fn model_errors_name_the_culprit() {
     ] {
         names(
             model_with(|b, e| {
-                b.continuous("wheel", Some(e), still(), Vector3::from(axis));
+                b.continuous("wheel", Some(e), identity_placement(), Vector3::from(axis));
             }),
             &["`wheel`", "axis"],
         );
@@ -146,7 +158,7 @@ fn model_errors_name_the_culprit() {
     );
     let axis = [3e-200, 0.0, 0.0];
     let tiny = model_with(|b, e| {
-        b.continuous("wheel", Some(e), still(), Vector3::from(axis));
+        b.continuous("wheel", Some(e), identity_placement(), Vector3::from(axis));
     });
     let Ok(tiny) = tiny else {
         panic!("an axis of any length has a direction")
@@ -171,9 +183,21 @@ fn unknown_names_list_the_valid_ones() {
 /// elbow [−1, 2], wrist [0, 0.5], and a fixed joint.
 fn arm() -> (Model, [JointId; 3], FrameId) {
     let mut builder = Model::builder("arm");
-    let elbow = builder.revolute("elbow", None, still(), Z, Limits::new(-1.0, 2.0));
-    let wrist = builder.revolute("wrist", Some(elbow), still(), Z, Limits::new(0.0, 0.5));
-    let weld = builder.fixed("weld", Some(wrist), still());
+    let elbow = builder.revolute(
+        "elbow",
+        None,
+        identity_placement(),
+        Z,
+        Limits::new(-1.0, 2.0),
+    );
+    let wrist = builder.revolute(
+        "wrist",
+        Some(elbow),
+        identity_placement(),
+        Z,
+        Limits::new(0.0, 0.5),
+    );
+    let weld = builder.fixed("weld", Some(wrist), identity_placement());
     let hand = builder.frame(
         "hand",
         Some(weld),
@@ -366,7 +390,7 @@ fn problem_errors_name_the_culprit() {
 #[test]
 fn task_errors_name_the_task() {
     let (model, [elbow, ..], hand) = arm();
-    let here = [0.0; 3];
+    let origin = [0.0; 3];
     let camera = |entry: f64| Camera {
         pixel_from_world: [[entry; 4]; 3],
     };
@@ -375,8 +399,11 @@ fn task_errors_name_the_task() {
         problem(Point::new(hand, [NAN, 0.0, 0.0])),
         &["point of `hand`", "target", "NaN"],
     );
-    let (point, pose) = (Point::new(hand, here), Pose::new(hand, still()));
-    let turn = Orientation::new(hand, still().rotation);
+    let (point, pose) = (
+        Point::new(hand, origin),
+        Pose::new(hand, identity_placement()),
+    );
+    let turn = Orientation::new(hand, identity_placement().rotation);
     names(
         problem(point.relative_to(hand)),
         &["point of `hand`", "own base"],
@@ -394,15 +421,15 @@ fn task_errors_name_the_task() {
         &["distance of `hand`", "itself"],
     );
     names(
-        problem(Point::new(hand, here).at([0.0, NAN, 0.0])),
+        problem(Point::new(hand, origin).at([0.0, NAN, 0.0])),
         &["offset"],
     );
     names(
-        problem(Ray::new(hand, here, here)),
+        problem(Ray::new(hand, origin, origin)),
         &["ray of `hand`", "coincide"],
     );
     names(
-        problem(Ray::new(hand, [NAN; 3], here)),
+        problem(Ray::new(hand, [NAN; 3], origin)),
         &["ray of `hand`", "NaN"],
     );
     names(
@@ -423,13 +450,13 @@ fn task_errors_name_the_task() {
     );
     names(problem(Pose::new(hand, mirror())), &["reflection"]);
     names(
-        problem(Pose::new(hand, still()).with_tool(mirror())),
+        problem(Pose::new(hand, identity_placement()).with_tool(mirror())),
         &["pose of `hand`", "tool", "reflection"],
     );
     for half_width in [-1.0, NAN] {
         let goal = PoseBounds::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
         names(
-            problem(Pose::new(hand, still()).with_goal(goal)),
+            problem(Pose::new(hand, identity_placement()).with_goal(goal)),
             &[
                 "pose of `hand`",
                 "half width for ry",
@@ -439,16 +466,16 @@ fn task_errors_name_the_task() {
     }
     let nothing = PoseBounds::within([f64::INFINITY; 6]);
     names(
-        problem(Pose::new(hand, still()).with_goal(nothing)),
+        problem(Pose::new(hand, identity_placement()).with_goal(nothing)),
         &["pose of `hand`", "every component free"],
     );
     names(
-        problem(Pose::new(hand, still()).relative_to(foreign_frame())),
+        problem(Pose::new(hand, identity_placement()).relative_to(foreign_frame())),
         &["pose of `hand`", "frame", "`arm`"],
     );
     for (lower, upper) in [(1.0, 0.0), (NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         names(
-            problem(Bounded::between(Point::new(hand, here), lower, upper)),
+            problem(Bounded::between(Point::new(hand, origin), lower, upper)),
             &["point of `hand`", "interval", "no number"],
         );
     }
@@ -457,20 +484,23 @@ fn task_errors_name_the_task() {
         &["point of `hand`", "target", "NaN"],
     );
     let mut other = Model::builder("balls");
-    other.ball("hip", None, still(), Z, None);
+    other.ball("hip", None, identity_placement(), Z, None);
     let foreign = Posture::new(&other.build().unwrap(), &[1.0, 0.0, 0.0, 0.0]);
     let words = ["4 numbers for its joints", "1"];
     names(problem(foreign.clone()), &words);
     names(problem(Bounded::new(foreign, 0.1)), &words);
     names(
-        problem(LookAt::new(hand, here, [1.0; 3])),
+        problem(LookAt::new(hand, origin, [1.0; 3])),
         &["look-at", "axis"],
     );
     names(
         problem(LookAt::new(hand, [1.0; 3], [NAN; 3])),
         &["look-at", "target"],
     );
-    names(problem(Plane::new(hand, here, here)), &["plane", "normal"]);
+    names(
+        problem(Plane::new(hand, origin, origin)),
+        &["plane", "normal"],
+    );
     names(
         problem(Distance::new(hand, hand, -1.0)),
         &["distance", "negative"],
@@ -501,7 +531,7 @@ fn skeleton_errors_name_the_bone() {
         name: name.to_owned(),
         parent: None,
         length: 1.0,
-        model_from_rest: still(),
+        model_from_rest: identity_placement(),
         limits: [Limits::new(-1.0, 1.0); 3],
     };
     let build = |bones: Vec<Bone>| Skeleton::new("rig", bones);
@@ -517,10 +547,10 @@ fn skeleton_errors_name_the_bone() {
         ]),
         &["`b`", "parent"],
     );
-    let own = rig.skeleton.bone_at(0);
+    let first_bone = rig.skeleton.bone_at(0);
     names(
         build(vec![Bone {
-            parent: own,
+            parent: first_bone,
             ..bone("a")
         }]),
         &["`a`", "parent"],

@@ -19,7 +19,7 @@ use support::tasks::{TaskCase, tasks_of};
 use support::trees::RandomTree;
 use support::{Rigid, placement, rigid};
 
-const FAR: f64 = 1e6;
+const FAR_DISTANCE: f64 = 1e6;
 
 fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
     let problem = &problem.clone().with_derivatives(route);
@@ -43,17 +43,19 @@ fn gradient(problem: &Problem, route: Derivatives, x: &[f64]) -> (Vec<f64>, DVec
 }
 
 fn size(matrix: &DMatrix<f64>) -> f64 {
-    matrix.iter().fold(1.0, |most: f64, v| most.max(v.abs()))
+    matrix
+        .iter()
+        .fold(1.0, |largest: f64, v| largest.max(v.abs()))
 }
 
 /// Largest difference over the largest entry; NaN counts as infinite.
 fn relative(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    let largest = differences.fold(0.0, |most: f64, d| {
+    let largest = differences.fold(0.0, |largest: f64, d| {
         if d.is_nan() {
             f64::INFINITY
         } else {
-            most.max(d)
+            largest.max(d)
         }
     });
     largest / size(b)
@@ -135,8 +137,8 @@ fn routes_agree_near_the_origin() {
 fn routes_agree_far_from_the_origin() {
     for seed in 20..24 {
         let mut random = Random::new(seed);
-        let away = random.direction().into_inner() * FAR;
-        check_all(seed, rigid(random.rotation(), away), FAR);
+        let translation = random.direction().into_inner() * FAR_DISTANCE;
+        check_all(seed, rigid(random.rotation(), translation), FAR_DISTANCE);
     }
 }
 

@@ -23,16 +23,16 @@ fn every_task_has_the_unit_of_its_quantity() {
         JointUnits, JointUnitsPerSecond, Metres, MetresPerSecond, Radians, RadiansPerSecond, Ratio,
     };
     let mut builder = Model::builder("crane");
-    let (x, z, here) = (Vector3::UNITS[0], Vector3::UNITS[2], Placement::identity());
+    let (x, z, identity) = (Vector3::UNITS[0], Vector3::UNITS[2], Placement::identity());
     let limits = Limits::new(-1.0, 1.0);
-    let hinge = builder.revolute("hinge", None, here, z, limits);
-    let slide = builder.prismatic("slide", Some(hinge), here, x, limits);
-    let base = builder.frame("base", Some(hinge), here);
+    let hinge = builder.revolute("hinge", None, identity, z, limits);
+    let slide = builder.prismatic("slide", Some(hinge), identity, x, limits);
+    let base = builder.frame("base", Some(hinge), identity);
     let hook = builder.frame("hook", Some(slide), Placement::translation(x));
     let model = builder.build().unwrap();
     let q = model.neutral();
     let pair = |a, b| JointCoupling::new(&model, [(a, 1.0), (b, 2.0)], 0.3);
-    let slow = FrameVelocity::new(hook, here, 0.1, ([0.0; 3], z));
+    let slow = FrameVelocity::new(hook, identity, 0.1, ([0.0; 3], z));
     for (reported, expected) in [
         (quantities(&pair(hinge, slide)), vec![Radians]),
         (quantities(&pair(slide, hinge)), vec![Metres]),
@@ -46,7 +46,10 @@ fn every_task_has_the_unit_of_its_quantity() {
         ),
         (quantities(&LookAt::new(hook, x, z)), vec![Radians]),
         (quantities(&Gaze::along(hook, x, z, 0.1)), vec![Radians]),
-        (quantities(&Pose::new(hook, here)), vec![Metres, Radians]),
+        (
+            quantities(&Pose::new(hook, identity)),
+            vec![Metres, Radians],
+        ),
         (quantities(&slow), vec![MetresPerSecond, RadiansPerSecond]),
         (quantities(&Posture::new(&model, &q)), vec![JointUnits]),
         (

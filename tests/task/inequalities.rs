@@ -13,7 +13,7 @@ use support::random::Random;
 use support::trees::configuration_of;
 
 /// Counts of random configurations of an arm with all inequalities satisfied, and with one violated.
-fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
+fn evaluations_inside_and_outside<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     let (robot, ..) = panda();
     let model = robot.model();
     let residual = make(&robot);
@@ -35,13 +35,13 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
         residual.evaluate(&placements, &turned, &mut values);
         residual.slacks(&placements, &turned, &mut depths);
         let mut edge = 0;
-        for room in &rooms {
-            let least = depths[edge..edge + room.edges()].iter().copied();
-            let least = least.fold(f64::INFINITY, f64::min);
-            edge += room.edges();
-            let vanishes = values[room.rows()].iter().all(|value| *value == 0.0);
-            if least.abs() > 1e-9 {
-                assert_eq!(vanishes, least > 0.0, "{values:?} {depths:?} at {q:?}");
+        for inequality in &rooms {
+            let least = depths[edge..edge + inequality.edges()].iter().copied();
+            let smallest = least.fold(f64::INFINITY, f64::min);
+            edge += inequality.edges();
+            let vanishes = values[inequality.rows()].iter().all(|value| *value == 0.0);
+            if smallest.abs() > 1e-9 {
+                assert_eq!(vanishes, smallest > 0.0, "{values:?} {depths:?} at {q:?}");
                 met[usize::from(!vanishes)] += 1;
             }
         }
@@ -50,13 +50,13 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
 }
 
 /// Asserts that both occur often enough.
-fn assert_told(met: [usize; 2]) {
+fn assert_reported(met: [usize; 2]) {
     assert!(met.iter().all(|&times| times >= 10), "{met:?}");
 }
 
 #[test]
 fn interval_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Bounded::new(Point::new(tip, [0.3, 0.0, 0.5]), 0.3)
     }));
@@ -64,7 +64,7 @@ fn interval_rows_match_their_slacks() {
 
 #[test]
 fn half_open_interval_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Bounded::at_most(Point::new(tip, [0.3, 0.0, 0.5]), 0.1)
     }));
@@ -72,7 +72,7 @@ fn half_open_interval_rows_match_their_slacks() {
 
 #[test]
 fn bounded_goal_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         let target = Placement::translation(Vector3::new(0.3, 0.0, 0.5));
         Pose::new(tip, target).with_goal(PoseBounds::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
@@ -81,7 +81,7 @@ fn bounded_goal_rows_match_their_slacks() {
 
 #[test]
 fn gaze_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Gaze::at(tip, [0.0, 0.0, 0.7], [1.0, 0.5, 0.2], 1.1)
     }));
@@ -89,7 +89,7 @@ fn gaze_rows_match_their_slacks() {
 
 #[test]
 fn manipulability_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Manipulability::new(robot.model(), None, tip, 0.05)
     }));
@@ -97,7 +97,7 @@ fn manipulability_rows_match_their_slacks() {
 
 #[test]
 fn polygon_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let model = robot.model();
         let masses = ["link4", "flange"].map(|name| PointMass {
             frame: model.frame(name).unwrap(),
@@ -119,7 +119,7 @@ fn polygon_rows_match_their_slacks() {
 
 #[test]
 fn bounded_centre_rows_match_their_slacks() {
-    assert_told(stood_in_and_left(|robot| {
+    assert_reported(evaluations_inside_and_outside(|robot| {
         let model = robot.model();
         let masses = [PointMass {
             frame: model.frame("flange").unwrap(),

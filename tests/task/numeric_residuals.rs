@@ -77,9 +77,9 @@ impl NumericResidual for Mixed {
     }
 }
 
-fn problem<R: Residual>(tree: &RandomTree, residual: R, room: bool) -> Problem {
+fn problem<R: Residual>(tree: &RandomTree, residual: R, is_bounded: bool) -> Problem {
     let mut tasks = Problem::builder(&tree.model);
-    match room {
+    match is_bounded {
         true => {
             tasks.add(Bounded::new(residual, 0.01));
         }
@@ -103,21 +103,23 @@ fn derivative_routes_match_the_scalar_residual() {
         let tree = RandomTree::new(seed, 7);
         let frames = [tree.far_frame(), tree.model.frame_ids().next().unwrap()];
         let joint = tree.model.moving_joints()[0];
-        let of = |by_hand| Mixed {
+        let mixed = |by_hand| Mixed {
             frames,
             joint,
             by_hand,
         };
         let q = tree.configuration(&mut Random::new(seed));
-        for room in [false, true] {
-            let exact = problem(&tree, of(true), room);
+        for is_bounded in [false, true] {
+            let exact = problem(&tree, mixed(true), is_bounded);
             let mut x = vec![0.0; exact.variables()];
             exact.parameters().reduce(&q, &mut x).unwrap();
             let expected = jacobian(&exact, &x);
-            let size = expected.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+            let size = expected
+                .iter()
+                .fold(1.0, |largest: f64, v| largest.max(v.abs()));
             for by_hand in [true, false] {
                 let allowed = if by_hand { 1e-12 } else { 1e-8 };
-                let numeric = problem(&tree, Numeric(of(by_hand)), room);
+                let numeric = problem(&tree, Numeric(mixed(by_hand)), is_bounded);
                 for route in [Derivatives::Analytic, Derivatives::Dual] {
                     let found = jacobian(&numeric.clone().with_derivatives(route), &x);
                     let error = (found - &expected).amax() / size;
@@ -187,8 +189,8 @@ fn difference_steps_scale_with_coordinates() {
         let mut tasks = Problem::builder(&model);
         tasks.add(Numeric(Away(tip)));
         let slope = jacobian(&tasks.build().unwrap(), &[0.5])[(0, 0)];
-        let there = size + 0.5;
-        let expected = there / there.hypot(2.0 * size);
+        let expected_distance = size + 0.5;
+        let expected = expected_distance / expected_distance.hypot(2.0 * size);
         assert!(
             (slope - expected).abs() < 1e-9,
             "{size}: {slope} {expected}"

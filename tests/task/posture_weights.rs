@@ -118,10 +118,10 @@ fn fingers_of_a_long_arm_are_no_limbs() {
     let shoulder = builder.revolute("shoulder", None, at(0.0, 0.0, 0.0), x, limits);
     let wrist = builder.revolute("wrist", Some(shoulder), at(0.0, 0.0, 1.0), y, limits);
     for (name, side) in [("thumb", 0.02), ("finger", -0.02)] {
-        let place = at(0.0, side, 0.0);
-        let first = builder.revolute(format!("{name} 1"), Some(wrist), place, x, limits);
-        let place = at(0.0, 0.0, 0.1);
-        let second = builder.revolute(format!("{name} 2"), Some(first), place, x, limits);
+        let placement = at(0.0, side, 0.0);
+        let first = builder.revolute(format!("{name} 1"), Some(wrist), placement, x, limits);
+        let placement = at(0.0, 0.0, 0.1);
+        let second = builder.revolute(format!("{name} 2"), Some(first), placement, x, limits);
         builder.frame(name, Some(second), at(0.0, 0.0, 0.1));
     }
     let model = builder.build().unwrap();

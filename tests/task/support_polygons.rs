@@ -30,8 +30,8 @@ fn square_does_not_depend_on_point_order() {
             let mut residual = [f64::NAN; 2];
             Evaluation::new(&problem, &mut scratch).residual(&q, &mut residual);
             let [beyond_x, beyond_y] = q.map(|q| q - q.clamp(-1.0, 1.0));
-            let off = residual[0].hypot(residual[1]) - beyond_x.hypot(beyond_y);
-            assert!(off.abs() < 1e-12, "{q:?}: {residual:?} by {points:?}");
+            let deviation = residual[0].hypot(residual[1]) - beyond_x.hypot(beyond_y);
+            assert!(deviation.abs() < 1e-12, "{q:?}: {residual:?} by {points:?}");
         }
     }
 }
@@ -53,8 +53,8 @@ fn two_points_support_the_line_between_them() {
     ] {
         let mut residual = [f64::NAN; 2];
         Evaluation::new(&problem, &mut scratch).residual(&q, &mut residual);
-        let off = residual[0].hypot(residual[1]) - expected;
-        assert!(off.abs() < 1e-12, "{q:?}: {residual:?}");
+        let deviation = residual[0].hypot(residual[1]) - expected;
+        assert!(deviation.abs() < 1e-12, "{q:?}: {residual:?}");
     }
 }
 

@@ -25,18 +25,21 @@ fn same_at<R: Residual>(
     joints: &[f64],
 ) {
     let rows: usize = task.rows().iter().map(|rows| rows.count).sum();
-    let [mut own, mut by_step, mut by_setter] = [(); 3].map(|()| vec![0.0; rows]);
-    task.evaluate(frames, joints, &mut own);
+    let [mut unmoved, mut by_step, mut by_setter] = [(); 3].map(|()| vec![0.0; rows]);
+    task.evaluate(frames, joints, &mut unmoved);
     task.evaluate_moved(frames, joints, step, &mut by_step);
     moved.evaluate(frames, joints, &mut by_setter);
-    let off = |a: &[f64], b: &[f64]| {
+    let deviation_of = |a: &[f64], b: &[f64]| {
         let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
         pairs.fold(0.0, f64::max)
     };
     let kind = task.kind();
-    assert!(off(&own, &by_step) > 1e-6, "{kind}: {own:?} {by_step:?}");
     assert!(
-        off(&by_step, &by_setter) < 1e-12,
+        deviation_of(&unmoved, &by_step) > 1e-6,
+        "{kind}: {unmoved:?} {by_step:?}"
+    );
+    assert!(
+        deviation_of(&by_step, &by_setter) < 1e-12,
         "{kind}: {by_step:?} {by_setter:?}"
     );
 }
@@ -47,17 +50,21 @@ fn positions_and_directions_move_by_the_step() {
     let frame = builder.frame("eye", None::<JointId>, Placement::identity());
     builder.build().unwrap();
     let (target, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
-    let there = target + Vector3::from(step);
+    let moved_target = target + Vector3::from(step);
     let axis = [1.0, 0.2, 0.0];
     for gaze in [
         Gaze::at(frame, axis, target, 0.1),
         Gaze::along(frame, axis, target, 0.1),
     ] {
         let mut moved = gaze;
-        moved.set_target(there);
+        moved.set_target(moved_target);
         same(&gaze, &moved, &step);
     }
-    same(&Point::new(frame, target), &Point::new(frame, there), &step);
+    same(
+        &Point::new(frame, target),
+        &Point::new(frame, moved_target),
+        &step,
+    );
 }
 
 /// A task that is set equals a task constructed with the value.
@@ -137,22 +144,22 @@ fn targets_of_other_tasks_are_rejected() {
     );
     let model = builder.build().unwrap();
     let [a, b] = [Vector3::new(0.5, 0.5, 0.0), Vector3::new(0.0, 1.0, 0.0)];
-    type Adds<'a> = &'a dyn Fn(&mut ProblemBuilder<'_>);
-    let problem = |adds: &[Adds<'_>]| {
+    type AddTask<'a> = &'a dyn Fn(&mut ProblemBuilder<'_>);
+    let problem = |adds: &[AddTask<'_>]| {
         let mut builder = Problem::builder(&model);
         adds.iter().for_each(|add| add(&mut builder));
         builder.build().unwrap()
     };
-    let point: Adds<'_> = &|builder| {
+    let point: AddTask<'_> = &|builder| {
         builder.add(Point::new(frame, a));
     };
-    let other: Adds<'_> = &|builder| {
+    let other: AddTask<'_> = &|builder| {
         builder.add(Point::new(frame, b));
     };
-    let pose: Adds<'_> = &|builder| {
+    let pose: AddTask<'_> = &|builder| {
         builder.add(Pose::new(frame, Placement::translation(a)));
     };
-    let look: Adds<'_> = &|builder| {
+    let look: AddTask<'_> = &|builder| {
         builder.add(LookAt::new(frame, a, b));
     };
     let first_problem = problem(&[point, pose]);
@@ -214,29 +221,32 @@ fn targets_of_every_kind_move_by_the_step() {
     use kinopt::model::{Limits, Masses, PointMass};
     use kinopt::task::{Camera, CentreOfMass, Distance, JointCoupling, Pixel, Posture};
     let mut builder = Model::builder("hinges");
-    let (here, mut last, mut frames, mut joints) =
+    let (identity, mut last, mut frames, mut joints) =
         (Placement::identity(), None, Vec::new(), Vec::new());
     for (name, axis) in ["a", "b", "c"].iter().zip(Vector3::UNITS) {
-        last = Some(builder.revolute(*name, last, here, axis, Limits::new(-1.0, 1.0)));
+        last = Some(builder.revolute(*name, last, identity, axis, Limits::new(-1.0, 1.0)));
         joints.extend(last);
-        frames.push(builder.frame(*name, last, here));
+        frames.push(builder.frame(*name, last, identity));
     }
     let model = builder.build().unwrap();
     let [a, b] = [frames[0], frames[1]];
-    let (place, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
-    let there = place + Vector3::from(step);
+    let (point, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
+    let moved_point = point + Vector3::from(step);
 
-    let distance = |by: f64| Distance::new(a, b, 0.4 + by);
+    let distance = |change: f64| Distance::new(a, b, 0.4 + change);
     same_with(&distance(0.0), &distance(1e-3), &[1e-3], &[]);
     let through = |through: Vector3<f64>| Ray::new(a, [0.1, 0.2, -3.0], through);
-    let mut ray = through(place);
+    let mut ray = through(point);
     // A line's target is the mouse; its eye moves along.
-    ray.set_line(Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step), there);
-    same_with(&through(place), &ray, &step, &[]);
+    ray.set_line(
+        Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step),
+        moved_point,
+    );
+    same_with(&through(point), &ray, &step, &[]);
     let plane = |at: Vector3<f64>| Plane::new(a, at, [0.2, 0.4, 1.0]);
-    same_with(&plane(place), &plane(there), &step, &[]);
+    same_with(&plane(point), &plane(moved_point), &step, &[]);
     let look = |at: Vector3<f64>| LookAt::new(a, [2.0, 0.3, 0.1], at);
-    same_with(&look(place), &look(there), &step, &[]);
+    same_with(&look(point), &look(moved_point), &step, &[]);
     let camera = Camera::pinhole(
         &Placement::translation([0.0, 0.0, -3.0].into()),
         [500.0, 480.0],
@@ -251,25 +261,26 @@ fn targets_of_every_kind_move_by_the_step() {
     });
     let masses = Masses::new(&model, points).unwrap();
     let centre = |at: Vector3<f64>| CentreOfMass::new(&masses, at).free_along(Axis::Y);
-    same_with(&centre(place), &centre(there), &step, &[]);
+    same_with(&centre(point), &centre(moved_point), &step, &[]);
     let relative = |at: Vector3<f64>| CentreOfMass::new(&masses, at).relative_to(b);
-    same_with(&relative(place), &relative(there), &step, &[]);
+    same_with(&relative(point), &relative(moved_point), &step, &[]);
     let velocity = [1e-3, -2e-3, 3e-3, 2e-3, 1e-3, -1e-3];
-    let moving = |by: f64| {
-        let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + by * v);
+    let moving = |change: f64| {
+        let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + change * v);
         let (linear, angular) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         FrameVelocity::new(
             frames[2],
-            Placement::translation(place),
+            Placement::translation(point),
             0.1,
             (linear, angular),
         )
     };
     same_with(&moving(0.0), &moving(1.0), &velocity, &[]);
     let values = [0.3, -0.4, 0.7];
-    let coupled =
-        |by: f64| JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], 0.5 + by);
+    let coupled = |change: f64| {
+        JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], 0.5 + change)
+    };
     same_with(&coupled(0.0), &coupled(1e-3), &[1e-3], &values);
-    let posture = |by: f64| Posture::new(&model, &step.map(|step| 0.2 + by * step));
+    let posture = |change: f64| Posture::new(&model, &step.map(|step| 0.2 + change * step));
     same_with(&posture(0.0), &posture(1.0), &step, &values);
 }

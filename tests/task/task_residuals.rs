@@ -47,12 +47,12 @@ fn look_at_is_accurate_when_looking_away() {
     // axis is equally good, and half a turn is reported.)
     let tree = RandomTree::new(5, 9);
     let q = tree.configuration(&mut Random::new(5));
-    let here = tree.frames_at(&q)[7];
+    let frame_pose = tree.frames_at(&q)[7];
     let axis = na::Vector3::new(0.3, -0.5, 0.8).normalize();
     let across = axis.cross(&na::Vector3::x()).normalize();
     for delta in [0.1, 1e-3, 1e-5, 2e-6] {
         let away = -axis * f64::cos(delta) + across * f64::sin(delta);
-        let watched = here.translation.vector + here.rotation * away * 2.0;
+        let watched = frame_pose.translation.vector + frame_pose.rotation * away * 2.0;
         let mut builder = Problem::builder(&tree.model);
         let look = LookAt::new(tree.frames[7], axis, watched);
         builder.add(Task::new(look).weight(Quantity::Radians, 1.0));
@@ -71,11 +71,11 @@ fn target_at_the_frames_origin_is_looked_at() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     let (axis, target) = ([0.0, -2.0, 0.0], [0.5, 2.0, 7.0]);
-    let there = [Placement::translation(Vector3::from(target))];
+    let at_target = [Placement::translation(Vector3::from(target))];
     let mut off = [f64::NAN; 3];
-    LookAt::new(tip, axis, target).evaluate(&there, &[], &mut off);
+    LookAt::new(tip, axis, target).evaluate(&at_target, &[], &mut off);
     assert_eq!(off, [0.0; 3]);
-    Gaze::at(tip, axis, target, 0.1).evaluate(&there, &[], &mut off[..1]);
+    Gaze::at(tip, axis, target, 0.1).evaluate(&at_target, &[], &mut off[..1]);
     assert_eq!(off[0], 0.0);
 }
 
@@ -91,7 +91,7 @@ fn residual<'a>(question: impl Into<ProblemInstance<'a>>, q: &[f64]) -> Vec<f64>
 #[test]
 fn references_are_replaced_as_a_whole() {
     let model = planar_arm(&[1.0; 3], None);
-    let (before, wanted) = ([0.0; 3], [1.0, 2.0, -3.0]);
+    let (before, reference) = ([0.0; 3], [1.0, 2.0, -3.0]);
     let posture = Task::new(Posture::new(&model, &before)).weight(Quantity::JointUnits, 1.0);
     let mut builder = Problem::builder(&model);
     let task = builder.add(posture);
@@ -100,7 +100,7 @@ fn references_are_replaced_as_a_whole() {
     targets
         .get_mut(task)
         .unwrap()
-        .set_reference(&wanted)
+        .set_reference(&reference)
         .unwrap();
     let question = problem.with_targets(&targets).unwrap();
     assert_eq!(residual(question, &before), [-1.0, -2.0, 3.0]);
@@ -113,7 +113,7 @@ fn references_are_replaced_as_a_whole() {
     targets
         .get_mut(task)
         .unwrap()
-        .set_previous(&wanted)
+        .set_previous(&reference)
         .unwrap();
     let question = problem.with_targets(&targets).unwrap();
     assert_eq!(residual(question, &before), [-2.0, -4.0, 6.0]);
@@ -195,9 +195,9 @@ fn gaze_error_is_the_angle_beyond_its_cone() {
             for gaze in [along, at] {
                 let mut off = [f64::NAN];
                 gaze.evaluate(&[Placement::identity()], &[], &mut off);
-                let wanted = beyond.max(0.0);
+                let expected = beyond.max(0.0);
                 assert!(
-                    (off[0] - wanted).abs() < 1e-12,
+                    (off[0] - expected).abs() < 1e-12,
                     "{half_angle} {beyond}: {off:?}"
                 );
             }

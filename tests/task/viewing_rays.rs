@@ -119,8 +119,8 @@ fn viewing_ray_passes_through_the_pixel() {
         // Every point of the ray projects to its pixel, at any distance.
         for depth in [0.1, 1.0, 70.0] {
             let seen = view.camera.project(eye + (mouse - eye) * depth);
-            for (seen, wanted) in seen.iter().zip(pixel) {
-                assert!((seen - wanted).abs() < 1e-9, "{seen} {wanted}");
+            for (seen, expected) in seen.iter().zip(pixel) {
+                assert!((seen - expected).abs() < 1e-9, "{seen} {expected}");
             }
         }
     }
@@ -157,11 +157,11 @@ fn one_tip_follows_the_ray_and_others_stay() {
             }
             bone = rig.parents[index];
         }
-        let wanted = rig.tip(&rig.transforms(&bent), rig.tips[0]);
-        let view = View::new(wanted, &mut random);
-        let [u, v] = view.camera.project(wanted.into());
+        let target = rig.tip(&rig.transforms(&bent), rig.tips[0]);
+        let view = View::new(target, &mut random);
+        let [u, v] = view.camera.project(target.into());
         let mouse = view.unproject([u, v]);
-        assert!(mouse_energy(wanted, view.eye, mouse) < 1e-24);
+        assert!(mouse_energy(target, view.eye, mouse) < 1e-24);
         for in_image in [false, true] {
             let q = dragged(&rig, &view, [u, v], in_image);
             let posed = rig.transforms(&q);

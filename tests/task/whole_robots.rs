@@ -232,22 +232,31 @@ fn derivative_routes_agree_on_floating_bases() {
                 let analytic = jacobian(&problem, Derivatives::Analytic, &x);
                 let dual = jacobian(&problem, Derivatives::Dual, &x);
                 let size = dual.amax().max(1.0);
-                let off = (&analytic - &dual).amax() / size;
-                assert!(off < 1e-11, "{name}, seed {seed}, case {case}: {off:e}");
+                let deviation = (&analytic - &dual).amax() / size;
+                assert!(
+                    deviation < 1e-11,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 if name.starts_with("manipulability") && case == 0 {
                     // It has a kink at singularities, such as the neutral configuration.
                     continue;
                 }
                 let central = jacobian(&problem, Derivatives::CentralDifference, &x);
-                let off = (&central - &dual).amax() / size;
-                assert!(off < 1e-7, "{name}, seed {seed}, case {case}: {off:e}");
+                let deviation = (&central - &dual).amax() / size;
+                assert!(
+                    deviation < 1e-7,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 // The long steps cross edges of inequalities.
                 let is_smooth = !name.contains("room");
-                let off = match is_smooth {
+                let deviation = match is_smooth {
                     true => (by_differences(&problem, &x) - &dual).amax() / size,
                     false => 0.0,
                 };
-                assert!(off < 1e-8, "{name}, seed {seed}, case {case}: {off:e}");
+                assert!(
+                    deviation < 1e-8,
+                    "{name}, seed {seed}, case {case}: {deviation:e}"
+                );
                 for route in [Derivatives::Analytic, Derivatives::Dual] {
                     let problem = problem.clone().with_derivatives(route);
                     let mut scratch = problem.scratch();
@@ -255,14 +264,15 @@ fn derivative_routes_agree_on_floating_bases() {
                     let mut residual = vec![0.0; problem.rows()];
                     evaluation.residual(&x, &mut residual);
                     let mut gradient = vec![0.0; x.len()];
-                    let mut room = DMatrix::zeros(residual.len(), x.len());
-                    evaluation.gradient(&x, &residual, &mut gradient, &mut room);
-                    let wanted = dual.transpose() * nalgebra::DVector::from_vec(residual);
-                    let scale = wanted.amax().max(1.0);
-                    let off = (nalgebra::DVector::from_vec(gradient) - &wanted).amax() / scale;
+                    let mut buffer = DMatrix::zeros(residual.len(), x.len());
+                    evaluation.gradient(&x, &residual, &mut gradient, &mut buffer);
+                    let expected = dual.transpose() * nalgebra::DVector::from_vec(residual);
+                    let scale = expected.amax().max(1.0);
+                    let deviation =
+                        (nalgebra::DVector::from_vec(gradient) - &expected).amax() / scale;
                     assert!(
-                        off < 1e-11,
-                        "{name}, seed {seed}, case {case}, {route:?}: {off:e}"
+                        deviation < 1e-11,
+                        "{name}, seed {seed}, case {case}, {route:?}: {deviation:e}"
                     );
                 }
             }
@@ -298,16 +308,17 @@ fn manipulability_is_symmetric_in_base_and_frame() {
             1.0 - residual[0]
         };
         for [base, frame] in [[left, right], [stand, left], [stand, right]] {
-            let of = |base, frame| Manipulability::new(&model, Some(base), frame, 10.0);
-            for [there, back] in [
-                [of(base, frame), of(frame, base)],
-                [of(base, frame), of(frame, base)].map(Manipulability::of_orientation),
+            let manipulability = |base, frame| Manipulability::new(&model, Some(base), frame, 10.0);
+            for [forward, backward] in [
+                [manipulability(base, frame), manipulability(frame, base)],
+                [manipulability(base, frame), manipulability(frame, base)]
+                    .map(Manipulability::of_orientation),
             ] {
-                let [there, back] = [there, back].map(measure);
-                assert!(there > 0.0, "case {case}");
+                let [forward, backward] = [forward, backward].map(measure);
+                assert!(forward > 0.0, "case {case}");
                 assert!(
-                    (there - back).abs() < 1e-9 * there,
-                    "case {case}: {there} {back}"
+                    (forward - backward).abs() < 1e-9 * forward,
+                    "case {case}: {forward} {backward}"
                 );
             }
         }
@@ -372,8 +383,8 @@ fn balanced_robot_does_not_move() {
         [solution.q[0], solution.q[1]]
     };
     let check = |found: [f64; 2], expected: [f64; 2]| {
-        let off = f64::hypot(found[0] - expected[0], found[1] - expected[1]);
-        assert!(off < 2e-6, "{found:?} {expected:?}");
+        let deviation = f64::hypot(found[0] - expected[0], found[1] - expected[1]);
+        assert!(deviation < 2e-6, "{found:?} {expected:?}");
     };
     assert_eq!(solve(&triangle, [0.5, 0.4]), [0.5, 0.4]);
     check(solve(&triangle, [-2.0, 1.0]), [0.0, 1.0]);
@@ -418,10 +429,10 @@ fn custom_residual_may_be_one_sided() {
         let last = figure.frames[4];
         let mut random = Random::new(seed);
         let [inside, outside] =
-            [1.0, 3.0].map(|far| Vector3::from(random.direction().into_inner() * far));
-        for (place, is_free) in [(inside, true), (outside, false)] {
+            [1.0, 3.0].map(|distance| Vector3::from(random.direction().into_inner() * distance));
+        for (target, is_free) in [(inside, true), (outside, false)] {
             let mut tasks = Problem::builder(model);
-            tasks.add(Task::new(Point::new(last, place)).preference());
+            tasks.add(Task::new(Point::new(last, target)).preference());
             tasks.add(Bounded::at_most(Depth(last), 0.0));
             let problem = tasks.build().unwrap();
             let solution = Solver::default()
@@ -432,11 +443,14 @@ fn custom_residual_may_be_one_sided() {
             let at = places.place(&solution.q).unwrap()[last.index()].translation;
             // Inside the sphere the point follows the soft task, outside it stops at the sphere.
             if is_free {
-                assert!((at - place).norm() < 1e-3, "seed {seed}: {at:?} {place:?}");
-            } else {
-                let off = (at - place * (2.0 / 3.0)).norm();
                 assert!(
-                    (1.999..2.000_002).contains(&at.norm()) && off < 0.2,
+                    (at - target).norm() < 1e-3,
+                    "seed {seed}: {at:?} {target:?}"
+                );
+            } else {
+                let deviation = (at - target * (2.0 / 3.0)).norm();
+                assert!(
+                    (1.999..2.000_002).contains(&at.norm()) && deviation < 0.2,
                     "seed {seed}: {at:?}"
                 );
             }

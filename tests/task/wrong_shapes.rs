@@ -133,9 +133,9 @@ fn searches_of_wrong_shapes_do_not_start() {
     ] {
         for end in search(&low, &high, start) {
             let message = end.unwrap_err().to_string();
-            let said = if start.len() == 2 { "finite" } else { "2" };
+            let reason = if start.len() == 2 { "finite" } else { "2" };
             assert!(
-                message.contains("start") && message.contains(said),
+                message.contains("start") && message.contains(reason),
                 "{message}"
             );
         }
@@ -155,9 +155,9 @@ fn searches_of_wrong_shapes_do_not_start() {
 
 /// Writes derivatives for frames and joints that it does not declare.
 #[derive(Clone)]
-struct Careless(FrameId);
+struct UndeclaredDerivatives(FrameId);
 
-impl Residual for Careless {
+impl Residual for UndeclaredDerivatives {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.0]
     }
@@ -188,7 +188,7 @@ impl Residual for Careless {
 fn undeclared_derivatives_are_ignored() {
     let model = planar_arm(&[0.5, 0.4], None);
     let mut builder = Problem::builder(&model);
-    builder.add(Careless(model.frame("tip").unwrap()));
+    builder.add(UndeclaredDerivatives(model.frame("tip").unwrap()));
     let problem = builder.build().unwrap();
     let mut jacobian = DMatrix::zeros(1, 2);
     Evaluation::new(&problem, &mut problem.scratch()).jacobian(&[0.3, 0.4], &mut jacobian);
@@ -251,12 +251,12 @@ fn fixed_joint_needs_no_axis() {
 
 /// One row, and an inequality of any rows.
 #[derive(Clone)]
-struct Roomy {
+struct OneSided {
     frame: FrameId,
-    room: Range<usize>,
+    rows: Range<usize>,
 }
 
-impl Residual for Roomy {
+impl Residual for OneSided {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.frame]
     }
@@ -267,7 +267,7 @@ impl Residual for Roomy {
         residual[0] = frames[0].translation.z.max(S::zero());
     }
     fn inequalities(&self) -> Vec<Inequality> {
-        vec![Inequality::new(self.room.clone(), 1)]
+        vec![Inequality::new(self.rows.clone(), 1)]
     }
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = -frames[0].translation.z;
@@ -286,7 +286,7 @@ fn inequality_rows_are_validated() {
                 builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
             }
             let message = format!("an inequality of its rows {room:?}, but 1 rows");
-            builder.add(Roomy { frame, room });
+            builder.add(OneSided { frame, rows: room });
             match builder.build() {
                 Ok(_) => assert!(fits, "{before}: {message}"),
                 Err(refused) => assert!(refused.to_string().contains(&message), "{refused}"),

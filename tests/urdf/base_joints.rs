@@ -8,7 +8,7 @@ use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 use nalgebra as na;
 
-const TWO: &str = r#"<robot name="two">
+const TWO_JOINT_ROBOT: &str = r#"<robot name="two">
   <link name="base"/><link name="arm"/><link name="finger"/><link name="other finger"/>
   <joint name="shoulder" type="revolute">
     <origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><parent link="base"/><child link="arm"/>
@@ -31,9 +31,9 @@ fn frames(robot: &Robot, q: &[f64]) -> Vec<na::Isometry3<f64>> {
 
 #[test]
 fn base_joint_moves_everything() {
-    let own = [0.7, 0.05, 0.1];
-    let fixed = Robot::parse(TWO, "two.urdf").unwrap();
-    let in_base = frames(&fixed, &own);
+    let arm_q = [0.7, 0.05, 0.1];
+    let fixed = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
+    let in_base = frames(&fixed, &arm_q);
     let rotation = na::UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9);
     let any = na::Isometry3::from_parts(na::Translation3::new(1.0, -2.0, 3.0), rotation);
     let turned = na::UnitQuaternion::from_euler_angles(0.0, 0.0, 0.6);
@@ -53,7 +53,7 @@ fn base_joint_moves_everything() {
     ] {
         let robot = fixed.clone().with_base_joint(base).unwrap();
         assert_eq!(robot.model().degrees_of_freedom(), dof + 3);
-        let q = [&q[..], &own].concat();
+        let q = [&q[..], &arm_q].concat();
         for (ours, theirs) in frames(&robot, &q).iter().zip(&in_base) {
             let theirs = world_from_base * theirs;
             assert!((ours.to_homogeneous() - theirs.to_homogeneous()).amax() < 1e-14);
@@ -75,9 +75,11 @@ fn base_joint_moves_everything() {
 
 #[test]
 fn invalid_base_joints_are_rejected() {
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
-    let room = [Limits::UNBOUNDED, Limits::new(1.0, -1.0), Limits::UNBOUNDED];
-    let empty = robot.clone().with_base_joint(BaseJoint::Free { room });
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
+    let bounds = [Limits::UNBOUNDED, Limits::new(1.0, -1.0), Limits::UNBOUNDED];
+    let empty = robot
+        .clone()
+        .with_base_joint(BaseJoint::Free { room: bounds });
     assert!(matches!(empty, Err(ModelError::BadLimits { joint, .. }) if joint == "root_joint/y"));
     let axis = Vector3::new(0.0, 0.0, 0.0);
     let limits = Limits::UNBOUNDED;
@@ -96,7 +98,7 @@ fn invalid_base_joints_are_rejected() {
 
 #[test]
 fn moves_as_a_whole_is_reported_for_every_base() {
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     assert!(!robot.moves_as_a_whole());
     let range = Limits::new(-1.0, 1.0);
     for base in [
@@ -112,20 +114,20 @@ fn moves_as_a_whole_is_reported_for_every_base() {
 
 #[test]
 fn free_base_may_be_bounded_but_not_repeated() {
-    let own = Limits::new(-2.0, 2.0);
-    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    let range = Limits::new(-2.0, 2.0);
+    let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
     let robot = robot
-        .with_base_joint(BaseJoint::Free { room: [own; 3] })
+        .with_base_joint(BaseJoint::Free { room: [range; 3] })
         .unwrap();
-    let room = [Limits::UNBOUNDED, Limits::new(0.5, 9.0), own];
+    let bounds = [Limits::UNBOUNDED, Limits::new(0.5, 9.0), range];
     let again = robot
         .clone()
-        .with_base_joint(BaseJoint::Free { room })
+        .with_base_joint(BaseJoint::Free { room: bounds })
         .unwrap();
     let (before, after) = (robot.model(), again.model());
     assert_eq!(after.joints().len(), before.joints().len());
     let ranges: Vec<Limits> = after.limits().take(3).collect();
-    assert_eq!(ranges, [own, Limits::new(0.5, 2.0), own]);
+    assert_eq!(ranges, [range, Limits::new(0.5, 2.0), range]);
     assert_eq!(again.map().variables(), robot.map().variables());
     let fixed = robot.clone().with_base_joint(BaseJoint::Fixed).unwrap();
     assert_eq!(
@@ -140,7 +142,7 @@ fn free_base_may_be_bounded_but_not_repeated() {
     assert!(matches!(empty, Err(ModelError::BadLimits { joint, .. }) if joint == "root_joint/x"));
     for other in [
         BaseJoint::PLANAR,
-        BaseJoint::named("slide-x", [("x", own)]).unwrap(),
+        BaseJoint::named("slide-x", [("x", range)]).unwrap(),
     ] {
         let error = robot
             .clone()
@@ -181,7 +183,7 @@ fn free_base_is_the_only_child_of_the_root() {
 }
 
 fn with_type(kind: &str) -> Robot {
-    let text = TWO.replace("type=\"revolute\"", &format!("type=\"{kind}\""));
+    let text = TWO_JOINT_ROBOT.replace("type=\"revolute\"", &format!("type=\"{kind}\""));
     Robot::parse(&text, "two.urdf").unwrap()
 }
 
@@ -217,8 +219,8 @@ fn floating_planar_and_spherical_joints_are_read() {
         let arm = robot.model().frame("arm").unwrap();
         let q = [&q[..], &[0.0, 0.0]].concat();
         let placed = frames(&robot, &q)[arm.index()].to_homogeneous();
-        let off = (placed - (at * joint_from_arm).to_homogeneous()).amax();
-        assert!(off < 1e-14, "{kind}: {off:e}");
+        let deviation = (placed - (at * joint_from_arm).to_homogeneous()).amax();
+        assert!(deviation < 1e-14, "{kind}: {deviation:e}");
     }
     let last = with_type("floating").model().joints()[3].clone();
     assert_eq!(
@@ -235,7 +237,7 @@ fn passive_joints_are_kept_under_any_base() {
         limits: Limits::new(-1.0, 1.0),
     };
     for base in [BaseJoint::Fixed, BaseJoint::FREE, BaseJoint::PLANAR, rail] {
-        let robot = Robot::parse(TWO, "two.urdf").unwrap();
+        let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
         let robot = robot.with_passive_joints(["grip"]).unwrap();
         let robot = robot.with_base_joint(base).unwrap();
         let name = |id: &kinopt::model::JointId| robot.model().joints()[id.index()].name.as_str();
@@ -248,14 +250,14 @@ fn passive_joints_are_kept_under_any_base() {
 #[test]
 fn nan_base_bounds_are_named() {
     let good = Limits::new(-1.0, 1.0);
-    for bad in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
+    for invalid in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
         for rooms in [
-            vec![("z", bad)],
-            vec![("z", bad), ("z", good)],
-            vec![("z", good), ("z", bad)],
+            vec![("z", invalid)],
+            vec![("z", invalid), ("z", good)],
+            vec![("z", good), ("z", invalid)],
         ] {
             let base = BaseJoint::named("free", rooms).unwrap();
-            let robot = Robot::parse(TWO, "two.urdf").unwrap();
+            let robot = Robot::parse(TWO_JOINT_ROBOT, "two.urdf").unwrap();
             let message = robot.with_base_joint(base).unwrap_err().to_string();
             assert!(
                 message.contains("root_joint/z") && message.contains("NaN"),
@@ -274,11 +276,11 @@ fn repeated_base_bounds_intersect() {
     ];
     for order in [[0, 1, 2], [2, 1, 0]] {
         let base = BaseJoint::named("free", order.map(|k| rooms[k])).unwrap();
-        let room = [
+        let bounds = [
             Limits::new(0.0, f64::INFINITY),
             Limits::UNBOUNDED,
             Limits::new(-0.2, 0.5),
         ];
-        assert_eq!(base, BaseJoint::Free { room });
+        assert_eq!(base, BaseJoint::Free { room: bounds });
     }
 }

@@ -27,8 +27,8 @@ const LEG: &str = r#"<robot name="leg">
 </robot>"#;
 
 fn has(points: &[Vector3<f64>], [x, y, z]: [f64; 3]) -> bool {
-    let wanted = Vector3::new(x, y, z);
-    points.iter().any(|point| (*point - wanted).norm() < 1e-12)
+    let corner = Vector3::new(x, y, z);
+    points.iter().any(|point| (*point - corner).norm() < 1e-12)
 }
 
 #[test]
@@ -41,14 +41,14 @@ fn foot_contact_has_all_fixed_links() {
     assert_eq!(of_foot.len(), 2 + 8 + 1 + 8);
     assert_eq!(of_foot[0].to_array(), [0.0; 3]);
     let square = 0.02 / 2.0_f64.sqrt();
-    for place in [
+    for corner in [
         [0.15, 0.05, -0.04],
         [-0.05, -0.05, -0.02],
         [0.2, 0.0, -0.03],
         [0.2, 0.01, -0.03],
         [0.2 + square, square, -0.05],
     ] {
-        assert!(has(&of_foot, place), "{place:?} of {of_foot:?}");
+        assert!(has(&of_foot, corner), "{corner:?} of {of_foot:?}");
     }
     // From the toe they are the same points, at any ankle angle.
     let (foot, toe) = (model.frame("foot").unwrap(), model.frame("toe").unwrap());

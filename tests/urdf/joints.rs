@@ -36,9 +36,12 @@ fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     Pose::from_parts(Translation3::from(Vector3::from(xyz)), turned)
 }
 
-fn assert_same(got: &Pose, wanted: &Pose) {
-    let off = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
-    assert!(off < 1e-14, "off by {off:e}\n{got}\n{wanted}");
+fn assert_same(actual: &Pose, expected: &Pose) {
+    let deviation = (actual.to_homogeneous() - expected.to_homogeneous()).amax();
+    assert!(
+        deviation < 1e-14,
+        "off by {deviation:e}\n{actual}\n{expected}"
+    );
 }
 
 const LIMIT: &str = "<limit lower='-2' upper='2' velocity='1'/>";
@@ -55,13 +58,13 @@ fn rotated_fixed_joints_combine_in_order() {
         ("fixed", "<origin xyz='0.6 0.1 0' rpy='1 1 1'/>"),
     ]);
     let q = [0.8, -0.35];
-    let wanted = origin([0.1, 0.0, 0.2], [0.0, 0.0, 0.3])
+    let expected = origin([0.1, 0.0, 0.2], [0.0, 0.0, 0.3])
         * origin([0.0; 3], [0.0, 0.0, q[0]])
         * origin([0.2, -0.1, 0.4], [0.4, -1.3, 2.2])
         * origin([-0.3, 0.5, 0.1], [-2.0, 0.7, 0.1])
         * origin([0.0, 0.3 + q[1], 0.0], [0.0; 3])
         * origin([0.6, 0.1, 0.0], [1.0, 1.0, 1.0]);
-    assert_same(&tip(&robot, &q), &wanted);
+    assert_same(&tip(&robot, &q), &expected);
 }
 
 #[test]
@@ -129,13 +132,13 @@ fn prismatic_values_are_metres_and_never_wrapped() {
 fn quaternion_origin_is_exact_at_90_degrees_pitch() {
     // urdf-rs rounds every pitch within 4.5 mrad of 90° to 90°.
     for pitch in [std::f64::consts::FRAC_PI_2, 1.569, -1.5700, 0.3] {
-        let wanted = origin([0.0; 3], [0.2, pitch, -0.9]);
-        let c = wanted.rotation.coords * 3.0;
+        let expected = origin([0.0; 3], [0.2, pitch, -0.9]);
+        let c = expected.rotation.coords * 3.0;
         let robot = chain(&[(
             "fixed",
             &format!("<origin quat_xyzw='{} {} {} {}'/>", c.x, c.y, c.z, c.w),
         )]);
-        assert_same(&tip(&robot, &[]), &wanted);
+        assert_same(&tip(&robot, &[]), &expected);
     }
 }
 

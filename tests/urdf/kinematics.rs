@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-const WITHIN: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 
 #[derive(Deserialize)]
 struct Reference {
@@ -64,10 +64,14 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
         .collect();
     assert_eq!(names, case.links.keys().map(String::as_str).collect());
     for (frame, placement) in robot.model().frames().iter().zip(placed) {
-        let wanted = expected(case.links[&frame.name]);
-        for (got, wanted) in entries(placement).into_iter().zip(entries(&wanted)) {
-            let off = (got - wanted).abs();
-            assert!(off <= WITHIN, "{file}, link {}: off by {off:e}", frame.name);
+        let expected = expected(case.links[&frame.name]);
+        for (actual, expected) in entries(placement).into_iter().zip(entries(&expected)) {
+            let deviation = (actual - expected).abs();
+            assert!(
+                deviation <= TOLERANCE,
+                "{file}, link {}: off by {deviation:e}",
+                frame.name
+            );
         }
     }
 }
@@ -112,8 +116,8 @@ fn mimic_joints_follow_as_in_pinocchio() {
             assert_links(&robot, &placed(&robot, map, &x), case, file);
             let mut q = vec![f64::NAN; case.q.len()];
             map.expand(&x, &mut q).unwrap();
-            for (got, wanted) in q.iter().zip(&case.q) {
-                assert!((got - wanted).abs() <= WITHIN, "{file}");
+            for (actual, expected) in q.iter().zip(&case.q) {
+                assert!((actual - expected).abs() <= TOLERANCE, "{file}");
             }
         }
     }

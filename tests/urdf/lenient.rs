@@ -23,11 +23,11 @@ fn repairs(robot: &Robot) -> Vec<String> {
 
 #[test]
 fn missing_bounds_are_0_with_a_note() {
-    let place = "2: joint `j`, <limit>:";
-    let lower = format!("{place} `lower` is not given and taken as 0, the default");
-    let upper = format!("{place} `upper` is not given and taken as 0, the default");
+    let location = "2: joint `j`, <limit>:";
+    let lower = format!("{location} `lower` is not given and taken as 0, the default");
+    let upper = format!("{location} `upper` is not given and taken as 0, the default");
     for kind in ["revolute", "prismatic"] {
-        for (body, wanted, notes) in [
+        for (body, expected, notes) in [
             ("<limit velocity='1'/>", (0.0, 0.0), vec![&lower, &upper]),
             ("<limit lower='-1'/>", (-1.0, 0.0), vec![&upper]),
             ("<limit upper='1'/>", (0.0, 1.0), vec![&lower]),
@@ -36,10 +36,10 @@ fn missing_bounds_are_0_with_a_note() {
             let text = text(kind, body);
             for reader in [Robot::reader(), Robot::reader().lenient()] {
                 let robot = reader.parse(&text, "one.urdf").unwrap();
-                assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1));
+                assert_eq!(limits(&robot), Limits::new(expected.0, expected.1));
                 assert!(repairs(&robot).iter().eq(notes.iter().copied()));
                 // A joint that cannot move is no variable, but has a coordinate.
-                let locked = wanted == (0.0, 0.0);
+                let locked = expected == (0.0, 0.0);
                 assert_eq!(robot.map().variables(), usize::from(!locked));
                 assert_eq!(robot.model().degrees_of_freedom(), 1);
             }
@@ -52,8 +52,8 @@ fn missing_bound_from_version_1_2_is_unlimited() {
     let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", "<robot version='1.2' ");
     let robot = Robot::parse(&text, "one.urdf").unwrap();
     assert_eq!(limits(&robot), Limits::new(-1.0, f64::INFINITY));
-    let wanted = "2: joint `j`, <limit>: `upper` is not given: no limit";
-    assert_eq!(repairs(&robot), [wanted]);
+    let expected = "2: joint `j`, <limit>: `upper` is not given: no limit";
+    assert_eq!(repairs(&robot), [expected]);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn mimic_without_bounds_leaves_its_source_free() {
 }
 
 /// Content of a joint, its repair, and the resulting limits.
-const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
+const REPAIRED_JOINTS: [(&str, &str, &str, (f64, f64)); 8] = [
     (
         "revolute",
         "<limit lower='2' upper='-1'/>",
@@ -134,19 +134,23 @@ const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
 
 #[test]
 fn lenient_reader_repairs_with_notes() {
-    for (kind, body, repair, wanted) in MENDED {
+    for (kind, body, repair, expected) in REPAIRED_JOINTS {
         let text = text(kind, body);
         let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
         let strict = Robot::parse(&text, "one.urdf");
-        assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1), "{body}");
+        assert_eq!(
+            limits(&robot),
+            Limits::new(expected.0, expected.1),
+            "{body}"
+        );
         let listed: Vec<&str> = repair.split_terminator('\n').collect();
         assert_eq!(repairs(&robot), listed, "{body}");
         assert_eq!(strict.is_ok(), repair.is_empty(), "{body}");
     }
-    let twice = text("revolute", MENDED[2].1);
+    let twice = text("revolute", REPAIRED_JOINTS[2].1);
     let robot = Robot::reader().lenient().parse(&twice, "one.urdf").unwrap();
     assert_eq!(robot.model().joints()[0].axis.to_array(), [0.0, 1.0, 0.0]);
-    let commas = text("revolute", MENDED[7].1);
+    let commas = text("revolute", REPAIRED_JOINTS[7].1);
     let robot = Robot::reader().lenient().parse(&commas, "one").unwrap();
     let origin = robot.model().joints()[0].parent_from_joint.translation;
     assert_eq!(origin.to_array(), [1.0, 2.0, -3.0]);
@@ -262,10 +266,10 @@ fn repairs_have_lines_of_the_file() {
 /// A comma within a number may be a decimal comma and is never replaced.
 #[test]
 fn decimal_commas_are_not_separators() {
-    for (xyz, there) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
+    for (xyz, is_valid) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
         let text = text("continuous", &format!("<origin xyz='{xyz}'/>"));
         let read = Robot::reader().lenient().parse(&text, "one.urdf");
-        assert_eq!(read.is_ok(), there, "{xyz}");
+        assert_eq!(read.is_ok(), is_valid, "{xyz}");
     }
 }
 

@@ -52,7 +52,7 @@ fn shapes_and_masses_are_those_of_the_file() {
     let shapes: Vec<_> = body.collisions.iter().map(|s| s.geometry.clone()).collect();
     let size = [1.0, 2.0, 3.0];
     let (file, scale) = ("hull.stl".to_owned(), [1.0; 3]);
-    let wanted = [
+    let expected = [
         Geometry::Box { size },
         Geometry::Cylinder {
             radius: 0.1,
@@ -64,7 +64,7 @@ fn shapes_and_masses_are_those_of_the_file() {
         },
         Geometry::Mesh { file, scale },
     ];
-    assert_eq!(shapes, wanted);
+    assert_eq!(shapes, expected);
     // A quarter turn about z takes x to y.
     let turned = body.collisions[0].link_from_shape;
     assert_eq!(turned.rotation.x.to_array(), [0.0, 1.0, 0.0]);

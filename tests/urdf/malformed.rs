@@ -6,7 +6,7 @@ use kinopt::model::ModelError;
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
 /// A valid robot of two joints, to be damaged.
-const SOUND: &str = r#"<?xml version="1.0"?>
+const VALID_ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="two">
   <link name="base"/>
   <link name="upper"/>
@@ -34,13 +34,13 @@ fn parse(text: &str) -> Result<Robot, RobotFileError> {
 
 /// The valid robot with one passage replaced, which must exist.
 fn damaged(from: &str, to: &str) -> String {
-    assert!(SOUND.contains(from), "{from}");
-    SOUND.replacen(from, to, 1)
+    assert!(VALID_ROBOT.contains(from), "{from}");
+    VALID_ROBOT.replacen(from, to, 1)
 }
 
 #[test]
 fn valid_robot_is_read() {
-    assert_eq!(parse(SOUND).unwrap().model().degrees_of_freedom(), 2);
+    assert_eq!(parse(VALID_ROBOT).unwrap().model().degrees_of_freedom(), 2);
 }
 
 /// Original text, replacement, and the complete message.
@@ -272,7 +272,7 @@ fn invalid_documents_are_named() {
         assert!(error.to_string().starts_with("two.urdf: not well-formed"));
     }
     // Entities may expand without bound; URDF needs none.
-    let doctype = SOUND.replace("<robot", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot");
+    let doctype = VALID_ROBOT.replace("<robot", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot");
     assert!(matches!(
         parse(&doctype),
         Err(RobotFileError::NotXml { .. })

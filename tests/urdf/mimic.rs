@@ -87,13 +87,17 @@ fn source_joint_keeps_its_exact_limits() {
         (-1.3, 0.37),
         (0.0, 0.2),
     ] {
-        for own in [(0.0, 0.0), (-0.1, 0.3), (-9.0, 9.0)] {
-            let robot = robot([(-0.1, 0.8), own, (0.0, 0.5)], (ratio, offset), (0.9, 0.1));
+        for range in [(0.0, 0.0), (-0.1, 0.3), (-9.0, 9.0)] {
+            let robot = robot(
+                [(-0.1, 0.8), range, (0.0, 0.5)],
+                (ratio, offset),
+                (0.9, 0.1),
+            );
             let (lower, upper) = (robot.map().lower(), robot.map().upper());
             assert_eq!(
                 (lower, upper),
                 (&[-0.1][..], &[0.8][..]),
-                "{ratio} {offset} {own:?}"
+                "{ratio} {offset} {range:?}"
             );
             for x in [-0.1, 0.33, 0.8] {
                 let mut q = [0.0; 3];

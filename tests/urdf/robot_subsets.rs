@@ -20,10 +20,10 @@ fn chain_passes_the_common_ancestor() {
     assert_eq!(names(&robot, &arm), seven.map(|n| format!("left_{n}")));
 
     let both = robot.chain("right_e0_link", "left_e0_link").unwrap();
-    let wanted = [
+    let expected = [
         "right_e0", "right_s1", "right_s0", "left_s0", "left_s1", "left_e0",
     ];
-    assert_eq!(names(&robot, &both), wanted);
+    assert_eq!(names(&robot, &both), expected);
 
     let forearm = robot.chain("left_upper_arm", "left_w0_link").unwrap();
     assert_eq!(names(&robot, &forearm), ["left_e0", "left_e1", "left_w0"]);
@@ -88,10 +88,10 @@ fn tool_is_fixed_to_its_frame() {
         .collect();
     let placed = kinematics.place(&x).unwrap();
     let (hand, welder, wire) = (placed[0], placed[1], placed[2]);
-    for (got, wanted) in [(welder, hand * offset), (wire, hand * offset * next)] {
-        assert!((got.translation - wanted.translation).norm() < 1e-15);
-        assert!((got.rotation.x - wanted.rotation.x).norm() < 1e-15);
-        assert!((got.rotation.y - wanted.rotation.y).norm() < 1e-15);
+    for (actual, expected) in [(welder, hand * offset), (wire, hand * offset * next)] {
+        assert!((actual.translation - expected.translation).norm() < 1e-15);
+        assert!((actual.rotation.x - expected.rotation.x).norm() < 1e-15);
+        assert!((actual.rotation.y - expected.rotation.y).norm() < 1e-15);
     }
 }
 
@@ -107,9 +107,9 @@ fn invalid_tools_are_errors() {
         put("flange", "flange", Placement::identity()),
         ToolError::Model(ModelError::DuplicateName { .. })
     ));
-    let bad = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
+    let invalid = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
     assert!(matches!(
-        put("tool", "flange", bad),
+        put("tool", "flange", invalid),
         ToolError::Model(ModelError::BadPlacement { .. })
     ));
 }

@@ -52,18 +52,22 @@ fn configurations(robot: &Robot) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn assert_frame(robot: &Robot, frame: &str, q: &[f64], wanted: &Pose) {
+fn assert_frame(robot: &Robot, frame: &str, q: &[f64], expected: &Pose) {
     let id = robot.model().frame(frame).unwrap();
     let mut kinematics = ForwardKinematics::of_frames(robot.model(), &[id]).unwrap();
-    let got: Pose = (&kinematics.place(q).unwrap()[0]).into();
-    let off = (got.to_homogeneous() - wanted.to_homogeneous()).amax();
-    assert!(off < 1e-12, "{}, {frame}: off by {off:e}", robot.name());
+    let actual: Pose = (&kinematics.place(q).unwrap()[0]).into();
+    let deviation = (actual.to_homogeneous() - expected.to_homogeneous()).amax();
+    assert!(
+        deviation < 1e-12,
+        "{}, {frame}: off by {deviation:e}",
+        robot.name()
+    );
 }
 
-fn assert_limits(robot: &Robot, wanted: &[(f64, f64)]) {
+fn assert_limits(robot: &Robot, expected: &[(f64, f64)]) {
     let limits: Vec<_> = robot.model().limits().collect();
-    assert_eq!(limits.len(), wanted.len());
-    for (limits, (lower, upper)) in limits.iter().zip(wanted) {
+    assert_eq!(limits.len(), expected.len());
+    for (limits, (lower, upper)) in limits.iter().zip(expected) {
         assert!((limits.lower - lower).abs() < 1e-14 && (limits.upper - upper).abs() < 1e-14);
     }
 }
@@ -71,11 +75,11 @@ fn assert_limits(robot: &Robot, wanted: &[(f64, f64)]) {
 fn assert_serial(file: &str, rows: &[[f64; 3]], limits_in_degrees: &[f64]) {
     let robot = Robot::read(file).unwrap();
     for q in configurations(&robot) {
-        let wanted = rows
+        let expected = rows
             .iter()
             .zip(&q)
             .fold(Pose::identity(), |pose, (row, q)| pose * standard(*row, *q));
-        assert_frame(&robot, "flange", &q, &wanted);
+        assert_frame(&robot, "flange", &q, &expected);
     }
     let limits: Vec<_> = (limits_in_degrees.iter())
         .map(|degrees| (-degrees.to_radians(), degrees.to_radians()))
@@ -214,11 +218,11 @@ fn baxter_matches_its_published_table() {
 fn cobra_matches_its_published_table() {
     let robot = Robot::read("../models/adept_cobra_s600.urdf").unwrap();
     for q in configurations(&robot) {
-        let wanted = standard([0.325, 0.387, 0.0], q[0])
+        let expected = standard([0.325, 0.387, 0.0], q[0])
             * standard([0.275, 0.0, PI], q[1])
             * standard([0.0, q[2], 0.0], 0.0)
             * standard([0.0; 3], q[3]);
-        assert_frame(&robot, "flange", &q, &wanted);
+        assert_frame(&robot, "flange", &q, &expected);
     }
     let turn = |degrees: f64| (-degrees.to_radians(), degrees.to_radians());
     assert_limits(
@@ -248,12 +252,15 @@ fn nao_masses_match_its_documentation() {
         ("torso", 1.0496, [-0.00413, 0.0, 0.04342]),
         ("left_shoulder", 0.07504, [-0.00165, -0.02663, 0.00014]),
     ] {
-        let own = inertial(link);
-        assert!((own.mass - mass).abs() < 1e-4);
-        assert_eq!(own.link_from_inertia.translation.to_array(), at);
+        let expected_inertia = inertial(link);
+        assert!((expected_inertia.mass - mass).abs() < 1e-4);
+        assert_eq!(
+            expected_inertia.link_from_inertia.translation.to_array(),
+            at
+        );
     }
     // Inertia of the torso, published about its origin.
-    let (own, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
+    let (torso, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
     let about_origin = [
         [y * y + z * z, -x * y, -x * z],
         [-x * y, x * x + z * z, -y * z],
@@ -265,7 +272,7 @@ fn nao_masses_match_its_documentation() {
         [0.00015519082081, -2.7079340725e-05, 0.001610300038],
     ];
     for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
-        let moved = own.moments[i][j] + own.mass * about_origin[i][j];
+        let moved = torso.moments[i][j] + torso.mass * about_origin[i][j];
         assert!((moved - published[i][j]).abs() < 2e-7, "{i} {j}: {moved}");
     }
     // Left and right are symmetric; the published inertias are nearly so.

@@ -21,7 +21,7 @@ fn chain(safety: [&str; 3], elbow: &str) -> String {
     format!("<robot name='soft'><link name='l0'/>{joints}</robot>")
 }
 
-const SOFT: [&str; 3] = [
+const SOFT_LIMITS: [&str; 3] = [
     "<safety_controller k_position='100' k_velocity='10' soft_lower_limit='-1.5' soft_upper_limit='2.5'/>",
     "<safety_controller k_velocity='10' soft_upper_limit='0.5'/>",
     "<safety_controller k_velocity='10'/>",
@@ -29,7 +29,7 @@ const SOFT: [&str; 3] = [
 
 #[test]
 fn soft_limits_are_read_and_apply_on_request() {
-    let robot = Robot::parse(&chain(SOFT, ""), "soft.urdf").unwrap();
+    let robot = Robot::parse(&chain(SOFT_LIMITS, ""), "soft.urdf").unwrap();
     let ids: Vec<_> = robot.model().joint_ids().collect();
     let infinite = f64::INFINITY;
     assert_eq!(robot.soft_limits(ids[0]), Some(Limits::new(-1.5, 2.5)));
@@ -62,7 +62,7 @@ fn soft_limits_are_read_and_apply_on_request() {
 fn mimic_soft_limits_apply_on_request() {
     let endless = "<safety_controller soft_lower_limit='-1' soft_upper_limit='1'/>";
     let follower = "<mimic joint='j0' multiplier='-1'/>";
-    let text = chain(["", SOFT[1], endless], follower);
+    let text = chain(["", SOFT_LIMITS[1], endless], follower);
     let robot = Robot::parse(&text, "soft.urdf").unwrap();
     assert_eq!(robot.map().upper(), [2.0, f64::INFINITY]);
     let soft = robot.with_soft_limits().unwrap();

@@ -28,7 +28,7 @@ struct Attribute {
     element: String,
     name: String,
     /// Byte ranges of the whole attribute and of its value.
-    whole: Range<usize>,
+    attribute_range: Range<usize>,
     value: Range<usize>,
     /// The joint that contains it.
     joint: Option<String>,
@@ -43,7 +43,7 @@ fn attributes(text: &str) -> Vec<Attribute> {
         node.attributes().map(move |attribute| Attribute {
             element: node.tag_name().name().to_owned(),
             name: attribute.name().to_owned(),
-            whole: attribute.range(),
+            attribute_range: attribute.range(),
             value: attribute.range_value(),
             joint: joint.map(str::to_owned),
         })
@@ -105,12 +105,12 @@ fn each_attribute_is_removed() {
         let text = text(name);
         let mut needed = 0;
         for attribute in attributes(&text) {
-            let read = read(&without(&text, &attribute.whole));
+            let read = read(&without(&text, &attribute.attribute_range));
             if is_needed(&attribute) {
                 needed += 1;
-                let place = format!("{name}: {:?} {}", attribute.joint, attribute.name);
-                let error = read.map(|_| place.clone()).unwrap_err();
-                assert!(error.contains(&attribute.name), "{place}: {error}");
+                let location = format!("{name}: {:?} {}", attribute.joint, attribute.name);
+                let error = read.map(|_| location.clone()).unwrap_err();
+                assert!(error.contains(&attribute.name), "{location}: {error}");
             } else if let (Ok(robot), "lower" | "upper") = (&read, attribute.name.as_str()) {
                 let id = robot
                     .model()
@@ -143,12 +143,12 @@ fn each_number_is_invalid_or_huge() {
                 continue;
             };
             let count = text[attribute.value.clone()].split_whitespace().count();
-            for bad in ["nan", "-inf", "1e400", "0,1", ""] {
-                let numbers = vec![bad; count].join(" ");
+            for invalid in ["nan", "-inf", "1e400", "0,1", ""] {
+                let numbers = vec![invalid; count].join(" ");
                 let error = read(&replaced(&text, &attribute.value, &numbers));
                 let error = error.map(|_| ()).unwrap_err();
                 let named = error.contains(joint.as_str());
-                assert!(named, "{name} {} {bad}: {error}", attribute.name);
+                assert!(named, "{name} {} {invalid}: {error}", attribute.name);
             }
             // Huge but finite: accepted or rejected, but no panic.
             let numbers = vec!["1e308"; count].join(" ");

@@ -34,8 +34,8 @@ fn velocity_limits_are_kept_for_all_joints() {
             "<limit lower='-1' upper='1' velocity='3'/><mimic joint='j0'/>",
         ),
     ]);
-    let wanted = [2.5, 7.0, 0.125, 3.0].map(Some);
-    assert_eq!(speeds(&robot), wanted);
+    let expected = [2.5, 7.0, 0.125, 3.0].map(Some);
+    assert_eq!(speeds(&robot), expected);
 }
 
 #[test]
@@ -115,9 +115,9 @@ fn control_step_keeps_velocity_limits() {
       <joint name="hinge" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>
         <limit lower="-2" upper="2" velocity="3" effort="1"/></joint></robot>"#;
     let robot = Robot::parse(text, "arm.urdf").unwrap();
-    let most = robot.moves_within(0.01);
-    assert_eq!(most.len(), 8);
-    assert_eq!(most[7], 0.03);
+    let max_moves = robot.moves_within(0.01);
+    assert_eq!(max_moves.len(), 8);
+    assert_eq!(max_moves[7], 0.03);
     let model = robot.model();
     let mut tasks = kinopt::Problem::builder(model);
     let tip = model.frame("c").unwrap();
@@ -127,7 +127,7 @@ fn control_step_keeps_velocity_limits() {
     tasks.add(kinopt::task::Orientation::new(tip, turned));
     let problem = tasks.build().unwrap();
     let start = model.neutral();
-    let moves = kinopt::ik::MoveLimits::new(&problem, &most, &start).unwrap();
+    let moves = kinopt::ik::MoveLimits::new(&problem, &max_moves, &start).unwrap();
     let question = kinopt::problem::ProblemInstance::from(&problem)
         .with_moves(&moves)
         .unwrap();

@@ -7,24 +7,24 @@ const kind = (value) => {
     if (typeof value !== "object") return `is a ${typeof value}`;
     return `is of ${value.constructor?.name ?? "no class"}`;
 };
-const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}, expected ${what}`);
+const typeErrorOf = (what, value, name) => new TypeError(`${name} ${kind(value)}, expected ${what}`);
 const isNumber = (value) => typeof value === "number";
 /** Objects whose length is set by the engine, not by a caller. */
 const isList = (value) => Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
 
 /** A list whose elements all have the type; typed arrays of numbers are accepted unchanged. */
-function list(value, name, what, isOne, one) {
-    if (!isList(value) || value instanceof BigInt64Array || value instanceof BigUint64Array) throw wanted(what, value, name);
+function list(value, name, what, isElement, elementType) {
+    if (!isList(value) || value instanceof BigInt64Array || value instanceof BigUint64Array) throw typeErrorOf(what, value, name);
     if (!Array.isArray(value)) return value;
     // By index, because iteration methods skip missing elements.
-    for (let k = 0; k < value.length; k += 1) if (!isOne(value[k])) throw wanted(one, value[k], `${name}[${k}]`);
+    for (let k = 0; k < value.length; k += 1) if (!isElement(value[k])) throw typeErrorOf(elementType, value[k], `${name}[${k}]`);
     return value;
 }
 
 export const numbers = (value, name) => list(value, name, "a list of numbers", isNumber, "a number");
 
 export function number(value, name) {
-    if (!isNumber(value) || Number.isNaN(value)) throw wanted("a number", value, name);
+    if (!isNumber(value) || Number.isNaN(value)) throw typeErrorOf("a number", value, name);
     return value;
 }
 
@@ -34,29 +34,29 @@ export function whole(value, name) {
 }
 
 export function string(value, name) {
-    if (typeof value !== "string") throw wanted("a string", value, name);
+    if (typeof value !== "string") throw typeErrorOf("a string", value, name);
     return value;
 }
 
 export function strings(value, name) {
-    if (!Array.isArray(value)) throw wanted("a list of strings", value, name);
-    return list(value, name, "a list of strings", (one) => typeof one === "string", "a string");
+    if (!Array.isArray(value)) throw typeErrorOf("a list of strings", value, name);
+    return list(value, name, "a list of strings", (element) => typeof element === "string", "a string");
 }
 
 export function array(value, name) {
-    if (!Array.isArray(value)) throw wanted("an array", value, name);
+    if (!Array.isArray(value)) throw typeErrorOf("an array", value, name);
     return value;
 }
 
 export function bytes(value, name) {
     if (Array.isArray(value)) return numbers(value, name);
     // Also accepts an array of another page.
-    if (value?.[Symbol.toStringTag] !== "Uint8Array" || !isList(value)) throw wanted("a Uint8Array", value, name);
+    if (value?.[Symbol.toStringTag] !== "Uint8Array" || !isList(value)) throw typeErrorOf("a Uint8Array", value, name);
     return value;
 }
 
 /** Largest size of a list in the module, bytes. */
-const MOST_BYTES = 0x7fffffff;
+const MAX_BYTES = 0x7fffffff;
 
 /**
  * Wraps an allocation function of the module: a trap becomes a RangeError. `sizeAt` is the index of the size argument.
@@ -64,7 +64,7 @@ const MOST_BYTES = 0x7fffffff;
 export const allocating = (allocate, sizeAt) => (...sizes) => {
     const bytes = sizes[sizeAt];
     const full = () => new RangeError(`${bytes} bytes exceed the memory of the module`);
-    if (bytes > MOST_BYTES) throw full();
+    if (bytes > MAX_BYTES) throw full();
     try {
         return allocate(...sizes);
     } catch (error) {
@@ -73,6 +73,6 @@ export const allocating = (allocate, sizeAt) => (...sizes) => {
 };
 
 export function instance(value, name, type) {
-    if (!(value instanceof type)) throw wanted(`a ${type.name}`, value, name);
+    if (!(value instanceof type)) throw typeErrorOf(`a ${type.name}`, value, name);
     return value;
 }

@@ -6,10 +6,10 @@ export function placement(position = [0, 0, 0], { wxyz, xyzw } = {}) {
         if (!Number.isFinite(position[k])) throw new TypeError(`position[${k}] is ${position[k]}: expected three finite numbers`);
     }
     if (wxyz && xyzw) throw new Error("a placement has one rotation, not wxyz and xyzw");
-    const given = wxyz ?? (xyzw ? [xyzw[3], xyzw[0], xyzw[1], xyzw[2]] : [1, 0, 0, 0]);
-    const length = Math.sqrt(given[0] ** 2 + given[1] ** 2 + given[2] ** 2 + given[3] ** 2);
+    const quaternion = wxyz ?? (xyzw ? [xyzw[3], xyzw[0], xyzw[1], xyzw[2]] : [1, 0, 0, 0]);
+    const length = Math.sqrt(quaternion[0] ** 2 + quaternion[1] ** 2 + quaternion[2] ** 2 + quaternion[3] ** 2);
     if (!(length > 0 && length < Infinity)) throw new Error("a rotation must be a quaternion of four finite numbers, not all 0");
-    const [w, x, y, z] = Array.from(given, (value) => value / length);
+    const [w, x, y, z] = Array.from(quaternion, (value) => value / length);
     return new Float64Array([
         1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
         2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,

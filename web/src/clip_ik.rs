@@ -10,8 +10,8 @@ use kinopt::motion::clip_ik::{ClipIk, EditedClip as Edited, Reach, ground_speed}
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
+use crate::arguments::{self, NamedArguments};
 use crate::clip::Clip;
-use crate::given::{self, Given};
 use crate::{object, raise};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -86,7 +86,7 @@ impl Clip {
     /// Inverse kinematics over the clip: bones reach targets over spans, and feet are locked in place while they hardly
     /// move. Each sample stays as close to the clip as possible. The root moves only if limbs are too short.
     #[wasm_bindgen(js_name = withIk)]
-    pub fn with_ik(&self, asked: ClipIkOptions) -> Result<EditedClip, JsError> {
+    pub fn with_ik(&self, options: ClipIkOptions) -> Result<EditedClip, JsError> {
         const KNOWN: [&str; 7] = [
             "reach",
             "plant",
@@ -96,42 +96,42 @@ impl Clip {
             "rootVelocity",
             "ground",
         ];
-        let asked = Given::new(asked.into(), "option of withIk", &KNOWN)?;
+        let options = NamedArguments::new(options.into(), "option of withIk", &KNOWN)?;
         let (armature, motion) = (self.armature(), self.inner());
-        let up = match asked.get("up") {
+        let up = match options.get("up") {
             None => Vec3::Y,
             Some(axis) => vector(&axis, "up")?.as_vec3(),
         };
-        let rate = asked.number("keysPerSecond")?.unwrap_or(60.0);
+        let rate = options.number("keysPerSecond")?.unwrap_or(60.0);
         let mut ik = ClipIk::new(armature).with_up(up).with_keys_per_second(rate);
         let bone = |name: &String| armature.bone(name).map_err(raise);
-        let feet = asked.texts("plant")?.unwrap_or_default();
+        let feet = options.texts("plant")?.unwrap_or_default();
         let feet = feet.iter().map(bone).collect::<Result<Vec<_>, _>>()?;
         for &foot in &feet {
             ik = ik.with_planted(foot);
         }
-        if let Some(reaches) = asked.get("reach") {
-            let no = || JsError::new("reach must be a list");
-            for one in given::list(&reaches).ok_or_else(no)? {
-                ik = ik.with_reach(reach(one, &bone, motion)?);
+        if let Some(reaches) = options.get("reach") {
+            let not_a_list = || JsError::new("reach must be a list");
+            for item in arguments::list(&reaches).ok_or_else(not_a_list)? {
+                ik = ik.with_reach(reach(item, &bone, motion)?);
             }
         }
-        if let Some(root) = asked.text("root")? {
+        if let Some(root) = options.text("root")? {
             ik = ik.with_root(bone(&root)?);
         }
-        if let Some(travel) = asked.get("rootVelocity") {
-            ik = ik.with_root_velocity(match travel.as_string().as_deref() {
+        if let Some(velocity) = options.get("rootVelocity") {
+            ik = ik.with_root_velocity(match velocity.as_string().as_deref() {
                 Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
                 Some(word) => {
                     let message =
                         format!("rootVelocity is \"{word}\", expected \"feet\" or three numbers");
                     return Err(JsError::new(&message));
                 }
-                None => vector(&travel, "rootVelocity")?.as_vec3(),
+                None => vector(&velocity, "rootVelocity")?.as_vec3(),
             });
         }
         #[cfg(feature = "collision")]
-        if let Some(world) = asked.get("ground") {
+        if let Some(world) = options.get("ground") {
             let (world, up) = (
                 crate::world::copied(&world, "ground")?,
                 up.as_dvec3().to_array(),
@@ -144,8 +144,12 @@ impl Clip {
         let inner = ik.solve(motion).map_err(raise)?;
         let name = |bone: BoneId| armature.names()[bone.index()].clone();
         Ok(EditedClip {
-            stances: inner.stances.iter().map(|own| name(own.bone)).collect(),
-            led: inner.led.iter().map(|own| name(own.bone)).collect(),
+            stances: inner
+                .stances
+                .iter()
+                .map(|report| name(report.bone))
+                .collect(),
+            led: inner.led.iter().map(|report| name(report.bone)).collect(),
             armature: Rc::clone(armature),
             inner,
         })
@@ -154,18 +158,18 @@ impl Clip {
 
 /// Reads the target of a bone.
 fn reach(
-    asked: JsValue,
+    options: JsValue,
     bone: &impl Fn(&String) -> Result<BoneId, JsError>,
     clip: &Motion,
 ) -> Result<Reach, JsError> {
     const KNOWN: [&str; 5] = ["bone", "target", "times", "span", "fade"];
-    let asked = Given::new(asked, "part of a reach", &KNOWN)?;
-    let bone = bone(&asked.name("bone")?)?;
-    let span = asked
+    let options = NamedArguments::new(options, "part of a reach", &KNOWN)?;
+    let bone = bone(&options.name("bone")?)?;
+    let span = options
         .get("span")
-        .map(|span| given::vector::<2>(&span, "span"));
+        .map(|span| arguments::vector::<2>(&span, "span"));
     let span = span.transpose()?;
-    let target = given::numbers(&asked.required("target")?, "target")?;
+    let target = arguments::numbers(&options.required("target")?, "target")?;
     let count = target.len();
     if count == 0 || count % 3 != 0 {
         let message = format!("target has {count} numbers, expected three for each point");
@@ -178,7 +182,7 @@ fn reach(
             let [from, to] = span.unwrap_or_else(|| clip.span().map(f64::from));
             let steps = points.len().saturating_sub(1).max(1) as f64;
             let evenly = || (0..points.len()).map(|k| from + (to - from) * k as f64 / steps);
-            let times = asked
+            let times = options
                 .numbers("times")?
                 .unwrap_or_else(|| evenly().collect());
             Reach::along(bone, KeyedCurve::catmull_rom(times, points).map_err(raise)?)
@@ -187,14 +191,14 @@ fn reach(
     if let Some([from, to]) = span {
         reach = reach.with_span(from..=to);
     }
-    if let Some(fade) = asked.number("fade")? {
+    if let Some(fade) = options.number("fade")? {
         reach = reach.with_fade(fade);
     }
     Ok(reach)
 }
 
 fn vector(value: &JsValue, what: &str) -> Result<DVec3, JsError> {
-    given::vector::<3>(value, what).map(DVec3::from)
+    arguments::vector::<3>(value, what).map(DVec3::from)
 }
 
 /// Result of `withIk`.
@@ -225,34 +229,34 @@ impl EditedClip {
                 .map(JsValue::from)
                 .collect::<Array>()
         };
-        let told = self
+        let plants = self
             .inner
             .stances
             .iter()
             .zip(&self.stances)
-            .map(|(own, bone)| {
+            .map(|(plant, bone)| {
                 object::of([
                     ("bone", bone.into()),
-                    ("span", list(&own.span).into()),
-                    ("place", list(&own.place.to_array()).into()),
-                    ("slide", own.slide.into()),
-                    ("stray", own.stray.into()),
+                    ("span", list(&plant.span).into()),
+                    ("place", list(&plant.place.to_array()).into()),
+                    ("slide", plant.slide.into()),
+                    ("stray", plant.stray.into()),
                 ])
             });
-        told.collect::<Array>().unchecked_into()
+        plants.collect::<Array>().unchecked_into()
     }
 
     /// Results of the bones, planted feet first.
     #[wasm_bindgen(getter)]
     pub fn led(&self) -> LedBones {
-        let told = self.inner.led.iter().zip(&self.led).map(|(own, bone)| {
+        let results = self.inner.led.iter().zip(&self.led).map(|(result, bone)| {
             object::of([
                 ("bone", bone.into()),
-                ("miss", own.miss.into()),
-                ("at", own.at.into()),
+                ("miss", result.miss.into()),
+                ("at", result.at.into()),
             ])
         });
-        told.collect::<Array>().unchecked_into()
+        results.collect::<Array>().unchecked_into()
     }
 
     /// Largest displacement of the root from the original clip.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use wasm_bindgen::prelude::*;
 
-use crate::given::Given;
+use crate::arguments::NamedArguments;
 
 #[wasm_bindgen]
 extern "C" {
@@ -14,16 +14,16 @@ extern "C" {
 }
 
 /// Reads the option `timeLimit`, seconds.
-pub(crate) fn time_limit(given: &Given) -> Result<Option<Duration>, JsError> {
-    let Some(seconds) = given.number("timeLimit")? else {
+pub(crate) fn time_limit(options: &NamedArguments) -> Result<Option<Duration>, JsError> {
+    let Some(seconds) = options.number("timeLimit")? else {
         return Ok(None);
     };
     kinopt::clock::set(|| Duration::from_secs_f64(1e-3 * now()));
     let limit = Duration::try_from_secs_f64(seconds);
-    let wrong = |_| {
+    let invalid = |_| {
         JsError::new(&format!(
             "timeLimit is {seconds} s, expected a finite number of at least 0"
         ))
     };
-    limit.map(Some).map_err(wrong)
+    limit.map(Some).map_err(invalid)
 }

@@ -47,13 +47,13 @@ impl Drag {
     ) -> Result<(), JsError> {
         let numbers = self.inner.q().len();
         let mut limits = kinopt::ik::MotionLimits::unlimited(numbers);
-        for (own, given) in [
+        for (limit, values) in [
             (&mut limits.velocity, velocity),
             (&mut limits.acceleration, acceleration),
             (&mut limits.jerk, jerk),
         ] {
-            if let Some(given) = given {
-                *own = given;
+            if let Some(values) = values {
+                *limit = values;
             }
         }
         let limited = self.inner.clone().with_motion_limits(time_step, &limits);

@@ -16,7 +16,7 @@ use crate::skeleton::Skeleton;
 pub struct Figure {
     skeleton: Skeleton,
     angles: EulerPoseMap,
-    stands: kinopt::animation::Pose,
+    rest_pose: kinopt::animation::Pose,
 }
 
 impl Figure {
@@ -33,7 +33,7 @@ impl Figure {
             .map_err(raise)?;
         Ok(Self {
             angles: EulerPoseMap::new(&skeleton),
-            stands: armature.rest().clone(),
+            rest_pose: armature.rest().clone(),
             skeleton: skeleton.into(),
         })
     }
@@ -53,14 +53,14 @@ impl Figure {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
     ) -> Result<Pose, JsError> {
-        let asked = self.skeleton.inner.angles();
-        if q.len() != asked {
+        let expected = self.skeleton.inner.angles();
+        if q.len() != expected {
             let count = q.len();
             return Err(JsError::new(&format!(
-                "q has {count} numbers, expected {asked}"
+                "q has {count} numbers, expected {expected}"
             )));
         }
-        let mut inner = self.stands.clone();
+        let mut inner = self.rest_pose.clone();
         self.angles.pose_of(q, &mut inner).map_err(raise)?;
         Ok(Pose { inner })
     }

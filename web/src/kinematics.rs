@@ -17,7 +17,11 @@ fn compiled(
     let model = &model.inner;
     let names = match frames {
         Some(names) => names,
-        None => model.frames().iter().map(|own| own.name.clone()).collect(),
+        None => model
+            .frames()
+            .iter()
+            .map(|frame| frame.name.clone())
+            .collect(),
     };
     let ids = names.iter().map(|name| model.frame(name));
     let ids = ids.collect::<Result<Vec<_>, _>>().map_err(raise)?;

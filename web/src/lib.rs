@@ -7,6 +7,7 @@
 // Exports to JavaScript must be `pub`, in any module.
 #![allow(unreachable_pub)]
 
+mod arguments;
 mod arm;
 mod armature;
 #[cfg(feature = "bvh")]
@@ -21,7 +22,6 @@ mod drag;
 mod euler_clip;
 #[cfg(any(feature = "bvh", feature = "gltf"))]
 mod figure;
-mod given;
 mod kinematics;
 #[cfg(feature = "bodies")]
 mod masses;

@@ -13,17 +13,18 @@ export type Placement = ArrayLike<number>;
 
 /// Converts a message to camel-case options: `option position_tolerance is -1` becomes `option positionTolerance is
 /// -1`.
-pub(crate) fn of_javascript(said: &str) -> String {
-    let mut before = "";
+pub(crate) fn of_javascript(text: &str) -> String {
+    let mut previous = "";
     let word = |word| {
-        let is_option = std::mem::replace(&mut before, word) == "option" || OPTIONS.contains(&word);
+        let is_option =
+            std::mem::replace(&mut previous, word) == "option" || OPTIONS.contains(&word);
         if is_option {
             camel(word)
         } else {
             word.to_owned()
         }
     };
-    said.split(' ').map(word).collect::<Vec<_>>().join(" ")
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// Options that messages also begin with, as in `joint_weights has 2 numbers`.

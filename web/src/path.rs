@@ -5,8 +5,8 @@ use kinopt::model::UnknownName;
 use kinopt::motion::path::{self, CartesianPath, MissReason, PathSolver, TimingLimits, Traversal};
 use wasm_bindgen::prelude::*;
 
+use crate::arguments::NamedArguments;
 use crate::arm::Arm;
-use crate::given::Given;
 use crate::placement::read_all;
 use crate::{object, raise, solution, view};
 
@@ -96,7 +96,7 @@ pub fn solve_path(
         "toolOfPoints",
     ];
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-    let options = Given::new(options, "option of a path", &KNOWN)?;
+    let options = NamedArguments::new(options, "option of a path", &KNOWN)?;
     let mut path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
     if let Some(times) = options.numbers("times")? {
         path = path.with_times(times).map_err(raise)?;
@@ -213,9 +213,9 @@ impl PathSolution {
     #[wasm_bindgen(getter)]
     pub fn blocked(&self) -> BlockedSteps {
         let blocked = self.inner.blocked.iter().map(|step| {
-            let told = object::of(solution::fields(&step.by));
-            object::add(&told, [("index", step.index.into())]);
-            told
+            let fields = object::of(solution::fields(&step.by));
+            object::add(&fields, [("index", step.index.into())]);
+            fields
         });
         blocked.collect::<Array>().unchecked_into()
     }
@@ -251,14 +251,14 @@ impl PathSolution {
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers | number")] velocities: JsValue,
     ) -> Result<Vec<f64>, JsError> {
-        let limits = |given: &JsValue, what: &str, own: &[f64]| match given.as_f64() {
-            Some(one) => Ok(vec![one; self.joints.len()]),
-            None if given.is_undefined() => Ok(own.to_vec()),
-            None => crate::given::numbers(given, what),
+        let limits = |value: &JsValue, what: &str, defaults: &[f64]| match value.as_f64() {
+            Some(number) => Ok(vec![number; self.joints.len()]),
+            None if value.is_undefined() => Ok(defaults.to_vec()),
+            None => crate::arguments::numbers(value, what),
         };
-        let [own_velocities, own_accelerations] = &self.rates;
-        let velocities = limits(&velocities, "velocities", own_velocities)?;
-        let accelerations = limits(&accelerations, "accelerations", own_accelerations)?;
+        let [default_velocities, default_accelerations] = &self.rates;
+        let velocities = limits(&velocities, "velocities", default_velocities)?;
+        let accelerations = limits(&accelerations, "accelerations", default_accelerations)?;
         let limits = TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joints);
         let trajectory = self.inner.trajectory(&limits).map_err(raise)?;
         Ok(trajectory.times().to_vec())

@@ -29,7 +29,7 @@ pub(crate) fn read(numbers: &[f64], what: &str) -> Result<Placement<f64>, JsErro
 
 /// Reads one placement from a typed array or an array.
 pub(crate) fn of(value: &JsValue, what: &str) -> Result<Placement<f64>, JsError> {
-    read(&crate::given::numbers(value, what)?, what)
+    read(&crate::arguments::numbers(value, what)?, what)
 }
 
 /// Reads several placements, sixteen numbers each.
@@ -41,7 +41,7 @@ pub(crate) fn read_all(numbers: &[f64], what: &str) -> Result<Vec<Placement<f64>
         )));
     }
     let each = numbers.chunks_exact(16).enumerate();
-    each.map(|(k, one)| read(one, &format!("{what} {k}")))
+    each.map(|(k, sixteen)| read(sixteen, &format!("{what} {k}")))
         .collect()
 }
 

@@ -7,7 +7,7 @@ use kinopt::problem::{Preferences, Targets};
 use kinopt::task::Quantity;
 use wasm_bindgen::prelude::*;
 
-use crate::given::{self, Given};
+use crate::arguments::{self, NamedArguments};
 use crate::model::Model;
 use crate::parameters::parameters;
 use crate::raise;
@@ -119,7 +119,7 @@ struct ProblemRequest<'a> {
 }
 
 impl ProblemRequest<'_> {
-    fn problem(self, keep_clear: Option<&Fence<'_>>) -> Result<Problem, JsError> {
+    fn problem(self, keep_clear: Option<&AddAvoidance<'_>>) -> Result<Problem, JsError> {
         const KNOWN: [&str; 6] = [
             "tolerance",
             "preferences",
@@ -129,21 +129,21 @@ impl ProblemRequest<'_> {
             "bounds",
         ];
         let options = self.options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a problem", &KNOWN)?;
+        let options = NamedArguments::new(options, "option of a problem", &KNOWN)?;
         let mut builder = kinopt::Problem::builder(&self.model.inner);
-        let asked = parameters(self.model, &options)?;
-        if let Some(map) = self.holds.or(asked) {
+        let parameters_of_options = parameters(self.model, &options)?;
+        if let Some(map) = self.holds.or(parameters_of_options) {
             builder.parameters(map);
         }
-        for (name, value) in given::entries(options.get("bounds").as_ref(), "bounds")? {
-            let [lower, upper] = given::vector(&value, &format!("bounds.{name}"))?;
+        for (name, value) in arguments::entries(options.get("bounds").as_ref(), "bounds")? {
+            let [lower, upper] = arguments::vector(&value, &format!("bounds.{name}"))?;
             let joint = self.model.inner.joint(&name).map_err(raise)?;
             builder.bound(joint, Limits::new(lower, upper));
         }
         let tasks = js_sys::Array::from(&self.tasks);
         let tasks = tasks
             .iter()
-            .map(|one| task::add(one, self.model, &mut builder));
+            .map(|task| task::add(task, self.model, &mut builder));
         let tasks = tasks.collect::<Result<Vec<_>, _>>()?;
         if let Some(tolerance) = options.number("tolerance")? {
             builder.tolerance(Quantity::Metres, tolerance);
@@ -159,8 +159,8 @@ impl ProblemRequest<'_> {
                 return Err(raise(UnknownName::new("preferences", other, names)));
             }
         }
-        if let Some(fence) = keep_clear {
-            fence(&mut builder);
+        if let Some(add_avoidance) = keep_clear {
+            add_avoidance(&mut builder);
         }
         Ok(Problem {
             inner: builder.build().map_err(raise)?,
@@ -170,7 +170,7 @@ impl ProblemRequest<'_> {
 }
 
 /// Adds collision avoidance to a problem.
-type Fence<'a> = dyn Fn(&mut kinopt::problem::ProblemBuilder<'_>) + 'a;
+type AddAvoidance<'a> = dyn Fn(&mut kinopt::problem::ProblemBuilder<'_>) + 'a;
 
 #[wasm_bindgen]
 impl Problem {
@@ -181,13 +181,13 @@ impl Problem {
         tasks: Tasks,
         options: Option<ProblemOptions>,
     ) -> Result<Self, JsError> {
-        let asked = ProblemRequest {
+        let request = ProblemRequest {
             model,
             tasks,
             options,
             holds: None,
         };
-        asked.problem(None)
+        request.problem(None)
     }
 
     /// Creates a problem of a skeleton without limits, for a drag of the tips of the bones `dragged` from the angles
@@ -200,15 +200,15 @@ impl Problem {
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
         options: Option<ProblemOptions>,
     ) -> Result<Self, JsError> {
-        let own = &skeleton.inner;
-        let holds = own.holds(&skeleton.bones_named(&dragged)?);
-        let asked = ProblemRequest {
+        let inner = &skeleton.inner;
+        let holds = inner.holds(&skeleton.bones_named(&dragged)?);
+        let request = ProblemRequest {
             model: &skeleton.model(),
             tasks,
             options,
-            holds: Some(holds.parameters(own, q).map_err(raise)?),
+            holds: Some(holds.parameters(inner, q).map_err(raise)?),
         };
-        asked.problem(None)
+        request.problem(None)
     }
 
     /// Names of the tasks, for targets.
@@ -239,13 +239,13 @@ impl Problem {
         options: Option<ProblemOptions>,
     ) -> Result<Self, JsError> {
         let checker = shapes.checker(world, margin)?;
-        let asked = ProblemRequest {
+        let request = ProblemRequest {
             model,
             tasks,
             options,
             holds: None,
         };
-        asked.problem(Some(&|builder| {
+        request.problem(Some(&|builder| {
             builder.keep_clear(&checker);
         }))
     }
@@ -263,11 +263,11 @@ impl Problem {
         targets: Option<TargetsByName>,
     ) -> Result<(), JsError> {
         let targets = targets.map(JsValue::from);
-        for (name, value) in given::entries(targets.as_ref(), "targets")? {
-            let Some(at) = self.names().position(|own| own == name) else {
+        for (name, value) in arguments::entries(targets.as_ref(), "targets")? {
+            let Some(index) = self.names().position(|known| known == name) else {
                 return Err(raise(UnknownName::new("task", &name, self.names())));
             };
-            if let Some(task) = self.tasks.get(at) {
+            if let Some(task) = self.tasks.get(index) {
                 task.aim(aimed, &value, &format!("the target of {name}"))?;
             }
         }

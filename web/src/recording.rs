@@ -34,9 +34,9 @@ impl Recording {
 
     /// Appends the next pose.
     pub fn add(&mut self, pose: &Pose) -> Result<(), JsError> {
-        let (given, asked) = (pose.inner.bones(), self.armature.bones());
-        if given != asked {
-            let message = format!("the pose has {given} bones, expected {asked}");
+        let (count, expected) = (pose.inner.bones(), self.armature.bones());
+        if count != expected {
+            let message = format!("the pose has {count} bones, expected {expected}");
             return Err(JsError::new(&message));
         }
         self.poses.push(pose.inner.clone());

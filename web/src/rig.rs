@@ -91,7 +91,7 @@ impl Rig {
         let rig = Rc::clone(&self.inner);
         let posing = kinopt::io::rig::RigPosing::new(Shared(rig), method).map_err(raise)?;
         let mesh = self.inner.mesh.as_ref();
-        let count = |of: fn(&kinopt::mesh::TriangleMesh) -> usize| mesh.map_or(0, of);
+        let count = |count_of: fn(&kinopt::mesh::TriangleMesh) -> usize| mesh.map_or(0, count_of);
         Ok(RigPosing {
             posing,
             positions: vec![Vec3::ZERO; count(|mesh| mesh.positions().len())],

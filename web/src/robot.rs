@@ -7,7 +7,7 @@ use kinopt::robot::{BaseJoint, Geometry};
 use kinopt::spatial::Vector3;
 use wasm_bindgen::prelude::*;
 
-use crate::given::{self, Given};
+use crate::arguments::{self, NamedArguments};
 use crate::model::Model;
 use crate::{object, placement, raise};
 
@@ -86,7 +86,7 @@ impl Robot {
             "softLimits",
         ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a robot", &KNOWN)?;
+        let options = NamedArguments::new(options, "option of a robot", &KNOWN)?;
         let mut reader = kinopt::robot::Robot::reader();
         if options.switch("lenient")?.unwrap_or(false) {
             reader = reader.lenient();
@@ -111,7 +111,8 @@ impl Robot {
     #[wasm_bindgen(js_name = ofModel)]
     pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
+        let options =
+            NamedArguments::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let inner = kinopt::robot::Robot::new(model.inner.clone(), Vec::new());
         on_base(inner.map_err(raise)?, &options)
     }
@@ -163,9 +164,11 @@ impl Robot {
         #[wasm_bindgen(js_name = linkFromTool, unchecked_param_type = "Placement")]
         link_from_tool: &[f64],
     ) -> Result<Self, JsError> {
-        let place = placement::read(link_from_tool, "linkFromTool")?;
-        let own = kinopt::robot::Robot::clone(&self.inner);
-        let inner = own.with_tool(name, link, place).map_err(raise)?;
+        let placement = placement::read(link_from_tool, "linkFromTool")?;
+        let inner_robot = kinopt::robot::Robot::clone(&self.inner);
+        let inner = inner_robot
+            .with_tool(name, link, placement)
+            .map_err(raise)?;
         Ok(inner.into())
     }
 
@@ -216,17 +219,17 @@ impl From<kinopt::robot::Robot> for Robot {
 }
 
 /// Puts a robot on the requested base.
-fn on_base(robot: kinopt::robot::Robot, options: &Given) -> Result<Robot, JsError> {
+fn on_base(robot: kinopt::robot::Robot, options: &NamedArguments) -> Result<Robot, JsError> {
     let Some(kind) = options.text("baseJoint")? else {
         return Ok(robot.into());
     };
-    let room = given::entries(options.get("baseBounds").as_ref(), "baseBounds")?;
-    let room = room.into_iter().map(|(axis, value)| {
-        let [lower, upper] = given::vector(&value, &format!("baseBounds.{axis}"))?;
+    let bounds = arguments::entries(options.get("baseBounds").as_ref(), "baseBounds")?;
+    let bounds = bounds.into_iter().map(|(axis, value)| {
+        let [lower, upper] = arguments::vector(&value, &format!("baseBounds.{axis}"))?;
         Ok((axis, Limits::new(lower, upper)))
     });
-    let room = room.collect::<Result<Vec<_>, JsError>>()?;
-    let base = BaseJoint::named(&kind, room).map_err(raise)?;
+    let bounds = bounds.collect::<Result<Vec<_>, JsError>>()?;
+    let base = BaseJoint::named(&kind, bounds).map_err(raise)?;
     Ok(robot.with_base_joint(base).map_err(raise)?.into())
 }
 
@@ -242,7 +245,8 @@ impl Robot {
         options: Option<BaseOptions>,
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
+        let options =
+            NamedArguments::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let name = name.as_deref().unwrap_or("robot.xml");
         let inner = kinopt::robot::Robot::parse_mjcf(text, name);
         on_base(inner.map_err(raise)?, &options)
@@ -264,13 +268,13 @@ fn shape_object(shape: &kinopt::robot::Shape) -> JsValue {
         ],
         _ => vec![("kind", "mesh".into())],
     };
-    let place = list(&placement::columns(&shape.link_from_shape));
-    let told = object::of([("linkFromShape", place)]);
+    let link_from_shape = list(&placement::columns(&shape.link_from_shape));
+    let object = object::of([("linkFromShape", link_from_shape)]);
     let name = shape.name.as_deref().map(|name| ("name", name.into()));
     for (field, value) in fields.into_iter().chain(name) {
-        let _ = js_sys::Reflect::set(&told, &field.into(), &value);
+        let _ = js_sys::Reflect::set(&object, &field.into(), &value);
     }
-    told.into()
+    object.into()
 }
 
 fn round(kind: &str, radius: f64, length: Option<f64>) -> Vec<(&'static str, JsValue)> {

@@ -74,7 +74,9 @@ impl Scene {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
         let meshes = &self.inner.meshes;
-        let count = |of: fn(&TriangleMesh) -> usize| meshes.iter().map(|own| of(&own.mesh)).sum();
+        let count = |count_of: fn(&TriangleMesh) -> usize| {
+            meshes.iter().map(|mesh| count_of(&mesh.mesh)).sum()
+        };
         let vertices = count(|mesh| mesh.positions().len());
         // Normals of only some meshes would not match the vertices.
         let normals = match count(|mesh| mesh.normals().len()) {
@@ -94,9 +96,9 @@ impl Scene {
 /// Triangles of all meshes, over the vertices of all.
 fn triangles(scene: &gltf::Scene) -> Vec<[u32; 3]> {
     let (mut all, mut first) = (Vec::new(), 0);
-    for mesh in scene.meshes.iter().map(|own| &own.mesh) {
-        let own = mesh.triangles().iter();
-        all.extend(own.map(|corners| corners.map(|corner| first + corner)));
+    for mesh in scene.meshes.iter().map(|scene_mesh| &scene_mesh.mesh) {
+        let faces = mesh.triangles().iter();
+        all.extend(faces.map(|corners| corners.map(|corner| first + corner)));
         first += mesh.positions().len() as u32;
     }
     all

@@ -85,10 +85,10 @@ impl Skeleton {
 
     fn frame(
         &self,
-        of: impl Fn(BoneId) -> kinopt::model::FrameId,
+        frame_of: impl Fn(BoneId) -> kinopt::model::FrameId,
         bone: &str,
     ) -> Result<String, JsError> {
-        let frame = of(self.inner.bone(bone).map_err(raise)?);
+        let frame = frame_of(self.inner.bone(bone).map_err(raise)?);
         Ok(self.inner.model().frames()[frame.index()].name.clone())
     }
 }

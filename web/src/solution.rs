@@ -171,9 +171,9 @@ impl Solution {
 
 /// Collisions as objects.
 #[cfg(feature = "collision")]
-pub(crate) fn collisions(found: &[kinopt::ik::Collision]) -> Collisions {
-    let told = found.iter().map(|pair| object::of(fields(pair)));
-    told.collect::<Array>().unchecked_into()
+pub(crate) fn collisions(collisions: &[kinopt::ik::Collision]) -> Collisions {
+    let objects = collisions.iter().map(|pair| object::of(fields(pair)));
+    objects.collect::<Array>().unchecked_into()
 }
 
 /// Fields of the object of a collision.

@@ -5,8 +5,8 @@ use kinopt::ik::Restarts;
 use kinopt::solver::Stopping;
 use wasm_bindgen::prelude::*;
 
+use crate::arguments::NamedArguments;
 use crate::clock;
-use crate::given::Given;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
 use crate::solution::Solution;
@@ -63,7 +63,7 @@ impl Solver {
             "restartSteps",
         ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a solver", &KNOWN)?;
+        let options = NamedArguments::new(options, "option of a solver", &KNOWN)?;
         let mut stopping = Stopping::default();
         if let Some(steps) = options.whole("maxIterations")? {
             stopping = stopping.with_max_iterations(steps as usize);
@@ -110,8 +110,8 @@ impl Solver {
         targets: Option<TargetsByName>,
     ) -> Result<Solution, JsError> {
         let targets = problem.targets(targets)?;
-        let question = problem.inner.with_targets(&targets).map_err(raise)?;
-        let solution = self.inner.solve(question, start, &mut self.workspace);
+        let instance = problem.inner.with_targets(&targets).map_err(raise)?;
+        let solution = self.inner.solve(instance, start, &mut self.workspace);
         Ok(solution.map_err(raise)?.clone().into())
     }
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use kinopt::model::{FrameId, JointId};
 use wasm_bindgen::prelude::*;
 
-use crate::given::Given;
+use crate::arguments::NamedArguments;
 use crate::object;
 use crate::raise;
 use crate::robot::Robot;
@@ -60,7 +60,7 @@ impl Srdf {
         options: Option<SrdfOptions>,
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of an SRDF file", &["lenient"])?;
+        let options = NamedArguments::new(options, "option of an SRDF file", &["lenient"])?;
         let mut reader = kinopt::robot::Srdf::reader();
         if options.switch("lenient")?.unwrap_or(false) {
             reader = reader.lenient();
@@ -106,9 +106,9 @@ impl Srdf {
     ) -> Result<Vec<f64>, JsError> {
         let model = self.robot.model();
         let at = at.unwrap_or_else(|| model.neutral());
-        let (count, asked) = (at.len(), model.configuration_len());
-        if count != asked {
-            let message = format!("at has {count} numbers, expected {asked}");
+        let (count, expected) = (at.len(), model.configuration_len());
+        if count != expected {
+            let message = format!("at has {count} numbers, expected {expected}");
             return Err(JsError::new(&message));
         }
         self.inner.state(name, &at).map_err(raise)

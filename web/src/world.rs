@@ -172,12 +172,14 @@ impl World {
 
 /// Copies the world of a caller's object.
 #[cfg(feature = "clip-ik")]
-pub(crate) fn copied(given: &JsValue, what: &str) -> Result<collision::World, JsError> {
-    let no = |_| JsError::new(&format!("{what} must be a World"));
-    let told = js_sys::Reflect::get(given, &"toJson".into());
-    let told = told.and_then(|told| told.dyn_into::<js_sys::Function>());
-    let told = told.and_then(|told| told.call0(given)).map_err(no)?;
-    let text = told.as_string().unwrap_or_default();
+pub(crate) fn copied(value: &JsValue, what: &str) -> Result<collision::World, JsError> {
+    let not_a_world = |_| JsError::new(&format!("{what} must be a World"));
+    let json = js_sys::Reflect::get(value, &"toJson".into());
+    let json = json.and_then(|json| json.dyn_into::<js_sys::Function>());
+    let json = json
+        .and_then(|json| json.call0(value))
+        .map_err(not_a_world)?;
+    let text = json.as_string().unwrap_or_default();
     collision::World::from_json(text.as_bytes(), what).map_err(raise)
 }
 

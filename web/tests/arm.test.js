@@ -4,7 +4,7 @@ import test from "node:test";
 import { Arm, CollisionModel, placement, Robot, World } from "kinopt";
 import { configuration, panda, pandaArm, random, text } from "./panda.js";
 
-const far = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
+const largestDifference = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
 
 test("500 reachable poses are reached by every search", () => {
     for (const search of ["start", "first", "nearest"]) {
@@ -14,7 +14,7 @@ test("500 reachable poses are reached by every search", () => {
             const target = arm.baseFromTool(configuration(arm, draw));
             const solution = arm.solve(target, configuration(arm, draw));
             assert.ok(solution.reached, `${search} ${k}: ${solution.explain()}`);
-            assert.ok(far(arm.baseFromTool(solution.q), target) < 2e-6);
+            assert.ok(largestDifference(arm.baseFromTool(solution.q), target) < 2e-6);
             const { lower, upper } = arm;
             assert.ok(solution.q.every((value, j) => lower[j] <= value && value <= upper[j]));
         }
@@ -57,9 +57,9 @@ test("a path stays on its branch, also by single targets", () => {
     const q = track.q.slice();
     const follower = arm.follower(start);
     path.forEach((target, k) => {
-        const { reached, q: own } = follower.advance(target);
+        const { reached, q: nextQ } = follower.advance(target);
         assert.ok(reached && !follower.jumped);
-        assert.ok(far([...own], [...q.slice(7 * k, 7 * k + 7)]) < 0.05);
+        assert.ok(largestDifference([...nextQ], [...q.slice(7 * k, 7 * k + 7)]) < 0.05);
     });
     const servo = arm.servo(start, 1e-3);
     for (let tick = 0; tick < 300; tick += 1) servo.step(path[10]);
@@ -76,7 +76,7 @@ test("a servo keeps the given velocity limits", () => {
     let before = servo.q;
     for (let tick = 0; tick < 50; tick += 1) {
         const q = servo.step(target);
-        assert.ok(far([...q], [...before]) <= 0.003 * (1 + 1e-12));
+        assert.ok(largestDifference([...q], [...before]) <= 0.003 * (1 + 1e-12));
         before = q;
     }
     assert.throws(() => arm.servo(start, 0.01, { velocityLimits: [1] }), /velocityLimits has 1 numbers/);
@@ -84,8 +84,8 @@ test("a servo keeps the given velocity limits", () => {
 });
 
 test("a time limit ends a search and is reported", () => {
-    const far = placement([3, 0, 0.5]);
-    const { termination, reached, q } = pandaArm({ timeLimit: 0, search: "first" }).solve(far);
+    const unreachable = placement([3, 0, 0.5]);
+    const { termination, reached, q } = pandaArm({ timeLimit: 0, search: "first" }).solve(unreachable);
     assert.deepEqual([termination, reached, q.length], ["time_limit", false, 7]);
     // A long time limit ends nothing.
     const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
@@ -102,7 +102,7 @@ test("several solutions differ", () => {
     assert.ok(several.length >= 2);
     for (const one of several) {
         assert.ok(one.reached);
-        for (const other of several) assert.ok(one === other || far([...one.q], [...other.q]) > 0.3);
+        for (const other of several) assert.ok(one === other || largestDifference([...one.q], [...other.q]) > 0.3);
     }
 });
 

@@ -127,9 +127,9 @@ function strip() {
 
 test("a scene is played, and dragged from its clip's pose", () => {
     const [file, buffer] = strip();
-    const asked = [];
-    const scene = Scene.fromBytes(file, "strip.gltf", (name) => (asked.push(name), name === "strip.bin" ? buffer : undefined));
-    assert.deepEqual(asked, ["strip.bin"]);
+    const requestedFiles = [];
+    const scene = Scene.fromBytes(file, "strip.gltf", (name) => (requestedFiles.push(name), name === "strip.bin" ? buffer : undefined));
+    assert.deepEqual(requestedFiles, ["strip.bin"]);
     const [clip] = scene.clips;
     assert.deepEqual([clip.name, clip.duration], ["bend", 1]);
     for (const method of ["lbs", "dqs"]) {
@@ -137,8 +137,8 @@ test("a scene is played, and dragged from its clip's pose", () => {
         assert.deepEqual([...skin.triangles], [0, 1, 2]);
         skin.deform(clip.sample(1));
         // W of the second bone: a quarter turn about z at (0, 1, 0); its vertices are in its own coordinates.
-        const places = [0, 0, 0, -1, 1, 0, -2, 1, 0];
-        skin.positions.forEach((value, k) => assert.ok(Math.abs(value - places[k]) < 1e-5, `${method} ${skin.positions}`));
+        const expectedPositions = [0, 0, 0, -1, 1, 0, -2, 1, 0];
+        skin.positions.forEach((value, k) => assert.ok(Math.abs(value - expectedPositions[k]) < 1e-5, `${method} ${skin.positions}`));
         assert.equal(skin.normals.length, 9);
     }
     const figure = scene.figure(clip.sample(1));
@@ -158,9 +158,9 @@ test("solved poses become a clip of a scene or a capture", () => {
     const open = () => buffer;
     const file = SceneFile.fromBytes(gltf, "strip.gltf", open);
     const scene = Scene.fromBytes(gltf, "strip.gltf", open);
-    const [own] = scene.clips;
+    const [original] = scene.clips;
     const recording = new Recording(file.armature, 10);
-    for (let k = 0; k <= 5; k += 1) recording.add(own.sample(0.2 * k));
+    for (let k = 0; k <= 5; k += 1) recording.add(original.sample(0.2 * k));
     const clip = recording.clip("again");
     assert.equal(recording.frames, 6);
     assert.ok(Math.abs(clip.duration - 0.5) < 1e-6);
@@ -170,7 +170,7 @@ test("solved poses become a clip of a scene or a capture", () => {
     assert.deepEqual(read.clips.map(({ name }) => name), file.clipNames);
     const placed = (of, name, seconds) => of.armature.localToModel(of.clips.find((one) => one.name === name).sample(seconds));
     // Twice as fast as before.
-    const before = placed(scene, own.name, 0.6);
+    const before = placed(scene, original.name, 0.6);
     placed(read, "again", 0.3).forEach((value, k) => assert.ok(Math.abs(value - before[k]) < 1e-5));
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(recording.toBvh()), "again.bvh");
     assert.equal(capture.frames, 6);

@@ -7,28 +7,28 @@ import { text } from "./panda.js";
 const bytes = new TextEncoder().encode(text("captures/steps.bvh"));
 const { armature, clip } = MotionCapture.fromBytes(bytes, "steps.bvh");
 /** Origin of a bone at a time of a clip. */
-const place = (of, bone, seconds) => {
+const bonePosition = (shownClip, bone, seconds) => {
     const k = armature.names.indexOf(bone);
-    return [...armature.places(of.sample(seconds)).subarray(3 * k, 3 * k + 3)];
+    return [...armature.places(shownClip.sample(seconds)).subarray(3 * k, 3 * k + 3)];
 };
 const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
 const [HAND, FEET] = ["LeftHand", ["LeftFoot", "RightFoot"]];
 
 test("a bone reaches a target within its span only", () => {
-    const target = place(clip, HAND, 1).map((value, k) => value + [5, 10, 5][k]);
+    const target = bonePosition(clip, HAND, 1).map((value, k) => value + [5, 10, 5][k]);
     const edited = clip.withIk({ reach: [{ bone: HAND, target, span: [0.5, 1.5], fade: 0.2 }], keysPerSecond: 30 });
     assert.deepEqual(edited.led.map(({ bone }) => bone), [HAND]);
     assert.ok(edited.led[0].miss < 0.01, `${edited.led[0].miss}`);
-    assert.ok(away(place(edited.clip, HAND, 1), target) < 0.05);
-    assert.ok(away(place(edited.clip, HAND, 3), place(clip, HAND, 3)) < 1e-3);
+    assert.ok(away(bonePosition(edited.clip, HAND, 1), target) < 0.05);
+    assert.ok(away(bonePosition(edited.clip, HAND, 3), bonePosition(clip, HAND, 3)) < 1e-3);
 });
 
 test("planted feet are motionless on the world's ground", () => {
     const edited = clip.withIk({ plant: FEET, keysPerSecond: 30 });
     assert.ok(edited.stances.length >= 4);
-    for (const { bone, span: [from, to], place: stands, slide, stray } of edited.stances) {
+    for (const { bone, span: [from, to], place: position, slide, stray } of edited.stances) {
         assert.ok(slide < 0.05 && stray < 0.1);
-        assert.ok(away(place(edited.clip, bone, 0.5 * (from + to)), stands) < 0.1);
+        assert.ok(away(bonePosition(edited.clip, bone, 0.5 * (from + to)), position) < 0.1);
     }
     const stage = new World();
     stage.addBox("stage", [5000, 20, 5000]);

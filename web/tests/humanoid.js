@@ -10,6 +10,6 @@ export const humanoid = () =>
 export function pinned(rig, q) {
     const frames = rig.constrained.map((bone) => rig.skeleton.tip(bone));
     const at = new ForwardKinematics(rig.model, frames).place(q).slice();
-    const place = (k) => at.slice(16 * k + 12, 16 * k + 15);
-    return rig.constrained.map((name, k) => tasks.point(frames[k], place(k), { name }));
+    const positionOf = (k) => at.slice(16 * k + 12, 16 * k + 15);
+    return rig.constrained.map((name, k) => tasks.point(frames[k], positionOf(k), { name }));
 }

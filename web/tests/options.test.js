@@ -34,10 +34,10 @@ test("the page on choosing names existing classes", () => {
         const rows = table.trim().split("\n").map((line) => line.split("|").slice(1, -1));
         const column = rows[0].findIndex((cell) => cell.includes("JavaScript"));
         for (const [, name] of rows.slice(2).flatMap((row) => [...row[column].matchAll(/`([^`]+)`/g)])) {
-            const [own, member] = name.split(/[.:]/);
-            const body = types.match(new RegExp(`^export class ${own} \\{([\\s\\S]*?)^\\}`, "m"))?.[1];
-            const there = name.includes(".") ? new RegExp(`^    (static )?${member}\\(`, "m").test(body) : options.includes(own) || body || types.includes(`export function ${own}(`);
-            assert.ok(there, name);
+            const [className, member] = name.split(/[.:]/);
+            const body = types.match(new RegExp(`^export class ${className} \\{([\\s\\S]*?)^\\}`, "m"))?.[1];
+            const exists = name.includes(".") ? new RegExp(`^    (static )?${member}\\(`, "m").test(body) : options.includes(className) || body || types.includes(`export function ${className}(`);
+            assert.ok(exists, name);
             count += 1;
         }
     }

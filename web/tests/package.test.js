@@ -11,28 +11,28 @@ import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { model } from "./panda.js";
 
-const own = fileURLToPath(new URL("..", import.meta.url));
+const packageFolder = fileURLToPath(new URL("..", import.meta.url));
 const project = mkdtempSync(join(tmpdir(), "kinopt-"));
 const run = (command, ...rest) => execFileSync(command, rest, { cwd: project, encoding: "utf8" });
-const readme = readFileSync(join(own, "README.md"), "utf8");
+const readme = readFileSync(join(packageFolder, "README.md"), "utf8");
 const blocks = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
 
 /** A registry of one package, with the requests of npm: its metadata, and its archive. */
 async function registry({ filename, integrity, name, version }) {
     const archive = readFileSync(join(project, filename));
-    const server = createServer(({ url }, answer) => {
+    const server = createServer(({ url }, response) => {
         const address = `http://127.0.0.1:${server.address().port}`;
-        const known = { ...JSON.parse(readFileSync(join(own, "package.json"))), dist: { integrity, tarball: `${address}/${filename}` } };
-        if (url === `/${filename}`) answer.end(archive);
-        else if (url === `/${name}`) answer.end(JSON.stringify({ name, "dist-tags": { latest: version }, versions: { [version]: known } }));
-        else answer.writeHead(404).end();
+        const metadata = { ...JSON.parse(readFileSync(join(packageFolder, "package.json"))), dist: { integrity, tarball: `${address}/${filename}` } };
+        if (url === `/${filename}`) response.end(archive);
+        else if (url === `/${name}`) response.end(JSON.stringify({ name, "dist-tags": { latest: version }, versions: { [version]: metadata } }));
+        else response.writeHead(404).end();
     });
     await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
     return server;
 }
 
 before(async () => {
-    const [archive] = JSON.parse(run("npm", "pack", own, "--json"));
+    const [archive] = JSON.parse(run("npm", "pack", packageFolder, "--json"));
     writeFileSync(join(project, "package.json"), '{ "type": "module" }');
     const server = await registry(archive);
     const [command, ...words] = readme.match(/<!-- in an empty project -->\n```sh\n(.*)\n```/)[1].split(" ");
@@ -114,7 +114,7 @@ test("the README's types are valid, wrong types are not", () => {
         solvePath(new Arm(Robot.fromUrdf(""), "base", "tip"), [0], { traversal: "back" });
         // @ts-expect-error
         new Arm(Robot.fromUrdf(""), "base", "tip").solve(3);`);
-    const tsc = join(own, "node_modules/.bin/tsc");
+    const tsc = join(packageFolder, "node_modules/.bin/tsc");
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
         run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");

@@ -6,13 +6,13 @@ import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 
-const own = fileURLToPath(new URL("..", import.meta.url));
+const packageFolder = fileURLToPath(new URL("..", import.meta.url));
 const root = fileURLToPath(new URL("../..", import.meta.url));
 const project = mkdtempSync(join(tmpdir(), "kinopt-pages-"));
 
 before(() => {
     mkdirSync(join(project, "node_modules"));
-    symlinkSync(own, join(project, "node_modules/kinopt"), "junction");
+    symlinkSync(packageFolder, join(project, "node_modules/kinopt"), "junction");
 });
 after(() => rmSync(project, { recursive: true }));
 

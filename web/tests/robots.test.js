@@ -71,8 +71,8 @@ test("a path has one branch, and reports unreached points", () => {
     // The change of tools is the only long step, if there is one.
     assert.ok(two.reconfigurations.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
-    const off = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);
-    assert.ok(Math.abs(Math.hypot(...off) - 0.05) < 4e-6, `${off}`);
+    const offset = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);
+    assert.ok(Math.abs(Math.hypot(...offset) - 0.05) < 4e-6, `${offset}`);
     assert.throws(() => solvePath(arm, path, { toolOfPoints }), /tool 1/);
     assert.throws(() => solvePath(arm, path, { toolOfPoints: [0.5] }), /toolOfPoints.*whole/);
     const slow = solvePath(arm, path, { times: Array.from({ length: 61 }, (_, k) => k / 1000), keepTimes: true });

@@ -28,21 +28,21 @@ test("tasks: positions, lines of sight, distances", () => {
     const along = solved([tasks.gazeAlong("flange", [0, 0, 1], 0.05, [1, 0, 0])]);
     assert.ok(axis("flange", 2, along)[0] > Math.cos(0.0501));
     const joint = model.frameNames[3];
-    const far = solved([tasks.distance(joint, "flange", 0.5, { name: "d" })], { d: 0.45 });
-    assert.ok(Math.abs(apart(at(joint, far), at("flange", far)) - 0.45) < 1e-5);
+    const farther = solved([tasks.distance(joint, "flange", 0.5, { name: "d" })], { d: 0.45 });
+    assert.ok(Math.abs(apart(at(joint, farther), at("flange", farther)) - 0.45) < 1e-5);
 });
 
 test("tasks: relative poses and pixels of a camera", () => {
     const between = model.frameNames[2];
     const bent = start.map((value, k) => value + 0.1 * Math.sin(k));
-    const [there, from] = [at("flange", bent), framePlacement(model, between, bent)];
-    const place = [0, 1, 2].map((k) => dot(from.slice(4 * k, 4 * k + 3), there.map((value, j) => value - from[12 + j])));
-    const target = placement(place);
+    const [flangePosition, from] = [at("flange", bent), framePlacement(model, between, bent)];
+    const relativePosition = [0, 1, 2].map((k) => dot(from.slice(4 * k, 4 * k + 3), flangePosition.map((value, j) => value - from[12 + j])));
+    const target = placement(relativePosition);
     const q = solved([tasks.relativePose("flange", between, target, { goal: "position" })]);
     const base = framePlacement(model, between, q);
-    const off = at("flange", q).map((value, k) => value - base[12 + k]);
-    const seen = [0, 1, 2].map((k) => dot(base.slice(4 * k, 4 * k + 3), off));
-    assert.ok(apart(seen, place) < 1e-5, `${seen}`);
+    const offset = at("flange", q).map((value, k) => value - base[12 + k]);
+    const seen = [0, 1, 2].map((k) => dot(base.slice(4 * k, 4 * k + 3), offset));
+    assert.ok(apart(seen, relativePosition) < 1e-5, `${seen}`);
     // A camera at (2, 0, 0.5) that looks along -x: u along the world's y, v downward.
     const camera = [-320, 500, 0, 640, -240, 0, -500, 480 + 250, -1, 0, 0, 2];
     const pixel = solved([tasks.pixel("flange", camera, [400, 200])]);
@@ -101,8 +101,8 @@ test("a robot balances over the soles of its feet", () => {
     assert.throws(() => nao.sole("left_soul"), /left_soul.*left_sole/s);
     const rest = nao.model.neutral();
     const stance = nao.crouchedConfiguration(["left_sole", "right_sole"], rest);
-    const stands = (q) => framePlacement(nao.model, "left_sole", q);
-    assert.ok(apart(Array.from(stands(stance)), stands(rest)) < 1e-6);
+    const solePlacement = (q) => framePlacement(nao.model, "left_sole", q);
+    assert.ok(apart(Array.from(solePlacement(stance)), solePlacement(rest)) < 1e-6);
     assert.ok(stance[2] < rest[2] - 0.01 && stance[nao.model.configurationLen - 1] !== undefined);
     assert.throws(() => nao.crouchedConfiguration(["left_soul"], rest), /left_soul/);
     assert.throws(() => nao.crouchedConfiguration(["left_sole"], rest.slice(1)), Error);
@@ -123,14 +123,14 @@ test("velocities and Jacobians agree with differences", () => {
     const moved = solved([tasks.frameVelocity("flange", previous, 0.1, { linear: [0.2, 0, 0.1] })]);
     assert.ok(apart(at("flange", moved), [0, 1, 2].map((k) => previous[12 + k] + [0.02, 0, 0.01][k])) < 1e-5);
     const volume = (q) => {
-        const own = frameJacobian(model, "flange", q);
-        const rows = [0, 1, 2].map((k) => Array.from({ length: 7 }, (_, j) => own[6 * j + k]));
+        const jacobianEntries = frameJacobian(model, "flange", q);
+        const rows = [0, 1, 2].map((k) => Array.from({ length: 7 }, (_, j) => jacobianEntries[6 * j + k]));
         const [a, b, c] = rows.map((row) => rows.map((other) => dot(row, other)));
         return Math.sqrt(a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]));
     };
-    const least = 1.05 * volume(start);
-    const able = solved([tasks.manipulability("flange", least, { of: "position", role: "goal", tolerance: 1e-4 })]);
-    assert.ok(volume(able) > 0.999 * least);
+    const required = 1.05 * volume(start);
+    const able = solved([tasks.manipulability("flange", required, { of: "position", role: "goal", tolerance: 1e-4 })]);
+    assert.ok(volume(able) > 0.999 * required);
 });
 
 test("a drag follows a posture that moves", () => {
@@ -152,29 +152,29 @@ test("joints of a problem are locked, selected, narrowed", () => {
     const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
     const point = tasks.point("flange", target);
     const [first, second, third] = model.jointNames;
-    const asked = (options) => {
+    const solve = (options) => {
         const solution = new Solver().solve(new Problem(model, [point], options), start);
         assert.ok(solution.reached, solution.explain());
         return solution.q;
     };
-    const locked = asked({ locked: { [first]: 0.1, [third]: -0.2 } });
+    const locked = solve({ locked: { [first]: 0.1, [third]: -0.2 } });
     assert.deepEqual([locked[0], locked[2]], [0.1, -0.2]);
     const only = new Problem(model, [point], { only: [first, second], held: start });
     assert.equal(only.variables, 2);
     assert.deepEqual([...new Solver().solve(only, start).q.slice(2)], start.slice(2));
-    const bounded = asked({ bounds: { [second]: [-0.45, -0.35] } });
+    const bounded = solve({ bounds: { [second]: [-0.45, -0.35] } });
     assert.ok(-0.45 <= bounded[1] && bounded[1] <= -0.35);
-    assert.throws(() => asked({ locked: { elbow: 1 } }), /elbow/);
-    assert.throws(() => asked({ held: start }), /held.*only/);
-    assert.throws(() => asked({ bounds: { [second]: [1] } }), /bounds.* has 1 numbers, expected 2/);
+    assert.throws(() => solve({ locked: { elbow: 1 } }), /elbow/);
+    assert.throws(() => solve({ held: start }), /held.*only/);
+    assert.throws(() => solve({ bounds: { [second]: [1] } }), /bounds.* has 1 numbers, expected 2/);
 });
 
 test("solver options end a search", () => {
-    const far = new Problem(model, [tasks.point("flange", [5, 0, 0])]);
-    assert.equal(new Solver({ timeLimit: 0 }).solve(far, start).termination, "time_limit");
-    const all = new Solver({ attempts: 20 }).solve(far, start);
-    const few = new Solver({ attempts: 20, agreeing: 2 }).solve(far, start);
+    const unreachable = new Problem(model, [tasks.point("flange", [5, 0, 0])]);
+    assert.equal(new Solver({ timeLimit: 0 }).solve(unreachable, start).termination, "time_limit");
+    const all = new Solver({ attempts: 20 }).solve(unreachable, start);
+    const few = new Solver({ attempts: 20, agreeing: 2 }).solve(unreachable, start);
     assert.ok(few.attempts < all.attempts, `${few.attempts} of ${all.attempts}`);
-    assert.ok(new Solver({ attempts: 20, restartSteps: 1 }).solve(far, start).attempts < all.attempts);
+    assert.ok(new Solver({ attempts: 20, restartSteps: 1 }).solve(unreachable, start).attempts < all.attempts);
     assert.throws(() => new Solver({ patience: -1 }), /patience must be a whole number/);
 });

@@ -48,18 +48,18 @@ const WRONG = {
 
 for (const [what, [wrong, message]] of Object.entries(WRONG)) {
     test(`${what}: an error a thousand times`, () => {
-        const answer = arm.solve(target, start).q;
+        const expected = arm.solve(target, start).q;
         for (let k = 0; k < 1000; k += 1) assert.throws(wrong, (error) => error instanceof TypeError && message.test(error.message));
-        assert.deepEqual(arm.solve(target, start).q, answer);
-        assert.deepEqual(new Arm(Robot.fromUrdf(urdf), "base", "flange").solve(target, start).q, answer);
+        assert.deepEqual(arm.solve(target, start).q, expected);
+        assert.deepEqual(new Arm(Robot.fromUrdf(urdf), "base", "flange").solve(target, start).q, expected);
     });
 }
 
 test("a too large array is a RangeError, any number of times", () => {
     const large = new Float64Array(2 ** 28);
-    const answer = arm.solve(target, start).q;
+    const expected = arm.solve(target, start).q;
     for (let k = 0; k < 1000; k += 1) assert.throws(() => arm.solve(large, start), (error) => error instanceof RangeError && /2147483648 bytes.*room/.test(error.message));
-    assert.deepEqual(arm.solve(target, start).q, answer);
+    assert.deepEqual(arm.solve(target, start).q, expected);
 });
 
 test("a wrong result of a file reader is an error", () => {

@@ -82,13 +82,13 @@ fn compare(workload: &Workload, settings: &Settings) -> Result<(), Failure> {
         {
             let block = end.saturating_sub(settings.block)..end.min(queries.len());
             order.sort_by_cached_key(|_| (random.unit() * 1e9) as u64);
-            for &at in &order {
+            for &solver in &order {
                 for index in block.clone() {
                     let query = &queries[index];
-                    let answer = rivals[at].answer(query)?;
+                    let answer = rivals[solver].answer(query)?;
                     let accepts = |q: &Vec<f64>| judge.accepts(&query.target, q);
                     let accepted = answer.solutions.iter().any(accepts);
-                    rows[at].note(index, answer.took, !answer.solutions.is_empty(), accepted);
+                    rows[solver].note(index, answer.took, !answer.solutions.is_empty(), accepted);
                 }
             }
         }
@@ -116,8 +116,8 @@ fn main() -> Result<(), Failure> {
     };
     for workload in &workloads {
         let name = workload.urdf.file_stem().unwrap_or_default();
-        let asked = workload.queries.len();
-        println!("\n### {}, {asked} questions\n", name.to_string_lossy());
+        let count = workload.queries.len();
+        println!("\n### {}, {count} questions\n", name.to_string_lossy());
         compare(workload, &settings)?;
     }
     Ok(())

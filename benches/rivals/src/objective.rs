@@ -9,7 +9,7 @@ use crate::TOLERANCE;
 const SQUARED_WEIGHT: f64 = 0.3 * 0.3;
 
 /// Largest number of joints of a chain: all memory is on the stack.
-const MOST_JOINTS: usize = 32;
+const MAX_JOINTS: usize = 32;
 
 /// `½(|p|² + w² θ²)` of the error at the tip, metres and radians, with its gradient in reverse mode.
 ///
@@ -28,31 +28,32 @@ impl<'a> Objective<'a> {
     /// Creates the objective of a chain of at most 32 joints.
     #[must_use]
     pub fn new(chain: &'a Chain, target: Placement<f64>) -> Self {
-        assert!(chain.joints().len() <= MOST_JOINTS);
+        assert!(chain.joints().len() <= MAX_JOINTS);
         Self { chain, target }
     }
 
     /// Value at `q`, and the gradient if requested.
     pub fn at(&self, q: &[f64], gradient: Option<&mut [f64]>) -> f64 {
-        let mut axes = [Vector3::zero(); MOST_JOINTS];
-        let mut origins = [Vector3::zero(); MOST_JOINTS];
-        let mut at = Placement::identity();
+        let mut axes = [Vector3::zero(); MAX_JOINTS];
+        let mut origins = [Vector3::zero(); MAX_JOINTS];
+        let mut placement = Placement::identity();
         for (i, (joint, &q)) in self.chain.joints().iter().zip(q).enumerate() {
-            at = at * joint.parent_from_joint;
-            axes[i] = at.rotation * joint.axis;
-            origins[i] = at.translation;
+            placement = placement * joint.parent_from_joint;
+            axes[i] = placement.rotation * joint.axis;
+            origins[i] = placement.translation;
             match joint.kind {
-                JointKind::Prismatic => at.translation += axes[i] * q,
+                JointKind::Prismatic => placement.translation += axes[i] * q,
                 _ if joint.axis == Vector3::new(0.0, 0.0, 1.0) => {
-                    at.rotation = at.rotation.rotated_about_z(q.sin_cos());
+                    placement.rotation = placement.rotation.rotated_about_z(q.sin_cos());
                 }
                 _ => {
-                    at.rotation = at.rotation * Matrix3::rotation(joint.axis, q.sin_cos());
+                    placement.rotation =
+                        placement.rotation * Matrix3::rotation(joint.axis, q.sin_cos());
                 }
             }
         }
-        let tip = at * *self.chain.joint_from_tip();
-        let missed = tip.translation - self.target.translation;
+        let tip = placement * *self.chain.joint_from_tip();
+        let position_error = tip.translation - self.target.translation;
         let (r, t) = (tip.rotation, self.target.rotation);
         let chord =
             (r.x - t.x).norm_squared() + (r.y - t.y).norm_squared() + (r.z - t.z).norm_squared();
@@ -61,11 +62,11 @@ impl<'a> Objective<'a> {
                 (r.x.cross(t.x) + r.y.cross(t.y) + r.z.cross(t.z)) * (-0.5 * SQUARED_WEIGHT);
             for (i, joint) in self.chain.joints().iter().enumerate() {
                 gradient[i] = match joint.kind {
-                    JointKind::Prismatic => axes[i].dot(missed),
-                    _ => axes[i].dot((tip.translation - origins[i]).cross(missed) + moment),
+                    JointKind::Prismatic => axes[i].dot(position_error),
+                    _ => axes[i].dot((tip.translation - origins[i]).cross(position_error) + moment),
                 };
             }
         }
-        0.5 * (missed.norm_squared() + 0.5 * SQUARED_WEIGHT * chord)
+        0.5 * (position_error.norm_squared() + 0.5 * SQUARED_WEIGHT * chord)
     }
 }

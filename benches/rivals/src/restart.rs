@@ -17,11 +17,17 @@ impl Limits {
     /// Limits of all joints of a chain.
     #[must_use]
     pub fn of(chain: &Chain) -> Self {
-        let far = 4.0 * std::f64::consts::PI;
+        let unbounded_range = 4.0 * std::f64::consts::PI;
         let joints = chain.joints();
         Self {
-            lower: joints.iter().map(|j| j.lower.max(-far)).collect(),
-            upper: joints.iter().map(|j| j.upper.min(far)).collect(),
+            lower: joints
+                .iter()
+                .map(|j| j.lower.max(-unbounded_range))
+                .collect(),
+            upper: joints
+                .iter()
+                .map(|j| j.upper.min(unbounded_range))
+                .collect(),
         }
     }
 }

@@ -38,11 +38,11 @@ impl Row {
     }
 }
 
-/// Quantile of the sorted values, at the fraction `of`.
-fn quantile(sorted: &[f64], of: f64) -> f64 {
-    let at = (sorted.len() as f64 * of) as usize;
-    let at = at.min(sorted.len().saturating_sub(1));
-    sorted.get(at).copied().unwrap_or(f64::NAN)
+/// Quantile of the sorted values, at `fraction`.
+fn quantile(sorted: &[f64], fraction: f64) -> f64 {
+    let index = (sorted.len() as f64 * fraction) as usize;
+    let index = index.min(sorted.len().saturating_sub(1));
+    sorted.get(index).copied().unwrap_or(f64::NAN)
 }
 
 /// Prints the rows; ratios are relative to the median of the first row.

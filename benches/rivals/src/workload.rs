@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::simd_ik::Chain;
 use kinopt::robot::Robot;
+use kinopt::simd_ik::Chain;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use kinopt_benches::{Sequence, random_poses};
 use serde::Deserialize;
@@ -50,9 +50,9 @@ impl Workload {
     /// Returns an error for a missing file or link, or if no chain connects the links.
     pub fn random(urdf: &Path, base: &str, tip: &str, count: usize) -> Result<Self, Failure> {
         let chain = read(urdf, base, tip)?;
-        let ask = random_poses(&chain, count, &mut Sequence::new(0.25));
-        let starts = ask.starts.chunks(chain.joints().len());
-        let queries = ask
+        let poses = random_poses(&chain, count, &mut Sequence::new(0.25));
+        let starts = poses.starts.chunks(chain.joints().len());
+        let queries = poses
             .targets
             .iter()
             .zip(starts)

@@ -25,47 +25,44 @@ const BATCH: usize = 100;
 const WORLDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let asked: Value = serde_json::from_reader(std::io::stdin())?;
-    let text = |key: &str| asked[key].as_str().ok_or(format!("`{key}` is missing"));
+    let input: Value = serde_json::from_reader(std::io::stdin())?;
+    let text = |key: &str| input[key].as_str().ok_or(format!("`{key}` is missing"));
     let robot = Robot::read(text("robot")?)?;
     let model = CollisionModel::of(&robot)?.with_srdf(&Srdf::read(text("srdf")?, &robot)?);
-    let checker = Checker::covered(model).with_margin(asked["margin"].as_f64().unwrap_or(0.0))?;
+    let checker = Checker::covered(model).with_margin(input["margin"].as_f64().unwrap_or(0.0))?;
     let (base, tip) = (text("base")?, text("tip")?);
     let plain = Arm::new(&robot, base, tip)?;
-    let rounds = asked["rounds"].as_u64().unwrap_or(5);
-    let questions = asked["questions"]
+    let rounds = input["rounds"].as_u64().unwrap_or(5);
+    let queries = input["questions"]
         .as_array()
         .ok_or("`questions` is missing")?;
 
     let (mut answers, mut batches) = (Vec::new(), Vec::new());
-    for (index, question) in questions.iter().enumerate() {
-        let file = question["world"].as_str().ok_or("a question has a world")?;
+    for (index, query) in queries.iter().enumerate() {
+        let file = query["world"].as_str().ok_or("a question has a world")?;
         let world = World::read(file)?;
-        let rest = rest(&robot, &question["rest"])?;
+        let rest = rest(&robot, &query["rest"])?;
         let checker = checker.clone().with_world(&world)?;
-        let clear = plain
+        let avoiding = plain
             .with_search(Search::Start)?
             .with_checker(&checker, &rest)?;
-        let (target, start) = (
-            placement(&question["target"])?,
-            numbers(&question["start"])?,
-        );
-        let (mut without, mut among) = (Solution::default(), Solution::default());
+        let (target, start) = (placement(&query["target"])?, numbers(&query["start"])?);
+        let (mut without, mut with_world) = (Solution::default(), Solution::default());
         let mut best = [u128::MAX; 2];
         for _ in 0..rounds {
-            let arms = [(&plain, &mut without), (&clear, &mut among)];
+            let arms = [(&plain, &mut without), (&avoiding, &mut with_world)];
             for ((arm, solution), best) in arms.into_iter().zip(&mut best) {
-                let begun = Instant::now();
+                let started = Instant::now();
                 arm.solve_into(target, &start, black_box(solution))?;
-                *best = (*best).min(begun.elapsed().as_nanos());
+                *best = (*best).min(started.elapsed().as_nanos());
             }
         }
         answers.push(json!({
             "plain": best[0] as u64, "clear": best[1] as u64, "plain_reached": without.reached,
-            "reached": among.reached, "q": among.q, "plain_q": without.q, "attempts": among.attempts,
+            "reached": with_world.reached, "q": with_world.q, "plain_q": without.q, "attempts": with_world.attempts,
         }));
-        if index % questions.len().div_ceil(WORLDS).max(1) == 0 {
-            batches.push(batch(&plain, &clear, &start, rounds)?);
+        if index % queries.len().div_ceil(WORLDS).max(1) == 0 {
+            batches.push(batch(&plain, &avoiding, &start, rounds)?);
         }
     }
     println!("{}", json!({ "answers": answers, "batches": batches }));
@@ -73,7 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// A hundred poses of free configurations in one world, nanoseconds for each pose: plain, and with collision avoidance.
-fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, Box<dyn Error>> {
+fn batch(plain: &Arm, avoiding: &Arm, start: &[f64], rounds: u64) -> Result<Value, Box<dyn Error>> {
     let mut random = kinopt_benches::Sequence::new(0.5);
     let mut targets = Vec::new();
     while targets.len() < BATCH {
@@ -82,8 +79,8 @@ fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, 
             lower + (upper - lower) * random.unit()
         });
         let q: Vec<f64> = q.collect();
-        if clear.collisions(&q)?.is_empty() {
-            targets.push(clear.base_from_tool(&q)?);
+        if avoiding.collisions(&q)?.is_empty() {
+            targets.push(avoiding.base_from_tool(&q)?);
         }
     }
     let starts = start.repeat(BATCH);
@@ -92,26 +89,29 @@ fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, 
     let mut time = |arm: &Arm| -> Result<(f64, usize), Box<dyn Error>> {
         let mut best = f64::INFINITY;
         for _ in 0..rounds {
-            let begun = Instant::now();
+            let started = Instant::now();
             arm.solve_batch_into(&targets, &starts, &mut q, &mut outcomes)?;
-            best = best.min(begun.elapsed().as_nanos() as f64 / BATCH as f64);
+            best = best.min(started.elapsed().as_nanos() as f64 / BATCH as f64);
         }
-        Ok((best, outcomes.iter().filter(|one| one.reached).count()))
+        Ok((
+            best,
+            outcomes.iter().filter(|outcome| outcome.reached).count(),
+        ))
     };
-    let ((plain, _), (clear, reached)) = (time(plain)?, time(clear)?);
-    Ok(json!({ "plain": plain, "clear": clear, "reached": reached, "asked": BATCH }))
+    let ((plain, _), (avoiding, reached)) = (time(plain)?, time(avoiding)?);
+    Ok(json!({ "plain": plain, "clear": avoiding, "reached": reached, "asked": BATCH }))
 }
 
 /// A configuration of the whole robot: the given values, otherwise zeros.
-fn rest(robot: &Robot, told: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
+fn rest(robot: &Robot, values: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
     let model = robot.model();
     let mut q = model.neutral();
-    for (name, value) in told.as_object().into_iter().flatten() {
+    for (name, value) in values.as_object().into_iter().flatten() {
         // The files include joints that are fixed in this description of the robot.
         if let (Ok(joint), Some(value)) = (model.joint(name), value.as_f64())
-            && let Some(at) = model.coordinate(joint)
+            && let Some(coordinate) = model.coordinate(joint)
         {
-            q[at] = value;
+            q[coordinate] = value;
         }
     }
     Ok(q)

@@ -25,21 +25,21 @@ fn shapes(model: &Model, file: &Path) -> Result<CollisionModel, Box<dyn Error>> 
         let capsules: Vec<Capsule> = serde_json::from_value(capsules.clone())?;
         for (index, (from, to, radius)) in capsules.into_iter().enumerate() {
             let [from, to] = [from, to].map(Vector3::from);
-            let way = to - from;
-            let along = way * (1.0 / way.norm());
-            let least = (0..3).min_by(|a, b| {
-                along.to_array()[*a]
+            let axis = to - from;
+            let direction = axis * (1.0 / axis.norm());
+            let smallest = (0..3).min_by(|a, b| {
+                direction.to_array()[*a]
                     .abs()
-                    .total_cmp(&along.to_array()[*b].abs())
+                    .total_cmp(&direction.to_array()[*b].abs())
             });
-            let across = along.cross(Vector3::UNITS[least.unwrap_or(0)]);
+            let across = direction.cross(Vector3::UNITS[smallest.unwrap_or(0)]);
             let across = across * (1.0 / across.norm());
-            let turn = Matrix3::from_columns(across, along.cross(across), along);
+            let rotation = Matrix3::from_columns(across, direction.cross(across), direction);
             objects.push(CollisionObject::new(
                 format!("{link} {index}"),
                 model.frame(link)?,
-                Placement::new(turn, (from + to) * 0.5),
-                Shape::capsule(radius, way.norm())?,
+                Placement::new(rotation, (from + to) * 0.5),
+                Shape::capsule(radius, axis.norm())?,
             ));
         }
     }
@@ -53,12 +53,12 @@ fn world(floor: f64) -> Result<World, Box<dyn Error>> {
         "floor",
         Placement::translation(Vector3::new(0.0, 0.0, floor - 0.01)),
     )?;
-    let at = |x, y, z| Vector3::new(x, y, floor + z);
-    world.add_box("table", [0.6, 1.4, 0.04], at(0.5, 0.0, 0.72))?;
-    world.add_box("shelf", [0.35, 0.9, 0.02], at(0.45, 0.0, 1.15))?;
-    world.add_box("side", [0.35, 0.02, 0.5], at(0.45, 0.45, 0.98))?;
-    world.add_box("box", [0.12, 0.12, 0.2], at(0.45, -0.3, 0.84))?;
-    world.add_cylinder("bottle", 0.04, 0.25, at(0.45, 0.25, 0.865))?;
+    let above_floor = |x, y, z| Vector3::new(x, y, floor + z);
+    world.add_box("table", [0.6, 1.4, 0.04], above_floor(0.5, 0.0, 0.72))?;
+    world.add_box("shelf", [0.35, 0.9, 0.02], above_floor(0.45, 0.0, 1.15))?;
+    world.add_box("side", [0.35, 0.02, 0.5], above_floor(0.45, 0.45, 0.98))?;
+    world.add_box("box", [0.12, 0.12, 0.2], above_floor(0.45, -0.3, 0.84))?;
+    world.add_cylinder("bottle", 0.04, 0.25, above_floor(0.45, 0.25, 0.865))?;
     Ok(world)
 }
 
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let floor = case
         .support
         .iter()
-        .map(|at| at.z)
+        .map(|corner| corner.z)
         .fold(f64::INFINITY, f64::min);
     let checker = Checker::new(body).with_world(&world(floor)?)?;
     println!(
@@ -86,40 +86,43 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("standing: {:?}", checker.collisions(&case.standing)?);
 
-    let mut free = Vec::new();
-    let mut drawn = 0;
-    while free.len() < count {
-        drawn += 4 * count;
-        free = case.balanced(drawn)?;
+    let mut collision_free = Vec::new();
+    let mut sampled = 0;
+    while collision_free.len() < count {
+        sampled += 4 * count;
+        collision_free = case.balanced(sampled)?;
         let mut workspace = checker.workspace();
-        free.retain(|q| checker.is_free(&mut workspace, q).unwrap_or(false));
+        collision_free.retain(|q| checker.is_free(&mut workspace, q).unwrap_or(false));
     }
-    println!("{} of {drawn} balanced configurations are free", free.len());
-    free.truncate(count);
+    println!(
+        "{} of {sampled} balanced configurations are free",
+        collision_free.len()
+    );
+    collision_free.truncate(count);
     let plain = case.problem()?;
-    let clear = case.problem_clear_of(&checker)?;
+    let avoiding = case.problem_clear_of(&checker)?;
     let mut workspace = checker.workspace();
-    let begun = ThreadTime::now();
-    for q in &free {
+    let started = ThreadTime::now();
+    for q in &collision_free {
         checker.is_free(&mut workspace, q)?;
     }
-    println!("a check: {:.2} us", begun.micros() / count as f64);
+    println!("a check: {:.2} us", started.micros() / count as f64);
     let mut medians = Vec::new();
-    for (name, body) in [("plain", &plain), ("clear", &clear)] {
-        let targets = case.hands_at(&free)?;
+    for (name, body) in [("plain", &plain), ("clear", &avoiding)] {
+        let targets = case.hands_at(&collision_free)?;
         let targets: Vec<_> = targets
             .iter()
-            .map(|at| body.targets(at))
+            .map(|placements| body.targets(placements))
             .collect::<Result<_, _>>()?;
         let (solver, mut memory) = (Solver::default(), Workspace::new());
         let mut micros = vec![f64::INFINITY; count];
         let (mut reached, mut goals, mut touching, mut attempts) = (0, 0, 0, 0);
         for round in 0..3 {
             for (k, targets) in targets.iter().enumerate() {
-                let question = body.problem.with_targets(targets)?;
-                let begun = ThreadTime::now();
-                let solution = solver.solve(question, &case.standing, &mut memory)?;
-                micros[k] = micros[k].min(begun.micros());
+                let instance = body.problem.with_targets(targets)?;
+                let started = ThreadTime::now();
+                let solution = solver.solve(instance, &case.standing, &mut memory)?;
+                micros[k] = micros[k].min(started.micros());
                 if round == 0 {
                     let pairs = checker.collisions(&solution.q)?;
                     reached += usize::from(solution.reached);
@@ -134,16 +137,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         micros.sort_by(f64::total_cmp);
-        let at = |share: f64| micros[((count - 1) as f64 * share) as usize];
+        let quantile = |share: f64| micros[((count - 1) as f64 * share) as usize];
         println!(
             "{name}: {reached} of {count} reached ({goals} with their goals met), {touching} of them touching; median {:.1} us, mean {:.1}, p90 {:.1}, p99 {:.1}; {:.2} attempts",
-            at(0.5),
+            quantile(0.5),
             micros.iter().sum::<f64>() / count as f64,
-            at(0.9),
-            at(0.99),
+            quantile(0.9),
+            quantile(0.99),
             attempts as f64 / count as f64
         );
-        medians.push(at(0.5));
+        medians.push(quantile(0.5));
     }
     println!("median {:.2} times plain", medians[1] / medians[0]);
     Ok(())

@@ -16,15 +16,15 @@ use kinopt_benches::{Sequence, ThreadTime};
 /// Number of changes of each world.
 const CHANGES: usize = 400;
 /// Number of configurations that are checked after it.
-const CHECKED: usize = 512;
+const CHECKED_CONFIGURATIONS: usize = 512;
 
 /// A position within 2 m along each axis, outside the mount of the arm.
-fn place(random: &mut Sequence) -> Placement<f64> {
+fn random_placement(random: &mut Sequence) -> Placement<f64> {
     loop {
-        let mut along = || 4.0 * random.unit() - 2.0;
-        let at = Vector3::new(along(), along(), along());
-        if at.norm() > 0.4 {
-            return Placement::translation(at);
+        let mut coordinate = || 4.0 * random.unit() - 2.0;
+        let position = Vector3::new(coordinate(), coordinate(), coordinate());
+        if position.norm() > 0.4 {
+            return Placement::translation(position);
         }
     }
 }
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut random = Sequence::new(0.1);
         let mut world = World::new();
         for index in 0..count {
-            world.add_box(&index.to_string(), [0.02; 3], place(&mut random))?;
+            world.add_box(&index.to_string(), [0.02; 3], random_placement(&mut random))?;
         }
         measure(&format!("{count} boxes"), &robot, &checker, &world)?;
     }
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     measure("a mesh", &robot, &checker, &world)?;
     let mut random = Sequence::new(0.2);
     let positions = (0..1_000_000)
-        .map(|_| place(&mut random).translation)
+        .map(|_| random_placement(&mut random).translation)
         .collect();
     let mut world = World::new();
     world.add_points("0", positions, 0.001, Placement::identity())?;
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// A ball of 2 n (n - 1) triangles, 0.2 m in diameter.
 fn ball(n: u32) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
-    let at = |ring: u32, side: u32| {
+    let vertex = |ring: u32, side: u32| {
         let (down, around) = (
             f64::from(ring) / f64::from(n),
             f64::from(side) / f64::from(n),
@@ -69,7 +69,7 @@ fn ball(n: u32) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
             0.1 * down.cos(),
         )
     };
-    let vertices = (0..=n).flat_map(|ring| (0..n).map(move |side| at(ring, side)));
+    let vertices = (0..=n).flat_map(|ring| (0..n).map(move |side| vertex(ring, side)));
     let corner = |ring: u32, side: u32| ring * n + side % n;
     let mut triangles = Vec::new();
     for ring in 0..n {
@@ -94,7 +94,7 @@ fn ball(n: u32) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
 }
 
 fn measure(
-    what: &str,
+    label: &str,
     robot: &Robot,
     checker: &Checker,
     world: &World,
@@ -104,48 +104,48 @@ fn measure(
     let mut checker = checker.clone().with_world(&world)?;
     let mut arm = Arm::new(robot, "base", "flange")?.with_checker(&checker, &rest)?;
     let mut random = Sequence::new(0.3);
-    let at = world.obstacle("0")?.placement.translation;
-    let joints: Vec<f64> = (0..CHECKED * 7)
+    let first_position = world.obstacle("0")?.placement.translation;
+    let joints: Vec<f64> = (0..CHECKED_CONFIGURATIONS * 7)
         .map(|_| 3.0 * random.unit() - 1.5)
         .collect();
     let check = |arm: &Arm| -> Result<[f64; 2], Box<dyn Error>> {
-        let (mut times, mut clear) = ([0.0; 2], [false; 8]);
+        let (mut times, mut collision_free) = ([0.0; 2], [false; 8]);
         for time in &mut times {
-            let begun = ThreadTime::now();
+            let started = ThreadTime::now();
             for q in joints.chunks_exact(8 * 7) {
-                arm.clear_by_spheres(q, &mut clear)?;
-                black_box(&clear);
+                arm.clear_by_spheres(q, &mut collision_free)?;
+                black_box(&collision_free);
             }
-            *time = begun.micros() / CHECKED as f64;
+            *time = started.micros() / CHECKED_CONFIGURATIONS as f64;
         }
         Ok(times)
     };
     let [first, again] = check(&arm)?;
-    println!("{what}: a check {again:.2} us ({first:.2} the first time)");
-    let others = [false, world.len() > 1];
-    for others in &others[..1 + usize::from(others[1])] {
+    println!("{label}: a check {again:.2} us ({first:.2} the first time)");
+    let choices = [false, world.len() > 1];
+    for moves_each in &choices[..1 + usize::from(choices[1])] {
         let mut times = [Vec::new(), Vec::new(), Vec::new()];
         for change in 0..CHANGES {
-            let name = match others {
+            let name = match moves_each {
                 true => (change * 7919 % world.len()).to_string(),
                 false => "0".to_owned(),
             };
-            let mut place = place(&mut random);
+            let mut placement = random_placement(&mut random);
             if world.len() == 1 {
                 // One or two centimetres.
-                place.translation = at + place.translation * 0.01;
+                placement.translation = first_position + placement.translation * 0.01;
             }
-            let begun = ThreadTime::now();
-            world.move_to(&name, place)?;
-            times[0].push(begun.micros());
-            let begun = ThreadTime::now();
+            let started = ThreadTime::now();
+            world.move_to(&name, placement)?;
+            times[0].push(started.micros());
+            let started = ThreadTime::now();
             checker = checker.with_world(&world)?;
-            times[1].push(begun.micros());
-            let begun = ThreadTime::now();
+            times[1].push(started.micros());
+            let started = ThreadTime::now();
             arm = arm.with_world(&world, None)?;
-            times[2].push(begun.micros());
+            times[2].push(started.micros());
         }
-        let told = times.map(|mut times| {
+        let summaries = times.map(|mut times| {
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             times.sort_by(f64::total_cmp);
             format!(
@@ -156,12 +156,12 @@ fn measure(
         });
         let [first, again] = check(&arm)?;
         println!(
-            "{what}, {} moved: median (mean, most) of World::move_to {} us, Checker::with_world {} us, Arm::with_world {} us; \
+            "{label}, {} moved: median (mean, most) of World::move_to {} us, Checker::with_world {} us, Arm::with_world {} us; \
              a check {again:.2} us ({first:.2} the first time)",
-            if *others { "each" } else { "one" },
-            told[0],
-            told[1],
-            told[2]
+            if *moves_each { "each" } else { "one" },
+            summaries[0],
+            summaries[1],
+            summaries[2]
         );
     }
     Ok(())

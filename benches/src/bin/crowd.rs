@@ -20,8 +20,8 @@ use kinopt::{Skeleton, Solver};
 use kinopt_benches::{Keying, Sequence, armature, at_ease, clip, figure};
 
 const FRAMES: u32 = 300;
-const SECONDS: f64 = 1.0 / 60.0;
-const OWN: &str = "everything is of one armature";
+const FRAME_TIME: f64 = 1.0 / 60.0;
+const ONE_ARMATURE: &str = "everything is of one armature";
 
 fn main() {
     let numbers: Vec<usize> = std::env::args()
@@ -29,23 +29,23 @@ fn main() {
         .filter_map(|n| n.parse().ok())
         .collect();
     let [characters, bones] =
-        [(0, 1000), (1, 60)].map(|(k, usual)| *numbers.get(k).unwrap_or(&usual));
+        [(0, 1000), (1, 60)].map(|(k, default)| *numbers.get(k).unwrap_or(&default));
     for keying in Keying::ALL {
         let armature = armature(bones);
         let mut random = Sequence::new(0.5);
         let clips = [(); 2].map(|()| Arc::new(clip(&armature, keying, &mut random)));
         let limbs = [limb(&armature, bones - 1), limb(&armature, bones - 5)];
         let mut crowd = crowd(&armature, &clips, limbs, characters);
-        let spent = best(|| crowd.advance(SECONDS).expect(OWN));
-        println!("{characters} characters of {bones} bones, {keying:?}: {spent:.2} ms a frame");
+        let time = best(|| crowd.advance(FRAME_TIME).expect(ONE_ARMATURE));
+        println!("{characters} characters of {bones} bones, {keying:?}: {time:.2} ms a frame");
         #[cfg(feature = "rayon")]
         {
-            let spent = best(|| crowd.advance_parallel(SECONDS).expect(OWN));
-            println!("    over threads: {spent:.2} ms a frame");
+            let time = best(|| crowd.advance_parallel(FRAME_TIME).expect(ONE_ARMATURE));
+            println!("    over threads: {time:.2} ms a frame");
         }
-        for (stage, spent) in stages(&armature, &clips, &limbs) {
-            let each = spent / bones as f64;
-            println!("    {stage:<15} {spent:>6.0} ns a character, {each:5.1} ns a bone");
+        for (stage, time) in stages(&armature, &clips, &limbs) {
+            let time_per_bone = time / bones as f64;
+            println!("    {stage:<15} {time:>6.0} ns a character, {time_per_bone:5.1} ns a bone");
         }
     }
     reach(characters);
@@ -95,9 +95,9 @@ fn crowd(
         for playing in &mut playing {
             playing.playhead.advance(0.013 * number as f64);
         }
-        let added: &mut Character = crowd.add(playing.into()).expect(OWN);
-        for (side, own) in added.goals_mut().iter_mut().enumerate() {
-            *own = goal(side);
+        let character: &mut Character = crowd.add(playing.into()).expect(ONE_ARMATURE);
+        for (side, limb_goal) in character.goals_mut().iter_mut().enumerate() {
+            *limb_goal = goal(side);
         }
     }
     crowd
@@ -109,45 +109,48 @@ fn stages(
     clips: &[Arc<Clip>; 2],
     limbs: &[Limb; 2],
 ) -> [(&'static str, f64); 4] {
-    const EACH: usize = 8;
-    let mut least = [Duration::MAX; 4];
+    const CHARACTERS_PER_FRAME: usize = 8;
+    let mut fastest = [Duration::MAX; 4];
     let mut pose = armature.rest().clone();
     let mut other = pose.clone();
     let mut model = vec![Affine3A::IDENTITY; armature.bones()];
-    let mut cursors = vec![[Cursor::new(), Cursor::new()]; EACH];
+    let mut cursors = vec![[Cursor::new(), Cursor::new()]; CHARACTERS_PER_FRAME];
     for frame in 0..5000 {
-        let mut spent = [Duration::ZERO; 4];
+        let mut times = [Duration::ZERO; 4];
         for (number, [first, second]) in cursors.iter_mut().enumerate() {
-            let elapsed = 0.013 * number as f64 + SECONDS * f64::from(frame);
-            let mut since = Instant::now();
-            let mut done = |stage: usize| {
-                spent[stage] += since.elapsed();
-                since = Instant::now();
+            let elapsed = 0.013 * number as f64 + FRAME_TIME * f64::from(frame);
+            let mut started = Instant::now();
+            let mut end_stage = |stage: usize| {
+                times[stage] += started.elapsed();
+                started = Instant::now();
             };
             let [walk, run] = clips;
             walk.sample(elapsed, Playback::Loop, first, &mut pose)
-                .expect(OWN);
+                .expect(ONE_ARMATURE);
             run.sample(elapsed, Playback::Loop, second, &mut other)
-                .expect(OWN);
-            done(0);
-            pose.cross_fade(&other, 0.3).expect(OWN);
-            done(1);
+                .expect(ONE_ARMATURE);
+            end_stage(0);
+            pose.cross_fade(&other, 0.3).expect(ONE_ARMATURE);
+            end_stage(1);
             for (side, limb) in limbs.iter().enumerate() {
-                limb.reach(armature, &mut pose, &goal(side)).expect(OWN);
+                limb.reach(armature, &mut pose, &goal(side))
+                    .expect(ONE_ARMATURE);
             }
-            done(2);
-            armature.local_to_model(&pose, &mut model).expect(OWN);
-            done(3);
+            end_stage(2);
+            armature
+                .local_to_model(&pose, &mut model)
+                .expect(ONE_ARMATURE);
+            end_stage(3);
         }
-        for (least, spent) in least.iter_mut().zip(spent) {
-            *least = (*least).min(spent / EACH as u32);
+        for (best_time, time) in fastest.iter_mut().zip(times) {
+            *best_time = (*best_time).min(time / CHARACTERS_PER_FRAME as u32);
         }
     }
     let names = ["two samples", "blend", "two limbs", "local to model"];
-    let mut named = names.into_iter().zip(least);
+    let mut named_times = names.into_iter().zip(fastest);
     std::array::from_fn(|_| {
-        let (name, spent) = named.next().unwrap_or_default();
-        (name, spent.as_nanos() as f64)
+        let (name, time) = named_times.next().unwrap_or_default();
+        (name, time.as_nanos() as f64)
     })
 }
 
@@ -155,16 +158,17 @@ fn stages(
 /// front of the hand's position in the pose.
 fn reach(characters: usize) {
     let (skeleton, tips) = figure(10, 10);
-    let quick = Solver::default()
+    let limited = Solver::default()
         .with_stopping(Stopping::default().with_max_iterations(5))
         .with_restarts(Restarts::none());
-    for (name, solver) in [("to the end", Solver::default()), ("5 iterations", quick)] {
-        let (spent, reached, iterations) = reach_by(&skeleton, &tips[1..3], solver, characters);
+    for (name, solver) in [("to the end", Solver::default()), ("5 iterations", limited)] {
+        let (milliseconds, reached, iterations) =
+            reach_by(&skeleton, &tips[1..3], solver, characters);
         println!(
-            "{characters} characters of {} bones, two effectors by the optimiser, {name}: {spent:.1} ms a \
+            "{characters} characters of {} bones, two effectors by the optimiser, {name}: {milliseconds:.1} ms a \
              frame, {:.1} us each; {:.1} % reached, {iterations:.1} iterations",
             skeleton.bones().len(),
-            1e3 * spent / characters as f64,
+            1e3 * milliseconds / characters as f64,
             100.0 * reached,
         );
     }
@@ -178,28 +182,30 @@ fn reach_by(
     characters: usize,
 ) -> (f64, f64, f64) {
     let bridge = EulerPoseMap::new(skeleton);
-    let easy = at_ease(skeleton);
-    let mut posed = Armature::of_skeleton(skeleton).rest().clone();
-    bridge.pose_of(&easy, &mut posed).expect("its own angles");
-    let at = skeleton.pose(&easy).expect("its own pose");
+    let start = at_ease(skeleton);
+    let mut rest_pose = Armature::of_skeleton(skeleton).rest().clone();
+    bridge
+        .pose_of(&start, &mut rest_pose)
+        .expect("its own angles");
+    let start_pose = skeleton.pose(&start).expect("its own pose");
     let tips: Vec<_> = hands
         .iter()
-        .map(|&hand| at.tip(skeleton, hand).expect("its own hand"))
+        .map(|&hand| start_pose.tip(skeleton, hand).expect("its own hand"))
         .collect();
     let mut layer = ReachLayer::new(skeleton, hands, solver).expect("a valid problem");
-    let mut pose = posed.clone();
-    let (mut least, mut reached, mut iterations) = (Duration::MAX, 0, 0);
+    let mut pose = rest_pose.clone();
+    let (mut fastest, mut reached, mut iterations) = (Duration::MAX, 0, 0);
     let frames = 3;
     for _ in 0..frames {
-        let start = Instant::now();
+        let started = Instant::now();
         for number in 0..characters {
             // Each character has another phase on the circle, so that their searches differ.
-            pose.copy_from(&posed);
+            pose.copy_from(&rest_pose);
             let (sin, cos) = (0.1 * number as f64).sin_cos();
-            let moved = Vector3::new(0.05 * cos, 0.05 * sin, 0.05);
+            let offset = Vector3::new(0.05 * cos, 0.05 * sin, 0.05);
             for (&hand, &tip) in hands.iter().zip(&tips) {
                 layer
-                    .set_goal(hand, tip + moved, 1.0)
+                    .set_goal(hand, tip + offset, 1.0)
                     .expect("a hand of it");
             }
             let solution = layer.apply(&mut pose).expect("finite targets");
@@ -208,9 +214,9 @@ fn reach_by(
                 iterations += solution.iterations;
             }
         }
-        least = least.min(start.elapsed());
+        fastest = fastest.min(started.elapsed());
     }
-    let all = (frames * characters) as f64;
-    let share = |count: usize| count as f64 / all;
-    (1e3 * least.as_secs_f64(), share(reached), share(iterations))
+    let solves = (frames * characters) as f64;
+    let mean = |count: usize| count as f64 / solves;
+    (1e3 * fastest.as_secs_f64(), mean(reached), mean(iterations))
 }

@@ -11,7 +11,7 @@ use kinopt::collision::World;
 use kinopt_benches::{Sequence, ThreadTime, cloud_of_points, panda_among, shell_of_primitives};
 
 /// Ends of the portions, in configurations.
-const ENDS: [usize; 9] = [8, 64, 512, 1_000, 2_000, 4_000, 8_000, 16_000, 24_000];
+const PORTION_ENDS: [usize; 9] = [8, 64, 512, 1_000, 2_000, 4_000, 8_000, 16_000, 24_000];
 
 type Build = fn() -> Result<World, Box<dyn Error>>;
 
@@ -33,50 +33,50 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn measure(name: &str, world: &World) -> Result<(), Box<dyn Error>> {
-    let count = ENDS[ENDS.len() - 1];
+    let count = PORTION_ENDS[PORTION_ENDS.len() - 1];
     let (arm, _) = panda_among(world)?;
     let n = arm.joint_count();
     let mut random = Sequence::new(0.5);
-    let mut all = Vec::new();
+    let mut sampled = Vec::new();
     // From another arm, because the measured arm must not check them before.
-    let (mut free, mut clear) = (Vec::new(), [false]);
-    let mut touching = 0;
-    while all.len() < count * n || free.len() < count * n {
+    let (mut free, mut collision_free) = (Vec::new(), [false]);
+    let mut in_contact = 0;
+    while sampled.len() < count * n || free.len() < count * n {
         let q: Vec<f64> = arm
             .limits()
             .map(|joint| joint.lower + (joint.upper - joint.lower) * random.unit())
             .collect();
-        arm.clear_by_spheres(&q, &mut clear)?;
-        if all.len() < count * n {
-            all.extend_from_slice(&q);
-            touching += usize::from(!clear[0]);
+        arm.clear_by_spheres(&q, &mut collision_free)?;
+        if sampled.len() < count * n {
+            sampled.extend_from_slice(&q);
+            in_contact += usize::from(!collision_free[0]);
         }
-        if clear[0] && free.len() < count * n {
+        if collision_free[0] && free.len() < count * n {
             free.extend_from_slice(&q);
         }
     }
-    println!("{name}, {touching} of {count} touch; µs a configuration up to so many");
+    println!("{name}, {in_contact} of {count} touch; µs a configuration up to so many");
     println!(
         "{:>26} {}",
         "",
-        ENDS.map(|end| format!("{end:>7}")).join("")
+        PORTION_ENDS.map(|end| format!("{end:>7}")).join("")
     );
-    for (what, q) in [("as drawn", &all), ("free", &free)] {
-        for (how, at_once) in [("each alone", 1), ("eight at once", 8)] {
+    for (sampling, q) in [("as drawn", &sampled), ("free", &free)] {
+        for (batching, batch_size) in [("each alone", 1), ("eight at once", 8)] {
             let (arm, _) = panda_among(world)?;
             let mut row = String::new();
             let mut begin = 0;
-            let mut clear = [false; 8];
-            for end in ENDS {
-                let begun = ThreadTime::now();
-                for q in q[begin * n..end * n].chunks(at_once * n) {
-                    arm.clear_by_spheres(q, &mut clear[..at_once])?;
-                    black_box(&clear);
+            let mut collision_free = [false; 8];
+            for end in PORTION_ENDS {
+                let started = ThreadTime::now();
+                for q in q[begin * n..end * n].chunks(batch_size * n) {
+                    arm.clear_by_spheres(q, &mut collision_free[..batch_size])?;
+                    black_box(&collision_free);
                 }
-                row += &format!("{:7.2}", begun.micros() / (end - begin) as f64);
+                row += &format!("{:7.2}", started.micros() / (end - begin) as f64);
                 begin = end;
             }
-            println!("{:>12} {how:>13} {row}", what);
+            println!("{:>12} {batching:>13} {row}", sampling);
         }
     }
     Ok(())

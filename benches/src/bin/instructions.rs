@@ -19,11 +19,11 @@ use std::process::Command;
 use kinopt_benches::{Baseline, Stage, stages};
 
 /// Numbers of runs of a stage under valgrind: the difference counts.
-const FEW: u64 = 5;
-const MANY: u64 = 25;
+const FEW_RUNS: u64 = 5;
+const MANY_RUNS: u64 = 25;
 
 /// Counted stages; other stages have similar code.
-const COUNTED: [&str; 37] = [
+const COUNTED_STAGES: [&str; 37] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -63,7 +63,7 @@ const COUNTED: [&str; 37] = [
     "packed dual quaternions, 1000 vertices",
 ];
 
-const INSTALL: &str = "valgrind is not installed: `apt-get install valgrind` on Debian and Ubuntu, \
+const INSTALL_HINT: &str = "valgrind is not installed: `apt-get install valgrind` on Debian and Ubuntu, \
     `dnf install valgrind` on Fedora, `pacman -S valgrind` on Arch (Linux only in practice)";
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -98,20 +98,20 @@ fn processor() -> String {
             ("fma", std::is_x86_feature_detected!("fma")),
             ("avx512f", std::is_x86_feature_detected!("avx512f")),
         ];
-        let there: Vec<&str> = sets.iter().filter(|set| set.1).map(|set| set.0).collect();
-        text = format!("{text}, {}", there.join(" "));
+        let available: Vec<&str> = sets.iter().filter(|set| set.1).map(|set| set.0).collect();
+        text = format!("{text}, {}", available.join(" "));
     }
     text
 }
 
 fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
     let update = words.contains(&"--update");
-    let wanted: Vec<&&str> = words
+    let names: Vec<&&str> = words
         .iter()
         .filter(|word| !word.starts_with("--"))
         .collect();
     if Command::new("valgrind").arg("--version").output().is_err() {
-        return Err(INSTALL.into());
+        return Err(INSTALL_HINT.into());
     }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("instructions.tsv");
     let before = match std::fs::read_to_string(&file) {
@@ -126,12 +126,12 @@ fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
         counts: before.counts.clone(),
     };
     println!("{}; {}", now.compiler, now.processor);
-    for (ours, theirs) in [
+    for (current, recorded) in [
         (&now.compiler, &before.compiler),
         (&now.processor, &before.processor),
     ] {
-        if ours != theirs && !theirs.is_empty() {
-            println!("the baseline is of {theirs}: differences may be the machine's");
+        if current != recorded && !recorded.is_empty() {
+            println!("the baseline is of {recorded}: differences may be the machine's");
         }
     }
     println!(
@@ -139,8 +139,8 @@ fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
         "stage", "one", "baseline", "now", "change"
     );
     for stage in stages() {
-        let asked = wanted.is_empty() || wanted.iter().any(|word| stage.name.contains(**word));
-        if !COUNTED.contains(&stage.name) || !asked {
+        let is_selected = names.is_empty() || names.iter().any(|word| stage.name.contains(**word));
+        if !COUNTED_STAGES.contains(&stage.name) || !is_selected {
             continue;
         }
         let count = count(&stage)?;
@@ -159,7 +159,8 @@ fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
     }
     if update {
         // Removes stages that are not counted any more.
-        now.counts.retain(|stage, _| COUNTED.contains(&&**stage));
+        now.counts
+            .retain(|stage, _| COUNTED_STAGES.contains(&&**stage));
         std::fs::write(&file, now.to_text())?;
         println!("kept in {}", file.display());
     }
@@ -168,18 +169,18 @@ fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
 
 /// Instructions for one element of a stage.
 fn count(stage: &Stage) -> Result<f64, Box<dyn Error>> {
-    let few = collected(stage.name, FEW)?;
-    let many = collected(stage.name, MANY)?;
-    let runs = (MANY - FEW) * stage.elements;
-    Ok((many as f64 - few as f64) / runs as f64)
+    let few_runs = collected(stage.name, FEW_RUNS)?;
+    let many_runs = collected(stage.name, MANY_RUNS)?;
+    let runs = (MANY_RUNS - FEW_RUNS) * stage.elements;
+    Ok((many_runs as f64 - few_runs as f64) / runs as f64)
 }
 
 /// Number of instructions that callgrind collected in one process.
 fn collected(stage: &str, times: u64) -> Result<u64, Box<dyn Error>> {
     let output = under_valgrind("callgrind", &["run", stage, &times.to_string()])?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    let line = told.lines().find_map(|line| line.split_once("Collected :"));
-    let (_, number) = line.ok_or_else(|| format!("callgrind tells no count:\n{told}"))?;
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let line = log.lines().find_map(|line| line.split_once("Collected :"));
+    let (_, number) = line.ok_or_else(|| format!("callgrind tells no count:\n{log}"))?;
     Ok(number.trim().parse()?)
 }
 

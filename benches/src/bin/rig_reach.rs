@@ -14,7 +14,7 @@ use kinopt::{Problem, Skeleton, Solver, Workspace};
 use kinopt_benches::{Sequence, ThreadTime, figure, random_targets};
 
 /// Largest number of frames until a body is at rest.
-const FRAMES: usize = 200;
+const MAX_FRAMES: usize = 200;
 
 fn reach(
     name: &str,
@@ -31,21 +31,21 @@ fn reach(
         .collect();
     let targets = random_targets(skeleton, tips, count, &mut Sequence::new(0.5));
     let rest = skeleton.model().neutral();
-    let mut body = Drag::new(builder.build()?, &rest)?;
+    let mut drag = Drag::new(builder.build()?, &rest)?;
     let mut workspace = Workspace::new();
-    let (mut own, mut missed, mut attempts) = (0, Vec::new(), Vec::new());
+    let (mut settled, mut missed, mut attempts) = (0, Vec::new(), Vec::new());
     let mut micros = [Vec::new(), Vec::new()];
     for (index, target) in targets.iter().enumerate() {
-        for (&task, &at) in tasks.iter().zip(target) {
-            body.target_mut(task)?.set_target(at);
+        for (&task, &position) in tasks.iter().zip(target) {
+            drag.target_mut(task)?.set_target(position);
         }
-        body.set_configuration(&rest)?;
-        let begun = ThreadTime::now();
-        own += usize::from(body.settle(FRAMES).reached);
-        micros[0].push(begun.micros());
-        let begun = ThreadTime::now();
-        let solution = Solver::default().solve(body.question(), &rest, &mut workspace)?;
-        micros[1].push(begun.micros());
+        drag.set_configuration(&rest)?;
+        let started = ThreadTime::now();
+        settled += usize::from(drag.settle(MAX_FRAMES).reached);
+        micros[0].push(started.micros());
+        let started = ThreadTime::now();
+        let solution = Solver::default().solve(drag.question(), &rest, &mut workspace)?;
+        micros[1].push(started.micros());
         match solution.reached {
             true => attempts.push(solution.attempts),
             false => missed.push(index),
@@ -55,17 +55,17 @@ fn reach(
     micros
         .iter_mut()
         .for_each(|list| list.sort_by(f64::total_cmp));
-    let at = |list: &[f64], share: f64| list[((list.len() - 1) as f64 * share) as usize];
-    let most: Vec<_> = attempts.iter().rev().take(8).collect();
+    let quantile = |list: &[f64], share: f64| list[((list.len() - 1) as f64 * share) as usize];
+    let max_attempts: Vec<_> = attempts.iter().rev().take(8).collect();
     println!(
-        "{name}: {count} targets of {} tips: {} missed {missed:?}; attempts: most {most:?}; \
-         p50 {:.0} µs, p99 {:.0} µs; settled on its own way: {own}, p50 {:.0} µs, p99 {:.0} µs",
+        "{name}: {count} targets of {} tips: {} missed {missed:?}; attempts: most {max_attempts:?}; \
+         p50 {:.0} µs, p99 {:.0} µs; settled on its own way: {settled}, p50 {:.0} µs, p99 {:.0} µs",
         tips.len(),
         missed.len(),
-        at(&micros[1], 0.5),
-        at(&micros[1], 0.99),
-        at(&micros[0], 0.5),
-        at(&micros[0], 0.99),
+        quantile(&micros[1], 0.5),
+        quantile(&micros[1], 0.99),
+        quantile(&micros[0], 0.5),
+        quantile(&micros[0], 0.99),
     );
     Ok(())
 }

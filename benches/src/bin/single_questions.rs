@@ -27,24 +27,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with_search(search)
         .build()?;
     let n = arm.joint_count();
-    let (targets, starts) = questions(n)?;
+    let (targets, starts) = read_queries(n)?;
 
     let rounds: usize = rounds.parse()?;
     let mut nanoseconds = vec![u128::MAX; targets.len()];
     for _ in 0..rounds {
         for ((target, start), best) in targets.iter().zip(starts.chunks(n)).zip(&mut nanoseconds) {
-            let begun = Instant::now();
+            let started = Instant::now();
             std::hint::black_box(arm.solve(target, start)?);
-            *best = (*best).min(begun.elapsed().as_nanos());
+            *best = (*best).min(started.elapsed().as_nanos());
         }
     }
     let mut q = vec![0.0; starts.len()];
     let mut outcomes = vec![PoseOutcome::default(); targets.len()];
     let mut batch = f64::INFINITY;
     for _ in 0..rounds {
-        let begun = Instant::now();
+        let started = Instant::now();
         arm.solve_batch_into(&targets, &starts, &mut q, &mut outcomes)?;
-        batch = batch.min(begun.elapsed().as_nanos() as f64 / targets.len() as f64);
+        batch = batch.min(started.elapsed().as_nanos() as f64 / targets.len() as f64);
     }
     let reached = outcomes.iter().filter(|outcome| outcome.reached).count();
     println!(r#"{{"reached": {reached}, "batch": {batch}, "single": {nanoseconds:?}}}"#);
@@ -52,9 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Targets, with a start for each.
-type Questions = (Vec<Placement<f64>>, Vec<f64>);
+type Queries = (Vec<Placement<f64>>, Vec<f64>);
 
-fn questions(joints: usize) -> Result<Questions, Box<dyn Error>> {
+fn read_queries(joints: usize) -> Result<Queries, Box<dyn Error>> {
     let mut bytes = Vec::new();
     std::io::stdin().read_to_end(&mut bytes)?;
     let numbers = bytes
@@ -62,8 +62,8 @@ fn questions(joints: usize) -> Result<Questions, Box<dyn Error>> {
         .map(|eight| Ok(f64::from_le_bytes(eight.try_into()?)));
     let numbers: Vec<f64> = numbers.collect::<Result<_, Box<dyn Error>>>()?;
     let (mut targets, mut starts) = (Vec::new(), Vec::new());
-    for question in numbers.chunks_exact(16 + joints) {
-        let (m, start) = question.split_at(16);
+    for query in numbers.chunks_exact(16 + joints) {
+        let (m, start) = query.split_at(16);
         let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
         let rotation = Matrix3::from_columns(column(0), column(1), column(2));
         targets.push(Placement::new(rotation, column(3)));

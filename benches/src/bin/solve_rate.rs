@@ -40,44 +40,44 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{:<28} {:>8} {:>9} {:>9} {:>9} {:>8} {:>8}",
         "solver", "solved", "median µs", "p99 µs", "mean µs", "steps", "tries"
     );
-    let first = Restarts::none();
-    let again = Restarts::default();
+    let one_attempt = Restarts::none();
+    let default_restarts = Restarts::default();
     let lm = |damping| LevenbergMarquardt::new(damping);
-    let long = Stopping::default().with_max_iterations(2000);
+    let many_iterations = Stopping::default().with_max_iterations(2000);
     let solvers = [
         (
             "LM gain ratio, first try",
-            Solver::new(lm(Damping::GainRatio)).with_restarts(first),
+            Solver::new(lm(Damping::GainRatio)).with_restarts(one_attempt),
         ),
         (
             "LM error, first try",
-            Solver::new(lm(Damping::ErrorProportional)).with_restarts(first),
+            Solver::new(lm(Damping::ErrorProportional)).with_restarts(one_attempt),
         ),
         (
             "Gauss-Newton, first try",
-            Solver::new(GaussNewton::default()).with_restarts(first),
+            Solver::new(GaussNewton::default()).with_restarts(one_attempt),
         ),
         (
             "gradient BB, first try",
             Solver::new(ProjectedGradient::new(FirstStep::BarzilaiBorwein))
-                .with_stopping(long)
-                .with_restarts(first),
+                .with_stopping(many_iterations)
+                .with_restarts(one_attempt),
         ),
         (
             "gradient, first try",
-            Solver::new(ProjectedGradient::default()).with_restarts(first),
+            Solver::new(ProjectedGradient::default()).with_restarts(one_attempt),
         ),
         (
             "LM gain ratio",
-            Solver::new(lm(Damping::GainRatio)).with_restarts(again),
+            Solver::new(lm(Damping::GainRatio)).with_restarts(default_restarts),
         ),
         (
             "LM error",
-            Solver::new(lm(Damping::ErrorProportional)).with_restarts(again),
+            Solver::new(lm(Damping::ErrorProportional)).with_restarts(default_restarts),
         ),
         (
             "Gauss-Newton",
-            Solver::new(GaussNewton::default()).with_restarts(again),
+            Solver::new(GaussNewton::default()).with_restarts(default_restarts),
         ),
     ];
     let rest = skeleton.model().neutral();
@@ -86,13 +86,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (mut solved, mut steps, mut tries) = (0, 0, 0);
         let mut micros = Vec::with_capacity(problems);
         for target in &targets {
-            for (&task, &at) in tasks.iter().zip(target) {
-                targets_now.get_mut(task)?.set_target(at);
+            for (&task, &position) in tasks.iter().zip(target) {
+                targets_now.get_mut(task)?.set_target(position);
             }
-            let begun = Instant::now();
+            let started = Instant::now();
             let solution =
                 solver.solve(problem.with_targets(&targets_now)?, &rest, &mut workspace)?;
-            micros.push(begun.elapsed().as_secs_f64() * 1e6);
+            micros.push(started.elapsed().as_secs_f64() * 1e6);
             solved += usize::from(solution.reached);
             steps += solution.iterations;
             tries += solution.attempts;
@@ -116,13 +116,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut micros = Vec::new();
         for frame in 0..480 {
             let frame_targets = drag_targets(&skeleton, &tips, &start, frame);
-            for (&task, &at) in tasks.iter().zip(&frame_targets) {
-                targets_now.get_mut(task)?.set_target(at);
+            for (&task, &position) in tasks.iter().zip(&frame_targets) {
+                targets_now.get_mut(task)?.set_target(position);
             }
-            let begun = Instant::now();
+            let started = Instant::now();
             let solution =
                 Solver::default().solve(problem.with_targets(&targets_now)?, &q, &mut workspace)?;
-            micros.push(begun.elapsed().as_secs_f64() * 1e6);
+            micros.push(started.elapsed().as_secs_f64() * 1e6);
             solved += usize::from(solution.reached);
             steps += solution.iterations;
             q.copy_from_slice(&solution.q);

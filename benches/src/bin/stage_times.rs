@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let mut run = stage.build()?;
         let mut time = || {
-            let begun = ThreadTime::now();
+            let started = ThreadTime::now();
             run();
-            begun.micros() / stage.elements as f64
+            started.micros() / stage.elements as f64
         };
         let first = time();
         let fastest = (1..RUNS).map(|_| time()).fold(first, f64::min);

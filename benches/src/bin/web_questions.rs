@@ -37,7 +37,7 @@ impl Random {
     fn configuration(&mut self, arm: &Arm) -> Vec<f64> {
         let limits = arm.limits();
         limits
-            .map(|own| own.lower + self.unit() * (own.upper - own.lower))
+            .map(|joint| joint.lower + self.unit() * (joint.upper - joint.lower))
             .collect()
     }
 }
@@ -46,13 +46,13 @@ impl Random {
 struct Fastest(Vec<f64>);
 
 impl Fastest {
-    fn of(questions: usize) -> Self {
-        Self(vec![f64::INFINITY; questions])
+    fn of(queries: usize) -> Self {
+        Self(vec![f64::INFINITY; queries])
     }
 
-    fn take(&mut self, question: usize, begun: Instant) {
-        let micros = begun.elapsed().as_secs_f64() * 1e6;
-        self.0[question] = self.0[question].min(micros);
+    fn record(&mut self, query: usize, started: Instant) {
+        let micros = started.elapsed().as_secs_f64() * 1e6;
+        self.0[query] = self.0[query].min(micros);
     }
 
     /// Prints `name`, the median, the mean and the 99th percentile, as `web/speed` reads them.
@@ -76,10 +76,10 @@ fn poses(name: &str, search: Search) -> Outcome<()> {
     let mut fastest = Fastest::of(POSES);
     let mut reached = 0;
     for _ in 0..ROUNDS {
-        for (question, (goal, start)) in goals.iter().zip(&starts).enumerate() {
-            let begun = Instant::now();
+        for (query, (goal, start)) in goals.iter().zip(&starts).enumerate() {
+            let started = Instant::now();
             let solution = arm.solve(goal, start)?;
-            fastest.take(question, begun);
+            fastest.record(query, started);
             reached += usize::from(solution.reached);
         }
     }
@@ -94,31 +94,31 @@ fn drag(rig: &Rig) -> Outcome<()> {
     let tips = rig.constrained.iter().map(|&bone| skeleton.tip(bone));
     let tips: Vec<_> = tips.collect();
     let mut kinematics = ForwardKinematics::of_frames(skeleton.model(), &tips)?;
-    let places = kinematics.place(&rest)?.to_vec();
+    let placements = kinematics.place(&rest)?.to_vec();
     let mut fastest = Fastest::of(FRAMES);
     for _ in 0..ROUNDS {
         let mut tasks = Problem::builder(skeleton.model());
         let mut dragged = None;
-        for ((&pinned, &tip), place) in rig.constrained.iter().zip(&tips).zip(&places) {
-            let task = tasks.add(Point::new(tip, place.translation));
+        for ((&pinned, &tip), placement) in rig.constrained.iter().zip(&tips).zip(&placements) {
+            let task = tasks.add(Point::new(tip, placement.translation));
             if pinned == hand {
-                dragged = Some((task, place.translation));
+                dragged = Some((task, placement.translation));
             }
         }
         let (dragged, from) = dragged.ok_or("the humanoid's left hand is not pinned")?;
         let mut drag = Drag::new(tasks.build()?, &rest)?;
         for frame in 0..FRAMES {
-            let turn = TAU * frame as f64 / FRAMES as f64;
-            let down = 1.0 - turn.cos();
+            let phase = TAU * frame as f64 / FRAMES as f64;
+            let drop = 1.0 - phase.cos();
             let target = [
-                from.x + 0.1 * turn.sin(),
-                from.y - 0.15 * down,
-                from.z - 0.1 * down,
+                from.x + 0.1 * phase.sin(),
+                from.y - 0.15 * drop,
+                from.z - 0.1 * drop,
             ];
             drag.target_mut(dragged)?.set_target(target);
-            let begun = Instant::now();
+            let started = Instant::now();
             drag.advance();
-            fastest.take(frame, begun);
+            fastest.record(frame, started);
         }
     }
     fastest.print("a frame of the humanoid's drag");
@@ -135,7 +135,7 @@ fn skin(rig: &Rig, name: &str, method: SkinningMethod) -> Outcome<()> {
     let mut fastest = Fastest::of(FRAMES);
     for _ in 0..ROUNDS {
         for frame in 0..FRAMES {
-            let begun = Instant::now();
+            let started = Instant::now();
             posing.deform(
                 &rest,
                 PosedVertices {
@@ -144,7 +144,7 @@ fn skin(rig: &Rig, name: &str, method: SkinningMethod) -> Outcome<()> {
                     tangents: &mut [],
                 },
             )?;
-            fastest.take(frame, begun);
+            fastest.record(frame, started);
         }
     }
     fastest.print(name);

@@ -20,17 +20,21 @@ use kinopt::{Problem, Solver, Workspace};
 use kinopt_benches::{BodyCase, Sequence, ThreadTime, figure, random_targets};
 use serde_json::{Value, json};
 
-const NEAR: f64 = 0.3;
+const MAX_PERTURBATION: f64 = 0.3;
 const ROUNDS: usize = 3;
 
-/// Perturbs every number of a velocity by at most `NEAR` in either direction.
-fn beside(model: &Model, q: &[f64], sequence: &mut Sequence) -> Result<Vec<f64>, Box<dyn Error>> {
+/// Perturbs every number of a velocity by at most `MAX_PERTURBATION` in either direction.
+fn perturbed(
+    model: &Model,
+    q: &[f64],
+    sequence: &mut Sequence,
+) -> Result<Vec<f64>, Box<dyn Error>> {
     let v: Vec<f64> = (0..model.degrees_of_freedom())
-        .map(|_| NEAR * (2.0 * sequence.unit() - 1.0))
+        .map(|_| MAX_PERTURBATION * (2.0 * sequence.unit() - 1.0))
         .collect();
-    let mut moved = q.to_vec();
-    model.integrate(q, &v, &mut moved)?;
-    Ok(moved)
+    let mut result = q.to_vec();
+    model.integrate(q, &v, &mut result)?;
+    Ok(result)
 }
 
 /// Result of one query.
@@ -42,7 +46,7 @@ struct Answer {
 }
 
 /// Solves every query from its start, in rounds; the fastest round counts.
-fn ask(
+fn solve_all(
     solver: &Solver,
     problem: &Problem,
     targets: &[Targets],
@@ -52,10 +56,10 @@ fn ask(
     let mut workspace = Workspace::new();
     for round in 0..ROUNDS {
         for (k, (targets, start)) in targets.iter().zip(starts).enumerate() {
-            let question = problem.with_targets(targets)?;
-            let begun = ThreadTime::now();
-            let solution = solver.solve(question, start, &mut workspace)?;
-            let micros = begun.micros();
+            let instance = problem.with_targets(targets)?;
+            let started = ThreadTime::now();
+            let solution = solver.solve(instance, start, &mut workspace)?;
+            let micros = started.micros();
             if round == 0 {
                 answers.push(Answer {
                     q: solution.q.clone(),
@@ -71,22 +75,22 @@ fn ask(
 }
 
 /// Prints a line and returns the median in µs.
-fn tell(name: &str, answers: &[Answer]) -> f64 {
-    let all = answers.len();
+fn report(name: &str, answers: &[Answer]) -> f64 {
+    let count = answers.len();
     let reached = answers.iter().filter(|answer| answer.reached).count();
     let mut micros: Vec<f64> = answers.iter().map(|answer| answer.micros).collect();
     micros.sort_by(f64::total_cmp);
-    let at = |share: f64| micros[((all - 1) as f64 * share) as usize];
+    let quantile = |share: f64| micros[((count - 1) as f64 * share) as usize];
     let attempts: usize = answers.iter().map(|answer| answer.attempts).sum();
     println!(
-        "  {name:<32} {reached:>5} of {all} ({:.1} %), median {:.1} us, mean {:.1}, p99 {:.1}; {:.2} attempts",
-        100.0 * reached as f64 / all as f64,
-        at(0.5),
-        micros.iter().sum::<f64>() / all as f64,
-        at(0.99),
-        attempts as f64 / all as f64,
+        "  {name:<32} {reached:>5} of {count} ({:.1} %), median {:.1} us, mean {:.1}, p99 {:.1}; {:.2} attempts",
+        100.0 * reached as f64 / count as f64,
+        quantile(0.5),
+        micros.iter().sum::<f64>() / count as f64,
+        quantile(0.99),
+        attempts as f64 / count as f64,
     );
-    at(0.5)
+    quantile(0.5)
 }
 
 /// Medians of the skeleton from near and from rest.
@@ -99,26 +103,29 @@ fn bones(count: usize) -> Result<[f64; 2], Box<dyn Error>> {
         .map(|&tip| builder.add(Point::new(skeleton.tip(tip), [0.0; 3])))
         .collect();
     let problem = builder.build()?;
-    let mut asked = Vec::new();
-    for places in random_targets(&skeleton, &tips, count, &mut Sequence::new(0.5)) {
+    let mut queries = Vec::new();
+    for positions in random_targets(&skeleton, &tips, count, &mut Sequence::new(0.5)) {
         let mut targets = problem.targets();
-        for (&task, at) in tasks.iter().zip(places) {
-            targets.get_mut(task)?.set_target(at);
+        for (&task, position) in tasks.iter().zip(positions) {
+            targets.get_mut(task)?.set_target(position);
         }
-        asked.push(targets);
+        queries.push(targets);
     }
     let rest = model.neutral();
     let solver = Solver::default();
-    let from_rest = ask(&solver, &problem, &asked, &vec![&rest; count])?;
+    let from_rest = solve_all(&solver, &problem, &queries, &vec![&rest; count])?;
     let mut sequence = Sequence::new(0.25);
-    let near = from_rest
+    let near_starts = from_rest
         .iter()
-        .map(|there| beside(model, &there.q, &mut sequence));
-    let near = near.collect::<Result<Vec<_>, _>>()?;
-    let near: Vec<_> = near.iter().collect();
-    let near = ask(&solver, &problem, &asked, &near)?;
+        .map(|solution| perturbed(model, &solution.q, &mut sequence));
+    let near_starts = near_starts.collect::<Result<Vec<_>, _>>()?;
+    let near_starts: Vec<_> = near_starts.iter().collect();
+    let from_near = solve_all(&solver, &problem, &queries, &near_starts)?;
     println!("22 bones, five tips:");
-    Ok([tell("from near", &near), tell("from rest", &from_rest)])
+    Ok([
+        report("from near", &from_near),
+        report("from rest", &from_rest),
+    ])
 }
 
 /// Rows of the matrix of a placement.
@@ -140,7 +147,7 @@ fn matrix(placement: &Placement<f64>) -> Value {
 fn document(
     case: &BodyCase,
     hands: &[Vec<Placement<f64>>],
-    asked: [(&[&Vec<f64>], &[Answer]); 2],
+    runs: [(&[&Vec<f64>], &[Answer]); 2],
 ) -> Value {
     let model = case.robot.model();
     let name = |frame: &kinopt::model::FrameId| &model.frames()[frame.index()].name;
@@ -154,21 +161,20 @@ fn document(
         .map(|(foot, at)| json!([name(foot), matrix(at)]))
         .collect();
     let support: Vec<_> = case.support.iter().map(|at| at.to_array()).collect();
-    let told =
-        |(starts, answers): (&[&Vec<f64>], &[Answer])| -> Value {
-            let told = starts.iter().zip(answers);
-            told.map(|(start, answer)| json!({
+    let run_documents = |(starts, answers): (&[&Vec<f64>], &[Answer])| -> Value {
+        let run_documents = starts.iter().zip(answers);
+        run_documents.map(|(start, answer)| json!({
             "start": start, "q": answer.q, "reached": answer.reached, "micros": answer.micros,
         }))
         .collect()
-        };
-    let [near, standing] = asked.map(told);
+    };
+    let [near, standing] = runs.map(run_documents);
     json!({
         "joints": joints,
         "feet": feet,
         "hands": case.hands.iter().map(name).collect::<Vec<_>>(),
         "support": support,
-        "targets": hands.iter().map(|one| one.iter().map(matrix).collect::<Vec<_>>()).collect::<Vec<_>>(),
+        "targets": hands.iter().map(|placements| placements.iter().map(matrix).collect::<Vec<_>>()).collect::<Vec<_>>(),
         "near": near,
         "standing": standing,
     })
@@ -177,8 +183,10 @@ fn document(
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
     let mut option = |name: &str| {
-        let at = arguments.iter().position(|word| word == name)?;
-        arguments.drain(at..(at + 2).min(arguments.len())).nth(1)
+        let index = arguments.iter().position(|word| word == name)?;
+        arguments
+            .drain(index..(index + 2).min(arguments.len()))
+            .nth(1)
     };
     let (attempts, file) = (option("--attempts"), option("--write"));
     let [case, robot, rest @ ..] = arguments.as_slice() else {
@@ -198,39 +206,36 @@ fn main() -> Result<(), Box<dyn Error>> {
     let targets = hands.iter().map(|hands| body.targets(hands));
     let targets = targets.collect::<Result<Vec<_>, _>>()?;
     let mut sequence = Sequence::new(0.75);
-    let near = balanced.iter().map(|q| beside(model, q, &mut sequence));
-    let near = near.collect::<Result<Vec<_>, _>>()?;
-    let near: Vec<_> = near.iter().collect();
-    let standing = vec![&case.standing; count];
-    let from_near = ask(&solver, &body.problem, &targets, &near)?;
-    let from_standing = ask(&solver, &body.problem, &targets, &standing)?;
+    let near_starts = balanced.iter().map(|q| perturbed(model, q, &mut sequence));
+    let near_starts = near_starts.collect::<Result<Vec<_>, _>>()?;
+    let near_starts: Vec<_> = near_starts.iter().collect();
+    let standing_starts = vec![&case.standing; count];
+    let from_near = solve_all(&solver, &body.problem, &targets, &near_starts)?;
+    let from_standing = solve_all(&solver, &body.problem, &targets, &standing_starts)?;
     println!(
         "{}: {} variables, {} rows",
         case.robot.name(),
         body.problem.variables(),
         body.problem.rows()
     );
-    let own = [
-        tell("from near", &from_near),
-        tell("from standing", &from_standing),
+    let medians = [
+        report("from near", &from_near),
+        report("from standing", &from_standing),
     ];
     let [near_bones, rest_bones] = bones(count)?;
     println!(
         "to the bones from near: near {:.2}, standing {:.2}; to the bones from rest: near {:.2}, standing {:.2}",
-        own[0] / near_bones,
-        own[1] / near_bones,
-        own[0] / rest_bones,
-        own[1] / rest_bones,
+        medians[0] / near_bones,
+        medians[1] / near_bones,
+        medians[0] / rest_bones,
+        medians[1] / rest_bones,
     );
     if let Some(file) = file {
-        let asked = [
-            (&near[..], &from_near[..]),
-            (&standing[..], &from_standing[..]),
+        let runs = [
+            (&near_starts[..], &from_near[..]),
+            (&standing_starts[..], &from_standing[..]),
         ];
-        std::fs::write(
-            file,
-            serde_json::to_string(&document(&case, &hands, asked))?,
-        )?;
+        std::fs::write(file, serde_json::to_string(&document(&case, &hands, runs))?)?;
     }
     Ok(())
 }

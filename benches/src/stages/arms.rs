@@ -13,7 +13,7 @@ use super::{Run, Stage};
 
 /// Number of steps of a path, and of queries of a run.
 const STEPS: usize = 1000;
-const QUESTIONS: usize = 20;
+const QUERIES: usize = 20;
 
 pub(super) fn stages() -> Vec<Stage> {
     vec![
@@ -25,7 +25,7 @@ pub(super) fn stages() -> Vec<Stage> {
         },
         Stage {
             name: "arm of seven joints, target out of reach",
-            elements: QUESTIONS as u64,
+            elements: QUERIES as u64,
             unit: "pose",
             build: out_of_reach,
         },
@@ -39,14 +39,14 @@ fn panda() -> Result<Arm, Box<dyn Error>> {
 
 /// Joint values of a closed wave within the limits.
 fn wave(arm: &Arm, step: usize) -> Vec<f64> {
-    let turn = TAU * step as f64 / STEPS as f64;
+    let phase = TAU * step as f64 / STEPS as f64;
     let joints = arm.limits().zip(1..);
     let joints = joints.map(|(limits, times)| {
         let (middle, width) = (
             0.5 * (limits.lower + limits.upper),
             limits.upper - limits.lower,
         );
-        middle + 0.3 * width * (turn * f64::from(1 + times % 2)).sin()
+        middle + 0.3 * width * (phase * f64::from(1 + times % 2)).sin()
     });
     joints.collect()
 }
@@ -67,9 +67,10 @@ fn track() -> Result<Run, Box<dyn Error>> {
 fn out_of_reach() -> Result<Run, Box<dyn Error>> {
     let arm = panda()?;
     let start = wave(&arm, 0);
-    let places = (1..=QUESTIONS).map(|k| arm.base_from_tool(&wave(&arm, k * STEPS / QUESTIONS)));
-    let path = places
-        .map(|place| place.map(|place| Placement::new(place.rotation, place.translation * 5.0)));
+    let placements = (1..=QUERIES).map(|k| arm.base_from_tool(&wave(&arm, k * STEPS / QUERIES)));
+    let path = placements.map(|placement| {
+        placement.map(|placement| Placement::new(placement.rotation, placement.translation * 5.0))
+    });
     let path: Vec<Placement<f64>> = path.collect::<Result<_, _>>()?;
     let mut solution = Solution::default();
     arm.solve_into(path[0], &start, &mut solution)?;

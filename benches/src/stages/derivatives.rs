@@ -48,7 +48,7 @@ pub(super) fn stages() -> Vec<Stage> {
     ]
 }
 
-struct Asked {
+struct Query {
     problem: Problem,
     start: Vec<f64>,
     rest: Vec<f64>,
@@ -56,7 +56,7 @@ struct Asked {
     anywhere: Vec<f64>,
 }
 
-impl Asked {
+impl Query {
     fn starting_at_rest(self) -> Self {
         Self {
             start: self.rest.clone(),
@@ -78,36 +78,36 @@ fn model_of(name: &str) -> Result<Robot, Box<dyn Error>> {
 }
 
 /// Targets of some frames at their poses in a configuration near the start.
-fn asked(model: &Model, frames: &[FrameId], posture: bool) -> Result<Asked, Box<dyn Error>> {
+fn query_near(model: &Model, frames: &[FrameId], posture: bool) -> Result<Query, Box<dyn Error>> {
     let mut random = Sequence::new(0.5);
     let neutral = model.neutral();
-    let mut beside = |by: f64| -> Result<Vec<f64>, Box<dyn Error>> {
+    let mut perturbed = |amount: f64| -> Result<Vec<f64>, Box<dyn Error>> {
         let mut q = neutral.clone();
         for (value, limits) in q.iter_mut().zip(model.limits()) {
-            *value = limits.clamp(*value + by * (2.0 * random.unit() - 1.0));
+            *value = limits.clamp(*value + amount * (2.0 * random.unit() - 1.0));
         }
         Ok(q)
     };
-    let there = beside(0.8)?;
+    let target_configuration = perturbed(0.8)?;
     let start: Vec<f64> = {
-        let moved = beside(0.2)?;
-        let apart = moved.iter().zip(&neutral);
-        there
+        let perturbation = perturbed(0.2)?;
+        let differences = perturbation.iter().zip(&neutral);
+        target_configuration
             .iter()
-            .zip(apart)
-            .map(|(there, (a, b))| there + a - b)
+            .zip(differences)
+            .map(|(value, (a, b))| value + a - b)
             .collect()
     };
     let mut kinematics = kinopt::kinematics::ForwardKinematics::of_frames(model, frames)?;
     let mut tasks = Problem::builder(model);
-    for (&frame, &at) in frames.iter().zip(kinematics.place(&there)?) {
-        tasks.add(Pose::new(frame, at));
+    for (&frame, &target) in frames.iter().zip(kinematics.place(&target_configuration)?) {
+        tasks.add(Pose::new(frame, target));
     }
     if posture {
         tasks.add(Posture::new(model, &neutral));
     }
-    let anywhere = beside(1.5)?;
-    Ok(Asked {
+    let anywhere = perturbed(1.5)?;
+    Ok(Query {
         problem: tasks.build()?,
         start,
         rest: neutral,
@@ -115,22 +115,22 @@ fn asked(model: &Model, frames: &[FrameId], posture: bool) -> Result<Asked, Box<
     })
 }
 
-fn arm(name: &str) -> Result<Asked, Box<dyn Error>> {
+fn arm(name: &str) -> Result<Query, Box<dyn Error>> {
     let robot = model_of(name)?;
     let flange = robot.model().frame("flange")?;
-    asked(robot.model(), &[flange], false)
+    query_near(robot.model(), &[flange], false)
 }
 
-fn body(posture: bool) -> Result<Asked, Box<dyn Error>> {
+fn body(posture: bool) -> Result<Query, Box<dyn Error>> {
     let robot = model_of("aldebaran_nao")?;
     let robot = robot.with_base_joint(kinopt::robot::BaseJoint::FREE)?;
     let ends = ["left_sole", "right_sole", "left_hand", "right_hand"];
     let frames: Result<Vec<_>, _> = ends.iter().map(|name| robot.model().frame(name)).collect();
-    asked(robot.model(), &frames?, posture)
+    query_near(robot.model(), &frames?, posture)
 }
 
-fn solve(asked: &Asked) -> Result<Run, Box<dyn Error>> {
-    let (problem, start) = (asked.problem.clone(), asked.start.clone());
+fn solve(query: &Query) -> Result<Run, Box<dyn Error>> {
+    let (problem, start) = (query.problem.clone(), query.start.clone());
     let (solver, mut workspace) = (Solver::default(), Workspace::new());
     if !solver.solve(&problem, &start, &mut workspace)?.reached {
         return Err("what a configuration has is not reached".into());
@@ -141,17 +141,18 @@ fn solve(asked: &Asked) -> Result<Run, Box<dyn Error>> {
     }))
 }
 
-fn reverse(asked: &Asked) -> Result<Run, Box<dyn Error>> {
-    let problem = asked.problem.clone();
-    let q = Solver::default().solve_once(&problem, &asked.start)?.q;
+fn reverse(query: &Query) -> Result<Run, Box<dyn Error>> {
+    let problem = query.problem.clone();
+    let q = Solver::default().solve_once(&problem, &query.start)?.q;
     let mut memory = DerivativeWorkspace::default();
     let mut gradient = ParameterVector::new(&problem);
     let dof = SolutionDerivative::new(&problem, &q, &mut memory)?.degrees_of_freedom();
     let slope = vec![1.0; dof];
     Ok(Box::new(move || {
         let derivative = SolutionDerivative::new(&problem, &q, &mut memory);
-        let done = derivative.is_ok_and(|mut own| own.gradient(&slope, &mut gradient).is_ok());
-        black_box((done, &gradient));
+        let is_ok = derivative
+            .is_ok_and(|mut derivative| derivative.gradient(&slope, &mut gradient).is_ok());
+        black_box((is_ok, &gradient));
     }))
 }
 

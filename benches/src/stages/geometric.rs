@@ -15,14 +15,14 @@ use super::{Run, Stage, single};
 use crate::Sequence;
 use crate::figure::five_tips;
 
-const SWEEPS: usize = 5;
+const ITERATIONS: usize = 5;
 /// Points of the plain chain.
-const CHAIN: usize = 20;
+const CHAIN_POINTS: usize = 20;
 
 pub(super) fn stages() -> Vec<Stage> {
     let sweeps = |name, unit, build| Stage {
         name,
-        elements: SWEEPS as u64,
+        elements: ITERATIONS as u64,
         unit,
         build,
     };
@@ -32,14 +32,14 @@ pub(super) fn stages() -> Vec<Stage> {
         sweeps("CCD sweep, 22 bones, 5 tips", "sweep", || {
             search(
                 Ccd::default()
-                    .with_stopping(few())
+                    .with_stopping(short_stopping())
                     .with_restarts(Restarts::none()),
             )
         }),
         sweeps("FABRIK pass, 22 bones, 5 tips", "pass", || {
             search(
                 Fabrik::default()
-                    .with_stopping(few())
+                    .with_stopping(short_stopping())
                     .with_restarts(Restarts::none()),
             )
         }),
@@ -47,8 +47,8 @@ pub(super) fn stages() -> Vec<Stage> {
     ]
 }
 
-fn few() -> Stopping {
-    Stopping::default().with_max_iterations(SWEEPS)
+fn short_stopping() -> Stopping {
+    Stopping::default().with_max_iterations(ITERATIONS)
 }
 
 fn bare_two_bones() -> Result<Run, Box<dyn Error>> {
@@ -87,7 +87,7 @@ fn two_bones() -> Result<Run, Box<dyn Error>> {
 
 fn search(solver: impl Geometric + 'static) -> Result<Run, Box<dyn Error>> {
     let (problem, start) = five_tips()?;
-    if solver.solve(&problem, &start)?.iterations != SWEEPS {
+    if solver.solve(&problem, &start)?.iterations != ITERATIONS {
         return Err("the search ends before its sweeps are made".into());
     }
     Ok(Box::new(move || {
@@ -96,13 +96,13 @@ fn search(solver: impl Geometric + 'static) -> Result<Run, Box<dyn Error>> {
 }
 
 fn bare_fabrik() -> Result<Run, Box<dyn Error>> {
-    let start: Vec<_> = (0..CHAIN)
+    let start: Vec<_> = (0..CHAIN_POINTS)
         .map(|k| Vector3::new(0.1 * k as f64, (0.3 * k as f64).sin(), 0.0))
         .collect();
     let mut points = start.clone();
     let target = Vector3::new(0.5, 0.7, 0.9);
     Ok(Box::new(move || {
         points.copy_from_slice(&start);
-        black_box(fabrik(&mut points, target, 0.0, SWEEPS));
+        black_box(fabrik(&mut points, target, 0.0, ITERATIONS));
     }))
 }

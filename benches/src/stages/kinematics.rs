@@ -34,7 +34,7 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 /// Alternates between two configurations, so that no forward pass is reused.
-fn places(count: usize) -> [Vec<f64>; 2] {
+fn configurations(count: usize) -> [Vec<f64>; 2] {
     let mut random = Sequence::new(0.5);
     let x: Vec<f64> = (0..count).map(|_| random.unit() - 0.5).collect();
     let y = x.iter().map(|v| v + 1e-3).collect();
@@ -44,11 +44,11 @@ fn places(count: usize) -> [Vec<f64>; 2] {
 fn forward(spine: usize, per_limb: usize) -> Result<Run, Box<dyn Error>> {
     let (skeleton, _) = figure(spine, per_limb);
     let mut posing = Posing::new(&skeleton);
-    let places = places(skeleton.angles());
-    let mut turn = 0;
+    let configurations = configurations(skeleton.angles());
+    let mut index = 0;
     Ok(Box::new(move || {
-        turn ^= 1;
-        black_box(posing.pose(&places[turn]).ok());
+        index ^= 1;
+        black_box(posing.pose(&configurations[index]).ok());
     }))
 }
 
@@ -65,29 +65,34 @@ fn five_tips() -> Result<Problem, Box<dyn Error>> {
 
 fn jacobian(route: Derivatives) -> Result<Run, Box<dyn Error>> {
     let problem = five_tips()?.with_derivatives(route);
-    let places = places(problem.variables());
+    let configurations = configurations(problem.variables());
     let mut scratch = problem.scratch();
     let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
-    let mut turn = 0;
+    let mut index = 0;
     Ok(Box::new(move || {
-        turn ^= 1;
-        Evaluation::new(&problem, &mut scratch).jacobian(&places[turn], &mut jacobian);
+        index ^= 1;
+        Evaluation::new(&problem, &mut scratch).jacobian(&configurations[index], &mut jacobian);
         black_box(&jacobian);
     }))
 }
 
 fn gradient() -> Result<Run, Box<dyn Error>> {
     let problem = five_tips()?;
-    let places = places(problem.variables());
+    let configurations = configurations(problem.variables());
     let mut scratch = problem.scratch();
     let (m, n) = (problem.rows(), problem.variables());
     let (residual, mut gradient) = (vec![0.1; m], vec![0.0; n]);
     let mut jacobian = DMatrix::zeros(m, n);
-    let mut turn = 0;
+    let mut index = 0;
     Ok(Box::new(move || {
-        turn ^= 1;
+        index ^= 1;
         let mut evaluation = Evaluation::new(&problem, &mut scratch);
-        evaluation.gradient(&places[turn], &residual, &mut gradient, &mut jacobian);
+        evaluation.gradient(
+            &configurations[index],
+            &residual,
+            &mut gradient,
+            &mut jacobian,
+        );
         black_box(&gradient);
     }))
 }

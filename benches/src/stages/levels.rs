@@ -28,26 +28,27 @@ fn pulled_hand() -> Result<Run, Box<dyn Error>> {
     let start = at_ease(&skeleton);
     let pose = skeleton.pose(&start)?;
     let mut builder = Problem::builder(skeleton.model());
-    let [head, hand, others @ ..] = tips.as_slice() else {
+    let [head, hand, pinned_tips @ ..] = tips.as_slice() else {
         return Err("a figure without limbs".into());
     };
-    for &tip in others.iter().chain([head]) {
+    for &tip in pinned_tips.iter().chain([head]) {
         builder.add(Point::new(skeleton.tip(tip), pose.tip(&skeleton, tip)?));
     }
-    let far = pose.tip(&skeleton, *hand)? + Vector3::new(1.0, 0.5, 0.0);
-    let pulled = builder.add(Task::new(Point::new(skeleton.tip(*hand), far)).at_level(1));
+    let unreachable = pose.tip(&skeleton, *hand)? + Vector3::new(1.0, 0.5, 0.0);
+    let hand_task =
+        builder.add(Task::new(Point::new(skeleton.tip(*hand), unreachable)).at_level(1));
     let mut drag = Drag::new(builder.build()?, &start)?;
     drag.follow(200);
     let stretched = drag.q().to_vec();
     let mut run = move || -> Result<bool, Box<dyn Error>> {
         drag.set_configuration(&stretched)?;
-        let mut missed = true;
+        let mut all_missed = true;
         for frame in 0..FRAMES {
-            let aside = Vector3::new(0.0, 0.01 * frame as f64, 0.0);
-            drag.target_mut(pulled)?.set_target(far + aside);
-            missed &= !black_box(drag.advance()).reached;
+            let offset = Vector3::new(0.0, 0.01 * frame as f64, 0.0);
+            drag.target_mut(hand_task)?.set_target(unreachable + offset);
+            all_missed &= !black_box(drag.advance()).reached;
         }
-        Ok(missed)
+        Ok(all_missed)
     };
     if !run()? {
         return Err("the hand is not out of reach".into());

@@ -15,7 +15,7 @@ use crate::Sequence;
 /// Number of configurations of a run.
 const CONFIGURATIONS: usize = 512;
 /// Smallest distance of obstacles from the base, metres.
-const NEAREST: f64 = 0.35;
+const MIN_DISTANCE: f64 = 0.35;
 
 pub(super) fn stages() -> Vec<Stage> {
     let stage = |name, build| Stage {
@@ -77,19 +77,19 @@ pub fn panda_among(world: &World) -> Result<(Arm, Checker), Box<dyn Error>> {
 fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
     let (arm, checker) = panda_among(world)?;
     let mut random = Sequence::new(0.25);
-    let (mut q, mut drawn) = (Vec::new(), Vec::new());
-    let mut touching = 0;
+    let (mut q, mut sampled) = (Vec::new(), Vec::new());
+    let mut in_contact = 0;
     while q.len() < CONFIGURATIONS * arm.joint_count() {
-        drawn.clear();
-        drawn.extend(
+        sampled.clear();
+        sampled.extend(
             arm.limits()
                 .map(|joint| joint.lower + (joint.upper - joint.lower) * random.unit()),
         );
-        let free = arm.collisions(&drawn)?.is_empty();
+        let is_free = arm.collisions(&sampled)?.is_empty();
         // In a crowded world few configurations are free.
-        if free || touching < CONFIGURATIONS / 3 {
-            touching += usize::from(!free);
-            q.extend_from_slice(&drawn);
+        if is_free || in_contact < CONFIGURATIONS / 3 {
+            in_contact += usize::from(!is_free);
+            q.extend_from_slice(&sampled);
         }
     }
     Ok((arm, checker, q))
@@ -105,13 +105,13 @@ pub fn shell_of_primitives(count: usize) -> Result<World, Box<dyn Error>> {
     let size = 0.4 / (count as f64).cbrt();
     let mut world = World::new();
     for index in 0..count {
-        let at = around(&mut random);
+        let position = position_around_base(&mut random);
         let name = format!("thing {index}");
         let size = size * (0.5 + random.unit());
         match index % 3 {
-            0 => world.add_box(&name, [size, size, 0.5 * size], at)?,
-            1 => world.add_cylinder(&name, 0.3 * size, size, at)?,
-            _ => world.add_sphere(&name, 0.5 * size, at)?,
+            0 => world.add_box(&name, [size, size, 0.5 * size], position)?,
+            1 => world.add_cylinder(&name, 0.3 * size, size, position)?,
+            _ => world.add_sphere(&name, 0.5 * size, position)?,
         };
     }
     Ok(world)
@@ -138,33 +138,33 @@ pub fn cloud_of_points(count: usize) -> Result<World, Box<dyn Error>> {
 }
 
 /// A position within the reach of the arm, outside its base.
-fn around(random: &mut Sequence) -> Vector3<f64> {
+fn position_around_base(random: &mut Sequence) -> Vector3<f64> {
     loop {
         let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
-        let at = Vector3::new(x, y, 1.2 * random.unit() - 0.2);
-        if (NEAREST..1.0).contains(&x.hypot(y)) {
-            return at;
+        let position = Vector3::new(x, y, 1.2 * random.unit() - 0.2);
+        if (MIN_DISTANCE..1.0).contains(&x.hypot(y)) {
+            return position;
         }
     }
 }
 
 fn spheres(world: &World) -> Result<Run, Box<dyn Error>> {
     let (arm, _, q) = panda(world)?;
-    let mut clear = vec![false; CONFIGURATIONS];
+    let mut collision_free = vec![false; CONFIGURATIONS];
     Ok(Box::new(move || {
-        let _checked_once = arm.clear_by_spheres(&q, &mut clear);
-        black_box(&clear);
+        let _checked_once = arm.clear_by_spheres(&q, &mut collision_free);
+        black_box(&collision_free);
     }))
 }
 
 fn shapes(world: &World) -> Result<Run, Box<dyn Error>> {
     let (arm, checker, q) = panda(world)?;
     let mut workspace = checker.workspace();
-    let mut whole = checker.model().model().neutral();
+    let mut robot_q = checker.model().model().neutral();
     Ok(Box::new(move || {
         for q in q.chunks(arm.joint_count()) {
-            let _right_length = arm.configuration(q, &mut whole);
-            let _finite = black_box(checker.is_free(&mut workspace, &whole));
+            let _right_length = arm.configuration(q, &mut robot_q);
+            let _finite = black_box(checker.is_free(&mut workspace, &robot_q));
         }
     }))
 }

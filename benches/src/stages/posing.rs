@@ -17,7 +17,7 @@ const VERTICES: usize = 1000;
 const INFLUENCES: usize = 4;
 const KEYS: usize = 40;
 /// Number of bones of a game character.
-const CHARACTER: usize = 67;
+const CHARACTER_BONES: usize = 67;
 
 pub(super) fn stages() -> Vec<Stage> {
     vec![
@@ -97,7 +97,7 @@ fn sample() -> Result<Run, Box<dyn Error>> {
 
 /// One frame of clip playback.
 fn character(keying: Keying) -> Result<Run, Box<dyn Error>> {
-    let armature = armature(CHARACTER);
+    let armature = armature(CHARACTER_BONES);
     let clip = clip(&armature, keying, &mut Sequence::new(0.5));
     let mut pose = armature.rest().clone();
     let (mut cursor, mut frame) = (Cursor::new(), 0_u32);

@@ -85,14 +85,14 @@ struct Document<'a> {
 impl ClipOptions {
     /// Name of the first clip option that the user gave.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let own = first_given([
+        let first_option = first_given([
             ("--into", self.into.is_some()),
             ("--clip-name", self.clip_name.is_some()),
             ("--in-place", self.in_place.is_some()),
             ("--close-seam", self.close_seam.is_some()),
             ("--reduce-keys", self.reduce_keys.is_some()),
         ]);
-        own.or_else(|| self.ik.given())
+        first_option.or_else(|| self.ik.given())
     }
 
     /// Solves the keys of a rig and writes the rig file with its mesh and weights.
@@ -107,7 +107,7 @@ impl ClipOptions {
             return Err(failure!("{}: the file is not a rig", loaded.file));
         };
         let mut rig = rig.clone();
-        let (clip, told, changed) = self.ik.of_keys(&rig, fps)?;
+        let (clip, report, changed) = self.ik.of_keys(&rig, fps)?;
         rig.clip = clip;
         rig.write(out)?;
         let keys = rig.clip.tracks().iter().map(|track| track.keys.len()).sum();
@@ -118,14 +118,14 @@ impl ClipOptions {
             duration,
             keys,
             notes: &[],
-            ik: Some(&told),
+            ik: Some(&report),
         };
         let text = || {
             format!(
                 "{changed} of {} changed, in {}\n{}",
                 counted(keys, "key"),
                 out.display(),
-                told.text()
+                report.text()
             )
         };
         output::result(json, document, text)
@@ -172,13 +172,13 @@ impl ClipOptions {
             keys.sample(time, playback, &mut q)?;
             Ok(angles.pose_of(&q, pose)?)
         })?;
-        let (clip, told) = self.changed(clip, &scene.armature, Some(skeleton), frames)?;
+        let (clip, report) = self.changed(clip, &scene.armature, Some(skeleton), frames)?;
         let clip = clip.renamed(self.clip_name.clone().unwrap_or_else(|| "keys".into()));
         scene.clips.push(clip.clone());
         let mut options = WriteOptions::default();
         options.up = self.ik.up();
         gltf::write(&scene, &options, out)?;
-        say(out, &clip, &scene.armature, (&notes, told.as_ref()), json)
+        print(out, &clip, &scene.armature, (&notes, report.as_ref()), json)
     }
 
     /// Writes a scene's file with its clip added, or adds the clip to the file of `--into`. The clip is sampled at
@@ -186,7 +186,7 @@ impl ClipOptions {
     pub(super) fn write_scene(
         &self,
         animated: &AnimatedArmature,
-        own: &SceneFile,
+        scene_file: &SceneFile,
         clip: &Clip,
         (frames, playback, whole): (Frames, Playback, bool),
         out: &Path,
@@ -194,24 +194,24 @@ impl ClipOptions {
     ) -> Outcome<()> {
         let armature = &animated.armature;
         // Without IK requests the clip is sampled at the frames.
-        let made = match whole && self.ik.given().is_some() {
+        let new_clip = match whole && self.ik.given().is_some() {
             true => clip.clone(),
             false => sampled(clip.name(), armature, frames, |time, pose| {
                 *pose = animated.pose_at(clip, time, playback)?;
                 Ok(())
             })?,
         };
-        let (made, told) = self.changed(made, armature, None, frames)?;
+        let (new_clip, report) = self.changed(new_clip, armature, None, frames)?;
         let file = match &self.into {
-            Some(into) => scene_output::file_to_add_to(own, into)?,
-            None => own.clone(),
+            Some(into) => scene_output::file_to_add_to(scene_file, into)?,
+            None => scene_file.clone(),
         };
         let (given, at_rate) = (
             self.clip_name.as_deref(),
             format!("{} at {}", clip.name(), frames.per_second()),
         );
-        let made = scene_output::write_with_clip(file, made, given, &at_rate, out)?;
-        say(out, &made, armature, (&[], told.as_ref()), json)
+        let new_clip = scene_output::write_with_clip(file, new_clip, given, &at_rate, out)?;
+        print(out, &new_clip, armature, (&[], report.as_ref()), json)
     }
 
     /// Applies the clip options to a clip. The report is `None` without IK requests.
@@ -223,7 +223,7 @@ impl ClipOptions {
         frames: Frames,
     ) -> Outcome<(Clip, Option<IkReport>)> {
         let rate = frames.per_second();
-        let (mut clip, told) = self.ik.over(clip, armature, skeleton, rate)?;
+        let (mut clip, report) = self.ik.over(clip, armature, skeleton, rate)?;
         if let Some(bone) = &self.in_place {
             (clip, _) = clip.without_root_motion(armature, armature.bone(bone)?, UP, rate)?;
         }
@@ -233,7 +233,7 @@ impl ClipOptions {
         if let Some(tolerance) = &self.reduce_keys {
             clip = clip.with_fewer_keys(armature, tolerance)?;
         }
-        Ok((clip, told))
+        Ok((clip, report))
     }
 }
 
@@ -242,12 +242,12 @@ fn sampled(
     name: &str,
     armature: &Armature,
     frames: Frames,
-    mut posed: impl FnMut(f64, &mut Pose) -> Outcome<()>,
+    mut pose_at: impl FnMut(f64, &mut Pose) -> Outcome<()>,
 ) -> Outcome<Clip> {
     let (mut times, mut poses) = (Vec::new(), Vec::new());
     let mut pose = armature.rest().clone();
     for (_, time) in frames.iter() {
-        posed(time, &mut pose)?;
+        pose_at(time, &mut pose)?;
         times.push((time - frames.start()) as f32);
         poses.push(pose.clone());
     }
@@ -259,11 +259,11 @@ pub(super) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "glb" | "gltf")
 }
 
-fn say(
+fn print(
     out: &Path,
     clip: &Clip,
     armature: &Armature,
-    (notes, told): (&[String], Option<&IkReport>),
+    (notes, report): (&[String], Option<&IkReport>),
     json: bool,
 ) -> Outcome<()> {
     let keys = clip
@@ -277,7 +277,7 @@ fn say(
         duration: clip.duration(),
         keys,
         notes,
-        ik: told,
+        ik: report,
     };
     let text = || {
         format!(
@@ -286,7 +286,7 @@ fn say(
             clip.duration(),
             counted(keys, "key"),
             out.display(),
-            told.map_or_else(String::new, IkReport::text)
+            report.map_or_else(String::new, IkReport::text)
         )
     };
     if !json {

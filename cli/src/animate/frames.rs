@@ -3,11 +3,11 @@
 use crate::failure::Outcome;
 
 /// Limit of the number of frames.
-const MOST: f64 = 1e6;
-/// Tolerance of the last frame's time, in frames: `SLACK`, or `ROUNDINGS` times the single-precision rounding error
+const MAX_FRAMES: f64 = 1e6;
+/// Tolerance of the last frame's time, in frames: `MIN_TOLERANCE`, or `MAX_ROUNDINGS` times the single-precision rounding error
 /// of the end time if that is larger.
-const SLACK: f64 = 1e-6;
-const ROUNDINGS: f64 = 4.0;
+const MIN_TOLERANCE: f64 = 1e-6;
+const MAX_ROUNDINGS: f64 = 4.0;
 
 /// Frames at a constant rate.
 #[derive(Clone, Copy, Debug)]
@@ -30,20 +30,20 @@ impl Frames {
             ));
         }
         let latest = start.abs().max(end.abs());
-        let rounding = ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
-        let slack = rounding.clamp(SLACK, 0.5);
-        let steps = ((end - start) * per_second + slack).floor();
-        if steps.is_nan() || steps >= MOST {
+        let rounding = MAX_ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
+        let tolerance = rounding.clamp(MIN_TOLERANCE, 0.5);
+        let steps = ((end - start) * per_second + tolerance).floor();
+        if steps.is_nan() || steps >= MAX_FRAMES {
             return Err(usage!(
-                "--fps {per_second} from {start} s to {end} s needs more than {MOST} frames, the maximum"
+                "--fps {per_second} from {start} s to {end} s needs more than {MAX_FRAMES} frames, the maximum"
             ));
         }
-        let left = (end - start) * per_second - steps;
+        let remainder = (end - start) * per_second - steps;
         Ok(Self {
             per_second,
             start,
             count: steps as usize + 1,
-            partial: (left > slack).then_some(end),
+            partial: (remainder > tolerance).then_some(end),
         })
     }
 

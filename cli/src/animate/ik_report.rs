@@ -64,7 +64,7 @@ impl IkReport {
             stances: stances.collect(),
             led: led(&edited.led, armature),
             root_moved: edited.root_moved,
-            root_velocity: root_velocity.map(|by| by.to_array()),
+            root_velocity: root_velocity.map(|velocity| velocity.to_array()),
             beyond: Vec::new(),
         }
     }
@@ -92,19 +92,20 @@ impl IkReport {
     pub(super) fn text(&self) -> String {
         let mut lines = Vec::new();
         if !self.stances.is_empty() {
-            let most =
-                |off: fn(&StanceReport) -> f64| self.stances.iter().map(off).fold(0.0, f64::max);
+            let max_of = |value: fn(&StanceReport) -> f64| {
+                self.stances.iter().map(value).fold(0.0, f64::max)
+            };
             lines.push(format!(
                 "{} foot plants: sliding at most {:.2e} at keys, {:.2e} between keys",
                 self.stances.len(),
-                most(|stance| stance.slide),
-                most(|stance| stance.stray)
+                max_of(|stance| stance.slide),
+                max_of(|stance| stance.stray)
             ));
         }
-        for led in &self.led {
+        for result in &self.led {
             lines.push(format!(
                 "`{}`: largest position error {:.2e}, at {:.3} s",
-                led.bone, led.miss, led.at
+                result.bone, result.miss, result.at
             ));
         }
         for limit in &self.beyond {
@@ -121,11 +122,11 @@ impl IkReport {
     }
 }
 
-fn led(all: &[ReachResult], armature: &Armature) -> Vec<LedReport> {
-    let each = all.iter().map(|led| LedReport {
-        bone: armature.names()[led.bone.index()].clone(),
-        miss: led.miss,
-        at: led.at,
+fn led(results: &[ReachResult], armature: &Armature) -> Vec<LedReport> {
+    let reports = results.iter().map(|result| LedReport {
+        bone: armature.names()[result.bone.index()].clone(),
+        miss: result.miss,
+        at: result.at,
     });
-    each.collect()
+    reports.collect()
 }

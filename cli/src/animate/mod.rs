@@ -181,33 +181,35 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         );
         return Err(Failure::usage(problem));
     }
-    let own = animated.scene.as_deref();
-    let scene = own.map(SceneFile::scene);
+    let scene_file = animated.scene.as_deref();
+    let scene = scene_file.map(SceneFile::scene);
     let clip = animated.clip(arguments.clip.as_deref());
     let span = |clip: &Clip| clip.span().map(f64::from);
     let one_file = match &clip {
         Ok(clip) => arguments.one_file(span(clip))?,
         Err(_) => None,
     };
-    if let (Some((frames, out)), Some(own)) = (one_file, own) {
+    if let (Some((frames, out)), Some(scene_file)) = (one_file, scene_file) {
         let whole = arguments.from.is_none() && arguments.to.is_none();
-        let playing = (frames, playback(arguments.looped), whole);
+        let playback_range = (frames, playback(arguments.looped), whole);
         let options = &arguments.clip_options;
-        return options.write_scene(&animated, own, clip?, playing, out, json);
+        return options.write_scene(&animated, scene_file, clip?, playback_range, out, json);
     }
     let scene = mesh_output::with_meshes(scene, (file, kind), arguments.skin_weights)?;
     let clip = clip?;
     let mut posing = ScenePosing::new(scene, arguments.skinning)?;
     write_frames(arguments, json, &[], span(clip), |time, playback, file| {
         let pose = animated.pose_at(clip, time, playback)?;
-        match own.filter(|_| is_gltf(file.path())) {
-            Some(own) => scene_output::write_posed(own, &pose, arguments.skinning, file.path())?,
+        match scene_file.filter(|_| is_gltf(file.path())) {
+            Some(scene_file) => {
+                scene_output::write_posed(scene_file, &pose, arguments.skinning, file.path())?
+            }
             None => file.write(&posing.mesh(&pose)?)?,
         }
         Ok(scene
             .meshes
             .iter()
-            .map(|own| own.mesh.positions().len())
+            .map(|node| node.mesh.positions().len())
             .sum())
     })
 }
@@ -299,23 +301,23 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
     let frames = arguments.frames(fps, span)?;
     let format = arguments.format.unwrap_or(MeshFormat::Obj);
     output::make_folder(out)?;
-    let named = frames.iter().map(|(stem, time)| {
+    let files = frames.iter().map(|(stem, time)| {
         let file = MeshFile::within(out, &stem, format);
         (time, file)
     });
-    Ok(named.collect())
+    Ok(files.collect())
 }
 
 fn text(files: &[(f64, MeshFile)], vertices: usize) -> String {
     let vertices = counted(vertices, "vertex");
-    let shown = |file: &MeshFile| file.path().display().to_string();
+    let path_text = |file: &MeshFile| file.path().display().to_string();
     match files {
-        [(time, file)] => format!("{time} s: {vertices} in {}\n", shown(file)),
+        [(time, file)] => format!("{time} s: {vertices} in {}\n", path_text(file)),
         [(start, first), .., (end, last)] => format!(
             "{} frames from {start} s to {end} s: {vertices} each in {} to {}\n",
             files.len(),
-            shown(first),
-            shown(last)
+            path_text(first),
+            path_text(last)
         ),
         [] => String::new(),
     }

@@ -115,8 +115,8 @@ impl Arguments {
 }
 
 fn solver(text: &str) -> Result<String, String> {
-    let all = contenders::all();
-    let names: Vec<&str> = all.iter().map(|one| one.name()).collect();
+    let contenders = contenders::all();
+    let names: Vec<&str> = contenders.iter().map(|solver| solver.name()).collect();
     if names.contains(&text) {
         return Ok(text.to_owned());
     }

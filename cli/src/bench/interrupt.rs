@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::failure::Outcome;
 
 /// Exit code of a program that an interrupt ended, as in shells.
-const INTERRUPTED: i32 = 130;
+const INTERRUPT_EXIT_CODE: i32 = 130;
 
 /// Flag that an interrupt sets.
 pub(super) struct Interrupt(Arc<AtomicBool>);
@@ -15,24 +15,24 @@ pub(super) struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// Installs the handler.
     pub(super) fn listen() -> Outcome<Self> {
-        let came = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&came);
+        let is_interrupted = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&is_interrupted);
         let handler = move || {
             if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(INTERRUPTED);
+                std::process::exit(INTERRUPT_EXIT_CODE);
             }
         };
         ctrlc::set_handler(handler)
             .map_err(|error| failure!("interrupts cannot be caught: {error}"))?;
-        Ok(Self(came))
+        Ok(Self(is_interrupted))
     }
 
-    pub(super) fn came(&self) -> bool {
+    pub(super) fn is_interrupted(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
     pub(super) fn flow(&self) -> ControlFlow<()> {
-        match self.came() {
+        match self.is_interrupted() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }

@@ -30,15 +30,15 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     // Fails before the work if the folder cannot be created.
     output::make_folder(&arguments.out)?;
     let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
-    let wanted = contenders::all().into_iter();
-    bench.extend(wanted.filter(|solver| arguments.wants(solver.name())));
+    let solvers = contenders::all().into_iter();
+    bench.extend(solvers.filter(|solver| arguments.wants(solver.name())));
     let mut results = compare(&mut bench, &interrupt)?;
     if results.problems == 0 {
         return Err(failure!("interrupted before the first problem was done"));
     }
-    if !interrupt.came() {
-        let mut go_on = || interrupt.flow();
-        results.jacobian_cost = jacobian_cost::measure(arguments.bones, &mut go_on)?;
+    if !interrupt.is_interrupted() {
+        let mut flow = || interrupt.flow();
+        results.jacobian_cost = jacobian_cost::measure(arguments.bones, &mut flow)?;
     }
     results.provenance = provenance::provenance();
     if let (Some(_), Some(stem)) = (&loaded.rig, arguments.model.file_stem()) {
@@ -46,10 +46,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         results.model.name = stem.to_string_lossy().into_owned();
     }
     report::write(&results, &arguments.out)?;
-    if interrupt.came() {
-        let (done, all) = (results.problems, results.setting.problems);
+    if interrupt.is_interrupted() {
+        let (done, total) = (results.problems, results.setting.problems);
         output::message(&format!(
-            "interrupted: {done} of {all} problems are done and written"
+            "interrupted: {done} of {total} problems are done and written"
         ));
     }
     let text = || text(&results, arguments);

@@ -14,7 +14,7 @@ use crate::solve::base::Base;
 use crate::targets_file::TargetsFile;
 
 /// Number of random problems.
-const RANDOM: usize = 100;
+const RANDOM_PROBLEMS: usize = 100;
 
 /// Problems of the arguments.
 pub(super) fn problems(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet> {
@@ -29,14 +29,14 @@ fn at_random(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet>
         Some(name) => vec![loaded.frame(name, BareName::Tip)?],
         None => default_tips(loaded)?,
     };
-    let turns = loaded.robot.is_some() && !arguments.position_only;
-    let set = builder(loaded, arguments, &frames, turns).build()?;
+    let with_orientation = loaded.robot.is_some() && !arguments.position_only;
+    let set = builder(loaded, arguments, &frames, with_orientation).build()?;
     let rest = loaded.rest();
     let start = match starts(loaded, arguments) {
         StartAt::Rest => Some(rest.as_slice()),
         StartAt::Random => None,
     };
-    let count = arguments.problems.unwrap_or(RANDOM);
+    let count = arguments.problems.unwrap_or(RANDOM_PROBLEMS);
     Ok(set.with_random_cases(count, arguments.rng_seed, start)?)
 }
 
@@ -153,11 +153,11 @@ fn rating(model: &Model, tip: FrameId) -> (usize, f64) {
         return (0, 0.0);
     };
     let mut rating = (0, frame.joint_from_frame.translation.norm());
-    let mut at = frame.joint;
-    while let Some(joint) = at.and_then(|id| model.joints().get(id.index())) {
+    let mut ancestor = frame.joint;
+    while let Some(joint) = ancestor.and_then(|id| model.joints().get(id.index())) {
         rating.0 += usize::from(joint.kind.turns() && !joint.limits.is_locked());
         rating.1 += joint.parent_from_joint.translation.norm();
-        at = joint.parent;
+        ancestor = joint.parent;
     }
     rating
 }

@@ -115,7 +115,9 @@ fn joints(scene: &Scene) -> BTreeSet<usize> {
 
 fn meshes(scene: &Scene) -> Vec<MeshDocument<'_>> {
     let meshes = scene.meshes.iter();
-    meshes.map(|own| mesh(own, &scene.armature)).collect()
+    meshes
+        .map(|mesh_node| mesh(mesh_node, &scene.armature))
+        .collect()
 }
 
 fn mesh<'a>(mesh: &'a SceneMesh, armature: &'a Armature) -> MeshDocument<'a> {
@@ -194,9 +196,9 @@ fn mesh_line(mesh: &MeshDocument) -> String {
         counted(mesh.triangles, "triangle"),
         if mesh.normals { "with" } else { "without" },
     );
-    if let (Some(joints), Some(most)) = (mesh.joints, mesh.max_influences) {
+    if let (Some(joints), Some(max_influences)) = (mesh.joints, mesh.max_influences) {
         line.push_str(&format!(
-            ", {}, at most {most} to a vertex",
+            ", {}, at most {max_influences} to a vertex",
             counted(joints, "joint")
         ));
     }

@@ -55,7 +55,7 @@ impl ConeDocument {
         };
         let angle = self
             .angle
-            .map(|most| format!("a rotation of {}", degrees(most)));
+            .map(|max_angle| format!("a rotation of {}", degrees(max_angle)));
         let parts: Vec<String> = [swing, twist, angle].into_iter().flatten().collect();
         (!parts.is_empty()).then(|| format!("within {}", parts.join(", ")))
     }

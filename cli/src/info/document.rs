@@ -133,7 +133,7 @@ fn joint_document<'a>(
         lower: finite(joint.limits.lower).filter(|_| limited),
         upper: finite(joint.limits.upper).filter(|_| limited),
         cone: ConeDocument::of(joint),
-        place: robot.map(|robot| robot::place(robot, id, joint)),
+        place: robot.map(|robot| robot::joint_place(robot, id, joint)),
     }
 }
 

@@ -106,11 +106,11 @@ pub(super) fn document<'a>(loaded: &'a LoadedModel, robot: &'a Robot) -> RobotDo
 fn loops(loaded: &LoadedModel) -> Vec<LoopDocument<'_>> {
     let model = &loaded.model;
     let named = |frame: FrameId| model.frames()[frame.index()].name.as_str();
-    let loops = model.loops().iter().map(|own| LoopDocument {
-        name: &own.name,
-        kind: own.kind.name(),
-        frames: own.frames.map(named),
-        joints: (model.loop_joints(own).iter())
+    let loops = model.loops().iter().map(|closure| LoopDocument {
+        name: &closure.name,
+        kind: closure.kind.name(),
+        frames: closure.frames.map(named),
+        joints: (model.loop_joints(closure).iter())
             .map(|id| loaded.joint_name(*id))
             .collect(),
     });
@@ -147,7 +147,7 @@ fn repair_document(repair: &Repair) -> RepairDocument<'_> {
     }
 }
 
-pub(super) fn place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDocument<'a> {
+pub(super) fn joint_place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDocument<'a> {
     let named = |id: JointId| Some(robot.model().joints().get(id.index())?.name.as_str());
     let mimic = robot.mimics().iter().find(|mimic| mimic.joint == id);
     PlaceDocument {
@@ -204,8 +204,12 @@ pub(super) fn tree(robot: &Robot) -> String {
 }
 
 fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] {
-    let place = place(robot, id, joint);
-    let link = format!("{}{}", "  ".repeat(depth), place.child_link.unwrap_or("-"));
+    let joint_place = joint_place(robot, id, joint);
+    let link = format!(
+        "{}{}",
+        "  ".repeat(depth),
+        joint_place.child_link.unwrap_or("-")
+    );
     let coordinate = robot.model().coordinate(id);
     let slides = joint.kind.slides();
     let limit = |limit: f64| match joint.kind.moves() {
@@ -222,7 +226,7 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
         true => format!("{} N", three_digits(effort)),
         false => format!("{} N·m", three_digits(effort)),
     };
-    let note = match &place.mimic {
+    let note = match &joint_place.mimic {
         Some(mimic) => follows(mimic),
         None if coordinate.is_some() && joint.limits.is_locked() => "locked".to_owned(),
         None => (ConeDocument::of(joint).and_then(|cone| cone.text())).unwrap_or_default(),
@@ -231,11 +235,11 @@ fn row(robot: &Robot, id: JointId, joint: &Joint, depth: usize) -> [String; 10] 
         link,
         joint.name.clone(),
         joint.kind.name().to_owned(),
-        place.axis.map(axis).unwrap_or_default(),
+        joint_place.axis.map(axis).unwrap_or_default(),
         limit(joint.limits.lower),
         limit(joint.limits.upper),
-        place.velocity.map(speed).unwrap_or_default(),
-        place.effort.map(effort).unwrap_or_default(),
+        joint_place.velocity.map(speed).unwrap_or_default(),
+        joint_place.effort.map(effort).unwrap_or_default(),
         coordinate.map(|c| c.to_string()).unwrap_or_default(),
         note,
     ]

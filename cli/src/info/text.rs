@@ -33,7 +33,7 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
         lines.insert(1, ("name", robot.name.to_owned()));
         lines.push(("tips", robot.tips.join(", ")));
         if !robot.loops.is_empty() {
-            let names: Vec<&str> = robot.loops.iter().map(|own| own.name).collect();
+            let names: Vec<&str> = robot.loops.iter().map(|closure| closure.name).collect();
             lines.push(("loops", names.join(", ")));
         }
         if !robot.passive_joints.is_empty() {
@@ -76,11 +76,15 @@ fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
         format!("{vertices}, {triangles}, {closed}, {with} normals")
     });
     let weights = rig.weights.as_ref().map(|weights| weights.max_influences);
-    let weights = weights.map(|most| format!("at most {} to a vertex", counted(most, "bone")));
-    let keyframes = rig.keyframes.as_ref().map(|own| {
-        let (keys, bones) = (counted(own.keys, "key"), counted(own.bones, "bone"));
-        let between = own.interpolation.join(", ");
-        let (start, end) = (own.start, own.end);
+    let weights = weights
+        .map(|max_influences| format!("at most {} to a vertex", counted(max_influences, "bone")));
+    let keyframes = rig.keyframes.as_ref().map(|keyframes| {
+        let (keys, bones) = (
+            counted(keyframes.keys, "key"),
+            counted(keyframes.bones, "bone"),
+        );
+        let between = keyframes.interpolation.join(", ");
+        let (start, end) = (keyframes.start, keyframes.end);
         format!("{keys} on {bones}, {start} s to {end} s, {between}")
     });
     let pinned = match rig.constrained.as_slice() {

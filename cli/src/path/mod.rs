@@ -20,7 +20,7 @@ use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 use crate::output;
-use crate::solve::axis_intervals::Room;
+use crate::solve::axis_intervals::GoalBounds;
 use crate::solve::held;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
@@ -38,24 +38,24 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let (path, columns_read) = CartesianPath::read(&arguments.path, arguments.order)?;
     let file = arguments.path.display();
     let turns = columns_read.quaternion.is_some() && !arguments.position_only;
-    let room = Room::of_options(
+    let bounds = GoalBounds::of_options(
         arguments.free_axis,
         &arguments.intervals,
         (turns, turns),
         arguments.degrees,
     )?;
-    let (arm, columns) = arm(arguments, loaded, room)?;
-    let path = placed(arguments, path, room)?.with_traversal(arguments.traversal);
+    let (arm, columns) = arm(arguments, loaded, bounds)?;
+    let path = placed(arguments, path, bounds)?.with_traversal(arguments.traversal);
     let one_each = |option, given: &Option<Numbers>, degrees| {
-        let each = |given| columns.one_each(loaded, option, given, degrees);
-        given.as_ref().map(each).transpose()
+        let by_joint = |given| columns.one_each(loaded, option, given, degrees);
+        given.as_ref().map(by_joint).transpose()
     };
-    let others = arguments.other_tools.iter();
-    let others = others
+    let tools = arguments.other_tools.iter();
+    let tools = tools
         .map(|tool| arm.with_tool(*tool))
         .collect::<Result<Vec<Arm>, _>>()?;
     let mut solver = PathSolver::new(&arm)
-        .with_tools(&others)
+        .with_tools(&tools)
         .with_max_step(arguments.max_step())
         .with_times_kept(arguments.keep_times)
         .with_samples(arguments.samples);
@@ -115,20 +115,27 @@ fn times(
     solution: &PathSolution,
     accelerations: Option<&[f64]>,
 ) -> Outcome<Option<Vec<f64>>> {
-    let own = arm.acceleration_limits();
-    let known = own.iter().all(|limit| limit.is_finite()).then_some(own);
-    if let Some(accelerations) = accelerations.or(known) {
+    let arm_limits = arm.acceleration_limits();
+    let finite_limits = arm_limits
+        .iter()
+        .all(|limit| limit.is_finite())
+        .then_some(arm_limits);
+    if let Some(accelerations) = accelerations.or(finite_limits) {
         let limits = TimingLimits::of(arm).with_acceleration_limits(accelerations);
         return Ok(Some(solution.trajectory(&limits)?.times().to_vec()));
     }
-    let own = path
+    let path_times = path
         .times()
-        .filter(|own| own.len() == solution.rows().len());
-    Ok(own.map(<[f64]>::to_vec))
+        .filter(|path_times| path_times.len() == solution.rows().len());
+    Ok(path_times.map(<[f64]>::to_vec))
 }
 
 /// Arm from the base to the tip, and the columns of its joints.
-fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm, JointColumns)> {
+fn arm(
+    arguments: &Arguments,
+    loaded: &LoadedModel,
+    bounds: GoalBounds,
+) -> Outcome<(Arm, JointColumns)> {
     let Some(robot) = loaded.robot.as_deref() else {
         return Err(usage!("{}: path is for robots", loaded.file));
     };
@@ -147,7 +154,7 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
     let tolerance = arguments.tolerance.unwrap_or(1e-6);
     let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
         .with_tool(arguments.chain.tool.unwrap_or_else(Placement::identity))
-        .with_goal(room.goal)
+        .with_goal(bounds.goal)
         .with_position_tolerance(tolerance)
         .with_orientation_tolerance(tolerance);
     let builder = held(builder, loaded);
@@ -160,12 +167,16 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
 }
 
 /// Path in the base, with points at the middle of their goal bounds.
-fn placed(arguments: &Arguments, path: CartesianPath, room: Room) -> Outcome<CartesianPath> {
+fn placed(
+    arguments: &Arguments,
+    path: CartesianPath,
+    bounds: GoalBounds,
+) -> Outcome<CartesianPath> {
     let path = match &arguments.at {
-        Some(at) => path.moved(at),
+        Some(placement) => path.moved(placement),
         None => path,
     };
-    let points = path.points().iter().map(|point| room.middle(*point));
+    let points = path.points().iter().map(|point| bounds.middle(*point));
     let points: Vec<Placement<f64>> = points.collect();
     let mut moved = CartesianPath::new(points)?;
     if let Some(times) = path.times() {

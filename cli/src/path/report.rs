@@ -12,7 +12,7 @@ use crate::loaded_model::LoadedModel;
 use crate::table;
 
 /// Largest number of entries in a list of the text.
-const TOLD: usize = 10;
+const MAX_LISTED_ROWS: usize = 10;
 
 /// Solution of a path.
 pub(super) struct Report<'a> {
@@ -93,11 +93,11 @@ impl<'a> Report<'a> {
             distance: step.distance,
             length: step.length,
         });
-        let missed = solution.missed.iter().map(|missed| Miss {
-            index: missed.index,
-            position_error: missed.position_error,
-            orientation_error: missed.orientation_error,
-            reason: reason(missed),
+        let misses = solution.missed.iter().map(|miss| Miss {
+            index: miss.index,
+            position_error: miss.position_error,
+            orientation_error: miss.orientation_error,
+            reason: reason(miss),
         });
         let blocked = solution.blocked.iter().map(|blocked| Block {
             index: blocked.index,
@@ -117,7 +117,7 @@ impl<'a> Report<'a> {
             largest_turn: deviation.radians,
             largest_turn_at: deviation.radians_at,
             reached: solution.missed.is_empty(),
-            missed: missed.collect(),
+            missed: misses.collect(),
             blocked: blocked.collect(),
             times: self.times.as_deref(),
             milliseconds: self.milliseconds,
@@ -128,7 +128,7 @@ impl<'a> Report<'a> {
         let solution = self.solution;
         let points = counted(self.path.points().len(), "point");
         let reached = solution.rows().len() - solution.missed.len();
-        let mut told = vec![
+        let mut entries = vec![
             (
                 "path",
                 format!(
@@ -138,19 +138,19 @@ impl<'a> Report<'a> {
             ),
             ("branches", self.branches()),
             ("length", format!("{:.4} of joint motion", solution.length)),
-            ("deviation", told_deviation(&solution.largest_deviation)),
+            ("deviation", deviation_text(&solution.largest_deviation)),
         ];
         if solution.entry > 0 {
-            told.push(("entry", format!("starts at point {}", solution.entry)));
+            entries.push(("entry", format!("starts at point {}", solution.entry)));
         }
         if let Some(last) = self.times.as_ref().and_then(|times| times.last()) {
-            told.push((
+            entries.push((
                 "duration",
                 format!("{last:.3} s from the first row to the last"),
             ));
         }
-        told.push(("time", format!("{:.1} ms", self.milliseconds)));
-        let mut text = table::lines(told);
+        entries.push(("time", format!("{:.1} ms", self.milliseconds)));
+        let mut text = table::lines(entries);
         let joints: Vec<&str> = self.arm.joints().collect();
         let steps = solution.reconfigurations.iter().map(|step| {
             let joint = joints.get(step.joint).copied().unwrap_or_default();
@@ -160,16 +160,16 @@ impl<'a> Report<'a> {
             )
         });
         add(&mut text, "reconfigurations", steps.collect());
-        let missed = solution.missed.iter().map(|missed| {
-            let (metres, radians) = (missed.position_error, missed.orientation_error);
-            let (row, why) = (missed.index, reason(missed));
-            match missed.reason {
+        let misses = solution.missed.iter().map(|miss| {
+            let (metres, radians) = (miss.position_error, miss.orientation_error);
+            let (row, why) = (miss.index, reason(miss));
+            match miss.reason {
                 // The pose itself is reached.
                 MissReason::Touches(_) => format!("  row {row}: {why}"),
                 _ => format!("  row {row}: by {metres:.3e} m and {radians:.3e} rad, {why}"),
             }
         });
-        add(&mut text, "not reached", missed.collect());
+        add(&mut text, "not reached", misses.collect());
         let blocked = solution.blocked.iter();
         let blocked = blocked.map(|step| format!("  to row {}: {}", step.index, step.by));
         add(&mut text, "possible collisions", blocked.collect());
@@ -191,12 +191,12 @@ fn add(text: &mut String, name: &str, lines: Vec<String>) {
     }
     text.push_str(name);
     text.push('\n');
-    for line in lines.iter().take(TOLD) {
+    for line in lines.iter().take(MAX_LISTED_ROWS) {
         text.push_str(line);
         text.push('\n');
     }
-    if lines.len() > TOLD {
-        text.push_str(&format!("  and {} more\n", lines.len() - TOLD));
+    if lines.len() > MAX_LISTED_ROWS {
+        text.push_str(&format!("  and {} more\n", lines.len() - MAX_LISTED_ROWS));
     }
 }
 
@@ -210,16 +210,18 @@ fn reason(missed: &Missed) -> String {
     }
 }
 
-fn told_deviation(deviation: &Deviation) -> String {
+fn deviation_text(deviation: &Deviation) -> String {
     let metres = (deviation.metres, "m", deviation.metres_at);
     let radians = (deviation.radians, "rad", deviation.radians_at);
     // Without a deviation there is no row.
-    let strays = [metres, radians].into_iter().filter(|stray| stray.0 > 0.0);
-    let told: Vec<String> = strays
-        .map(|(most, unit, row)| format!("at most {most:.3e} {unit} (before row {row})"))
+    let deviations = [metres, radians]
+        .into_iter()
+        .filter(|deviation_part| deviation_part.0 > 0.0);
+    let parts: Vec<String> = deviations
+        .map(|(largest, unit, row)| format!("at most {largest:.3e} {unit} (before row {row})"))
         .collect();
-    match told.is_empty() {
+    match parts.is_empty() {
         true => "none between rows".to_owned(),
-        false => format!("{} between rows", told.join(", ")),
+        false => format!("{} between rows", parts.join(", ")),
     }
 }

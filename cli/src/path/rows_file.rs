@@ -29,10 +29,10 @@ fn table(report: &Report<'_>) -> String {
     for (row, q) in report.rows().enumerate() {
         let time = times.and_then(|times| times.get(row));
         let numbers = time.into_iter().chain(&q);
-        for (place, number) in numbers.enumerate() {
-            let apart = if place > 0 { "," } else { "" };
+        for (column, number) in numbers.enumerate() {
+            let separator = if column > 0 { "," } else { "" };
             // Writing into a string cannot fail.
-            let _ = write!(text, "{apart}{number}");
+            let _ = write!(text, "{separator}{number}");
         }
         text.push('\n');
     }

@@ -38,8 +38,8 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
     let format = arguments.format.unwrap_or(Format::Npz);
     let job = Job::new(arguments, format)?;
     let folder = MovementFolder::find(&arguments.source, into, &format.ending())?;
-    let begun = folder.begin(&job.question(), arguments.overwrite);
-    let movements = begun.map_err(|error| match error {
+    let movements = folder.begin(&job.folder_query(), arguments.overwrite);
+    let movements = movements.map_err(|error| match error {
         FolderError::OtherQuestion { .. } => {
             failure!("{error}: use another folder, or --overwrite to solve all movements again")
         }
@@ -49,16 +49,16 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
     let reports: Vec<Report> = movements
         .into_par_iter()
         .map(|movement| {
-            let report = one(&job, movement);
+            let report = retarget_one(&job, movement);
             countdown.one_more();
             report
         })
         .collect();
     drop(countdown);
-    tell(into, &reports, json)
+    print(into, &reports, json)
 }
 
-fn one(job: &Job<'_>, movement: Movement) -> Report {
+fn retarget_one(job: &Job<'_>, movement: Movement) -> Report {
     let solved = match movement.done_before {
         true => Ok(None),
         false => job.run(&movement.source, &movement.out).map(Some),
@@ -76,7 +76,7 @@ fn one(job: &Job<'_>, movement: Movement) -> Report {
     }
 }
 
-fn tell(into: &Path, reports: &[Report], json: bool) -> Outcome<()> {
+fn print(into: &Path, reports: &[Report], json: bool) -> Outcome<()> {
     let failed: Vec<&str> = reports
         .iter()
         .filter_map(|report| report.error.as_deref())

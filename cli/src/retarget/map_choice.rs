@@ -41,7 +41,7 @@ pub(super) enum MapChoice {
 
 impl MapOptions {
     /// Returns `true` if the body map is an output.
-    pub(super) fn asks_for_map(&self) -> bool {
+    pub(super) fn outputs_map(&self) -> bool {
         self.print_map || self.save_map.is_some()
     }
 
@@ -85,7 +85,7 @@ impl MapChoice {
     /// Body map from a capture to a model.
     pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<MapGuess> {
         let capture = &source.capture;
-        let told = |error: RetargetError| failure!("{file}: {error}");
+        let with_file = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
             Self::Given(_, map) => map.clone().completed(capture, model),
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
@@ -95,16 +95,16 @@ impl MapChoice {
             Self::Given(map, _) if self.is_guessed() => {
                 failure!("{map}: the map drives no frame of this target; {file}: {error}")
             }
-            _ => told(error),
+            _ => with_file(error),
         })
     }
 
     /// Reports the origin of a guessed map, and its notes.
-    pub(super) fn say(&self, file: &str, guess: &MapGuess, up: UpAxis) {
+    pub(super) fn report(&self, file: &str, guess: &MapGuess, up: UpAxis) {
         if self.is_guessed() {
-            say_parts(file, guess);
+            report_parts(file, guess);
         }
-        say(file, guess, up);
+        report(file, guess, up);
     }
 
     /// Returns `true` if names determine the driven frames.
@@ -122,8 +122,8 @@ impl MapChoice {
 }
 
 /// Reports the names that a guess used.
-fn say_parts(file: &str, guess: &MapGuess) {
-    let by = |known: Option<&'static str>, names: &str| match known {
+fn report_parts(file: &str, guess: &MapGuess) {
+    let source = |known: Option<&'static str>, names: &str| match known {
         Some(known) => format!("the {names} of {known}"),
         None => names.to_owned(),
     };
@@ -131,13 +131,13 @@ fn say_parts(file: &str, guess: &MapGuess) {
         "note: {file}: {} of {} body parts are driven, by {} and {}; --print-map lists them",
         guess.map.drives.len(),
         BodyPart::ALL.len(),
-        by(guess.skeleton, "joints' names"),
-        by(guess.body, "frames' names"),
+        source(guess.skeleton, "joints' names"),
+        source(guess.body, "frames' names"),
     ));
 }
 
 /// Reports a suspicious up axis and the notes of a guess.
-fn say(file: &str, guess: &MapGuess, up: UpAxis) {
+fn report(file: &str, guess: &MapGuess, up: UpAxis) {
     if let Some(along) = guess.up.filter(|along| *along != up) {
         let (along, up) = (along.name(), up.name());
         output::message(&format!(

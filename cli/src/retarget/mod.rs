@@ -1,8 +1,8 @@
 //! `kinopt retarget`: retargeting of motion capture to robots and skeletons.
 
+mod collision_avoidance;
 mod contact_options;
 mod folder;
-mod keep_clear;
 mod map_choice;
 mod movement_file;
 mod source;
@@ -18,8 +18,8 @@ use kinopt::motion::retarget::{
 };
 use serde::Serialize;
 
+use self::collision_avoidance::{CollisionAvoidance, KeepClearOptions, report_contacts};
 use self::contact_options::ContactOptions;
-use self::keep_clear::{Clear, KeepClearOptions, tell_touching};
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
 use self::source::{SourceOptions, Up};
@@ -145,12 +145,12 @@ struct LostContactReport {
 }
 
 /// Ground penetration of feet above which it is reported, metres.
-const SUNK: f64 = 1e-3;
+const MIN_REPORTED_PENETRATION: f64 = 1e-3;
 
 impl Clip {
     /// One-line summary.
     fn summary(&self) -> String {
-        let ground_penetration = match self.ground_penetration > SUNK {
+        let ground_penetration = match self.ground_penetration > MIN_REPORTED_PENETRATION {
             true => format!(
                 "; ground penetration at most {:.1} mm",
                 1e3 * self.ground_penetration
@@ -169,10 +169,10 @@ impl Clip {
     }
 }
 
-fn lost_contact(own: LostContact) -> LostContactReport {
+fn lost_contact(lost: LostContact) -> LostContactReport {
     LostContactReport {
-        frame: own.frame,
-        contact_frame: own.contact_frame,
+        frame: lost.frame,
+        contact_frame: lost.contact_frame,
     }
 }
 
@@ -180,7 +180,7 @@ fn lost_contact(own: LostContact) -> LostContactReport {
 struct Job<'a> {
     arguments: &'a Arguments,
     target: Target,
-    clear: Option<Clear>,
+    avoidance: Option<CollisionAvoidance>,
     /// Shapes of the feet. Meshes whose files are missing are left out.
     shapes: FootShapes,
     map: MapChoice,
@@ -198,7 +198,7 @@ impl<'a> Job<'a> {
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
-            clear: arguments.keep_clear.clear(&target)?,
+            avoidance: arguments.keep_clear.avoidance(&target)?,
             shapes: FootShapes::of_files(&target.robot),
             target,
             map,
@@ -213,22 +213,22 @@ impl<'a> Job<'a> {
     }
 
     /// Folder query: everything that determines the results.
-    fn question(&self) -> FolderQuestion<'_> {
-        let mut question = FolderQuestion::new(&self.target.robot, self.options());
-        self.arguments.source_options.ask(&mut question);
-        if let Some(clear) = &self.clear {
-            clear.ask(&mut question);
-            question
+    fn folder_query(&self) -> FolderQuestion<'_> {
+        let mut query = FolderQuestion::new(&self.target.robot, self.options());
+        self.arguments.source_options.add_to_query(&mut query);
+        if let Some(avoidance) = &self.avoidance {
+            avoidance.add_to_query(&mut query);
+            query
                 .more
                 .extend(self.arguments.keep_clear.unusual_shapes());
         }
-        question.map = self.map.given();
-        question.skeleton = self.map.skeleton().map(KnownSkeleton::name);
-        question.whole = self.arguments.whole;
+        query.map = self.map.given();
+        query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
+        query.whole = self.arguments.whole;
         if self.format == Format::Csv && self.arguments.header {
-            question.more.push("header".to_owned());
+            query.more.push("header".to_owned());
         }
-        question
+        query
     }
 
     fn run(&self, source: &Path, out: &Path) -> Outcome<Clip> {
@@ -240,37 +240,41 @@ impl<'a> Job<'a> {
             .read(source, given, skeleton)?;
         let robot = &self.target.robot;
         let guess = self.map.of(&file, &read, robot.model())?;
-        self.map.say(&file, &guess, read.up);
+        self.map.report(&file, &guess, read.up);
         let mut map = guess.map;
         // The option has priority over the map.
         map.up = Some(read.up);
         let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
-        self.target.tell_up(fitted.model_stands_along());
+        self.target.report_up_axis(fitted.model_stands_along());
         let stride = fitted.stride();
-        if let Some(clear) = &self.clear {
-            fitted = fitted.keep_clear(&clear.at_stride(stride)?);
+        if let Some(avoidance) = &self.avoidance {
+            fitted = fitted.keep_clear(&avoidance.at_stride(stride)?);
         }
-        let found = match self.arguments.whole {
+        let retargeted = match self.arguments.whole {
             true => fitted.whole(),
             false => fitted.per_frame(),
         };
-        let found = found.map_err(|error| self.map.failed(&file, &error))?;
-        tell_touching(&file, &found);
+        let retargeted = retargeted.map_err(|error| self.map.failed(&file, &error))?;
+        report_contacts(&file, &retargeted);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();
         let header = self.arguments.header;
         self.format
-            .write(&self.target, &found, &name, header, out)?;
+            .write(&self.target, &retargeted, &name, header, out)?;
         Ok(Clip {
             out: out.to_owned(),
-            frames: found.frames(),
-            fps: found.frame_rate,
+            frames: retargeted.frames(),
+            fps: retargeted.frame_rate,
             stride,
-            mean_error: found.mean_error,
-            slip: found.slip,
-            ground_penetration: found.ground_penetration,
-            contact_frames: found.contact_frames,
-            lost_contacts: found.lost_contacts.into_iter().map(lost_contact).collect(),
+            mean_error: retargeted.mean_error,
+            slip: retargeted.slip,
+            ground_penetration: retargeted.ground_penetration,
+            contact_frames: retargeted.contact_frames,
+            lost_contacts: retargeted
+                .lost_contacts
+                .into_iter()
+                .map(lost_contact)
+                .collect(),
         })
     }
 }
@@ -286,7 +290,7 @@ impl Arguments {
         let guess = choice.of(&file, &read, target.robot.model())?;
         // With `--out`, the retargeting reports the guess itself.
         if self.out.is_none() {
-            choice.say(&file, &guess, read.up);
+            choice.report(&file, &guess, read.up);
         }
         let mut map = guess.map;
         if source::is_array(&self.source) {
@@ -305,7 +309,7 @@ impl Arguments {
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let folder = arguments.source.is_dir();
-    if arguments.map.asks_for_map() {
+    if arguments.map.outputs_map() {
         if folder {
             return Err(usage!(
                 "--print-map and --save-map apply to one movement, not to a folder"

@@ -68,18 +68,18 @@ impl Format {
     pub(super) fn write(
         self,
         target: &Target,
-        found: &Retargeted,
+        retargeted: &Retargeted,
         name: &str,
         header: bool,
         to: &Path,
     ) -> Outcome<()> {
         let names = target.names();
         let bytes = match self {
-            Self::Npz => as_npz(found, &names)?,
-            Self::Json => serde_json::to_vec(&document(found, &names))?,
-            Self::Csv if header => as_table(found, &names).into_bytes(),
-            Self::Csv => as_rows(found, names.len(), target.is_free()).into_bytes(),
-            Self::Bvh | Self::Glb => return self.write_figure(target, found, name, to),
+            Self::Npz => as_npz(retargeted, &names)?,
+            Self::Json => serde_json::to_vec(&document(retargeted, &names))?,
+            Self::Csv if header => as_table(retargeted, &names).into_bytes(),
+            Self::Csv => as_rows(retargeted, names.len(), target.is_free()).into_bytes(),
+            Self::Bvh | Self::Glb => return self.write_figure(target, retargeted, name, to),
         };
         output::write_file(to, bytes)
     }
@@ -87,7 +87,7 @@ impl Format {
     fn write_figure(
         self,
         target: &Target,
-        found: &Retargeted,
+        retargeted: &Retargeted,
         name: &str,
         to: &Path,
     ) -> Outcome<()> {
@@ -96,21 +96,26 @@ impl Format {
             return Err(failure!("{}: the target is not a figure", loaded.file));
         };
         if self == Self::Bvh {
-            let format = BvhFormat::from(found.frame_rate);
+            let format = BvhFormat::from(retargeted.frame_rate);
             return match (&loaded.scene, &loaded.capture) {
                 (Some(scene), _) => {
-                    write_bvh(figure, &scene.file.scene().armature, found, format, to)
+                    write_bvh(figure, &scene.file.scene().armature, retargeted, format, to)
                 }
                 (None, Some(capture)) => {
                     let format = format.with_channels(&capture.channels);
-                    write_bvh(figure, &capture.armature, found, format, to)
+                    write_bvh(figure, &capture.armature, retargeted, format, to)
                 }
-                _ => write_rig_as_bvh(skeleton, figure.up(), found, to),
+                _ => write_rig_as_bvh(skeleton, figure.up(), retargeted, to),
             };
         }
         if let Some(scene) = &loaded.scene {
             let file = scene.file.clone();
-            let clip = figure.clip(name, &file.scene().armature, &found.q, found.frame_rate)?;
+            let clip = figure.clip(
+                name,
+                &file.scene().armature,
+                &retargeted.q,
+                retargeted.frame_rate,
+            )?;
             let other = format!("{name} retargeted");
             scene_output::write_with_clip(file, clip, None, &other, to)?;
             return Ok(());
@@ -122,7 +127,7 @@ impl Format {
             }
             _ => Scene::of_skeleton(skeleton, None)?,
         };
-        let clip = figure.clip(name, &scene.armature, &found.q, found.frame_rate)?;
+        let clip = figure.clip(name, &scene.armature, &retargeted.q, retargeted.frame_rate)?;
         scene.clips.push(clip);
         let mut options = WriteOptions::default();
         options.up = figure.up().into();
@@ -131,47 +136,58 @@ impl Format {
 }
 
 /// Writes a rig with y up, as readers of BVH files expect.
-fn write_rig_as_bvh(skeleton: &Skeleton, up: UpAxis, found: &Retargeted, to: &Path) -> Outcome<()> {
+fn write_rig_as_bvh(
+    skeleton: &Skeleton,
+    up: UpAxis,
+    retargeted: &Retargeted,
+    to: &Path,
+) -> Outcome<()> {
     let y_from_z = UpAxis::Y.turned_to_z().transpose();
     let turn = Placement::new(y_from_z * up.turned_to_z(), Vector3::zero());
-    let standing = skeleton.placed(turn)?;
-    let figure = FigureTarget::new(&standing, UpAxis::Y)?;
-    let armature = Armature::of_skeleton(&standing);
-    write_bvh(&figure, &armature, found, found.frame_rate.into(), to)
+    let upright = skeleton.placed(turn)?;
+    let figure = FigureTarget::new(&upright, UpAxis::Y)?;
+    let armature = Armature::of_skeleton(&upright);
+    write_bvh(
+        &figure,
+        &armature,
+        retargeted,
+        retargeted.frame_rate.into(),
+        to,
+    )
 }
 
 fn write_bvh(
     figure: &FigureTarget,
-    own: &Armature,
-    found: &Retargeted,
+    armature: &Armature,
+    retargeted: &Retargeted,
     format: BvhFormat<'_>,
     to: &Path,
 ) -> Outcome<()> {
-    let poses = figure.poses(own, own.rest(), &found.q)?;
-    Ok(bvh::write_poses(own, &poses, format, to)?)
+    let poses = figure.poses(armature, armature.rest(), &retargeted.q)?;
+    Ok(bvh::write_poses(armature, &poses, format, to)?)
 }
 
-fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
-    let (frames, width) = (found.frames(), names.len());
-    let standing = found.contact_frames.len();
+fn as_npz(retargeted: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
+    let (frames, width) = (retargeted.frames(), names.len());
+    let contact_count = retargeted.contact_frames.len();
     numpy_file::npz(&[
-        ("q", &[frames, width], Column::Numbers(&found.q)),
-        ("fps", &[], Column::Numbers(&[found.frame_rate])),
+        ("q", &[frames, width], Column::Numbers(&retargeted.q)),
+        ("fps", &[], Column::Numbers(&[retargeted.frame_rate])),
         ("names", &[width], Column::Words(names)),
         (
             "contacts",
-            &[frames, standing],
-            Column::Flags(&found.contacts),
+            &[frames, contact_count],
+            Column::Flags(&retargeted.contacts),
         ),
         (
             "contact_frames",
-            &[standing],
-            Column::Words(&found.contact_frames),
+            &[contact_count],
+            Column::Words(&retargeted.contact_frames),
         ),
         (
             "contact_points",
-            &[standing, 3],
-            Column::Numbers(contact_points(found).as_flattened()),
+            &[contact_count, 3],
+            Column::Numbers(contact_points(retargeted).as_flattened()),
         ),
     ])
 }
@@ -188,20 +204,20 @@ struct Document<'a> {
     contacts: Vec<&'a [bool]>,
 }
 
-fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
+fn document<'a>(retargeted: &'a Retargeted, names: &'a [String]) -> Document<'a> {
     Document {
-        fps: found.frame_rate,
+        fps: retargeted.frame_rate,
         names,
-        contact_frames: &found.contact_frames,
-        contact_points: contact_points(found),
-        q: found.q.chunks_exact(names.len().max(1)).collect(),
-        contacts: contacts(found).collect(),
+        contact_frames: &retargeted.contact_frames,
+        contact_points: contact_points(retargeted),
+        q: retargeted.q.chunks_exact(names.len().max(1)).collect(),
+        contacts: contacts(retargeted).collect(),
     }
 }
 
 /// Contact points, each in the coordinates of its frame, metres.
-fn contact_points(found: &Retargeted) -> Vec<[f64; 3]> {
-    found
+fn contact_points(retargeted: &Retargeted) -> Vec<[f64; 3]> {
+    retargeted
         .contact_points
         .iter()
         .map(|at| at.to_array())
@@ -209,10 +225,10 @@ fn contact_points(found: &Retargeted) -> Vec<[f64; 3]> {
 }
 
 /// Contact flags, frame by frame.
-fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
-    let width = found.contact_frames.len();
-    (0..found.frames()).map(move |frame| {
-        found
+fn contacts(retargeted: &Retargeted) -> impl Iterator<Item = &[bool]> {
+    let width = retargeted.contact_frames.len();
+    (0..retargeted.frames()).map(move |frame| {
+        retargeted
             .contacts
             .get(frame * width..(frame + 1) * width)
             .unwrap_or_default()
@@ -220,9 +236,9 @@ fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
 }
 
 /// Rows of configurations without a header. The base's quaternion is x, y, z, w, as in Unitree's retargeted LAFAN1.
-fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
+fn as_rows(retargeted: &Retargeted, width: usize, is_free: bool) -> String {
     let mut text = String::new();
-    for q in found.q.chunks_exact(width.max(1)) {
+    for q in retargeted.q.chunks_exact(width.max(1)) {
         let mut row = q.to_vec();
         if is_free {
             row[3..BASE].rotate_left(1);
@@ -235,26 +251,26 @@ fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
 }
 
 /// Header row, then one row per frame: time in seconds, configuration, and contact flags (1 in contact).
-fn as_table(found: &Retargeted, names: &[String]) -> String {
-    let standing = found
+fn as_table(retargeted: &Retargeted, names: &[String]) -> String {
+    let contact_columns = retargeted
         .contact_frames
         .iter()
         .map(|frame| format!("{frame} in contact"));
     let columns = std::iter::once("time".to_owned())
         .chain(names.iter().cloned())
-        .chain(standing);
+        .chain(contact_columns);
     let mut text = columns.collect::<Vec<_>>().join(",") + "\n";
-    let rows = found
+    let rows = retargeted
         .q
         .chunks_exact(names.len().max(1))
-        .zip(contacts(found));
-    for (frame, (q, stands)) in rows.enumerate() {
-        let _ = write!(text, "{}", frame as f64 / found.frame_rate);
+        .zip(contacts(retargeted));
+    for (frame, (q, in_contact)) in rows.enumerate() {
+        let _ = write!(text, "{}", frame as f64 / retargeted.frame_rate);
         for number in q {
             let _ = write!(text, ",{number}");
         }
-        for stands in stands {
-            let _ = write!(text, ",{}", u8::from(*stands));
+        for in_contact in in_contact {
+            let _ = write!(text, ",{}", u8::from(*in_contact));
         }
         text.push('\n');
     }

@@ -61,10 +61,10 @@ pub(super) struct Source {
 
 impl SourceOptions {
     /// Adds the reading options to a folder query.
-    pub(super) fn ask<'a>(&'a self, question: &mut FolderQuestion<'a>) {
-        question.frame_rate = self.fps;
-        question.clip = self.clip.as_deref();
-        question.up = self.up.map(UpAxis::from);
+    pub(super) fn add_to_query<'a>(&'a self, query: &mut FolderQuestion<'a>) {
+        query.frame_rate = self.fps;
+        query.clip = self.clip.as_deref();
+        query.up = self.up.map(UpAxis::from);
     }
 
     /// Reads a movement. `map` or `skeleton` supplies the joint names of an array.
@@ -75,36 +75,36 @@ impl SourceOptions {
         skeleton: Option<&KnownSkeleton>,
     ) -> Outcome<Source> {
         let file = path.display();
-        let told = |error: RetargetError| failure!("{file}: {error}");
+        let with_file = |error: RetargetError| failure!("{file}: {error}");
         let kind = extension(path);
         if self.clip.is_some() && !matches!(kind.as_str(), "glb" | "gltf") {
             return Err(usage!("{file}: --clip applies to scenes (.glb, .gltf)"));
         }
-        let said = self.fps.or(map.and_then(|map| map.frame_rate));
+        let given_rate = self.fps.or(map.and_then(|map| map.frame_rate));
         let (capture, up) = match kind.as_str() {
             "bvh" | "glb" | "gltf" => {
                 let animated = AnimatedArmature::read(path)?;
                 for note in &animated.notes {
                     output::message(&format!("note: {file}: {note}"));
                 }
-                let own = animated.frames.as_ref().map(|frames| 1.0 / frames.time);
-                let rate = said.or(own).unwrap_or(CLIP_RATE);
+                let file_rate = animated.frames.as_ref().map(|frames| 1.0 / frames.time);
+                let rate = given_rate.or(file_rate).unwrap_or(CLIP_RATE);
                 let clip = animated.clip(self.clip.as_deref())?;
                 let capture = Capture::of_clip(&animated.armature, clip, rate);
-                (capture.map_err(told)?, UpAxis::Y)
+                (capture.map_err(with_file)?, UpAxis::Y)
             }
-            "json" => (of_rig(path, said.unwrap_or(CLIP_RATE))?, UpAxis::Z),
+            "json" => (of_rig(path, given_rate.unwrap_or(CLIP_RATE))?, UpAxis::Z),
             "npy" => {
                 let array = numpy_file::read(path)?;
                 let names = names(&file.to_string(), &array.shape, map, skeleton)?;
-                if said.is_none() {
+                if given_rate.is_none() {
                     output::message(&format!(
                         "note: {file}: no frame rate given, {ARRAY_RATE} frames per second assumed; --fps changes it"
                     ));
                 }
-                let rate = said.unwrap_or(ARRAY_RATE);
+                let rate = given_rate.unwrap_or(ARRAY_RATE);
                 let capture = Capture::new(names, &array.numbers, rate);
-                (capture.map_err(told)?, UpAxis::Z)
+                (capture.map_err(with_file)?, UpAxis::Z)
             }
             _ => {
                 return Err(usage!(
@@ -112,15 +112,15 @@ impl SourceOptions {
                 ));
             }
         };
-        let given = self.up.map(UpAxis::from).or(map.and_then(|map| map.up));
+        let given_up = self.up.map(UpAxis::from).or(map.and_then(|map| map.up));
         let detected = capture.up_axis();
-        if let Some(along) = detected.filter(|along| given.is_none() && *along != up) {
+        if let Some(along) = detected.filter(|along| given_up.is_none() && *along != up) {
             let (along, other) = (along.name(), up.name());
             output::message(&format!(
                 "note: {file}: up axis {along}, detected from the body; --up {other} selects the other axis"
             ));
         }
-        let up = given.or(detected).unwrap_or(up);
+        let up = given_up.or(detected).unwrap_or(up);
         Ok(Source { capture, up })
     }
 }
@@ -132,14 +132,14 @@ fn names(
     map: Option<&BodyMap>,
     skeleton: Option<&KnownSkeleton>,
 ) -> Outcome<Vec<String>> {
-    let told = || {
+    let shape_text = || {
         let axes: Vec<String> = shape.iter().map(ToString::to_string).collect();
         axes.join(", ")
     };
     let [_, joints, 3] = *shape else {
         return Err(failure!(
             "{file}: an array of shape ({}); expected (frames, joints, 3)",
-            told()
+            shape_text()
         ));
     };
     let named = map.map(|map| &map.joints).filter(|names| !names.is_empty());
@@ -147,9 +147,9 @@ fn names(
         return match names.len() == joints {
             true => Ok(names.clone()),
             false => Err(failure!(
-                "{file}: an array of shape ({}); the map names {own} joints, so expected (frames, {own}, 3)",
-                told(),
-                own = names.len()
+                "{file}: an array of shape ({}); the map names {count} joints, so expected (frames, {count}, 3)",
+                shape_text(),
+                count = names.len()
             )),
         };
     }
@@ -164,7 +164,7 @@ fn names(
     names.map(<[String]>::to_vec).ok_or_else(|| {
         failure!(
             "{file}: an array of shape ({}) does not fit the skeleton {}",
-            told(),
+            shape_text(),
             skeleton.name()
         )
     })

@@ -35,7 +35,10 @@ impl Target {
             (None, true) => UpAxis::Y,
             (None, false) => UpAxis::Z,
         };
-        let figure = animated || path.extension().is_some_and(|own| own == "json");
+        let figure = animated
+            || path
+                .extension()
+                .is_some_and(|extension| extension == "json");
         if !figure {
             if up.is_some() {
                 return Err(usage!(
@@ -46,7 +49,7 @@ impl Target {
             let loaded = LoadedModel::read(path, options)?;
             let lacks = || usage!("{}: the file is not a robot", loaded.file);
             let robot = Robot::clone(loaded.robot.as_ref().ok_or_else(lacks)?);
-            if !options.says_base() && !robot.moves_as_a_whole() {
+            if !options.has_base_option() && !robot.moves_as_a_whole() {
                 output::message(&format!(
                     "note: {}: the root is fixed; --base-joint free lets it follow the subject",
                     loaded.file
@@ -78,7 +81,7 @@ impl Target {
     }
 
     /// Reports a figure whose body is not along the up axis.
-    pub(super) fn tell_up(&self, along: Option<UpAxis>) {
+    pub(super) fn report_up_axis(&self, along: Option<UpAxis>) {
         let Some(figure) = self.figure.as_ref().filter(|_| along == Some(UpAxis::Y)) else {
             return;
         };

@@ -160,7 +160,7 @@ impl Subject {
     fn kept(&self, method: SkinningMethod, degrees: f64) -> Outcome<Kept> {
         let posed = self.posed(method, degrees)?;
         let radii = self.tube.ring_radii(&posed).into_iter();
-        let waist = radii.fold(f64::INFINITY, |least, (_, radius)| least.min(radius));
+        let waist = radii.fold(f64::INFINITY, |min, (_, radius)| min.min(radius));
         Ok(Kept {
             volume: posed.signed_volume() / self.volume,
             waist: waist / self.tube.radius,

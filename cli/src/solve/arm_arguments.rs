@@ -9,7 +9,7 @@ use crate::help_headings::{FOLLOWING, PREFERENCES, SEARCH, TARGETS};
 use crate::number_list::{self, Numbers};
 
 /// Default distance between distinct solutions, in radians (or metres) of joint distance.
-const APART: f64 = 0.5;
+const DISTINCT_DISTANCE: f64 = 0.5;
 
 /// Options of an arm; some also apply to skeletons. The general solver does not accept those of an arm.
 #[derive(Args, Clone, Debug)]
@@ -116,7 +116,7 @@ fn search(text: &str) -> Result<Search, String> {
     };
     let (k, distance) = match numbers.split_once(',') {
         Some((k, distance)) => (k, number_list::not_negative(distance)?),
-        None => (numbers, APART),
+        None => (numbers, DISTINCT_DISTANCE),
     };
     match k.parse() {
         Ok(k) if k > 0 => Ok(Search::Distinct { k, distance }),
@@ -135,7 +135,7 @@ mod tests {
     fn searches_by_name() {
         let distinct = |k, distance| Ok(Search::Distinct { k, distance });
         assert_eq!(search("start"), Ok(Search::Start));
-        assert_eq!(search("distinct:4"), distinct(4, APART));
+        assert_eq!(search("distinct:4"), distinct(4, DISTINCT_DISTANCE));
         assert_eq!(search("distinct:4,0.25"), distinct(4, 0.25));
         for bad in [
             "",

@@ -9,7 +9,7 @@ use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 
 use super::arguments::Arguments;
-use super::axis_intervals::Room;
+use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
@@ -27,7 +27,7 @@ pub(super) struct ArmBackend<'a> {
     loaded: &'a LoadedModel,
     arm: Arm,
     search: Search,
-    room: Room,
+    goal_bounds: GoalBounds,
     columns: JointColumns,
     tasks: [TaskName; 1],
     idle: Vec<usize>,
@@ -57,12 +57,12 @@ impl<'a> ArmBackend<'a> {
         let frame = |name| loaded.frame(name, BareName::Tail);
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;
-        let room = Room::of(arguments, target.turns)?;
+        let goal_bounds = GoalBounds::of(arguments, target.turns)?;
         let (options, tool) = (&arguments.arm, arguments.chain.tool);
         let (length, angle) = arguments.tolerances(loaded);
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
-            .with_goal(room.goal)
+            .with_goal(goal_bounds.goal)
             .with_search(options.search.unwrap_or_default())
             .with_global_search_on_miss(options.global_search_on_miss)
             .with_seed(arguments.rng_seed)
@@ -86,7 +86,7 @@ impl<'a> ArmBackend<'a> {
             loaded,
             arm,
             search: options.search.unwrap_or_default(),
-            room,
+            goal_bounds,
             columns,
             tasks: [TaskName {
                 frame: target.name.clone(),
@@ -100,7 +100,8 @@ impl<'a> ArmBackend<'a> {
     /// Target of the tip, at the middle of the goal bounds.
     pub(super) fn target(&self, query: &Query) -> Placement<f64> {
         let target = query.targets.first().copied();
-        self.room.middle(target.unwrap_or_else(Placement::identity))
+        self.goal_bounds
+            .middle(target.unwrap_or_else(Placement::identity))
     }
 
     /// Names of the free joints from base to tip.
@@ -170,15 +171,15 @@ impl<'a> ArmBackend<'a> {
     /// Distinct solutions, or the closest pose if there is none.
     fn distinct(&self, query: &Query, start: &[f64]) -> Outcome<Answer> {
         let (started, target) = (Instant::now(), self.target(query));
-        let mut all = self.arm.solve_all(target, start)?.into_iter();
-        let nearest = match all.next() {
+        let mut solutions = self.arm.solve_all(target, start)?.into_iter();
+        let nearest = match solutions.next() {
             Some(nearest) => nearest,
             None => self.arm.solve(target, start)?,
         };
         let micros = Some(microseconds(started));
-        let others = all.map(|other| self.configuration(query, &other.q));
+        let alternatives = solutions.map(|solution| self.configuration(query, &solution.q));
         Ok(Answer {
-            alternatives: others.collect::<Outcome<_>>()?,
+            alternatives: alternatives.collect::<Outcome<_>>()?,
             ..self.answer_of(query, nearest, micros)?
         })
     }
@@ -298,8 +299,8 @@ fn with_joint_options<'m>(
 ) -> Outcome<ArmBuilder<'m>> {
     let (options, degrees) = (&arguments.arm, arguments.degrees);
     let one_each = |option, given: &Option<Numbers>, degrees| {
-        let each = |given| columns.one_each(loaded, option, given, degrees);
-        given.as_ref().map(each).transpose()
+        let by_joint = |given| columns.one_each(loaded, option, given, degrees);
+        given.as_ref().map(by_joint).transpose()
     };
     if let Some(moves) = one_each("--max-move", &options.max_move, degrees)? {
         builder = builder.with_max_move(&moves);

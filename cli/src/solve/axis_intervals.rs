@@ -10,16 +10,16 @@ use crate::failure::Outcome;
 
 /// Goal bounds of a target.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Room {
+pub(crate) struct GoalBounds {
     pub(crate) goal: PoseBounds,
     /// Offset of the middle of the bounds from the target, in the target's frame; `None` if it is zero.
     shift: Option<Placement<f64>>,
 }
 
-impl Room {
+impl GoalBounds {
     /// Bounds from the options, for a target whose orientation counts (`turns`) or not.
     pub(super) fn of(arguments: &Arguments, turns: bool) -> Outcome<Self> {
-        Self::beside(arguments, turns, turns)
+        Self::for_target(arguments, turns, turns)
     }
 
     /// Bounds of every target, or `None` without options; orientation bounds apply if the orientation counts.
@@ -35,12 +35,12 @@ impl Room {
         }
         let some_turn = targets.clone().any(|target| target.turns);
         targets
-            .map(|target| Self::beside(arguments, target.turns, some_turn).map(Some))
+            .map(|target| Self::for_target(arguments, target.turns, some_turn).map(Some))
             .collect()
     }
 
     /// Bounds of one of several targets; `some_turn` if the orientation of any of them counts.
-    fn beside(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
+    fn for_target(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
         let options = &arguments.arm;
         let (free_axis, intervals) = (options.free_axis, options.intervals.as_slice());
         let counts = (turns, some_turn);
@@ -112,10 +112,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_of_the_room_is_the_target() {
+    fn target_is_at_the_middle_of_goal_bounds() {
         let intervals =
             ["x=-0.01..0.03", "y=free", "rz=90"].map(|text| Interval::parse(text).unwrap());
-        let Room { goal, shift } = Room::within([0.0; 6], &intervals, true);
+        let GoalBounds { goal, shift } = GoalBounds::within([0.0; 6], &intervals, true);
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(
             goal.half_widths(),

@@ -194,19 +194,19 @@ impl Balance {
 
 impl Centre {
     fn task(&self, masses: &Masses, up: usize) -> CentreOfMass {
-        let mut place = [None; 3];
+        let mut position = [None; 3];
         match *self {
-            Self::At(at) => place = at,
+            Self::At(at) => position = at,
             Self::Above(at) => {
                 let across = (0..3).filter(|&axis| axis != up);
                 for (axis, value) in across.zip(at) {
-                    place[axis] = Some(value);
+                    position[axis] = Some(value);
                 }
             }
         }
-        let task = CentreOfMass::new(masses, place.map(Option::unwrap_or_default));
-        let axes = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(place);
-        axes.fold(task, |task, (axis, place)| match place {
+        let task = CentreOfMass::new(masses, position.map(Option::unwrap_or_default));
+        let axes = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(position);
+        axes.fold(task, |task, (axis, position)| match position {
             None => task.free_along(axis),
             Some(_) => task,
         })
@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_and_feet() {
+    fn centres_and_feet_parse() {
         assert_eq!(Centre::parse("1,-2"), Ok(Centre::Above([1.0, -2.0])));
         let at = [Some(0.5), None, Some(2.0)];
         assert_eq!(Centre::parse("0.5, free,2"), Ok(Centre::At(at)));

@@ -79,16 +79,16 @@ impl Base {
     }
 
     /// Sets the target of a task, given in this frame.
-    pub(super) fn aim(
+    pub(super) fn set_target(
         &self,
-        body: &mut Drag,
+        drag: &mut Drag,
         task: TargetTask,
         target: Placement<f64>,
     ) -> Result<(), ProblemError> {
-        let placed = self.placed(target);
+        let target_in_task = self.placed(target);
         match task {
-            TargetTask::Point(id) => body.target_mut(id)?.set_target(placed.translation),
-            TargetTask::Pose(id) => body.target_mut(id)?.set_target(placed),
+            TargetTask::Point(id) => drag.target_mut(id)?.set_target(target_in_task.translation),
+            TargetTask::Pose(id) => drag.target_mut(id)?.set_target(target_in_task),
         }
         Ok(())
     }

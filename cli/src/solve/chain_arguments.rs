@@ -96,7 +96,7 @@ impl ChainArguments {
     ) -> Outcome<HeldJoints> {
         let model = &loaded.model;
         let is_angle: Vec<bool> = loaded.is_angle().collect();
-        let (mut locked, mut turned) = (Vec::new(), Vec::new());
+        let (mut locked, mut locked_balls) = (Vec::new(), Vec::new());
         for lock in &self.lock {
             let joints = joints(loaded, &lock.joint)?;
             if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
@@ -116,8 +116,8 @@ impl ChainArguments {
                             lock.joint
                         ));
                     }
-                    let own = start.get(first..).and_then(<[f64]>::first_chunk);
-                    turned.push((joint, own.copied().unwrap_or([1.0, 0.0, 0.0, 0.0])));
+                    let quaternion = start.get(first..).and_then(<[f64]>::first_chunk);
+                    locked_balls.push((joint, quaternion.copied().unwrap_or([1.0, 0.0, 0.0, 0.0])));
                     continue;
                 }
                 let at = |list: &[f64]| coordinate.and_then(|c| list.get(c).copied());
@@ -131,12 +131,12 @@ impl ChainArguments {
             }
         }
         let mut only = Vec::new();
-        for wanted in &self.only {
-            for joint in joints(loaded, wanted.trim())? {
-                let turned = turned.iter().any(|(held, _)| *held == joint);
-                if turned || locked.iter().any(|(held, _)| *held == joint) {
-                    let name = loaded.joint_name(joint);
-                    return Err(usage!("joint `{name}` is in --lock and in --only"));
+        for name in &self.only {
+            for joint in joints(loaded, name.trim())? {
+                let is_locked_ball = locked_balls.iter().any(|(id, _)| *id == joint);
+                if is_locked_ball || locked.iter().any(|(id, _)| *id == joint) {
+                    let joint_name = loaded.joint_name(joint);
+                    return Err(usage!("joint `{joint_name}` is in --lock and in --only"));
                 }
                 only.push(joint);
             }
@@ -153,17 +153,17 @@ impl ChainArguments {
         let mut held = HeldJoints {
             map: loaded.own_parameters(),
             locked,
-            turned,
+            turned: locked_balls,
             only: (!only.is_empty()).then(|| (only, start.to_vec())),
         };
-        held.map = held.say(builder, &[]).build()?;
+        held.map = held.add_to(builder, &[]).build()?;
         Ok(held)
     }
 }
 
 impl HeldJoints {
     /// Adds the locked joints to a map, except those in `already`.
-    pub(super) fn say<'m>(
+    pub(super) fn add_to<'m>(
         &self,
         mut builder: ParameterMapBuilder<'m>,
         already: &[JointId],
@@ -197,15 +197,18 @@ impl ChainArguments {
     ) -> Outcome<()> {
         let follows = |joint: JointId| robot.mimics().iter().any(|mimic| mimic.joint == joint);
         for &joint in &srdf.passive_joints {
-            let given = locked.iter().any(|(held, _)| *held == joint) || only.contains(&joint);
-            let at = robot.model().coordinate(joint).and_then(|at| start.get(at));
-            if let (false, Some(value)) = (given || follows(joint), at) {
+            let is_listed = locked.iter().any(|(id, _)| *id == joint) || only.contains(&joint);
+            let value = robot
+                .model()
+                .coordinate(joint)
+                .and_then(|coordinate| start.get(coordinate));
+            if let (false, Some(value)) = (is_listed || follows(joint), value) {
                 locked.push((joint, *value));
             }
         }
         if let Some(group) = &self.group {
             let joints = srdf.group(group)?.joints.iter().copied();
-            let is_held = |joint: JointId| locked.iter().any(|(held, _)| *held == joint);
+            let is_held = |joint: JointId| locked.iter().any(|(id, _)| *id == joint);
             only.extend(joints.filter(|&joint| !follows(joint) && !is_held(joint)));
             if only.is_empty() {
                 return Err(failure!("group `{group}` has no movable joint"));
@@ -224,11 +227,11 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
                 return Ok(balls.joints(bone));
             }
             let ids = rig.skeleton.joints(bone).into_iter();
-            let free = ids.filter(|&id| {
+            let movable = ids.filter(|&id| {
                 let limits = model.joints().get(id.index()).map(|joint| joint.limits);
                 limits.is_some_and(|limits| !limits.is_locked())
             });
-            return Ok(free.collect());
+            return Ok(movable.collect());
         }
     }
     match model.joint(wanted) {
@@ -251,12 +254,16 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
 impl LoadedModel {
     /// Adds a tool to a frame. Targets of the frame then apply to the tool.
     pub(super) fn put_tool(&mut self, frame: FrameId, tool: &Placement<f64>) -> Outcome<()> {
-        let Some(on) = self.model.frames().get(frame.index()) else {
+        let Some(frame_below) = self.model.frames().get(frame.index()) else {
             return Ok(());
         };
         let mut builder = ModelBuilder::from_model(&self.model);
-        let name = format!("tool on {}", on.name);
-        let id = builder.frame(name, on.joint, on.joint_from_frame * *tool);
+        let name = format!("tool on {}", frame_below.name);
+        let id = builder.frame(
+            name,
+            frame_below.joint,
+            frame_below.joint_from_frame * *tool,
+        );
         self.model = builder.build()?;
         self.tool = Some((frame, id));
         Ok(())
@@ -265,7 +272,7 @@ impl LoadedModel {
     /// The frame under a tool; any other frame itself.
     pub(super) fn under_tool(&self, frame: FrameId) -> FrameId {
         match self.tool {
-            Some((on, tool)) if tool == frame => on,
+            Some((frame_below, tool)) if tool == frame => frame_below,
             _ => frame,
         }
     }
@@ -274,7 +281,7 @@ impl LoadedModel {
     pub(super) fn target_frame(&self, name: &str) -> Result<FrameId, UnknownName> {
         let frame = self.frame(name, BareName::Tip)?;
         Ok(match self.tool {
-            Some((on, tool)) if on == frame => tool,
+            Some((frame_below, tool)) if frame_below == frame => tool,
             _ => frame,
         })
     }
@@ -286,7 +293,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn locks() {
+    fn locks_parse() {
         let lock = |joint: &str, value| Lock {
             joint: joint.to_owned(),
             value,

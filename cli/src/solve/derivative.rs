@@ -32,20 +32,21 @@ pub(super) struct TargetDerivatives {
 /// Derivative of a problem's solution q by its targets.
 pub(super) fn of_problem(
     loaded: &LoadedModel,
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     tasks: &[TaskName],
     q: &[f64],
 ) -> Outcome<TargetDerivatives> {
     let mut memory = DerivativeWorkspace::default();
-    let mut derivative = SolutionDerivative::new(question, q, &mut memory)?;
+    let mut derivative = SolutionDerivative::new(instance, q, &mut memory)?;
     let differentiability = derivative.differentiability().clone();
     let mut by_target = BTreeMap::new();
     for task in tasks.iter().filter(|task| !task.held) {
         let name = format!("target {}", task.frame);
-        let problem = question.problem();
-        let own = (0..problem.tasks()).find(|&own| problem.task_name(own) == Some(&name));
-        if let Some(own) = own {
-            by_target.insert(task.frame.clone(), rows(&derivative.by_target(own)?));
+        let problem = instance.problem();
+        let task_index =
+            (0..problem.tasks()).find(|&task_index| problem.task_name(task_index) == Some(&name));
+        if let Some(task_index) = task_index {
+            by_target.insert(task.frame.clone(), rows(&derivative.by_target(task_index)?));
         }
     }
     let mut joints = loaded.model.moving_joints().to_vec();
@@ -107,9 +108,11 @@ impl TargetDerivatives {
             };
             let mut table = Table::new(&format!("by {frame} | >per m along x | >y | >z {turns}"));
             let moving = self.velocity.iter().zip(rows);
-            for (name, row) in moving.filter(|(_, row)| row.iter().any(|by| *by != 0.0)) {
+            for (name, row) in
+                moving.filter(|(_, row)| row.iter().any(|derivative| *derivative != 0.0))
+            {
                 let mut cells = vec![name.clone()];
-                cells.extend(row.iter().map(|by| six_digits(*by)));
+                cells.extend(row.iter().map(|derivative| six_digits(*derivative)));
                 table.row(cells);
             }
             text.push_str(&table.text());

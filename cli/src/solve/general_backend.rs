@@ -11,15 +11,15 @@ use kinopt::task::{Quantity, Ray, Task};
 use kinopt::{Problem, Workspace};
 
 use super::arguments::Arguments;
-use super::axis_intervals::Room;
+use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::balance::Balance;
 use super::base::{Base, TargetTask};
 use super::derivative;
 use super::goals::Goals;
 use super::held_frames::Held;
-use super::levels::{BALANCE, GOALS, HELD, Unless};
-use super::pose_finder::{Aim, PoseFinder};
+use super::levels::{BALANCE, DefaultLevel, GOALS, HELD};
+use super::pose_finder::{PoseFinder, TargetMotion};
 use super::query::{Answer, LongStep, Path, Query};
 use super::task_file::TaskFile;
 use super::task_name::TaskName;
@@ -38,7 +38,7 @@ pub(super) struct GeneralBackend<'a> {
     /// Frames with targets, then frames with rays.
     frames: Vec<FrameId>,
     /// Goal bounds of each target, if any.
-    rooms: Vec<Option<Room>>,
+    goal_bounds: Vec<Option<GoalBounds>>,
     held: Held,
     weights: Weights,
     /// Tasks of the centre of mass.
@@ -46,7 +46,7 @@ pub(super) struct GeneralBackend<'a> {
     /// Collision checker.
     checker: Option<Checker>,
     /// Tasks of --tasks.
-    others: Option<TaskFile>,
+    file_tasks: Option<TaskFile>,
     tasks: Vec<TaskName>,
     /// Priority level of each task.
     levels: Vec<usize>,
@@ -56,13 +56,13 @@ pub(super) struct GeneralBackend<'a> {
 /// Workspace of one thread.
 #[derive(Default)]
 pub(super) struct GeneralWorkspace {
-    statement: Option<Statement>,
+    drag_problem: Option<DragProblem>,
     solver: Workspace,
 }
 
 /// Problem of one start configuration, with a drag there.
-struct Statement {
-    body: Drag,
+struct DragProblem {
+    drag: Drag,
     targets: Vec<TargetTask>,
     held: Vec<(FrameId, TargetTask)>,
     start: Vec<f64>,
@@ -75,49 +75,59 @@ impl<'a> GeneralBackend<'a> {
         goals: &'a Goals<'a>,
     ) -> Outcome<Self> {
         let base = Base::named(loaded, goals.base.as_deref())?;
-        let named = goals.frames(loaded)?;
-        let frames: Vec<FrameId> = named.iter().map(|(_, frame)| *frame).collect();
+        let named_frames = goals.frames(loaded)?;
+        let frames: Vec<FrameId> = named_frames.iter().map(|(_, frame)| *frame).collect();
         let held = Held::of(loaded, arguments, &frames)?;
-        let weighted = [named.as_slice(), &held.tips].concat();
+        let weighted = [named_frames.as_slice(), &held.tips].concat();
         let weights = Weights::of(loaded, &arguments.weights, &weighted)?;
         let tasks = weighted.into_iter().enumerate().map(|(k, (frame, _))| {
-            let held = k >= named.len();
+            let held = k >= named_frames.len();
             TaskName { frame, held }
         });
         let balance = Balance::of(loaded, &arguments.balance)?;
-        let others = arguments.tasks.as_deref().map(TaskFile::read).transpose()?;
-        let asked = balance.iter();
+        let file_tasks = arguments.tasks.as_deref().map(TaskFile::read).transpose()?;
+        let balance_tasks = balance.iter();
         let tasks: Vec<_> = tasks
-            .chain(asked.clone().flat_map(Balance::names))
-            .chain(others.iter().flat_map(TaskFile::names))
+            .chain(balance_tasks.clone().flat_map(Balance::names))
+            .chain(file_tasks.iter().flat_map(TaskFile::names))
             .collect();
-        let mut ranked = vec![Unless::Ranked(GOALS); named.len()];
-        ranked.resize(ranked.len() + held.tips.len(), Unless::Ranked(HELD));
-        let balances = asked.clone().flat_map(Balance::names).count();
-        ranked.resize(ranked.len() + balances, Unless::Ranked(BALANCE));
-        ranked.extend(others.iter().flat_map(TaskFile::levels));
-        let holds = !arguments.hold.is_empty() && !held.tips.is_empty();
-        let steps_back = holds || balance.is_some();
-        let levels = arguments.levels.of(&tasks, &ranked, steps_back)?;
+        let mut default_levels = vec![DefaultLevel::IfPrioritised(GOALS); named_frames.len()];
+        default_levels.resize(
+            default_levels.len() + held.tips.len(),
+            DefaultLevel::IfPrioritised(HELD),
+        );
+        let balance_count = balance_tasks.clone().flat_map(Balance::names).count();
+        default_levels.resize(
+            default_levels.len() + balance_count,
+            DefaultLevel::IfPrioritised(BALANCE),
+        );
+        default_levels.extend(file_tasks.iter().flat_map(TaskFile::levels));
+        let holds_frames = !arguments.hold.is_empty() && !held.tips.is_empty();
+        let uses_priorities = holds_frames || balance.is_some();
+        let levels = arguments
+            .levels
+            .of(&tasks, &default_levels, uses_priorities)?;
         let moved = frames.iter().copied().chain(base.moving_frame());
         let moved = moved.chain(held.tips.iter().map(|(_, frame)| *frame));
-        let moved = moved.chain(asked.flat_map(Balance::frames));
-        let others_of = others.as_ref().map(|others| others.frames(loaded));
-        let moved = moved.chain(others_of.transpose()?.into_iter().flatten());
+        let moved = moved.chain(balance_tasks.flat_map(Balance::frames));
+        let file_task_frames = file_tasks
+            .as_ref()
+            .map(|file_tasks| file_tasks.frames(loaded));
+        let moved = moved.chain(file_task_frames.transpose()?.into_iter().flatten());
         let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
             arguments,
             goals,
-            finder: PoseFinder::new(loaded, arguments, held.stands(loaded))?,
+            finder: PoseFinder::new(loaded, arguments, held.has_held_feet(loaded))?,
             base,
             frames,
-            rooms: Room::of_targets(arguments, goals)?,
+            goal_bounds: GoalBounds::of_targets(arguments, goals)?,
             held,
             weights,
             balance,
             checker: (arguments.obstacles).checker(loaded)?,
-            others,
+            file_tasks,
             tasks,
             levels,
             idle,
@@ -125,16 +135,16 @@ impl<'a> GeneralBackend<'a> {
     }
 
     /// Sets the targets of a query, at the middle of their goal bounds.
-    fn aim(&self, body: &mut Drag, tasks: &[TargetTask], query: &Query) -> Outcome<()> {
-        for ((&task, &target), room) in tasks.iter().zip(&query.targets).zip(&self.rooms) {
-            let target = room.map_or(target, |room| room.middle(target));
-            self.base.aim(body, task, target)?;
+    fn set_targets(&self, drag: &mut Drag, tasks: &[TargetTask], query: &Query) -> Outcome<()> {
+        for ((&task, &target), bounds) in tasks.iter().zip(&query.targets).zip(&self.goal_bounds) {
+            let target = bounds.map_or(target, |bounds| bounds.middle(target));
+            self.base.set_target(drag, task, target)?;
         }
         Ok(())
     }
 
     /// Placements of the frames with targets at the start of a query, in the base.
-    fn standing(&self, query: &Query) -> Vec<Placement<f64>> {
+    fn start_placements(&self, query: &Query) -> Vec<Placement<f64>> {
         let placed = self.loaded.all_frames(&query.start);
         let at = |frame: &FrameId| placed.get(frame.index()).copied();
         let world_from_base = match self.base {
@@ -142,15 +152,15 @@ impl<'a> GeneralBackend<'a> {
             Base::Moving(frame) => at(&frame).unwrap_or_else(Placement::identity),
         };
         let frames = self.frames.iter().zip(&query.targets);
-        let stand = frames.map(|(frame, target)| {
+        let placements = frames.map(|(frame, target)| {
             at(frame).map_or(*target, |placed| world_from_base.inverse() * placed)
         });
-        stand.collect()
+        placements.collect()
     }
 
     /// Problem for queries that start at `start`. Held joints keep their values of `start`. Targets and held tips are
     /// set again for every query.
-    fn state(&self, start: &[f64]) -> Outcome<Statement> {
+    fn drag_problem(&self, start: &[f64]) -> Outcome<DragProblem> {
         let mut builder = Problem::builder(&self.loaded.model);
         let (length, angle) = self.arguments.tolerances(self.loaded);
         builder
@@ -164,17 +174,17 @@ impl<'a> GeneralBackend<'a> {
         let mut frames = self.frames.iter().copied();
         let levels = &mut self.levels.iter().copied();
         let mut level = || levels.next().unwrap_or_default();
-        let targets = self.goals.targets.iter().zip(&self.rooms);
+        let targets = self.goals.targets.iter().zip(&self.goal_bounds);
         let targets = targets.zip(frames.by_ref());
-        let targets = targets.map(|((target, room), frame)| {
+        let targets = targets.map(|((target, bounds), frame)| {
             let name = format!("target {}", target.name);
-            let (named, anywhere) = (
+            let (name_weight_level, identity) = (
                 (name, self.weights.weight(frame), level()),
                 Placement::identity(),
             );
-            let counts = (target.turns, room.map(|room| room.goal));
+            let counts = (target.turns, bounds.map(|bounds| bounds.goal));
             self.base
-                .add_target(&mut builder, frame, anywhere, counts, named)
+                .add_target(&mut builder, frame, identity, counts, name_weight_level)
         });
         let targets: Vec<_> = targets.collect();
         for (ray, frame) in self.arguments.rays.iter().zip(frames) {
@@ -182,27 +192,33 @@ impl<'a> GeneralBackend<'a> {
             let task = task.scale(self.weights.weight(frame)).at_level(level());
             builder.add(task.named(format!("ray {}", ray.frame)));
         }
-        let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());
+        let (world, identity) = (Base::Still(Placement::identity()), Placement::identity());
         let turns = self.held.turns(self.loaded);
         let held = self.held.tips.iter().map(|(name, frame)| {
             let weight = self.held.weight(self.loaded, &self.weights, *frame);
-            let named = (format!("hold {name}"), weight, level());
-            let task = world.add_target(&mut builder, *frame, anywhere, (turns, None), named);
+            let name_weight_level = (format!("hold {name}"), weight, level());
+            let task = world.add_target(
+                &mut builder,
+                *frame,
+                identity,
+                (turns, None),
+                name_weight_level,
+            );
             (*frame, task)
         });
         let held: Vec<_> = held.collect();
         if let Some(balance) = &self.balance {
             balance.add(&mut builder, levels.by_ref());
         }
-        if let Some(others) = &self.others {
-            others.add(&mut builder, (self.loaded, start), levels)?;
+        if let Some(file_tasks) = &self.file_tasks {
+            file_tasks.add(&mut builder, (self.loaded, start), levels)?;
         }
         // After the requested tasks, whose order is that of the report.
         for posture in self.held.posture(self.loaded, start)? {
             builder.add(posture);
         }
-        Ok(Statement {
-            body: self.finder.body(builder.build()?, start)?,
+        Ok(DragProblem {
+            drag: self.finder.drag(builder.build()?, start)?,
             targets,
             held,
             start: start.to_vec(),
@@ -211,28 +227,28 @@ impl<'a> GeneralBackend<'a> {
 }
 
 /// Placement at a share between two others: straight line, and rotation at a constant rate.
-fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
+fn interpolated(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
     if share >= 1.0 {
         return *to;
     }
-    let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
-    let rotation = from.rotation * Quaternion::exp(turn * share).to_matrix();
-    let way = to.translation - from.translation;
-    Placement::new(rotation, from.translation + way * share)
+    let rotation_vector = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+    let rotation = from.rotation * Quaternion::exp(rotation_vector * share).to_matrix();
+    let displacement = to.translation - from.translation;
+    Placement::new(rotation, from.translation + displacement * share)
 }
 
-impl Statement {
+impl DragProblem {
     /// Sets the targets of a query, and holds tips at their placements in its start.
-    fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
-        backend.aim(&mut self.body, &self.targets, query)?;
+    fn set_targets(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
+        backend.set_targets(&mut self.drag, &self.targets, query)?;
         if self.held.is_empty() {
             return Ok(());
         }
         let placements = backend.loaded.all_frames(&query.start);
         let world = Base::Still(Placement::identity());
         for &(frame, task) in &self.held {
-            if let Some(placed) = placements.get(frame.index()) {
-                world.aim(&mut self.body, task, *placed)?;
+            if let Some(placement) = placements.get(frame.index()) {
+                world.set_target(&mut self.drag, task, *placement)?;
             }
         }
         Ok(())
@@ -248,36 +264,43 @@ impl QueryBackend for GeneralBackend<'_> {
         query: &Query,
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
-        let kept = workspace.statement.take();
-        let others = self.others.as_ref();
-        let of_start = self.held.holds_still() || others.is_some_and(TaskFile::depends_on_start);
-        let kept = kept.filter(|kept| !of_start || kept.start == query.start);
-        let statement = match kept {
-            Some(statement) => workspace.statement.insert(statement),
-            None => workspace.statement.insert(self.state(&query.start)?),
+        let previous = workspace.drag_problem.take();
+        let file_tasks = self.file_tasks.as_ref();
+        let depends_on_start =
+            self.held.holds_still() || file_tasks.is_some_and(TaskFile::depends_on_start);
+        let previous =
+            previous.filter(|previous| !depends_on_start || previous.start == query.start);
+        let drag_problem = match previous {
+            Some(drag_problem) => workspace.drag_problem.insert(drag_problem),
+            None => workspace
+                .drag_problem
+                .insert(self.drag_problem(&query.start)?),
         };
-        statement.aim(self, query)?;
-        let targets = statement.targets.clone();
-        let (body, solver) = (&mut statement.body, &mut workspace.solver);
-        let froms = self.held.stands(self.loaded).then(|| self.standing(query));
-        let way = froms.map(|froms| {
-            move |body: &mut Drag, share: f64| {
-                let ways = froms.iter().zip(&query.targets);
-                let between = ways.map(|(from, to)| between(from, to, share));
-                let targets_then = Query {
-                    targets: between.collect(),
+        drag_problem.set_targets(self, query)?;
+        let targets = drag_problem.targets.clone();
+        let (drag, solver) = (&mut drag_problem.drag, &mut workspace.solver);
+        let start_placements = self
+            .held
+            .has_held_feet(self.loaded)
+            .then(|| self.start_placements(query));
+        let motion = start_placements.map(|start_placements| {
+            move |drag: &mut Drag, share: f64| {
+                let segments = start_placements.iter().zip(&query.targets);
+                let interpolated = segments.map(|(from, to)| interpolated(from, to, share));
+                let intermediate = Query {
+                    targets: interpolated.collect(),
                     start: Vec::new(),
                 };
-                self.aim(body, &targets, &targets_then)
+                self.set_targets(drag, &targets, &intermediate)
             }
         });
-        let way = way.as_ref().map(|way| way as &Aim<'_>);
-        let from = (query.start.as_slice(), way);
-        let mut answer = self.finder.find(body, from, solver, observer)?;
+        let motion = motion.as_ref().map(|motion| motion as &TargetMotion<'_>);
+        let from = (query.start.as_slice(), motion);
+        let mut answer = self.finder.find(drag, from, solver, observer)?;
         if self.arguments.derivative {
-            statement.aim(self, query)?;
-            let (question, tasks) = (statement.body.question(), &self.tasks);
-            let derivative = derivative::of_problem(self.loaded, question, tasks, &answer.q)?;
+            drag_problem.set_targets(self, query)?;
+            let (instance, tasks) = (drag_problem.drag.question(), &self.tasks);
+            let derivative = derivative::of_problem(self.loaded, instance, tasks, &answer.q)?;
             answer.derivative = Some(derivative);
         }
         Ok(answer)
@@ -288,22 +311,22 @@ impl QueryBackend for GeneralBackend<'_> {
         let Some(first) = queries.first() else {
             return Ok(path);
         };
-        let mut statement = self.state(&first.start)?;
-        statement.aim(self, first)?;
-        let mut body = self.finder.follower(statement.body)?;
+        let mut drag_problem = self.drag_problem(&first.start)?;
+        drag_problem.set_targets(self, first)?;
+        let mut drag = self.finder.follower(drag_problem.drag)?;
         let mut workspace = Workspace::new();
         let angles: Vec<bool> = self.loaded.is_angle().collect();
         let joints = self.loaded.joint_names();
         for (step, query) in queries.iter().enumerate() {
-            let before = body.q().to_vec();
-            self.aim(&mut body, &statement.targets, query)?;
+            let before = drag.q().to_vec();
+            self.set_targets(&mut drag, &drag_problem.targets, query)?;
             let started = Instant::now();
-            let solution = self.finder.follow(&mut body, &mut workspace)?;
+            let solution = self.finder.follow(&mut drag, &mut workspace)?;
             let micros = microseconds(started);
             let answer = Answer::new(solution.q.clone(), solution, Some(micros));
             path.answers.push(answer);
             if step > 0 {
-                let jump = LongStep::between(step, &before, body.q(), &angles, &joints);
+                let jump = LongStep::between(step, &before, drag.q(), &angles, &joints);
                 path.jumps.extend(jump);
             }
             answered();

@@ -79,8 +79,8 @@ impl<'a> Goals<'a> {
             .as_ref()
             .map_or(&[][..], |robot| robot.mimics());
         let moves_a_loop = |id: JointId| {
-            let mut own = followers.iter().filter(|mimic| mimic.master == id);
-            model.moves_a_loop(id) || own.any(|mimic| model.moves_a_loop(mimic.joint))
+            let mut mimics = followers.iter().filter(|mimic| mimic.master == id);
+            model.moves_a_loop(id) || mimics.any(|mimic| model.moves_a_loop(mimic.joint))
         };
         let base = self.base.as_deref().map_or_else(Vec::new, carriers);
         self.targets.iter().any(|target| {
@@ -91,8 +91,8 @@ impl<'a> Goals<'a> {
                 let joint = model.joints().get(id.index());
                 joint.is_some_and(|joint| joint.kind.is_ball())
             };
-            let mut way = below.chain(above);
-            way.any(|id| is_ball(id) || moves_a_loop(*id))
+            let mut chain = below.chain(above);
+            chain.any(|id| is_ball(id) || moves_a_loop(*id))
         })
     }
 

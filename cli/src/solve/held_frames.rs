@@ -11,7 +11,7 @@ use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
 /// Weight of held feet on a free base: they stay if a target is out of reach.
-const FEET: f64 = 10.0;
+const FEET_WEIGHT: f64 = 10.0;
 
 /// Value of `--hold` that holds nothing.
 pub(super) const NOTHING: &str = "none";
@@ -48,7 +48,7 @@ impl Held {
                 refuse_dragged(name, frame, &dragged)?;
                 held.tips.push((name.clone(), frame));
             }
-            held.keeps_posture = held.stands(loaded);
+            held.keeps_posture = held.has_held_feet(loaded);
             return Ok(held);
         };
         let skeleton = &rig.skeleton;
@@ -89,24 +89,28 @@ impl Held {
             .filter(|(_, tip)| !dragged.contains(tip))
             .filter_map(|(bone, tip)| Some((skeleton.bones().get(bone.index())?.name.clone(), tip)))
             .collect();
-        held.keeps_posture |= held.stands(loaded);
+        held.keeps_posture |= held.has_held_feet(loaded);
         Ok(held)
     }
 
     /// Factor of the errors of a held frame.
     pub(super) fn weight(&self, loaded: &LoadedModel, weights: &Weights, frame: FrameId) -> f64 {
-        let usual = if self.stands(loaded) { FEET } else { 1.0 };
-        weights.given(frame).unwrap_or(usual)
+        let default_weight = if self.has_held_feet(loaded) {
+            FEET_WEIGHT
+        } else {
+            1.0
+        };
+        weights.given(frame).unwrap_or(default_weight)
     }
 
     /// True if a model on a free base has held frames, its feet.
-    pub(super) fn stands(&self, loaded: &LoadedModel) -> bool {
+    pub(super) fn has_held_feet(&self, loaded: &LoadedModel) -> bool {
         !loaded.model.free_joints().is_empty() && !self.tips.is_empty()
     }
 
     /// True if held frames keep their orientation: links of a robot, and named frames of a skeleton on a free base.
     pub(super) fn turns(&self, loaded: &LoadedModel) -> bool {
-        loaded.rig.is_none() || (self.by_name && self.stands(loaded))
+        loaded.rig.is_none() || (self.by_name && self.has_held_feet(loaded))
     }
 
     /// True if some bones keep their joints near the start.
@@ -140,7 +144,7 @@ impl Held {
             }
         };
         match &loaded.held {
-            Some(held) => held.say(builder, &trunk).build(),
+            Some(held) => held.add_to(builder, &trunk).build(),
             None => builder.build(),
         }
     }

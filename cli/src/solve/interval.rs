@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn widths_and_ends() {
+    fn interval_widths_and_ends_parse() {
         let at = |axis, low, high| Ok(Interval { axis, low, high });
         assert_eq!(Interval::parse("x=0.01"), at(0, -0.01, 0.01));
         assert_eq!(Interval::parse("z=-0.01..0.03"), at(2, -0.01, 0.03));
@@ -65,8 +65,8 @@ mod tests {
             ("x", "AXIS=WIDTH"),
             ("w=1", "rx, ry, rz"),
             ("x=-1", "below 0"),
-            ("x=2..1", "wrong order"),
-            ("rx=0..1", "either way"),
+            ("x=2..1", "above the upper end"),
+            ("rx=0..1", "symmetric"),
             ("x=wide", "not a number"),
         ] {
             let error = Interval::parse(bad).unwrap_err();

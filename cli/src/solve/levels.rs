@@ -56,33 +56,33 @@ impl LevelArguments {
         !self.levels.is_empty()
     }
 
-    /// Level of each task: as typed, else as in `ranked` if frames are held or balanced (`steps_back`).
+    /// Level of each task: as typed, else as in `defaults` if frames are held or balanced (`uses_priorities`).
     ///
     /// # Errors
     /// A name of no task.
     pub(super) fn of(
         &self,
         tasks: &[TaskName],
-        ranked: &[Unless],
-        steps_back: bool,
+        defaults: &[DefaultLevel],
+        uses_priorities: bool,
     ) -> Outcome<Vec<usize>> {
-        let steps_back = steps_back && !self.no_priorities;
-        let mut levels: Vec<usize> = ranked
+        let uses_priorities = uses_priorities && !self.no_priorities;
+        let mut levels: Vec<usize> = defaults
             .iter()
-            .map(|own| match *own {
-                Unless::Said(level) => level,
-                Unless::Ranked(level) if steps_back => level,
-                Unless::Ranked(_) => 0,
+            .map(|default| match *default {
+                DefaultLevel::Given(level) => level,
+                DefaultLevel::IfPrioritised(level) if uses_priorities => level,
+                DefaultLevel::IfPrioritised(_) => 0,
             })
             .collect();
         for NamedLevel { name, level } in &self.levels {
-            let mut found = false;
-            for (task, own) in tasks.iter().zip(&mut levels) {
+            let mut is_known = false;
+            for (task, task_level) in tasks.iter().zip(&mut levels) {
                 if task.frame == *name {
-                    (*own, found) = (*level, true);
+                    (*task_level, is_known) = (*level, true);
                 }
             }
-            if !found {
+            if !is_known {
                 let names = tasks.iter().map(|task| task.frame.as_str());
                 return Err(UnknownName::new("target, held frame or task", name, names).into());
             }
@@ -93,9 +93,9 @@ impl LevelArguments {
 
 /// Level of a task without --level.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Unless {
+pub(super) enum DefaultLevel {
     /// Level of the task file.
-    Said(usize),
+    Given(usize),
     /// Level if frames are held or balanced by name; otherwise 0.
-    Ranked(usize),
+    IfPrioritised(usize),
 }

@@ -13,25 +13,25 @@ pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<
     let Some(Numbers(given)) = &arguments.arm.max_move else {
         return Ok(None);
     };
-    let all = loaded.model.configuration_len();
-    let each = match given.as_slice() {
-        [one] => vec![*one; all],
-        each if each.len() == all => each.to_vec(),
-        each => {
+    let count = loaded.model.configuration_len();
+    let by_coordinate = match given.as_slice() {
+        [one] => vec![*one; count],
+        by_coordinate if by_coordinate.len() == count => by_coordinate.to_vec(),
+        by_coordinate => {
             return Err(usage!(
-                "--max-move: {} numbers given; it takes one, or {all}: {}",
-                each.len(),
+                "--max-move: {} numbers given; it takes one, or {count}: {}",
+                by_coordinate.len(),
                 loaded.coordinate_names().join(", ")
             ));
         }
     };
     // The displacement of a ball joint is its rotation angle, although its numbers are not angles.
     let turns = loaded.is_angle().zip(loaded.is_of_ball());
-    let moves = each.into_iter().zip(turns);
+    let moves = by_coordinate.into_iter().zip(turns);
     let moves = moves.map(
-        |(most, (angle, ball))| match arguments.degrees && (angle || ball) {
-            true => most.to_radians(),
-            false => most,
+        |(max_move, (angle, ball))| match arguments.degrees && (angle || ball) {
+            true => max_move.to_radians(),
+            false => max_move,
         },
     );
     Ok(Some(moves.collect()))

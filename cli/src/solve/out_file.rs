@@ -38,7 +38,7 @@ pub(super) fn added<'a>(
     loaded: &'a LoadedModel,
 ) -> Outcome<Written<'a>> {
     let scene = loaded.scene.as_deref();
-    let bridge = scene.and_then(|own| FigurePosing::of(loaded, &own.file.scene().armature));
+    let bridge = scene.and_then(|scene| FigurePosing::of(loaded, &scene.file.scene().armature));
     let both = scene.zip(bridge);
     let (scene, bridge) = both.ok_or_else(|| {
         usage!(
@@ -71,7 +71,7 @@ impl OutFile {
         weights: Option<WeightsChoice>,
     ) -> Outcome<Written<'a>> {
         let capture = loaded.capture.as_ref();
-        let bridge = capture.and_then(|own| FigurePosing::of(loaded, &own.armature));
+        let bridge = capture.and_then(|capture| FigurePosing::of(loaded, &capture.armature));
         match (self, capture, bridge) {
             (Self::Mesh(file), ..) => Ok(Written::Mesh(file, Box::new(loaded.skin(weights)?))),
             (Self::Capture(path), Some(capture), Some(bridge)) => {

@@ -9,7 +9,7 @@ use super::derivative::TargetDerivatives;
 use crate::number_format::six_digits;
 
 /// Joint displacement of a step above which the step is reported, in radians.
-const LONG: f64 = 0.2;
+const MAX_JOINT_STEP: f64 = 0.2;
 
 /// Targets of frames, and the start configuration.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ pub(super) struct Answer {
 /// Branch on which a skeleton reached its pose.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Settled {
-    pub(super) way: Way,
+    pub(super) way: PoseOrigin,
     /// Lower cost of a search that did not reach either. --global-search-on-miss returns that pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lower_cost_elsewhere: Option<f64>,
@@ -49,7 +49,7 @@ pub(super) struct Settled {
 /// Origin of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Way {
+pub(super) enum PoseOrigin {
     /// Convergence from the start, on its branch.
     Own,
     /// A search from other starts, after the branch of the start did not reach the target.
@@ -115,9 +115,9 @@ impl LongStep {
     ) -> Option<Self> {
         let moves = before.iter().zip(after).map(|(a, b)| (a - b).abs());
         let moves = moves.zip(angles).zip(joints);
-        let turned = moves.filter_map(|((moved, &angle), joint)| angle.then_some((moved, joint)));
-        let (distance, joint) = turned.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (distance > LONG).then(|| Self {
+        let rotated = moves.filter_map(|((moved, &angle), joint)| angle.then_some((moved, joint)));
+        let (distance, joint) = rotated.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (distance > MAX_JOINT_STEP).then(|| Self {
             step,
             joint: (*joint).to_owned(),
             distance,
@@ -127,11 +127,11 @@ impl LongStep {
 
     /// Line of text.
     pub(super) fn text(&self) -> String {
-        let how = match self.continuous {
+        let kind = match self.continuous {
             true => "continuous: a fast motion or a coarse path",
             false => "a jump: the branch ends there",
         };
         let (step, joint, distance) = (self.step, &self.joint, six_digits(self.distance));
-        format!("step {step}: `{joint}` moves by {distance} rad, {how}")
+        format!("step {step}: `{joint}` moves by {distance} rad, {kind}")
     }
 }

@@ -4,7 +4,7 @@ use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
-use super::query::{Answer, Settled, Way};
+use super::query::{Answer, PoseOrigin, Settled};
 use super::task_name::TaskName;
 use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
@@ -123,13 +123,13 @@ impl<'a> Report<'a> {
         let tasks = solution
             .tasks()
             .zip(self.tasks)
-            .map(|(task, own)| TaskDocument {
+            .map(|(task, task_name)| TaskDocument {
                 name: task.name,
-                frame: &own.frame,
+                frame: &task_name.frame,
                 position_error: task.position_error(),
                 orientation_error: task.orientation_error(),
                 reached: task.reached,
-                held: own.held,
+                held: task_name.held,
                 level: task.level,
             });
         let limits = solution.active_limits().map(|limit| LimitDocument {
@@ -186,7 +186,7 @@ impl<'a> Report<'a> {
         }
         let settled = self.answer.settled;
         text.push_str(match settled {
-            Some(settled) if settled.way == Way::Another => {
+            Some(settled) if settled.way == PoseOrigin::Another => {
                 "\n  The branch of the start did not reach the target; a search from other starts found this."
             }
             Some(settled) if settled.lower_cost_elsewhere.is_some() => {

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::levels::{GOALS, Unless};
+use super::levels::{DefaultLevel, GOALS};
 use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -37,7 +37,7 @@ pub(super) struct TaskFile(Vec<Entry>);
 #[derive(Debug)]
 struct Entry {
     /// File and index of the task, for error messages.
-    place: String,
+    location: String,
     common: Common,
     kind: Kind,
 }
@@ -169,9 +169,9 @@ impl TaskFile {
             return Err(failure!("{}: the list has no task", path.display()));
         }
         let entries = list.into_iter().enumerate().map(|(index, value)| {
-            let place = format!("{}: [{index}]", path.display());
-            let entry = Entry::of(value, place.clone());
-            entry.map_err(|problem| failure!("{place}: {problem}"))
+            let location = format!("{}: [{index}]", path.display());
+            let entry = Entry::of(value, location.clone());
+            entry.map_err(|problem| failure!("{location}: {problem}"))
         });
         entries.collect::<Outcome<_>>().map(Self)
     }
@@ -194,11 +194,11 @@ impl TaskFile {
     }
 
     /// Level of each task: its own, else that of required tasks, and 0 for soft tasks.
-    pub(super) fn levels(&self) -> impl Iterator<Item = Unless> + '_ {
+    pub(super) fn levels(&self) -> impl Iterator<Item = DefaultLevel> + '_ {
         self.0.iter().map(|entry| match entry.common.level {
-            Some(level) => Unless::Said(level),
-            None if entry.is_goal() => Unless::Ranked(GOALS),
-            None => Unless::Said(0),
+            Some(level) => DefaultLevel::Given(level),
+            None if entry.is_goal() => DefaultLevel::IfPrioritised(GOALS),
+            None => DefaultLevel::Given(0),
         })
     }
 
@@ -209,17 +209,17 @@ impl TaskFile {
     pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
         let mut frames = Vec::new();
         for entry in &self.0 {
-            let named = match &entry.kind {
-                Kind::Gaze(own) => vec![&own.frame],
-                Kind::LookAt(own) => vec![&own.frame],
-                Kind::FrameVelocity(own) => vec![&own.frame],
-                Kind::Manipulability(own) => own.base.iter().chain([&own.frame]).collect(),
+            let names = match &entry.kind {
+                Kind::Gaze(task) => vec![&task.frame],
+                Kind::LookAt(task) => vec![&task.frame],
+                Kind::FrameVelocity(task) => vec![&task.frame],
+                Kind::Manipulability(task) => task.base.iter().chain([&task.frame]).collect(),
                 Kind::JointCoupling(_) | Kind::Posture(_) => {
                     frames.extend(loaded.model.frame_ids());
                     Vec::new()
                 }
             };
-            for name in named {
+            for name in names {
                 frames.push(entry.frame(loaded, name)?);
             }
         }
@@ -242,18 +242,18 @@ impl TaskFile {
 }
 
 impl Entry {
-    fn of(value: Value, place: String) -> Result<Self, String> {
-        let Value::Object(mut own) = value else {
+    fn of(value: Value, location: String) -> Result<Self, String> {
+        let Value::Object(mut object) = value else {
             return Err("is not an object that describes a task".to_owned());
         };
         let listed = KINDS.join(", ");
-        let kind = match own.remove("task") {
+        let kind = match object.remove("task") {
             Some(Value::String(kind)) => kind,
             Some(_) => return Err(format!("`task` is not a name; tasks: {listed}")),
             None => return Err(format!("has no key `task`; tasks: {listed}")),
         };
         let common = ["name", "weight", "tolerance", "role", "level"];
-        let common = common.iter().filter_map(|key| own.remove_entry(*key));
+        let common = common.iter().filter_map(|key| object.remove_entry(*key));
         let common: Common = read(common.collect())?;
         for (key, number) in [
             ("weight", Some(common.weight)),
@@ -264,23 +264,23 @@ impl Entry {
             }
         }
         let kind = match kind.as_str() {
-            "gaze" => Kind::Gaze(read(own)?),
-            "look at" => Kind::LookAt(read(own)?),
-            "frame velocity" => Kind::FrameVelocity(read(own)?),
-            "joint coupling" => Kind::JointCoupling(read(own)?),
-            "manipulability" => Kind::Manipulability(read(own)?),
-            "posture" => Kind::Posture(read(own)?),
+            "gaze" => Kind::Gaze(read(object)?),
+            "look at" => Kind::LookAt(read(object)?),
+            "frame velocity" => Kind::FrameVelocity(read(object)?),
+            "joint coupling" => Kind::JointCoupling(read(object)?),
+            "manipulability" => Kind::Manipulability(read(object)?),
+            "posture" => Kind::Posture(read(object)?),
             other => return Err(format!("unknown task `{other}`; tasks: {listed}")),
         };
         match &kind {
-            Kind::Gaze(own) if own.target.is_some() == own.direction.is_some() => {
+            Kind::Gaze(task) if task.target.is_some() == task.direction.is_some() => {
                 Err("expected either `target` or `direction`".to_owned())
             }
-            Kind::JointCoupling(own) if own.coefficients.is_empty() => {
+            Kind::JointCoupling(task) if task.coefficients.is_empty() => {
                 Err("`coefficients` names no joint".to_owned())
             }
             _ => Ok(Self {
-                place,
+                location,
                 common,
                 kind,
             }),
@@ -301,18 +301,18 @@ impl Entry {
             .name
             .clone()
             .unwrap_or_else(|| match &self.kind {
-                Kind::Gaze(own) => format!("gaze {}", own.frame),
-                Kind::LookAt(own) => format!("look at {}", own.frame),
-                Kind::FrameVelocity(own) => format!("frame velocity {}", own.frame),
+                Kind::Gaze(task) => format!("gaze {}", task.frame),
+                Kind::LookAt(task) => format!("look at {}", task.frame),
+                Kind::FrameVelocity(task) => format!("frame velocity {}", task.frame),
                 Kind::JointCoupling(_) => "joint coupling".to_owned(),
-                Kind::Manipulability(own) => format!("manipulability {}", own.frame),
+                Kind::Manipulability(task) => format!("manipulability {}", task.frame),
                 Kind::Posture(_) => "posture".to_owned(),
             })
     }
 
     fn frame(&self, loaded: &LoadedModel, name: &str) -> Outcome<FrameId> {
         let frame = loaded.frame(name, BareName::Tip);
-        frame.map_err(|error| failure!("{}: {error}", self.place))
+        frame.map_err(|error| failure!("{}: {error}", self.location))
     }
 
     fn add(
@@ -322,73 +322,73 @@ impl Entry {
         level: usize,
     ) -> Outcome<()> {
         let model = &loaded.model;
-        let on = &mut OnLevel { builder, level };
+        let on_level = &mut OnLevel { builder, level };
         match &self.kind {
-            Kind::Gaze(own) => {
-                let frame = self.frame(loaded, &own.frame)?;
-                let gaze = match (own.target, own.direction) {
-                    (Some(target), _) => Gaze::at(frame, own.axis, target, own.half_angle),
+            Kind::Gaze(task) => {
+                let frame = self.frame(loaded, &task.frame)?;
+                let gaze = match (task.target, task.direction) {
+                    (Some(target), _) => Gaze::at(frame, task.axis, target, task.half_angle),
                     (None, direction) => {
                         let direction = direction.unwrap_or_default();
-                        Gaze::along(frame, own.axis, direction, own.half_angle)
+                        Gaze::along(frame, task.axis, direction, task.half_angle)
                     }
                 };
-                self.ask(on, gaze);
+                self.add_task(on_level, gaze);
             }
-            Kind::LookAt(own) => {
-                let frame = self.frame(loaded, &own.frame)?;
-                self.ask(on, LookAt::new(frame, own.axis, own.target));
+            Kind::LookAt(task) => {
+                let frame = self.frame(loaded, &task.frame)?;
+                self.add_task(on_level, LookAt::new(frame, task.axis, task.target));
             }
-            Kind::FrameVelocity(own) => {
-                let frame = self.frame(loaded, &own.frame)?;
+            Kind::FrameVelocity(task) => {
+                let frame = self.frame(loaded, &task.frame)?;
                 let previous = loaded.all_frames(start).get(frame.index()).copied();
                 let previous = previous.unwrap_or_else(Placement::identity);
-                let velocity = (own.linear, own.angular);
-                self.ask(
-                    on,
-                    FrameVelocity::new(frame, previous, own.time_step_s, velocity),
+                let velocity = (task.linear, task.angular);
+                self.add_task(
+                    on_level,
+                    FrameVelocity::new(frame, previous, task.time_step_s, velocity),
                 );
             }
-            Kind::JointCoupling(own) => {
-                let joints = own.coefficients.iter().map(|(name, &coefficient)| {
+            Kind::JointCoupling(task) => {
+                let joints = task.coefficients.iter().map(|(name, &coefficient)| {
                     let joint = model.joint(name);
-                    let joint = joint.map_err(|error| failure!("{}: {error}", self.place))?;
+                    let joint = joint.map_err(|error| failure!("{}: {error}", self.location))?;
                     Ok((joint, coefficient))
                 });
                 let joints = joints.collect::<Outcome<Vec<_>>>()?;
-                self.ask(on, JointCoupling::new(model, joints, own.offset));
+                self.add_task(on_level, JointCoupling::new(model, joints, task.offset));
             }
-            Kind::Manipulability(own) => {
-                let frame = self.frame(loaded, &own.frame)?;
-                let base = own.base.as_ref().map(|base| self.frame(loaded, base));
-                let task = Manipulability::new(model, base.transpose()?, frame, own.least);
-                self.ask(
-                    on,
-                    match own.of {
-                        Motions::Pose => task,
-                        Motions::Position => task.of_position(),
-                        Motions::Orientation => task.of_orientation(),
+            Kind::Manipulability(task) => {
+                let frame = self.frame(loaded, &task.frame)?;
+                let base = task.base.as_ref().map(|base| self.frame(loaded, base));
+                let residual = Manipulability::new(model, base.transpose()?, frame, task.least);
+                self.add_task(
+                    on_level,
+                    match task.of {
+                        Motions::Pose => residual,
+                        Motions::Position => residual.of_position(),
+                        Motions::Orientation => residual.of_orientation(),
                     },
                 );
             }
-            Kind::Posture(own) => {
-                let q = own.q.as_deref().unwrap_or(start);
+            Kind::Posture(task) => {
+                let q = task.q.as_deref().unwrap_or(start);
                 let (given, expected) = (q.len(), model.configuration_len());
                 if given != expected {
-                    let place = &self.place;
+                    let location = &self.location;
                     return Err(failure!(
-                        "{place}: q has {given} numbers; expected {expected}"
+                        "{location}: q has {given} numbers; expected {expected}"
                     ));
                 }
                 let posture = Posture::new(model, q);
-                self.ask(
-                    on,
-                    match &own.joint_weights {
+                self.add_task(
+                    on_level,
+                    match &task.joint_weights {
                         None => posture,
                         Some(JointWeights::Word(Share::ByRange)) => posture.by_range(model),
                         Some(JointWeights::Word(Share::Upright)) => posture.upright(model),
-                        Some(JointWeights::Each(each)) => {
-                            posture.with_weights(self.joint_weights(model, each)?)
+                        Some(JointWeights::Each(by_joint)) => {
+                            posture.with_weights(self.joint_weights(model, by_joint)?)
                         }
                     },
                 );
@@ -404,18 +404,18 @@ impl Entry {
         let mut weights = vec![1.0; moving.len()];
         for (name, &weight) in given {
             let joint = model.joint(name);
-            let joint = joint.map_err(|error| failure!("{}: {error}", self.place))?;
-            let at = moving.iter().position(|&id| id == joint);
-            match at.and_then(|at| weights.get_mut(at)) {
-                Some(own) => *own = weight,
-                None => return Err(failure!("{}: joint `{name}` is fixed", self.place)),
+            let joint = joint.map_err(|error| failure!("{}: {error}", self.location))?;
+            let index = moving.iter().position(|&id| id == joint);
+            match index.and_then(|index| weights.get_mut(index)) {
+                Some(joint_weight) => *joint_weight = weight,
+                None => return Err(failure!("{}: joint `{name}` is fixed", self.location)),
             }
         }
         Ok(weights)
     }
 
     /// Adds a task with the settings of its entry.
-    fn ask<R: Residual>(&self, OnLevel { builder, level }: &mut OnLevel<'_, '_>, residual: R) {
+    fn add_task<R: Residual>(&self, OnLevel { builder, level }: &mut OnLevel<'_, '_>, residual: R) {
         let rows = residual.rows();
         let mut task = Task::new(residual)
             .named(self.name())
@@ -442,6 +442,6 @@ struct OnLevel<'a, 'm> {
 }
 
 /// Reads an object; an unknown key is an error.
-fn read<T: DeserializeOwned>(own: Map<String, Value>) -> Result<T, String> {
-    serde_json::from_value(Value::Object(own)).map_err(|error| error.to_string())
+fn read<T: DeserializeOwned>(object: Map<String, Value>) -> Result<T, String> {
+    serde_json::from_value(Value::Object(object)).map_err(|error| error.to_string())
 }

@@ -58,7 +58,7 @@ impl Weights {
 
     /// Weight of a frame, if given.
     pub(super) fn given(&self, frame: FrameId) -> Option<f64> {
-        let own = self.0.iter().find(|(other, _)| *other == frame);
-        own.map(|(_, weight)| *weight)
+        let entry = self.0.iter().find(|(other, _)| *other == frame);
+        entry.map(|(_, weight)| *weight)
     }
 }

@@ -9,14 +9,14 @@ fn results(folder: &Folder) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
-const TWO: &str = "--solver 'kinopt default' --solver 'argmin L-BFGS'";
+const TWO_SOLVERS: &str = "--solver 'kinopt default' --solver 'argmin L-BFGS'";
 
 #[test]
 fn bench_runs_on_a_robot_with_default_tip() {
     let folder = Folder::new("bench-robot");
     let (file, out) = (model("franka_panda.urdf"), folder.file("out"));
     let limits = "--problems random:3 --bones 8 --time-limit 60000";
-    let document = answer!("bench {file} --out {out} {limits} {TWO}");
+    let document = answer!("bench {file} --out {out} {limits} {TWO_SOLVERS}");
     has!(document, {"problems": 3, "interrupted": false});
     let runs = list(&document["runs"]);
     let names: Vec<_> = runs.iter().map(|run| word(&run["jacobian"])).collect();
@@ -53,7 +53,7 @@ fn bench_runs_on_a_rig_with_pinned_tips() {
     let folder = Folder::new("bench-rig");
     let (file, out) = (folder.rig(), folder.file("out"));
     let limits = "--problems random:2 --bones 0 --solver 'SIMD solver'";
-    let document = answer!("bench {file} --out {out} {limits} {TWO}");
+    let document = answer!("bench {file} --out {out} {limits} {TWO_SOLVERS}");
     let mut runs = list(&document["runs"]).iter();
     let lanes = runs.find(|run| run["solver"] == "SIMD solver").unwrap();
     says!(word(&lanes["sat_out"]) => "one frame");

@@ -29,10 +29,13 @@ fn expected(time: f64, playback: Playback) -> Vec<Vec3> {
     posed.collect()
 }
 
-fn close(got: &[Vec3], expected: &[Vec3]) {
-    assert_eq!(got.len(), expected.len());
-    for (got, expected) in got.iter().zip(expected) {
-        assert!(got.distance(*expected) < 1e-5, "{got} is not {expected}");
+fn close(actual: &[Vec3], expected: &[Vec3]) {
+    assert_eq!(actual.len(), expected.len());
+    for (actual, expected) in actual.iter().zip(expected) {
+        assert!(
+            actual.distance(*expected) < 1e-5,
+            "{actual} is not {expected}"
+        );
     }
 }
 
@@ -101,8 +104,8 @@ fn unanimatable_input_is_an_error() {
     refused!("animate {rig_file} --time=1 --out {file} --skinning best" => 2, "lbs | dqs");
     assert!(!std::path::Path::new(&out).exists() && !std::path::Path::new(&file).exists());
 
-    let still = folder.changed("still.json", |rig| rig.clip = Default::default());
-    refused!("animate {still} --time=1 --out {file}" => 1, "still.json | keyframes");
+    let unanimated = folder.changed("still.json", |rig| rig.clip = Default::default());
+    refused!("animate {unanimated} --time=1 --out {file}" => 1, "still.json | keyframes");
     let bare = folder.changed("bare.json", |rig| (rig.weights, rig.mesh) = (None, None));
     refused!("animate {bare} --time=1 --out {file}" => 1, "bare.json | a mesh");
     let blocked = folder.file("rig.json/frames");
@@ -114,17 +117,24 @@ fn mesh_without_weights_follows_the_nearest_bones() {
     let folder = Folder::new("animate-no-weights");
     let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.ply");
-    let (_, told) = answer!(told "animate {bare} --time=2.3 --out {out}");
-    says!(told => "bare.json | no skin weights | heat");
+    let (_, messages) = answer!(with_messages "animate {bare} --time=2.3 --out {out}");
+    says!(messages => "bare.json | no skin weights | heat");
     // Each vertex follows its limb; at joints it deviates by at most the thickness of the limb.
     let rest = rig().mesh.unwrap();
     let expected = expected(2.3, Playback::Hold);
-    let off = |got: &[Vec3]| -> f32 {
-        let each = got.iter().zip(&expected);
-        each.map(|(got, expected)| got.distance(*expected)).sum()
+    let total_distance = |actual: &[Vec3]| -> f32 {
+        let each = actual.iter().zip(&expected);
+        each.map(|(actual, expected)| actual.distance(*expected))
+            .sum()
     };
-    let (posed, still) = (off(&posed(&out)), off(rest.positions()));
-    assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
+    let (posed, at_rest) = (
+        total_distance(&posed(&out)),
+        total_distance(rest.positions()),
+    );
+    assert!(
+        posed < 0.25 * at_rest,
+        "off by {posed}, at rest by {at_rest}"
+    );
 }
 
 /// Some published rigs lack their weights file. Bones, keyframes and mesh still work, and a note reports the missing
@@ -135,23 +145,23 @@ fn rig_with_a_missing_weights_file_is_posed() {
     std::fs::remove_file(folder.file("rig.dmat")).unwrap();
     let note = "rig.dmat does not exist";
     let out = folder.file("posed.ply");
-    for (way, follows) in [("heat", "heat"), ("distance", "nearest")] {
-        let (document, told) =
-            answer!(told "animate {file} --time=2.3 --out {out} --skin-weights {way}");
-        says!(told => note);
+    for (method, follows) in [("heat", "heat"), ("distance", "nearest")] {
+        let (document, messages) =
+            answer!(with_messages "animate {file} --time=2.3 --out {out} --skin-weights {method}");
+        says!(messages => note);
         says!(word(&document["notes"][0]) => note);
         says!(word(&document["notes"][1]) => follows);
         assert_eq!(posed(&out).len(), rig().mesh.unwrap().positions().len());
     }
     for command in ["info", "fk --time=1"] {
-        let (document, told) = answer!(told "{command} {file}");
-        says!(told => note);
+        let (document, messages) = answer!(with_messages "{command} {file}");
+        says!(messages => note);
         says!(word(&document["notes"][0]) => note);
     }
     // `--skin-weights` replaces the weights of the file, with a note.
     let other = Folder::new("animate-other-weights");
-    let whole = other.rig();
-    let output = kinopt!("animate {whole} --time=1 --out {out} --skin-weights=heat");
+    let complete_rig = other.rig();
+    let output = kinopt!("animate {complete_rig} --time=1 --out {out} --skin-weights=heat");
     says!(stderr(&output) => "are ignored");
 }
 
@@ -161,9 +171,9 @@ fn interpolation_option_is_applied() {
     let (file, out) = (folder.rig(), folder.file("posed.ply"));
     let angles = |file: &str, more: &str| numbers(&answer!("fk {file} --time=1.1 {more}")["q"]);
     // Linear interpolation between the neighbouring keys, computed by hand.
-    let own = rig();
-    let mut straight = vec![0.0; own.skeleton.angles()];
-    for track in own.clip.tracks() {
+    let rig_data = rig();
+    let mut straight = vec![0.0; rig_data.skeleton.angles()];
+    for track in rig_data.clip.tracks() {
         let next = track.keys.iter().position(|key| key.time > 1.1).unwrap();
         let (a, b) = (track.keys[next - 1], track.keys[next]);
         let u = (1.1 - a.time) / (b.time - a.time);
@@ -204,8 +214,8 @@ fn interpolation_option_is_applied() {
     };
     let by_option = animated(&format!("{file} --interpolation=linear"));
     close(&animated(&linear_file), &by_option);
-    let off = by_option.iter().zip(expected(1.1, Playback::Hold));
-    assert!(off.map(|(a, b)| a.distance(b)).fold(0.0, f32::max) > 1e-3);
+    let pairs = by_option.iter().zip(expected(1.1, Playback::Hold));
+    assert!(pairs.map(|(a, b)| a.distance(b)).fold(0.0, f32::max) > 1e-3);
 
     for (value, words) in [
         ("smooth", "smooth | catmull-rom"),

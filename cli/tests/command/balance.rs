@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 use serde_json::Value;
 
-const LEANING: &str = "../tests/kinematics/leaning.urdf";
+const LEANING_ROBOT: &str = "../tests/kinematics/leaning.urdf";
 
 /// Centre of mass from the masses of the robot file and the placements of `fk`.
 fn centre(q: &[f64]) -> [f64; 3] {
@@ -15,11 +15,11 @@ fn centre(q: &[f64]) -> [f64; 3] {
         ("trunk", [0.02, 0.01, 0.25], 17.25),
         ("slider", [0.1, 0.0, 0.0], 0.75),
     ];
-    let placed = answer!("fk {LEANING} --q={}", commas(q));
+    let placed = answer!("fk {LEANING_ROBOT} --q={}", commas(q));
     let mut sum = [0.0; 3];
     for (link, at, mass) in masses {
         let frame = &placed["frames"][link];
-        let (place, turn) = (numbers(&frame["position"]), numbers(&frame["quaternion"]));
+        let (position, turn) = (numbers(&frame["position"]), numbers(&frame["quaternion"]));
         // v + 2 w (u × v) + 2 u × (u × v)
         let u = [turn[1], turn[2], turn[3]];
         let cross = |a: [f64; 3], b: [f64; 3]| {
@@ -33,7 +33,7 @@ fn centre(q: &[f64]) -> [f64; 3] {
         let twice = cross(u, once);
         for k in 0..3 {
             let along = at[k] + 2.0 * (turn[0] * once[k] + twice[k]);
-            sum[k] += mass / 27.8 * (place[k] + along);
+            sum[k] += mass / 27.8 * (position[k] + along);
         }
     }
     sum
@@ -46,7 +46,7 @@ fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
 
 #[test]
 fn centre_of_mass_reaches_its_target() {
-    let above = answer!("solve {LEANING} --center-of-mass 0.05,0.12");
+    let above = answer!("solve {LEANING_ROBOT} --center-of-mass 0.05,0.12");
     assert_eq!(above["reached"], true);
     let [x, y, _] = centre(&numbers(&above["q"]));
     assert!(
@@ -55,14 +55,14 @@ fn centre_of_mass_reaches_its_target() {
     );
     assert_eq!(task(&above, "center of mass")["reached"], true);
 
-    let high = answer!("solve {LEANING} --center-of-mass=-0.02,free,0.66");
+    let high = answer!("solve {LEANING_ROBOT} --center-of-mass=-0.02,free,0.66");
     let [x, _, z] = centre(&numbers(&high["q"]));
     assert!(
         (x + 0.02).abs() < 2e-6 && (z - 0.66).abs() < 2e-6,
         "{x} {z}"
     );
-    let far = answer!("solve {LEANING} --center-of-mass 3,0");
-    assert_eq!(far["reached"], false);
+    let unreachable = answer!("solve {LEANING_ROBOT} --center-of-mass 3,0");
+    assert_eq!(unreachable["reached"], false);
 }
 
 #[test]
@@ -73,17 +73,17 @@ fn balanced_body_stays_over_its_feet() {
         .map(|[x, y]| format!("--balance plate={x},{y},0"))
         .collect();
     let sole = sole.join(" ");
-    let reach = format!("solve {LEANING} --target trunk=0.35,0.1,0.7 {sole}");
+    let reach = format!("solve {LEANING_ROBOT} --target trunk=0.35,0.1,0.7 {sole}");
     let answer = answer!("{reach} --balance-margin 0.02");
     let [x, y, _] = centre(&numbers(&answer["q"]));
     // Balance is at a higher priority level than the target.
     assert_eq!(task(&answer, "balance")["reached"], true);
     assert!(x < 0.08 + 2e-6 && y < 0.18 + 2e-6, "{x} {y}");
     // A start in balance is already a solution.
-    let still = answer!("solve {LEANING} {sole}");
-    assert_eq!(still["reached"], true);
-    assert_eq!(numbers(&still["q"]), [0.0; 4]);
-    let text = text!("solve {LEANING} {sole}");
+    let start_balanced = answer!("solve {LEANING_ROBOT} {sole}");
+    assert_eq!(start_balanced["reached"], true);
+    assert_eq!(numbers(&start_balanced["q"]), [0.0; 4]);
+    let text = text!("solve {LEANING_ROBOT} {sole}");
     says!(text => "balance");
 }
 
@@ -102,16 +102,16 @@ fn rig_balances_by_the_volume_of_its_mesh() {
 #[test]
 fn support_includes_all_links_fixed_to_the_feet() {
     let nao = "../models/aldebaran_nao.urdf";
-    let stands = format!(
+    let standing_command = format!(
         "solve {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
     );
     let robot = kinopt::robot::Robot::read(nao).unwrap();
     let robot = robot
         .with_base_joint(kinopt::robot::BaseJoint::FREE)
         .unwrap();
-    let ahead = |asked: &str| {
-        let answer = answer!("{stands} {asked}");
-        assert_eq!(answer["reached"], true, "{asked}");
+    let ahead = |options: &str| {
+        let answer = answer!("{standing_command} {options}");
+        assert_eq!(answer["reached"], true, "{options}");
         let (model, masses) = (robot.model(), robot.masses().unwrap());
         let centre = kinopt::kinematics::centre_of_mass(model, &masses, &numbers(&answer["q"]));
         centre.unwrap().x
@@ -133,10 +133,10 @@ fn massless_models_and_invalid_options_are_rejected() {
     let arm = "../models/franka_panda.urdf";
     refused!("solve {arm} --center-of-mass 0,0" => 1, "no centre of mass");
     refused!("solve {arm} --balance link0" => 1, "no centre of mass");
-    refused!("solve {LEANING} --balance foot" => 1, "`foot` | shank");
-    refused!("solve {LEANING} --center-of-mass 1" => 2, "x,y");
-    refused!("solve {LEANING} --center-of-mass free,free,free" => 2, "free");
-    refused!("solve {LEANING} --center-of-mass 0,0 --balance-margin 0.1" => 2, "--balance");
-    refused!("solve {LEANING} --balance plate=1,2" => 2, "the point");
-    refused!("solve {LEANING}" => 2, "--center-of-mass");
+    refused!("solve {LEANING_ROBOT} --balance foot" => 1, "`foot` | shank");
+    refused!("solve {LEANING_ROBOT} --center-of-mass 1" => 2, "x,y");
+    refused!("solve {LEANING_ROBOT} --center-of-mass free,free,free" => 2, "free");
+    refused!("solve {LEANING_ROBOT} --center-of-mass 0,0 --balance-margin 0.1" => 2, "--balance");
+    refused!("solve {LEANING_ROBOT} --balance plate=1,2" => 2, "the point");
+    refused!("solve {LEANING_ROBOT}" => 2, "--center-of-mass");
 }

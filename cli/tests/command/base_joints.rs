@@ -38,8 +38,8 @@ fn free_base_moves_where_the_arm_does_not_reach() {
 #[test]
 fn base_stays_within_its_bounds() {
     let ask = format!("solve {UR5E} --target flange=3,-2,1.5 --base-joint");
-    let room = "--base-bounds x=-0.1..0.2,y=-1..1";
-    let solution = answer!("{ask} planar {room}");
+    let bounds = "--base-bounds x=-0.1..0.2,y=-1..1";
+    let solution = answer!("{ask} planar {bounds}");
     assert_eq!(solution["reached"], false);
     let q = numbers(&solution["q"]);
     assert!(
@@ -56,7 +56,7 @@ fn base_stays_within_its_bounds() {
     );
     let rail = answer!("{ask} slide-x");
     assert_eq!(rail["reached"], false, "it is 2 m beside the rail");
-    refused!("{ask} slide-x {room}" => 2, "--base-bounds y | does not move along y");
+    refused!("{ask} slide-x {bounds}" => 2, "--base-bounds y | does not move along y");
     refused!("{ask} hover" => 2, "hover | free");
     refused!("{ask} planar --base-bounds x=1..0" => 2, "1..0 | above the upper end");
 }
@@ -126,11 +126,11 @@ fn quaternion_of_another_length_is_reported() {
     let with = |parts: &str| format!("{ask} --q=0,0,0,{parts},0,0,0,0,0,0");
     let [unit, long, typed] = ["0.6,0,0,0.8", "1.2,0,0,1.6", "0.6001,0,0,0.7999"].map(with);
     let quiet = answer!("{unit}");
-    let (answer, told) = answer!(told "{long}");
-    says!(told => "--q | `root_joint/rotation` | length 2.000000");
+    let (answer, messages) = answer!(with_messages "{long}");
+    says!(messages => "--q | `root_joint/rotation` | length 2.000000");
     assert_eq!(answer["frames"], quiet["frames"]);
-    let (_, told) = answer!(told "{typed}");
-    assert!(!told.contains("length"), "{told}");
+    let (_, messages) = answer!(with_messages "{typed}");
+    assert!(!messages.contains("length"), "{messages}");
 }
 
 #[test]
@@ -153,11 +153,11 @@ fn body_keeps_its_move_limits() {
     let stood = start[3..7].to_vec();
     let body = format!("{UR5E} --base-joint free --start={}", commas(&start));
     let ask = format!("solve {body} --target flange=3,-2,1.5,1,0,0,0");
-    let within = |q: &[f64], most: f64| {
+    let within = |q: &[f64], max_distance: f64| {
         for k in (0..3).chain(7..13) {
-            assert!((q[k] - start[k]).abs() <= most, "{k}: {q:?}");
+            assert!((q[k] - start[k]).abs() <= max_distance, "{k}: {q:?}");
         }
-        assert!(turn(&q[3..7], &stood) <= most + 1e-9, "{q:?}");
+        assert!(turn(&q[3..7], &stood) <= max_distance + 1e-9, "{q:?}");
     };
     let solution = answer!("{ask} --max-move 0.05");
     assert_eq!(solution["reached"], false);
@@ -200,7 +200,9 @@ fn body_keeps_its_move_limits() {
     let humanoid = "../models/humanoid/humanoid.json";
     let q =
         numbers(&answer!("solve {humanoid} --target left_hand=0.3,0.6,1.9 --max-move 0.04")["q"]);
-    let farthest = q.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
+    let farthest = q
+        .iter()
+        .fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
     assert!(farthest <= 0.04 && farthest > 0.03, "{farthest}");
 }
 
@@ -209,8 +211,8 @@ fn body_keeps_its_move_limits() {
 fn global_search_after_a_miss_lowers_the_cost() {
     let ask = format!("solve {NAO} --base-joint free --hold left_sole --hold right_sole");
     let ask = format!("{ask} --target left_hand=0.6,0.1,0.1");
-    let own = answer!("{ask}");
-    assert_eq!(own["reached"], false);
+    let solution = answer!("{ask}");
+    assert_eq!(solution["reached"], false);
     let anywhere = answer!("{ask} --global-search-on-miss");
-    assert!(anywhere["cost"].as_f64().unwrap() <= own["cost"].as_f64().unwrap());
+    assert!(anywhere["cost"].as_f64().unwrap() <= solution["cost"].as_f64().unwrap());
 }

@@ -32,26 +32,26 @@ fn contacts_are_reported_with_their_depth() {
     has!(free["nearest"], {"first": "bar", "second": "ball"});
     let apart = free["nearest"]["distance"].as_f64().unwrap();
     assert!((apart - 0.25).abs() < 1e-12, "{apart}");
-    let told = text!("check {robot} --q 0 --world {world}");
+    let text = text!("check {robot} --q 0 --world {world}");
     assert_eq!(
-        told,
+        text,
         "free: link `bar` and obstacle `ball` are nearest, 250.000 mm apart\n"
     );
 
     // At 45° the ball's centre is on the bar's axis: the penetration depth is the radius plus half the bar's width.
     let run = kinopt!("check {robot} --q 45 --degrees --world {world} --json");
     assert_eq!(run.status.code(), Some(1));
-    let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
-    let [pair] = list(&told["collisions"]) else {
-        panic!("{told}")
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let [pair] = list(&report["collisions"]) else {
+        panic!("{report}")
     };
     has!(pair, {"first": "bar", "second": "ball", "on_the_way": false});
     has!(pair, {"first_kind": "link", "second_kind": "obstacle"});
     let depth = -pair["distance"].as_f64().unwrap();
     assert!((depth - 0.25).abs() < 1e-12, "{depth}");
-    assert_eq!(told["free"], false);
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "1 pair is in contact");
+    assert_eq!(report["free"], false);
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "1 pair is in contact");
 }
 
 #[test]
@@ -63,10 +63,10 @@ fn margin_counts_nearby_pairs() {
     );
     let run = kinopt!("check {robot} --q 0 --world {world} --margin 0.3");
     assert_eq!(run.status.code(), Some(1));
-    let told = String::from_utf8(run.stdout).unwrap();
+    let text = String::from_utf8(run.stdout).unwrap();
     assert!(
-        told.contains("ball") && told.contains("250.000 mm") && !told.contains("wall"),
-        "{told}"
+        text.contains("ball") && text.contains("250.000 mm") && !text.contains("wall"),
+        "{text}"
     );
     refused!("check {robot} --q 0 --margin -1" => 2, "--margin | `-1` is below 0");
 }
@@ -80,15 +80,15 @@ fn moveit_scenes_are_worlds() {
     );
     let run = kinopt!("check {robot} --q 90 --degrees --world {scene} --json");
     assert_eq!(run.status.code(), Some(1));
-    let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
-    assert_eq!(told["collisions"][0]["second"], "can");
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(report["collisions"][0]["second"], "can");
     let allowed = format!("allowed_collision_matrix: {{default_entry_names: [can]}}\n{SCENE}");
     let allowed = folder.text("allowed.yaml", allowed);
     let run = kinopt!("check {robot} --world {allowed}");
-    let told = stderr(&run);
-    says!(told => "note: | allowed.yaml: defaults of `allowed_collision_matrix` are ignored");
-    let told = text!("check {robot}");
-    assert_eq!(told, "free: no enabled pairs\n");
+    let messages = stderr(&run);
+    says!(messages => "note: | allowed.yaml: defaults of `allowed_collision_matrix` are ignored");
+    let text = text!("check {robot}");
+    assert_eq!(text, "free: no enabled pairs\n");
 }
 
 /// An obstacle can have a link's name.
@@ -98,21 +98,21 @@ fn link_and_obstacle_of_one_name_are_distinguished() {
     let robot = folder.text("bar.urdf", BAR);
     let world = folder.text("world.json", WORLD.replace("ball", "bar"));
     let run = kinopt!("check {robot} --q 45 --degrees --world {world}");
-    let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "link bar | obstacle bar");
+    let text = String::from_utf8(run.stdout).unwrap();
+    says!(text => "link bar | obstacle bar");
 }
 
 #[test]
 fn joints_beyond_limits_are_reported_by_name() {
     let folder = Folder::new("check-limits");
     let robot = folder.text("bar.urdf", BAR);
-    let told = answer!("check {robot} --q 3.2");
+    let report = answer!("check {robot} --q 3.2");
     let outside = json!({"joint": "turn", "value": 3.2, "lower": -3.0, "upper": 3.0});
-    has!(told, {"free": true, "outside_limits": [outside]});
-    let told = text!("check {robot} --q 3.2");
+    has!(report, {"free": true, "outside_limits": [outside]});
+    let text = text!("check {robot} --q 3.2");
     assert!(
-        told.ends_with("`turn` is outside its limits: 3.2 is not within [-3, 3]\n"),
-        "{told}"
+        text.ends_with("`turn` is outside its limits: 3.2 is not within [-3, 3]\n"),
+        "{text}"
     );
     assert_eq!(answer!("check {robot} --q 3")["outside_limits"], json!([]));
 }
@@ -124,8 +124,8 @@ fn example_of_the_help_fits_the_panda() {
     let example = help.split("franka_panda.urdf --q ").nth(1).unwrap();
     let q = example.split_whitespace().next().unwrap();
     let (panda, table) = (model("franka_panda.urdf"), model("worlds/table.json"));
-    let told = answer!("check {panda} --q {q} --world {table}");
-    assert_eq!(told["outside_limits"], json!([]));
+    let report = answer!("check {panda} --q {q} --world {table}");
+    assert_eq!(report["outside_limits"], json!([]));
 }
 
 #[test]
@@ -156,18 +156,18 @@ fn package_meshes_are_found_from_within_the_package() {
         format!(r#"<robot name="lamp">{link}</robot>"#),
     );
     // Relative file names are searched from the current folder and its parents.
-    for (place, robot) in [
+    for (current_folder, robot) in [
         ("lamp/urdf", "lamp.urdf"),
         ("lamp", "urdf/lamp.urdf"),
         (".", "lamp/urdf/lamp.urdf"),
     ] {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_kinopt"));
         let run = command
-            .current_dir(folder.file(place))
+            .current_dir(folder.file(current_folder))
             .args(["check", robot])
             .output()
             .unwrap();
-        assert!(run.status.success(), "{place}: {}", stderr(&run));
+        assert!(run.status.success(), "{current_folder}: {}", stderr(&run));
     }
 }
 
@@ -184,23 +184,23 @@ fn world_of_an_mjcf_file_is_checked() {
     let floor = r#"<geom name="floor" type="plane" size="0 0 1" pos="0 0 .6"/>"#;
     let slab = r#"<geom type="box" size=".1 .1 .1" pos=".4 0 .875"/>"#;
     let robot = folder.text("floor.xml", arm(floor, ""));
-    let told = answer!("check {robot} --q 0");
-    let apart = told["nearest"]["distance"].as_f64().unwrap();
-    assert!((apart - 0.35).abs() < 1e-12, "{told}");
+    let report = answer!("check {robot} --q 0");
+    let apart = report["nearest"]["distance"].as_f64().unwrap();
+    assert!((apart - 0.35).abs() < 1e-12, "{report}");
     let run = kinopt!("check {robot} --q 90 --degrees");
     assert_eq!(run.status.code(), Some(1));
-    let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "link arm | link world | 150.000 mm");
+    let text = String::from_utf8(run.stdout).unwrap();
+    says!(text => "link arm | link world | 150.000 mm");
     let robot = folder.text("slab.xml", arm(slab, ""));
     let run = kinopt!("check {robot} --q 0");
-    let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "25.000 mm");
+    let text = String::from_utf8(run.stdout).unwrap();
+    says!(text => "25.000 mm");
     let exclude = r#"<contact><exclude body1="world" body2="arm"/></contact>"#;
     let robot = folder.text("excluded.xml", arm(slab, exclude));
     assert_eq!(answer!("check {robot} --q 0")["free"], true);
     let hills = r#"<geom name="hills" type="hfield" hfield="h"/>"#;
     let robot = folder.text("hills.xml", arm(hills, ""));
     let run = kinopt!("check {robot} --q 0");
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "note: | hills.xml:1: geom `hills` | hfield");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "note: | hills.xml:1: geom `hills` | hfield");
 }

@@ -19,7 +19,7 @@ const FIGURE: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"
  "accessors":[{"bufferView":0,"componentType":5126,"type":"SCALAR","count":2,"min":[0],"max":[2]},{"bufferView":1,"componentType":5126,"type":"VEC3","count":2}],
  "animations":[{"name":"stand","samplers":[{"input":0,"output":1}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}]}"#;
 
-fn place(scene: &Scene, clip: &str, bone: &str, time: f64) -> kinopt::glam::Vec3 {
+fn bone_position(scene: &Scene, clip: &str, bone: &str, time: f64) -> kinopt::glam::Vec3 {
     let mut pose = scene.armature.rest().clone();
     let clip = scene.clip(clip).unwrap();
     clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
@@ -53,11 +53,11 @@ fn reach_and_plant_keep_the_rest_of_the_file() {
     );
     assert_eq!(document["root_moved"], 0.0);
     let text = String::from_utf8_lossy(&fs::read(&out).unwrap()).into_owned();
-    for own in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
-        assert!(text.contains(own), "{own}");
+    for extra in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
+        assert!(text.contains(extra), "{extra}");
     }
     let scene = gltf::read(&out).unwrap();
-    let hand = |clip: &str, time| place(&scene, clip, "hand", time);
+    let hand = |clip: &str, time| bone_position(&scene, clip, "hand", time);
     let target = kinopt::glam::Vec3::new(0.2, 1.2, 0.4);
     assert!(hand("wave", 1.0).distance(target) < 1e-4);
     for time in [0.0, 0.49, 1.51, 2.0] {
@@ -88,15 +88,16 @@ fn curve_file_and_ground_shape_are_used() {
             .as_array()
             .unwrap()
             .iter()
-            .all(|led| led["miss"].as_f64().unwrap() < 1e-4),
+            .all(|target| target["miss"].as_f64().unwrap() < 1e-4),
         "{document}"
     );
     let scene = gltf::read(&out).unwrap();
     assert!(
-        place(&scene, "up", "hand", 1.0).distance(kinopt::glam::Vec3::new(0.2, 1.5, 0.4)) < 1e-4
+        bone_position(&scene, "up", "hand", 1.0).distance(kinopt::glam::Vec3::new(0.2, 1.5, 0.4))
+            < 1e-4
     );
     // One foot is on the step, the other next to it. The hips rise by half the step.
-    let height = |bone: &str| place(&scene, "up", bone, 1.0).y;
+    let height = |bone: &str| bone_position(&scene, "up", bone, 1.0).y;
     assert!((height("foot.l") - 0.2).abs() < 1e-4 && height("foot.r").abs() < 1e-4);
     assert!((height("hips") - 1.1).abs() < 0.1, "{}", height("hips"));
     refused!("animate {file} --fps=30 --reach hand=0,0 --into {out}" => 2, "3 numbers");
@@ -114,9 +115,9 @@ fn rig_reaches_within_its_limits() {
     let document = answer!(
         "animate {rig} --fps=20 --reach left_hand=0.35,0.25,1.1 --span 1.2,2.6 --out {out}"
     );
-    let led = &document["led"][0];
-    assert_eq!(led["bone"], "left_hand");
-    assert!(led["miss"].as_f64().unwrap() < 1e-3, "{led}");
+    let target = &document["led"][0];
+    assert_eq!(target["bone"], "left_hand");
+    assert!(target["miss"].as_f64().unwrap() < 1e-3, "{target}");
     assert_eq!(document["root_moved"], 0.0);
 }
 
@@ -129,15 +130,15 @@ fn keys_of_a_rig_are_solved() {
         "animate {rig} --fps=30 --reach right_hand=0.3,-0.3,1.3 --span 0.9,2.2 --out {out}"
     );
     assert_eq!(document["led"][0]["bone"], "right_hand");
-    let [old, new] = [rig, &out].map(|file| kinopt::io::rig::Rig::read(file).unwrap());
-    assert_eq!(new.skeleton.bones().len(), old.skeleton.bones().len());
+    let [before, after] = [rig, &out].map(|file| kinopt::io::rig::Rig::read(file).unwrap());
+    assert_eq!(after.skeleton.bones().len(), before.skeleton.bones().len());
     let keys = |rig: &kinopt::io::rig::Rig| rig.clip.tracks().to_vec();
     let mut changed = 0;
-    for (new, old) in keys(&new).iter().zip(&keys(&old)) {
-        for (new, old) in new.keys.iter().zip(&old.keys) {
-            let apart = [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).abs());
+    for (after, before) in keys(&after).iter().zip(&keys(&before)) {
+        for (after, before) in after.keys.iter().zip(&before.keys) {
+            let apart = [0, 1, 2].map(|k| (after.angles[k] - before.angles[k]).abs());
             let same = apart.iter().all(|apart| *apart < 1e-12);
-            assert!(same || (0.9..=2.2).contains(&old.time));
+            assert!(same || (0.9..=2.2).contains(&before.time));
             changed += usize::from(!same);
         }
     }
@@ -154,21 +155,24 @@ fn keys_beyond_a_limit_are_reported_by_joint() {
     let forearm = rig.skeleton.bone("right_forearm").unwrap();
     let upper = rig.skeleton.bones()[forearm.index()].limits[1].upper;
     let mut tracks = rig.clip.tracks().to_vec();
-    let own = tracks.iter_mut().filter(|track| track.bone == forearm);
-    for key in own.flat_map(|track| &mut track.keys) {
+    let forearm_tracks = tracks.iter_mut().filter(|track| track.bone == forearm);
+    for key in forearm_tracks.flat_map(|track| &mut track.keys) {
         key.angles[1] = upper + 0.2;
     }
     rig.clip = kinopt::animation::EulerClip::new(tracks).unwrap();
     rig.write(&over).unwrap();
-    let asked = format!(
+    let command = format!(
         "animate {over} --fps=30 --reach right_hand=0.3,-0.3,1.3 --span 0.9,2.2 --out {out}"
     );
-    let document = answer!("{asked}");
-    let told = list(&document["beyond"]);
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert_eq!(told[0]["joint"], "right_forearm/bend");
-    assert!(told[0]["by"].as_f64().unwrap() > 0.2 - 1e-6, "{told:?}");
-    let text = text!("{asked}");
+    let document = answer!("{command}");
+    let exceeded = list(&document["beyond"]);
+    assert_eq!(exceeded.len(), 1, "{exceeded:?}");
+    assert_eq!(exceeded[0]["joint"], "right_forearm/bend");
+    assert!(
+        exceeded[0]["by"].as_f64().unwrap() > 0.2 - 1e-6,
+        "{exceeded:?}"
+    );
+    let text = text!("{command}");
     says!(text => "`right_forearm/bend`: up to | rad beyond its limit");
 }
 
@@ -180,8 +184,8 @@ fn rig_with_z_up_is_upright_in_the_file() {
         let scene = gltf::read(file).unwrap();
         let bone = scene.armature.bone("head").unwrap();
         let rest = scene.armature.rest();
-        let place = scene.armature.model_from_bone(rest, bone).unwrap();
-        kinopt::glam::Vec3::from(place.translation)
+        let placement = scene.armature.model_from_bone(rest, bone).unwrap();
+        kinopt::glam::Vec3::from(placement.translation)
     };
     let [lying, standing] = ["lying.glb", "standing.glb"].map(|name| folder.file(name));
     answer!("animate {rig} --fps=5 --out {lying}");

@@ -1,15 +1,15 @@
-//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
+//! Promise: docs/reference/command.md is the `--help-all` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
 //! --test command command_page` writes the page.
 #![cfg(not(any(feature = "bench", feature = "charts")))]
 
 use std::fmt::Write;
 use std::process::Command;
 
-const PAGE: &str = "../docs/reference/command.md";
-const OPENING: &str = "# The command
+const PAGE_PATH: &str = "../docs/reference/command.md";
+const PAGE_HEADER: &str = "# The command
 
-`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help`.
-All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
+`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help-all`.
+All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help-all` describes it.
 ";
 const SUBCOMMANDS: [&str; 9] = [
     "solve",
@@ -35,22 +35,22 @@ fn words(text: &str) -> String {
 
 /// Lines joined to sentences. List items are separated by semicolons.
 fn joined(lines: &[&str]) -> String {
-    let mut told = String::new();
+    let mut text = String::new();
     for line in lines.iter().map(|line| line.trim()) {
         if line.is_empty() {
-            let ended = told.is_empty() || told.ends_with(['.', ':', ']']);
-            told += if ended { "" } else { "." };
+            let ended = text.is_empty() || text.ends_with(['.', ':', ']']);
+            text += if ended { "" } else { "." };
             continue;
         }
         let (between, line) = match line.strip_prefix("- ") {
-            Some(item) if told.ends_with(':') => (" ", item),
+            Some(item) if text.ends_with(':') => (" ", item),
             Some(item) => ("; ", item),
             None => (" ", line),
         };
-        told += if told.is_empty() { "" } else { between };
-        told += &line.split_whitespace().collect::<Vec<_>>().join(" ");
+        text += if text.is_empty() { "" } else { between };
+        text += &line.split_whitespace().collect::<Vec<_>>().join(" ");
     }
-    words(&told)
+    words(&text)
 }
 
 fn paragraphs(text: &str) -> String {
@@ -71,7 +71,7 @@ fn section(name: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
     // Line width without a terminal.
     let done = command
-        .args([name, "--help"])
+        .args([name, "--help-all"])
         .env_remove("COLUMNS")
         .output();
     let help = String::from_utf8(done.unwrap().stdout).unwrap();
@@ -86,21 +86,21 @@ fn section(name: &str) -> String {
             continue;
         }
         if begins(line) {
-            let mut said = Vec::new();
+            let mut help_lines = Vec::new();
             while lines
                 .peek()
                 .is_some_and(|next| next.is_empty() || next.starts_with("       "))
             {
-                said.extend(lines.next());
+                help_lines.extend(lines.next());
             }
             let term = line.trim();
-            if term != "-h, --help" {
+            if !term.contains("--help") {
                 let heading = std::mem::take(&mut heading);
-                writeln!(page, "{heading}- `{term}`: {}", joined(&said)).unwrap();
+                writeln!(page, "{heading}- `{term}`: {}", joined(&help_lines)).unwrap();
             }
         } else if lines.peek().is_some_and(|next| begins(next)) {
-            let of = line.trim_end_matches(':').to_lowercase();
-            heading = format!("\n### {name}: {of}\n\n");
+            let title = line.trim_end_matches(':').to_lowercase();
+            heading = format!("\n### {name}: {title}\n\n");
         } else {
             let rest: Vec<&str> = std::iter::once(line).chain(lines.by_ref()).collect();
             write!(page, "\n```text\n{}\n```\n", rest.join("\n").trim_end()).unwrap();
@@ -112,13 +112,13 @@ fn section(name: &str) -> String {
 #[test]
 fn command_page_equals_the_help() {
     let sections = SUBCOMMANDS.map(section);
-    let page = OPENING.to_owned() + &sections.concat();
+    let page = PAGE_HEADER.to_owned() + &sections.concat();
     if std::env::var_os("KINOPT_BLESS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
+        std::fs::write(PAGE_PATH, &page).unwrap();
     }
-    let there = std::fs::read_to_string(PAGE).unwrap();
+    let current = std::fs::read_to_string(PAGE_PATH).unwrap();
     assert!(
-        there == page,
+        current == page,
         "KINOPT_BLESS=1 writes docs/reference/command.md"
     );
 }

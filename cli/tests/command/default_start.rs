@@ -7,8 +7,8 @@ use serde_json::json;
 const PANDA: &str = "../models/franka_panda.urdf";
 const TARGET: &str = "--target flange=0.45,0.05,0.55,0,1,0,0";
 /// Middle of the Panda's joint limits, with the fingers at rest.
-const MIDDLE: &str = "0,0,0,-1.5708,0,1.8675,0,0,0";
-const READY: &str = "0,-0.785,0,-2.356,0,1.571,0.785,0,0";
+const MIDDLE_CONFIGURATION: &str = "0,0,0,-1.5708,0,1.8675,0,0,0";
+const READY_CONFIGURATION: &str = "0,-0.785,0,-2.356,0,1.571,0.785,0,0";
 
 fn q_of(solution: &serde_json::Value) -> Vec<f64> {
     numbers(&solution["q"])
@@ -24,7 +24,7 @@ fn assert_near(a: &[f64], b: &[f64]) {
 #[test]
 fn arm_starts_in_the_middle_of_its_limits() {
     let plain = answer!("solve {PANDA} {TARGET}");
-    let middle = answer!("solve {PANDA} {TARGET} --start={MIDDLE}");
+    let middle = answer!("solve {PANDA} {TARGET} --start={MIDDLE_CONFIGURATION}");
     assert_eq!(plain["reached"], true);
     assert_near(&q_of(&plain), &q_of(&middle));
     assert_eq!(q_of(&plain)[7..], [0.0, 0.0]);
@@ -37,7 +37,7 @@ fn arm_starts_in_the_middle_of_its_limits() {
     );
     // A tiny step bound shows the start configuration.
     let step = answer!("solve {PANDA} {TARGET} --max-move 0.000001");
-    let start: Vec<f64> = MIDDLE
+    let start: Vec<f64> = MIDDLE_CONFIGURATION
         .split(',')
         .map(|number| number.parse().unwrap())
         .collect();
@@ -48,7 +48,7 @@ fn arm_starts_in_the_middle_of_its_limits() {
 fn arm_starts_at_the_srdf_state() {
     let folder = Folder::new("default-start");
     let file = folder.file("panda.srdf");
-    let joints = READY
+    let joints = READY_CONFIGURATION
         .split(',')
         .take(7)
         .enumerate()
@@ -60,14 +60,16 @@ fn arm_starts_at_the_srdf_state() {
     );
     std::fs::write(&file, text).unwrap();
     let step = answer!("solve {PANDA} {TARGET} --srdf {file} --max-move 0.000001");
-    let start: Vec<f64> = READY
+    let start: Vec<f64> = READY_CONFIGURATION
         .split(',')
         .map(|number| number.parse().unwrap())
         .collect();
     assert_near(&q_of(&step), &start);
     // `--start` has priority over the SRDF state.
-    let step = answer!("solve {PANDA} {TARGET} --srdf {file} --start={MIDDLE} --max-move 0.000001");
-    let middle: Vec<f64> = MIDDLE
+    let step = answer!(
+        "solve {PANDA} {TARGET} --srdf {file} --start={MIDDLE_CONFIGURATION} --max-move 0.000001"
+    );
+    let middle: Vec<f64> = MIDDLE_CONFIGURATION
         .split(',')
         .map(|number| number.parse().unwrap())
         .collect();

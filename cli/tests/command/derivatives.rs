@@ -17,21 +17,21 @@ fn derivative_predicts_the_moved_solution() {
     let solve = |x: f64, z: f64, more: &str| {
         answer!("solve {UR5E} --target flange={x},0.2,{z},0,1,0,0 --tolerance 1e-12 {more}")
     };
-    let here = solve(0.4, 0.5, "--derivative");
-    assert_eq!(here["derivative"]["differentiability"], "unique");
-    assert_eq!(here["derivative"]["velocity"], here["joints"]);
-    let q = numbers(&here["q"]);
+    let solution = solve(0.4, 0.5, "--derivative");
+    assert_eq!(solution["derivative"]["differentiability"], "unique");
+    assert_eq!(solution["derivative"]["velocity"], solution["joints"]);
+    let q = numbers(&solution["q"]);
     let start = q.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
     let start = format!("--start {start}");
-    let told = by_target(&here, "flange");
+    let by_target_rows = by_target(&solution, "flange");
     for (column, along, sign) in [(0, [1.0, 0.0], 1.0), (2, [0.0, 1.0], -1.0)] {
         let step = 1e-4;
-        let [there, back] = [step, -step].map(|step| {
+        let [ahead, behind] = [step, -step].map(|step| {
             let moved = solve(0.4 + step * along[0], 0.5 + step * along[1], &start);
             numbers(&moved["q"])
         });
-        for (joint, row) in told.iter().enumerate() {
-            let seen = sign * (there[joint] - back[joint]) / (2.0 * step);
+        for (joint, row) in by_target_rows.iter().enumerate() {
+            let seen = sign * (ahead[joint] - behind[joint]) / (2.0 * step);
             assert!((row[column] - seen).abs() < 1e-5, "{joint}: {row:?} {seen}");
         }
     }
@@ -40,8 +40,8 @@ fn derivative_predicts_the_moved_solution() {
         0.5,
         &format!("{start} --derivative --max-iterations 50"),
     );
-    for (row, own) in by_target(&general, "flange").iter().zip(&told) {
-        assert!(distance(row, own) < 1e-6, "{row:?} {own:?}");
+    for (row, expected) in by_target(&general, "flange").iter().zip(&by_target_rows) {
+        assert!(distance(row, expected) < 1e-6, "{row:?} {expected:?}");
     }
     let text = text!("solve {UR5E} --target flange=0.4,0.2,0.5,0,1,0,0 --derivative");
     says!(text => "Derivative by the target: the solution is differentiable");
@@ -50,9 +50,13 @@ fn derivative_predicts_the_moved_solution() {
 
 #[test]
 fn derivative_is_optional_and_states_its_existence() {
-    let asked = "--target flange=0.4,0.2,0.5";
-    let answer = answer!("solve {UR5E} {asked} --derivative");
+    let options = "--target flange=0.4,0.2,0.5";
+    let answer = answer!("solve {UR5E} {options} --derivative");
     let differentiability = &answer["derivative"]["differentiability"];
     assert_eq!(differentiability, "shortest_of_many", "{answer}");
-    assert!(answer!("solve {UR5E} {asked}").get("derivative").is_none());
+    assert!(
+        answer!("solve {UR5E} {options}")
+            .get("derivative")
+            .is_none()
+    );
 }

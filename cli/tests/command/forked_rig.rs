@@ -21,8 +21,8 @@ pub(crate) struct Folder(PathBuf);
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
         // Two tests can have the same name.
-        static MADE: AtomicUsize = AtomicUsize::new(0);
-        let made = MADE.fetch_add(1, Ordering::Relaxed);
+        static FOLDER_COUNT: AtomicUsize = AtomicUsize::new(0);
+        let made = FOLDER_COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("kinopt-cli-{}-{made}-{test}", std::process::id());
         let path = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&path).unwrap();
@@ -53,9 +53,9 @@ impl Folder {
 
     /// Writes a changed rig and returns the path of its JSON file.
     pub(crate) fn changed<T>(&self, name: &str, change: impl FnOnce(&mut Rig) -> T) -> String {
-        let mut own = rig();
-        change(&mut own);
-        self.write(name, &own)
+        let mut changed = rig();
+        change(&mut changed);
+        self.write(name, &changed)
     }
 
     /// Writes a scene and returns its path.
@@ -92,7 +92,7 @@ pub(crate) fn rig() -> Rig {
         Placement::new(towards_left, -x),
         Placement::translation(x),
     ];
-    let beside = |placement: Placement<f64>| placement * Placement::translation(x);
+    let offset = |placement: Placement<f64>| placement * Placement::translation(x);
     let locked = [Limits::new(0.0, 0.0); 3];
     let shoulder = [-1.5, -2.0, -1.0].map(|lower: f64| Limits::new(lower, -lower));
     let elbow = [
@@ -103,9 +103,9 @@ pub(crate) fn rig() -> Rig {
     let plan = [
         (None, 0.0, root, locked),
         (Some(0), 1.0, left, shoulder),
-        (Some(1), 1.0, beside(left), elbow),
+        (Some(1), 1.0, offset(left), elbow),
         (Some(0), 1.0, right, shoulder),
-        (Some(3), 1.0, beside(right), elbow),
+        (Some(3), 1.0, offset(right), elbow),
     ];
     let mut skeleton = Skeleton::new("forked", Vec::new()).unwrap();
     for (index, (parent, length, model_from_rest, limits)) in plan.into_iter().enumerate() {
@@ -178,9 +178,9 @@ pub(crate) fn kinopt(line: &str) -> Output {
 #[track_caller]
 pub(crate) fn succeeds(line: &str) -> (String, String) {
     let output = kinopt(line);
-    let (text, told) = (stdout(&output), stderr(&output));
-    assert_eq!(output.status.code(), Some(0), "{line}: {told}");
-    (text.to_owned(), told.to_owned())
+    let (text, messages) = (stdout(&output), stderr(&output));
+    assert_eq!(output.status.code(), Some(0), "{line}: {messages}");
+    (text.to_owned(), messages.to_owned())
 }
 
 /// Asserts that a run ends with `code`, prints nothing on standard output and reports all `words`, separated by bars.
@@ -218,9 +218,9 @@ macro_rules! text {
 
 /// JSON document of a run that must succeed. The second form also returns its standard error.
 macro_rules! answer {
-    (told $line:literal) => {{
-        let (text, told) = $crate::forked_rig::succeeds(&(format!($line) + " --json"));
-        (serde_json::from_str::<serde_json::Value>(&text).unwrap(), told)
+    (with_messages $line:literal) => {{
+        let (text, messages) = $crate::forked_rig::succeeds(&(format!($line) + " --json"));
+        (serde_json::from_str::<serde_json::Value>(&text).unwrap(), messages)
     }};
     ($line:literal $(, $part:expr)*) => {{
         let line = format!($line $(, $part)*) + " --json";

@@ -84,9 +84,9 @@ fn dragged_character_stays_on_its_feet() {
     for target in ["0.3,1.9,0.5", "3,3,1"] {
         let document = answer!("solve {file} '--target=left hand={target}' --out {out}");
         assert_eq!(held(&document), ["right hand", "left foot", "right foot"]);
-        for still in ["hips", "left leg", "left foot", "right leg", "right foot"] {
-            let moved = moved(&out, still);
-            assert!(moved < 1e-4, "{target}: {still} moved by {moved}");
+        for held_frame in ["hips", "left leg", "left foot", "right leg", "right foot"] {
+            let moved = moved(&out, held_frame);
+            assert!(moved < 1e-4, "{target}: {held_frame} moved by {moved}");
         }
         assert!(moved(&out, "left hand") > 0.3);
     }
@@ -95,12 +95,12 @@ fn dragged_character_stays_on_its_feet() {
         let hold = answer!("solve {file} '--target=left hand={target}' --out {out}");
         (hold["reached"] == true, moved(&out, "right arm"))
     };
-    let (reached, by) = shoulder("0.5,1.6,0.3");
-    assert!(reached && by < 0.02, "{by}");
+    let (reached, distance) = shoulder("0.5,1.6,0.3");
+    assert!(reached && distance < 0.02, "{distance}");
     for target in ["3,3,1", "-3,1.4,0.5", "0.5,1.4,-3", "0.2,-3,0.5"] {
-        let (reached, by) = shoulder(target);
+        let (reached, distance) = shoulder(target);
         // 0.7 rad at an arm length of 0.2.
-        assert!(!reached && by < 0.15, "{target}: {by}");
+        assert!(!reached && distance < 0.15, "{target}: {distance}");
     }
 }
 

@@ -4,7 +4,7 @@ use crate::forked_rig::*;
 use serde_json::{Value, json};
 
 /// Tip of bone/2 with an elbow bend of −1 rad.
-const LEFT: &str = "--target=bone/2=-2.5,0.5,0.2";
+const LEFT_TARGET: &str = "--target=bone/2=-2.5,0.5,0.2";
 
 #[test]
 fn every_subcommand_prints_one_document() {
@@ -20,7 +20,7 @@ fn every_subcommand_prints_one_document() {
         "solve RIG --json --target=bone/2=-90,0,0",
     ] {
         let line = line.replace("RIG", &rig).replace("OUT", &out);
-        let text = text!("{}", line.replace("LEFT", LEFT));
+        let text = text!("{}", line.replace("LEFT", LEFT_TARGET));
         let document: Value = serde_json::from_str(&text).unwrap();
         assert!(document.is_object() && text.ends_with("}\n"), "{line}");
     }
@@ -33,7 +33,7 @@ fn output_without_json_is_text() {
     says!(info => "15 degrees of freedom, 10 of them free | bone/3/twist1 | -85.944 | -1.500000");
     says!(info => "20 vertices | 0.5 s to 2 s | the tips of bone/2, bone/4");
     says!(text!("fk {rig}") => "bone/4 | tip x | 3.000000");
-    let reached = text!("solve {rig} {LEFT}");
+    let reached = text!("solve {rig} {LEFT_TARGET}");
     says!(reached => "Reached | target bone/2 | hold bone/4 | bone/2/bend");
     let missed = text!("solve {rig} --target=bone/2=-90,0,0");
     says!(missed => "Not reached | target bone/2 misses by");
@@ -95,8 +95,8 @@ fn fk_is_relative_to_its_base() {
         for one in bones {
             assert!(part(one, "quaternion")[0] >= 0.0, "{base} {one}");
             for other in bones {
-                let place = part(other, "position");
-                let ends = ["tail", "tip"].map(|end| distance(&part(one, end), &place));
+                let position = part(other, "position");
+                let ends = ["tail", "tip"].map(|end| distance(&part(one, end), &position));
                 apart.extend(ends);
             }
         }
@@ -104,8 +104,8 @@ fn fk_is_relative_to_its_base() {
     };
     let world = apart("");
     for bone in bones {
-        let own = apart(&format!("--base={bone}"));
-        assert!(distance(&own, &world) < 1e-12, "{bone}");
+        let relative = apart(&format!("--base={bone}"));
+        assert!(distance(&relative, &world) < 1e-12, "{bone}");
     }
 }
 
@@ -133,7 +133,7 @@ fn fk_at_a_time_samples_the_keyframes() {
 #[test]
 fn solve_has_all_keys_and_a_consistent_q() {
     let (folder, rig) = Folder::with_rig("solve");
-    let solution = answer!("solve {rig} {LEFT}");
+    let solution = answer!("solve {rig} {LEFT_TARGET}");
     has!(solution, {"reached": true, "termination": "reached", "agreeing_attempts": 0});
     assert!(number(&solution["cost"]) < 1e-12);
     for key in ["iterations", "attempts", "micros"] {
@@ -184,10 +184,10 @@ fn unreached_target_is_a_result() {
 #[test]
 fn free_option_releases_pinned_tips() {
     let (_folder, rig) = Folder::with_rig("free");
-    let solution = answer!("solve {rig} --free {LEFT}");
+    let solution = answer!("solve {rig} --free {LEFT_TARGET}");
     assert_eq!(list(&solution["tasks"]).len(), 1);
     // Both pinned tips are targets, so none is held.
-    let solution = answer!("solve {rig} {LEFT} --target=bone/4/tip=2.5,0.5,0");
+    let solution = answer!("solve {rig} {LEFT_TARGET} --target=bone/4/tip=2.5,0.5,0");
     let tasks = list(&solution["tasks"]);
     assert!(tasks.len() == 2 && tasks.iter().all(|task| task["held"] == false));
     assert_eq!(solution["reached"], true);
@@ -221,7 +221,7 @@ fn every_solver_and_derivative_route_can_be_chosen() {
         for route in ["analytic", "dual", "fd", "central"] {
             let chosen = format!("--solver {method} --jacobian {route}");
             let limits = "--tolerance 1e-3 --max-iterations 1000";
-            let solution = answer!("solve {rig} {LEFT} {chosen} {limits}");
+            let solution = answer!("solve {rig} {LEFT_TARGET} {chosen} {limits}");
             assert_eq!(solution["reached"], true, "{chosen}");
         }
     }
@@ -231,7 +231,7 @@ fn every_solver_and_derivative_route_can_be_chosen() {
 fn same_seed_gives_the_same_solution() {
     let (_folder, rig) = Folder::with_rig("seed");
     let q = |seed: u32| {
-        let solution = answer!("solve {rig} {LEFT} --free --start=random --rng-seed {seed}");
+        let solution = answer!("solve {rig} {LEFT_TARGET} --free --start=random --rng-seed {seed}");
         assert_eq!(solution["reached"], true);
         numbers(&solution["q"])
     };

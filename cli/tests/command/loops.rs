@@ -25,8 +25,8 @@ fn fk_closes_loops_by_passive_joints() {
     let q = numbers(&placed["q"]);
     assert_eq!((q[7], q[8]), (0.2, 0.5));
     assert!(q[13] > 0.3, "the knee bends: {q:?}");
-    for own in list(&placed["loops"]) {
-        assert_eq!(own["closed"], true);
+    for closure in list(&placed["loops"]) {
+        assert_eq!(closure["closed"], true);
     }
     refused!("fk {LEG} --q {} --frame foot", motors(1.6) => 1, "loop `knee_rod` is open by | no values of knee_rod, knee");
     // Without passive joints the configuration is used as given.

@@ -25,14 +25,14 @@ fn every_reachable_target_is_reached() {
     let folder = Folder::new("reached");
     for seeded in robots() {
         let file = folder.text("targets.json", seeded.targets(15));
-        for way in ["", "--search=first", "--batch --threads=2"] {
-            let document = answer!("solve {seeded} --targets {file} {way}");
+        for options in ["", "--search=first", "--batch --threads=2"] {
+            let document = answer!("solve {seeded} --targets {file} {options}");
             let summary = &document["summary"];
             has!(summary, {"solved": 15, "total": 15});
             assert!(number(&summary["micros_mean"]) > 0.0);
-            let alone = !way.contains("--batch");
+            let alone = !options.contains("--batch");
             for key in ["micros_median", "micros_p99"] {
-                assert_eq!(summary.get(key).is_some(), alone, "{way:?}");
+                assert_eq!(summary.get(key).is_some(), alone, "{options:?}");
             }
             let model = seeded.robot.model();
             assert_eq!(list(&document["joints"]).len(), model.degrees_of_freedom());
@@ -56,12 +56,14 @@ fn results_are_bitwise_equal_for_any_thread_count() {
         (ur5e, 30, ["--search=start", "--solver=levenberg-marquardt"]),
     ] {
         let file = folder.text("targets.json", seeded.targets(count));
-        for way in ways {
+        for options in ways {
             let on = |threads: &str| {
-                configurations(&answer!("solve {seeded} --targets {file} {way} {threads}"))
+                configurations(&answer!(
+                    "solve {seeded} --targets {file} {options} {threads}"
+                ))
             };
             let one = on("--threads=1");
-            assert!(one == on("--threads=8") && one == on(""), "{way}");
+            assert!(one == on("--threads=8") && one == on(""), "{options}");
         }
     }
 }
@@ -194,8 +196,8 @@ fn tip_of_a_rig_reaches_many_targets() {
     let (folder, rig) = Folder::with_rig("rig");
     let targets = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
     let file = folder.text("targets.json", targets);
-    for way in ["--track", "--batch", "--threads=2"] {
-        let document = answer!("solve {rig} --targets {file} --tip=bone/2 {way}");
+    for options in ["--track", "--batch", "--threads=2"] {
+        let document = answer!("solve {rig} --targets {file} --tip=bone/2 {options}");
         assert_eq!(document["summary"]["solved"], 2);
         let tasks = &document["solutions"][0]["tasks"];
         has!(tasks[1], {"frame": "bone/4", "held": true});

@@ -40,9 +40,9 @@ fn info_reports_limits_of_ball_joints() {
     let limited: Vec<_> = limited.collect();
     assert!(!limited.is_empty());
     for ball in limited {
-        let most = ball["cone"]["angle"].as_f64().unwrap().to_degrees();
+        let max_angle = ball["cone"]["angle"].as_f64().unwrap().to_degrees();
         let text = text!("info {walker}");
-        says!(text => &format!("{} | within a rotation of {most:.3}", word(&ball["name"])));
+        says!(text => &format!("{} | within a rotation of {max_angle:.3}", word(&ball["name"])));
     }
 }
 
@@ -69,7 +69,7 @@ fn srdf_fixes_passive_joints_and_moves_one_group() {
     let text = text.replace("</robot>", r#"<passive_joint name="joint9"/></robot>"#);
     std::fs::write(&file, text).unwrap();
     refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");
-    let (mended, notes) = answer!(told "{ask} --group front --lenient");
+    let (mended, notes) = answer!(with_messages "{ask} --group front --lenient");
     says!(notes => "panda.srdf:2: passive_joint `joint9`: left out: ");
     assert_eq!(
         notes.matches("passive_joint `joint9`").count(),

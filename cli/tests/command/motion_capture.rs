@@ -138,7 +138,7 @@ fn solve_starts_from_a_captured_pose() {
     assert_eq!(answer!("info {out}")["captured"]["frames"], 1);
 
     // At rest the hips are at the origin, and an End Site does not rotate.
-    let far = answer!("solve {file} '--target=Upper Arm/tip=9,4,0'");
-    has!(far, {"reached": false, "way": "own"});
-    assert_eq!(numbers(&far["q"])[6..9], [0.0; 3]);
+    let unreachable = answer!("solve {file} '--target=Upper Arm/tip=9,4,0'");
+    has!(unreachable, {"reached": false, "way": "own"});
+    assert_eq!(numbers(&unreachable["q"])[6..9], [0.0; 3]);
 }

@@ -6,7 +6,7 @@ use crate::forked_rig::*;
 use serde_json::Value;
 
 /// Prefix of the command when cargo runs it, without the package name.
-const COMPILED: &str = "cargo run ";
+const CARGO_RUN_PREFIX: &str = "cargo run ";
 
 /// Pages with executed blocks.
 fn pages() -> Vec<(String, String)> {
@@ -36,7 +36,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 
 /// Runs the command in a temporary folder, with the project's files.
 fn run(folder: &Folder, line: &str) -> String {
-    let words = line.strip_prefix(COMPILED).unwrap_or(line);
+    let words = line.strip_prefix(CARGO_RUN_PREFIX).unwrap_or(line);
     let words = words.split_whitespace().skip(1).map(|word| {
         let model = std::path::Path::new("..").join(word);
         match word.starts_with("models/") || word.starts_with("tests/") {
@@ -65,7 +65,7 @@ fn commands_of_all_pages_succeed() {
     for (name, page) in pages() {
         let folder = Folder::new(&name);
         for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
-            let begins = line.starts_with("kinopt ") || line.starts_with(COMPILED);
+            let begins = line.starts_with("kinopt ") || line.starts_with(CARGO_RUN_PREFIX);
             assert!(begins, "{name}: {line}");
             let text = run(&folder, line);
             assert!(!text.is_empty(), "{name}: {line}");
@@ -79,8 +79,8 @@ fn commands_of_all_pages_succeed() {
 fn commands_of_body_pages_reach_targets() {
     let folder = Folder::new("bodies");
     let pages = pages();
-    let page = |wanted: &str| {
-        let found = pages.iter().find(|(name, _)| name == wanted);
+    let page = |page_name: &str| {
+        let found = pages.iter().find(|(name, _)| name == page_name);
         found.map(|(_, page)| page).unwrap()
     };
     let bodies = ["whole-bodies", "balance", "ball-joints"].map(page);

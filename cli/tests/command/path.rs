@@ -9,21 +9,21 @@ const SEAM: &str = "../models/paths/pipe_seam.csv";
 
 #[test]
 fn seam_is_followed_without_reconfiguration() {
-    let told = answer!("path {PANDA} {SEAM} --tip tool");
-    has!(told, {"reconfigurations": 0, "reconfigured_at": [], "points": 121, "entry": 0});
-    has!(told, {"reached": true, "missed": [], "blocked": []});
-    let rows = list(&told["q"]);
+    let report = answer!("path {PANDA} {SEAM} --tip tool");
+    has!(report, {"reconfigurations": 0, "reconfigured_at": [], "points": 121, "entry": 0});
+    has!(report, {"reached": true, "missed": [], "blocked": []});
+    let rows = list(&report["q"]);
     assert_eq!(rows.len(), 121);
-    assert_eq!(list(&rows[0]).len(), list(&told["joints"]).len());
-    assert!(told["length"].as_f64().unwrap() > 0.5);
-    let deviation = told["largest_deviation"].as_f64().unwrap();
+    assert_eq!(list(&rows[0]).len(), list(&report["joints"]).len());
+    assert!(report["length"].as_f64().unwrap() > 0.5);
+    let deviation = report["largest_deviation"].as_f64().unwrap();
     assert!(deviation > 0.0 && deviation < 1e-4, "{deviation}");
     // The last row reaches the last point of the table.
     let q: Vec<String> = list(&rows[120]).iter().map(Value::to_string).collect();
     let placed = answer!("fk {PANDA} --q {} --frame tool", q.join(","));
     let position = list(&placed["frames"]["tool"]["position"]);
-    for (given, wanted) in position.iter().zip([0.48, 0.103923048, 0.36]) {
-        assert!((given.as_f64().unwrap() - wanted).abs() < 2e-6);
+    for (given, expected) in position.iter().zip([0.48, 0.103923048, 0.36]) {
+        assert!((given.as_f64().unwrap() - expected).abs() < 2e-6);
     }
     let text = text!("path {PANDA} {SEAM} --tip tool");
     says!(text => "no reconfiguration | 121 of 121");
@@ -32,8 +32,8 @@ fn seam_is_followed_without_reconfiguration() {
 #[test]
 fn interpretation_of_the_table_is_reported() {
     let run = kinopt!("path {PANDA} {SEAM} --tip tool --json");
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "121 points; x, y, z from columns 2, 3, 4 | times from column 1");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "121 points; x, y, z from columns 2, 3, 4 | times from column 1");
 }
 
 #[test]
@@ -59,16 +59,16 @@ fn traversals_and_unreached_points_are_reported() {
     // Closed square in the air.
     let square = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0,0.05,0,1,0,0\n";
     let path = folder.text("square.csv", square);
-    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal any-start");
-    assert_eq!(list(&told["q"]).len(), 5);
-    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal cyclic");
+    let report = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal any-start");
+    assert_eq!(list(&report["q"]).len(), 5);
+    let report = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal cyclic");
     assert_eq!(
-        (list(&told["q"]).len(), &told["reconfigurations"]),
+        (list(&report["q"]).len(), &report["reconfigurations"]),
         (4, &json!(0))
     );
-    let told = answer!("path {PANDA} {path} --tip tool --at 5,0,0.3");
-    assert_eq!(list(&told["missed"]).len(), 4);
-    let reason = told["missed"][0]["reason"].as_str().unwrap();
+    let report = answer!("path {PANDA} {path} --tip tool --at 5,0,0.3");
+    assert_eq!(list(&report["missed"]).len(), 4);
+    let reason = report["missed"][0]["reason"].as_str().unwrap();
     says!(reason => "beyond reach");
     let text = text!("path {PANDA} {path} --tip tool --at 5,0,0.3");
     says!(text => "none between rows");
@@ -79,8 +79,8 @@ fn traversals_and_unreached_points_are_reported() {
 #[test]
 fn invalid_paths_and_options_are_named() {
     let folder = Folder::new("path-wrong");
-    let bad = folder.text("bad.csv", "x,y,z\n1,2,3\n1,2,here\n");
-    refused!("path {PANDA} {bad} --tip tool" => 1, "line 3");
+    let invalid = folder.text("bad.csv", "x,y,z\n1,2,3\n1,2,here\n");
+    refused!("path {PANDA} {invalid} --tip tool" => 1, "line 3");
     refused!("path {PANDA} {SEAM} --tip hook" => 1, "hook");
     refused!("path {PANDA} {SEAM}" => 2, "--tip");
     refused!("path {PANDA} {SEAM} --tip tool --start 0,0,0" => 2, "--start");
@@ -100,20 +100,20 @@ fn rows_are_timed_by_limits_of_a_file() {
         format!("joint_limits:\n{}", joints.collect::<String>()),
     )
     .unwrap();
-    let told = answer!("path {PANDA} {SEAM} --tip tool --joint-limits {limits} --out {file}");
-    let times: Vec<f64> = list(&told["times"])
+    let report = answer!("path {PANDA} {SEAM} --tip tool --joint-limits {limits} --out {file}");
+    let times: Vec<f64> = list(&report["times"])
         .iter()
         .filter_map(Value::as_f64)
         .collect();
-    let rows = list(&told["q"]);
+    let rows = list(&report["q"]);
     assert_eq!((times.len(), times[0]), (rows.len(), 0.0));
-    for (place, step) in times.windows(2).enumerate() {
-        for (before, after) in list(&rows[place]).iter().zip(list(&rows[place + 1])) {
+    for (index, step) in times.windows(2).enumerate() {
+        for (before, after) in list(&rows[index]).iter().zip(list(&rows[index + 1])) {
             // Rows are within 1e-5 of the trajectory that keeps the limits.
             let moved = after.as_f64().unwrap() - before.as_f64().unwrap();
             assert!(
                 moved.abs() <= 0.5 * (step[1] - step[0]) + 2e-5,
-                "row {place}"
+                "row {index}"
             );
         }
     }
@@ -122,8 +122,13 @@ fn rows_are_timed_by_limits_of_a_file() {
     assert_eq!(last.parse::<f64>().unwrap(), *times.last().unwrap());
     // One number applies to all joints. A limits file with an unknown joint name is an error.
     let slow = answer!("path {PANDA} {SEAM} --tip tool --accelerations 0.1");
-    let end = |told: &Value| list(&told["times"]).last().and_then(Value::as_f64).unwrap();
-    assert!(end(&slow) > end(&told));
+    let end = |report: &Value| {
+        list(&report["times"])
+            .last()
+            .and_then(Value::as_f64)
+            .unwrap()
+    };
+    assert!(end(&slow) > end(&report));
     std::fs::write(&limits, "joint_limits: {elbow: {max_velocity: 1}}").unwrap();
     refused!("path {PANDA} {SEAM} --tip tool --joint-limits {limits}" => 1, "elbow");
 }
@@ -138,20 +143,20 @@ fn table_may_have_several_tools() {
     });
     let table = "x,y,z,qw,qx,qy,qz,tool\n".to_owned() + &rows.collect::<String>();
     std::fs::write(&file, table).unwrap();
-    let told = answer!("path {PANDA} {file} --tip flange --tool 0,0,0.1 --add-tool 0,0.05,0.2");
-    has!(told, {"points": 20, "missed": []});
-    for (row, by) in [(9, [0.0, 0.1]), (10, [0.05, 0.2])] {
-        let q: Vec<String> = list(&list(&told["q"])[row])
+    let report = answer!("path {PANDA} {file} --tip flange --tool 0,0,0.1 --add-tool 0,0.05,0.2");
+    has!(report, {"points": 20, "missed": []});
+    for (row, offset) in [(9, [0.0, 0.1]), (10, [0.05, 0.2])] {
+        let q: Vec<String> = list(&list(&report["q"])[row])
             .iter()
             .map(Value::to_string)
             .collect();
         let placed = answer!("fk {PANDA} --q {} --frame flange", q.join(","));
         let position = list(&placed["frames"]["flange"]["position"]);
         // The target is rotated by half a turn about x, so the tool's y and z are opposite to the base's.
-        let wanted = [0.4, 0.005 * row as f64 + by[0], 0.4 + by[1]];
-        for (given, wanted) in position.iter().zip(wanted) {
+        let expected = [0.4, 0.005 * row as f64 + offset[0], 0.4 + offset[1]];
+        for (given, expected) in position.iter().zip(expected) {
             let given = given.as_f64().unwrap();
-            assert!((given - wanted).abs() < 2e-6, "row {row}: {position:?}");
+            assert!((given - expected).abs() < 2e-6, "row {row}: {position:?}");
         }
     }
     refused!("path {PANDA} {file} --tip flange" => 1, "point 10 is for tool 1");

@@ -24,11 +24,14 @@ fn solve_to(folder: &Folder, out: &str) {
     assert_eq!(solution["reached"], true);
 }
 
-fn close(got: &[Vec3]) {
+fn close(actual: &[Vec3]) {
     let expected = expected();
-    assert_eq!(got.len(), expected.len());
-    for (got, expected) in got.iter().zip(expected) {
-        assert!((*got - expected).length() < 6e-6, "{got} is not {expected}");
+    assert_eq!(actual.len(), expected.len());
+    for (actual, expected) in actual.iter().zip(expected) {
+        assert!(
+            (*actual - expected).length() < 6e-6,
+            "{actual} is not {expected}"
+        );
     }
 }
 
@@ -48,14 +51,14 @@ fn posed_mesh_is_written_as_obj() {
     let out = folder.file("posed.obj");
     solve_to(&folder, &out);
     let text = std::fs::read_to_string(&out).unwrap();
-    let of = |kind: &'static str| {
+    let lines_of = |kind: &'static str| {
         let lines = text.lines().filter_map(move |line| line.strip_prefix(kind));
         lines.map(|line| line.split_whitespace().collect::<Vec<_>>())
     };
     let position = |words: Vec<&str>| Vec3::from([0, 1, 2].map(|k| words[k].parse().unwrap()));
-    close(&of("v ").map(position).collect::<Vec<_>>());
+    close(&lines_of("v ").map(position).collect::<Vec<_>>());
     let corner = |word: &str| word.parse::<u32>().unwrap() - 1;
-    let triangles = of("f ").map(|words| [0, 1, 2].map(|k| corner(words[k])));
+    let triangles = lines_of("f ").map(|words| [0, 1, 2].map(|k| corner(words[k])));
     let triangles: Vec<[u32; 3]> = triangles.collect();
     assert_eq!(triangles, rig().mesh.unwrap().triangles());
 }

@@ -21,12 +21,12 @@ fn sway_over(frames: usize, high: impl Fn(usize) -> f32) -> Vec<u8> {
     bytes.extend(format!("{header:<117}\n").bytes());
     for frame in 0..frames {
         let aside = 0.05 * (frame as f32 * 0.2).sin();
-        for place in [
+        for position in [
             [0.0, aside, 0.9],
             [0.0, 0.15, high(frame)],
             [0.0, -0.15, 0.0],
         ] {
-            bytes.extend(place.iter().flat_map(|number| number.to_le_bytes()));
+            bytes.extend(position.iter().flat_map(|number| number.to_le_bytes()));
         }
     }
     bytes
@@ -52,8 +52,8 @@ fn contact_points_are_reported_with_their_frames() {
     let source = array(&folder, "sway.npy", &sway(6));
     let robot = model("aldebaran_nao.urdf");
     let out = folder.file("sway.json");
-    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --fps 30");
-    let _ = answer!("{asked} --out {out}");
+    let command = format!("retarget {source} {robot} --map {map} --base-joint free --fps 30");
+    let _ = answer!("{command} --out {out}");
     let text = std::fs::read_to_string(&out).unwrap();
     let written: serde_json::Value = serde_json::from_str(&text).unwrap();
     has!(written, {"contact_frames": ["left_sole", "left_sole"], "contact_points": [[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]]});
@@ -65,7 +65,7 @@ fn errors_of_a_map_name_the_map() {
     let folder = Folder::new("retarget-map-mistakes");
     let source = array(&folder, "sway.npy", &sway(2));
     let robot = model("aldebaran_nao.urdf");
-    for (from, to, told) in [
+    for (from, to, message) in [
         ("\"fps\": 30", "\"fps\": -30", "map.json: | frames a second"),
         (
             "\"right\"],",
@@ -76,8 +76,9 @@ fn errors_of_a_map_name_the_map() {
         assert!(MAP.contains(from));
         let map = folder.text("map.json", MAP.replacen(from, to, 1));
         let out = folder.file("sway.json");
-        let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
-        refused!("{asked}" => 1, "{told}");
+        let command =
+            format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+        refused!("{command}" => 1, "{message}");
         assert!(!std::path::Path::new(&out).exists());
     }
 }
@@ -103,8 +104,8 @@ fn contacts_are_detected_by_speed_and_height() {
         let text = std::fs::read_to_string(&out).unwrap();
         let written: serde_json::Value = serde_json::from_str(&text).unwrap();
         let contacts = list(&written["contacts"]);
-        let stands = [3, 15, 26].map(|frame| contacts[frame][0] == true);
-        assert_eq!(stands, frames, "{options}");
+        let in_contact = [3, 15, 26].map(|frame| contacts[frame][0] == true);
+        assert_eq!(in_contact, frames, "{options}");
     }
     refused!("retarget {source} {robot} --map {map} --contact-speed=-1 --out {source}.npz" => 2, "contact-speed");
 }
@@ -115,12 +116,12 @@ fn swaying_subject_is_retargeted_to_a_robot() {
     let map = folder.text("map.json", MAP);
     let source = array(&folder, "sway.npy", &sway(12));
     let robot = model("aldebaran_nao.urdf");
-    for whole in ["", "--whole"] {
+    for mode in ["", "--whole"] {
         let out = folder.file("sway.json");
-        let told =
-            answer!("retarget {source} {robot} --map {map} --base-joint free {whole} --out {out}");
-        assert_eq!(told["frames"], 12);
-        assert_eq!(told["fps"], 30.0);
+        let report =
+            answer!("retarget {source} {robot} --map {map} --base-joint free {mode} --out {out}");
+        assert_eq!(report["frames"], 12);
+        assert_eq!(report["fps"], 30.0);
         let text = std::fs::read_to_string(&out).unwrap();
         let written: serde_json::Value = serde_json::from_str(&text).unwrap();
         let names = list(&written["names"]);
@@ -139,8 +140,13 @@ fn swaying_subject_is_retargeted_to_a_robot() {
     // A fixed root causes a note, unless it is requested.
     for (base, notes) in [("", 1), ("--base-joint fixed", 0), ("--base-joint free", 0)] {
         let out = folder.file("base.json");
-        let (_, told) = answer!(told "retarget {source} {robot} --map {map} {base} --out {out}");
-        assert_eq!(told.matches("--base-joint free").count(), notes, "{told}");
+        let (_, messages) =
+            answer!(with_messages "retarget {source} {robot} --map {map} {base} --out {out}");
+        assert_eq!(
+            messages.matches("--base-joint free").count(),
+            notes,
+            "{messages}"
+        );
     }
     let csv = folder.file("sway.csv");
     let _ = answer!("retarget {source} {robot} --map {map} --base-joint free --out {csv}");
@@ -171,11 +177,11 @@ fn self_collisions_are_avoided_on_request() {
     let source = array(&folder, "sway.npy", &sway(4));
     let robot = model("aldebaran_nao.urdf");
     let out = folder.file("sway.json");
-    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+    let command = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
     for margin in ["", "0.002"] {
-        assert_eq!(answer!("{asked} --keep-clear {margin}")["frames"], 4);
+        assert_eq!(answer!("{command} --keep-clear {margin}")["frames"], 4);
     }
-    refused!("{asked} --keep-clear=-1" => 2, "keep-clear");
+    refused!("{command} --keep-clear=-1" => 2, "keep-clear");
 }
 
 /// A pole at the head is avoided, frame by frame and as one problem.
@@ -186,7 +192,7 @@ fn world_collisions_are_avoided_on_request() {
     let source = array(&folder, "sway.npy", &sway(6));
     let robot = model("aldebaran_nao.urdf");
     let out = folder.file("sway.json");
-    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+    let command = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
     let pole =
         r#"{"boxes": [{"name": "pole", "size": [0.04, 0.04, 2], "position": [0.08, 0, 0]}]}"#;
     let world = folder.text("pole.json", pole);
@@ -206,34 +212,34 @@ fn world_collisions_are_avoided_on_request() {
         });
         frames.count()
     };
-    let told = answer!("{asked} --keep-clear");
-    assert!(told["stride"].as_f64().unwrap() < 1.0, "{told}");
+    let report = answer!("{command} --keep-clear");
+    assert!(report["stride"].as_f64().unwrap() < 1.0, "{report}");
     assert!(touches() > 0);
     for how in ["", "--margin 0.002 --whole", "--keep-clear 0.002"] {
-        let (_, told) = answer!(told "{asked} --world {world} {how}");
-        assert!(!told.contains("remain in collision"), "{told}");
+        let (_, messages) = answer!(with_messages "{command} --world {world} {how}");
+        assert!(!messages.contains("remain in collision"), "{messages}");
         assert_eq!(touches(), 0, "{how}");
     }
     // The distance of the subject's pole is scaled by the ratio of step lengths.
-    let stride = answer!("{asked} --world {world}")["stride"]
+    let stride = answer!("{command} --world {world}")["stride"]
         .as_f64()
         .unwrap();
     let persons = World::read(&world).unwrap().scaled(1.0 / stride).unwrap();
     let persons = folder.text("persons.json", persons.to_json());
     for scale in ["stride".to_owned(), stride.to_string()] {
-        answer!("{asked} --world {persons} --world-scale {scale}");
+        answer!("{command} --world {persons} --world-scale {scale}");
         assert_eq!(touches(), 0, "{scale}");
     }
-    refused!("{asked} --world {persons} --world-scale 0" => 2, "number > 0, or `stride`");
-    refused!("{asked} --world-scale 2" => 2, "--world");
+    refused!("{command} --world {persons} --world-scale 0" => 2, "number > 0, or `stride`");
+    refused!("{command} --world-scale 2" => 2, "--world");
     // A collision with an attached object cannot be avoided and is reported.
     let held = r#"{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}"#;
     let world = folder.text("crate.json", held);
-    let (_, told) = answer!(told "{asked} --world {world}");
-    says!(told => "remain in collision, first frame 0");
-    refused!("{asked} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
-    refused!("{asked} --margin=-1" => 2, "margin");
-    refused!("{asked} --world none.json" => 1, "none.json");
+    let (_, messages) = answer!(with_messages "{command} --world {world}");
+    says!(messages => "remain in collision, first frame 0");
+    refused!("{command} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
+    refused!("{command} --margin=-1" => 2, "margin");
+    refused!("{command} --world none.json" => 1, "none.json");
     let rig = model("humanoid/humanoid.json");
     refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world applies to robots");
 }
@@ -266,9 +272,9 @@ fn errors_write_no_file() {
         (&source, &map, " --fps 0", 2, "fps"),
     ] {
         let run = kinopt!("retarget {source} {robot} --map {map} --out {out}{more}");
-        let told = String::from_utf8(run.stderr).unwrap();
-        assert_eq!(run.status.code(), Some(code), "{told}");
-        says!(told => words);
+        let messages = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(code), "{messages}");
+        says!(messages => words);
         assert!(!std::path::Path::new(&out).exists());
     }
 }

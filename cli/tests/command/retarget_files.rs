@@ -32,12 +32,12 @@ fn rig_keyframes_are_retargeted_by_names() {
     let out = folder.file("walk.json");
     let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --out {out}");
     assert_eq!(run.status.code(), Some(0));
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "--print-map");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "--print-map");
     let guessed = json(&out);
     let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --up y --print-map");
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "--up z changes it");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "--up z changes it");
     // The printed map, saved and given again, gives the same result.
     let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
     let printed = String::from_utf8(printed.stdout).unwrap();
@@ -45,15 +45,19 @@ fn rig_keyframes_are_retargeted_by_names() {
     let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map --out {both}");
     assert_eq!(String::from_utf8(run.stdout).unwrap(), printed);
     assert_eq!(json(&both), guessed);
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "frames, 10 per second");
-    assert_eq!(told.matches("parts are driven").count(), 1, "{told}");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "frames, 10 per second");
+    assert_eq!(
+        messages.matches("parts are driven").count(),
+        1,
+        "{messages}"
+    );
     // Frames of 0.033333 s.
     let steps = model("captures/steps.bvh");
     let out_of_steps = folder.file("steps.npz");
     let run = kinopt!("retarget {steps} {robot} --base-joint free --out {out_of_steps}");
-    let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "181 frames, 30 per second");
+    let messages = String::from_utf8(run.stdout).unwrap();
+    says!(messages => "181 frames, 30 per second");
     let saved = folder.file("map.json");
     let _ = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --save-map {saved}");
     assert_eq!(text(&saved), printed);
@@ -68,9 +72,9 @@ fn csv_table_has_the_learning_format() {
     let folder = Folder::new("retarget-csv");
     let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
     let (csv, out) = (folder.file("walk.csv"), folder.file("walk.json"));
-    let asked = format!("retarget {rig} {robot} --base-joint free --fps 5");
-    let _ = answer!("{asked} --out {csv}");
-    let _ = answer!("{asked} --out {out}");
+    let command = format!("retarget {rig} {robot} --base-joint free --fps 5");
+    let _ = answer!("{command} --out {csv}");
+    let _ = answer!("{command} --out {out}");
     let q = json(&out);
     for (row, q) in rows(&csv).iter().zip(list(&q["q"])) {
         let q: Vec<f64> = list(q)
@@ -83,7 +87,7 @@ fn csv_table_has_the_learning_format() {
             (&q[..3], &q[4..7], q[3], &q[7..])
         );
     }
-    let _ = answer!("{asked} --header --out {csv}");
+    let _ = answer!("{command} --header --out {csv}");
     assert!(text(&csv).starts_with("time,root_joint/x,"));
 }
 
@@ -93,9 +97,9 @@ fn figures_move_as_the_source() {
     let rig = humanoid();
     let (glb, bvh) = (folder.file("walk.glb"), folder.file("walk.bvh"));
     for out in [&glb, &bvh] {
-        let told = answer!("retarget {rig} {rig} --fps 10 --out {out}");
+        let report = answer!("retarget {rig} {rig} --fps 10 --out {out}");
         // Retargeting of a rig to itself.
-        assert!(told["mean_error"].as_f64().unwrap() < 0.02, "{told}");
+        assert!(report["mean_error"].as_f64().unwrap() < 0.02, "{report}");
     }
     // A written file, read again, moves the rig equally. Both formats have y up.
     let named = "humanoid";
@@ -104,16 +108,16 @@ fn figures_move_as_the_source() {
         (&bvh, String::new()),
     ] {
         let again = folder.file("again.json");
-        let told = answer!("retarget {source} {rig} {options} --out {again}");
+        let report = answer!("retarget {source} {rig} {options} --out {again}");
         assert!(
-            told["mean_error"].as_f64().unwrap() < 0.02,
-            "{source}: {told}"
+            report["mean_error"].as_f64().unwrap() < 0.02,
+            "{source}: {report}"
         );
     }
     // A scene's file gets one more clip, in its own axes.
     let more = folder.file("more.glb");
-    let told = answer!("retarget {bvh} {glb} --fps 10 --out {more}");
-    assert!(told["mean_error"].as_f64().unwrap() < 0.03, "{told}");
+    let report = answer!("retarget {bvh} {glb} --fps 10 --out {more}");
+    assert!(report["mean_error"].as_f64().unwrap() < 0.03, "{report}");
     let info = answer!("info {more}");
     assert_eq!(list(&info["clips"]).len(), 2);
     // The output is upright with y up, although the rig has z up.
@@ -135,9 +139,9 @@ fn map_of_another_robot_is_completed_by_names() {
     )
     .unwrap();
     let run = kinopt!("retarget {rig} {robot} --map {map} --base-joint free --fps 10 --out {out}");
-    let told = String::from_utf8(run.stderr).unwrap();
-    assert_eq!(run.status.code(), Some(0), "{told}");
-    says!(told => "humanoid.json: the map drives no frame of the target, so drives are guessed from names");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(0), "{messages}");
+    says!(messages => "humanoid.json: the map drives no frame of the target, so drives are guessed from names");
     let guessed = folder.file("guessed.json");
     let _ = answer!("retarget {rig} {robot} --base-joint free --fps 10 --out {guessed}");
     assert_eq!(json(&out), json(&guessed));
@@ -163,12 +167,12 @@ fn array_of_a_known_skeleton_needs_only_its_name() {
     let source = folder.file("poses.npy");
     std::fs::write(&source, bytes).unwrap();
     let (rig, out) = (humanoid(), folder.file("poses.npz"));
-    let told = answer!("retarget {source} {rig} --map smpl --fps 30 --out {out}");
-    assert_eq!(told["frames"], 2);
-    let asked = format!("retarget {source} {rig} --fps 30 --out {out}x.npz");
-    refused!("{asked} --map lafan1" => 1, "does not fit the skeleton lafan1");
-    refused!("{asked} --map smpk" => 2, "did you mean `smpl`");
-    refused!("{asked}" => 1, "names of its 24 joints are missing");
+    let report = answer!("retarget {source} {rig} --map smpl --fps 30 --out {out}");
+    assert_eq!(report["frames"], 2);
+    let command = format!("retarget {source} {rig} --fps 30 --out {out}x.npz");
+    refused!("{command} --map lafan1" => 1, "does not fit the skeleton lafan1");
+    refused!("{command} --map smpk" => 2, "did you mean `smpl`");
+    refused!("{command}" => 1, "names of its 24 joints are missing");
     assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
 }
 
@@ -229,15 +233,15 @@ fn capture_upright_along_z_is_taken_upright() {
     let [detected, given, other] =
         ["detected", "given", "other"].map(|name| folder.file(&format!("{name}.json")));
     let run = kinopt!("retarget {source} {robot} --base-joint free --out {detected}");
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "detected from the body; --up y selects the other axis | after 3 whole frames of 9");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "detected from the body; --up y selects the other axis | after 3 whole frames of 9");
     let run = kinopt!("retarget {source} {robot} --base-joint free --up z --out {given}");
-    let told = String::from_utf8(run.stderr).unwrap();
-    assert!(!told.contains("up axis"), "{told}");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    assert!(!messages.contains("up axis"), "{messages}");
     assert_eq!(json(&detected), json(&given));
     let run = kinopt!("retarget {source} {robot} --base-joint free --up y --out {other}");
-    let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "the body is upright along z, but the up axis is y");
+    let messages = String::from_utf8(run.stderr).unwrap();
+    says!(messages => "the body is upright along z, but the up axis is y");
     assert_ne!(json(&other), json(&given));
 }
 
@@ -251,8 +255,8 @@ fn solved_pose_of_a_capture_keeps_its_channels() {
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     let channels = |text: &str| {
         let lines = text.lines().map(str::trim);
-        let own = lines.filter(|line| line.starts_with("CHANNELS"));
-        own.map(str::to_owned).collect::<Vec<_>>()
+        let channels = lines.filter(|line| line.starts_with("CHANNELS"));
+        channels.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(channels(&text(&out)), channels(Z_UP));
 }

@@ -43,9 +43,9 @@ fn interrupted_folder_is_continued() {
     .unwrap();
     std::fs::write(format!("{from}/notes.txt"), "not read").unwrap();
     let robot = model("aldebaran_nao.urdf");
-    let asked = format!("retarget {from} {robot} --base-joint free --out {into} --json");
-    let told = |extra: &str, code: i32| -> serde_json::Value {
-        let run = kinopt!("{asked} {extra}");
+    let command = format!("retarget {from} {robot} --base-joint free --out {into} --json");
+    let run_with = |extra: &str, code: i32| -> serde_json::Value {
+        let run = kinopt!("{command} {extra}");
         assert_eq!(
             run.status.code(),
             Some(code),
@@ -54,7 +54,7 @@ fn interrupted_folder_is_continued() {
         );
         serde_json::from_slice(&run.stdout).unwrap()
     };
-    let first = told("", 1);
+    let first = run_with("", 1);
     has!(first, {"done": 3, "done_before": 0, "failed": 2});
     let errors: Vec<&str> = list(&first["clips"])
         .iter()
@@ -70,17 +70,17 @@ fn interrupted_folder_is_continued() {
     }
     assert!(!written("broken.npz").exists() && !written("nobody.npz").exists());
     // Simulated interruption: one file is missing, and a partial one has a temporary name.
-    let whole = std::fs::read(written("two.npz")).unwrap();
+    let complete = std::fs::read(written("two.npz")).unwrap();
     std::fs::rename(written("two.npz"), written(".part.two.npz")).unwrap();
     std::fs::write(format!("{from}/broken.bvh"), capture("Hips")).unwrap();
     std::fs::remove_file(format!("{from}/nobody.bvh")).unwrap();
-    let second = told("", 0);
+    let second = run_with("", 0);
     has!(second, {"done": 2, "done_before": 2, "failed": 0});
-    assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
+    assert_eq!(std::fs::read(written("two.npz")).unwrap(), complete);
     assert!(!written(".part.two.npz").exists());
-    assert_eq!(told("--overwrite", 0)["done"], 4);
+    assert_eq!(run_with("--overwrite", 0)["done"], 4);
     // Other options.
-    refused!("{asked} --whole" => 1, "results of other settings");
+    refused!("{command} --whole" => 1, "results of other settings");
 }
 
 /// The command continues a folder that Python began through the library.
@@ -102,17 +102,17 @@ fn folder_begun_by_the_library_is_continued() {
     let mut options = RetargetOptions::default().with_shapes(FootShapes::of_files(&robot));
     options.contacts.speed = 0.2;
     let given = BodyMap::from_json(text, "").unwrap();
-    let asked = FolderQuestion::new(&robot, options)
+    let folder_query = FolderQuestion::new(&robot, options)
         .with_map(&given)
         .with_up(UpAxis::Z)
         .with_whole(true);
     let found = MovementFolder::find(from.as_ref(), into.as_ref(), "npz").unwrap();
-    std::fs::write(&found.begin(&asked, false).unwrap()[0].out, "done").unwrap();
+    std::fs::write(&found.begin(&folder_query, false).unwrap()[0].out, "done").unwrap();
     let command = format!(
         "retarget {from} {file} --base-joint free --map {map} --up z --whole --contact-speed 0.2 --out {into}"
     );
-    let told = answer!("{command}");
-    has!(told, {"done": 1, "done_before": 1});
+    let report = answer!("{command}");
+    has!(report, {"done": 1, "done_before": 1});
     refused!("{command} --contact-height 0.1" => 1, "(contact_height): use another folder, or --overwrite");
     // The map has changed.
     std::fs::write(&map, text.replace("20", "25")).unwrap();
@@ -127,12 +127,12 @@ fn invalid_folders_are_rejected() {
     let (from, into) = (folder.file("from"), folder.file("into"));
     std::fs::create_dir_all(&from).unwrap();
     let robot = model("aldebaran_nao.urdf");
-    let asked = format!("retarget {from} {robot} --base-joint free --out {into}");
-    refused!("{asked}" => 1, "allowed are .npy");
+    let command = format!("retarget {from} {robot} --base-joint free --out {into}");
+    refused!("{command}" => 1, "allowed are .npy");
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
-    refused!("{asked}" => 1, "would both be written");
-    refused!("{asked} --format glb" => 2, "require a figure");
-    refused!("{asked} --print-map" => 2, "to one movement");
+    refused!("{command}" => 1, "would both be written");
+    refused!("{command} --format glb" => 2, "require a figure");
+    refused!("{command} --print-map" => 2, "to one movement");
     assert!(!Path::new(&into).exists());
 }

@@ -24,7 +24,7 @@ fn damaged_robot_is_rejected_or_repaired_on_request() {
     let file = door(&folder, DOOR);
     let words = "door.urdf:5: joint `hinge` | lower limit 1.5 | --lenient";
     refused!("info {file}" => 1, "{words}");
-    let (info, notes) = answer!(told "info {file} --lenient");
+    let (info, notes) = answer!(with_messages "info {file} --lenient");
     says!(notes => "note:  | door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5 | \
          door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default");
     has!(info, {"repairs/0/line": 5, "repairs/0/element": "joint `hinge`, <limit>"});
@@ -37,8 +37,8 @@ fn defaulted_attributes_need_no_option() {
     let folder = Folder::new("defaults");
     let sound = DOOR.replace("lower=\"1.5\" upper=\"-1\"", "lower=\"-1\" upper=\"1.5\"");
     let file = door(&folder, &sound);
-    let (_, told) = answer!(told "fk {file} --frame tip");
-    says!(told => "`lower` is not given");
+    let (_, messages) = answer!(with_messages "fk {file} --frame tip");
+    says!(messages => "`lower` is not given");
 }
 
 #[test]

@@ -117,21 +117,21 @@ fn every_search_and_solver_reaches_the_target() {
 fn partial_poses_are_targets() {
     let panda = Seeded::panda();
     let pose = panda.pose(&panda.configuration(11));
-    let whole = typed("tool", &pose);
+    let by_pose = typed("tool", &pose);
     let point = typed("tool", &pose[..3]);
-    for (target, option) in [(&point, "--degrees"), (&whole, "--position-only")] {
+    for (target, option) in [(&point, "--degrees"), (&by_pose, "--position-only")] {
         let solution = answer!("solve {panda} {target} {option}");
         assert_eq!(solution["reached"], true);
         let [position, orientation] = panda.errors(&numbers(&solution["q"]), &pose);
         assert!(position <= 1.001e-6 && orientation > 1e-3);
         assert!(solution["tasks"][0]["orientation_error"].is_null());
     }
-    let solution = answer!("solve {panda} {whole} --free-axis=z");
+    let solution = answer!("solve {panda} {by_pose} --free-axis=z");
     assert_eq!(solution["reached"], true);
     let q = numbers(&solution["q"]);
     let base_from_tool = panda.base_from("tool", &q);
-    let wanted = panda.base_from("tool", &panda.configuration(11));
-    let between = wanted.rotation.z.dot(base_from_tool.rotation.z);
+    let expected = panda.base_from("tool", &panda.configuration(11));
+    let between = expected.rotation.z.dot(base_from_tool.rotation.z);
     assert!((between - 1.0).abs() < 1e-11, "{between}");
     assert!(panda.errors(&q, &pose)[0] <= 1.001e-6);
 }
@@ -243,15 +243,15 @@ fn other_arm_stays_at_its_start() {
     for target in ["0.6,0.4,0.2", "6,0.4,0.2"] {
         for (solver, jacobian) in METHODS
             .iter()
-            .flat_map(|own| [(own, "analytic"), (own, "fd")])
+            .flat_map(|solver| [(solver, "analytic"), (solver, "fd")])
         {
-            let by = format!("--solver={solver} --jacobian={jacobian}");
-            let solution = answer!("solve {file} --target=left_tool={target} {by} {more}");
+            let options = format!("--solver={solver} --jacobian={jacobian}");
+            let solution = answer!("solve {file} --target=left_tool={target} {options} {more}");
             let names = list(&solution["joints"]);
             let pairs = numbers(&solution["q"]).into_iter().zip(&start);
             for ((q, start), name) in pairs.zip(names) {
                 let other = word(name).starts_with("right");
-                assert!(!other || q == *start, "{target} {by}: {name}");
+                assert!(!other || q == *start, "{target} {options}: {name}");
             }
         }
     }

@@ -26,8 +26,8 @@ fn at(scene: &Scene, clip: &str, time: f64) -> Pose {
 fn keeps(file: &str) -> Scene {
     let bytes = std::fs::read(file).unwrap();
     let text = String::from_utf8_lossy(&bytes);
-    for own in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
-        assert!(text.contains(own), "{own} is not in {text}");
+    for extra in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
+        assert!(text.contains(extra), "{extra} is not in {text}");
     }
     gltf::read(file).unwrap()
 }
@@ -43,9 +43,9 @@ fn clips_are_appended_to_a_file() {
     has!(document, {"clip": "walk at 10", "file": out, "duration": 1.0});
     let scene = keeps(&out);
     for time in [0.0, 0.3, 1.0] {
-        let [own, added] = ["walk", "walk at 10"].map(|clip| at(&scene, clip, time));
-        assert!((own.translations()[0] - added.translations()[0]).length() < 1e-5);
-        assert!(own.rotations()[0].abs_diff_eq(added.rotations()[0], 1e-5));
+        let [original, added] = ["walk", "walk at 10"].map(|clip| at(&scene, clip, time));
+        assert!((original.translations()[0] - added.translations()[0]).length() < 1e-5);
+        assert!(original.rotations()[0].abs_diff_eq(added.rotations()[0], 1e-5));
     }
     // The clip is added to the same file under another name. A used name is an error.
     refused!("animate {file} --fps=10 --clip-name=walk --into {out}" => 1, "walker.glb | `walk` | --clip-name");
@@ -79,8 +79,8 @@ fn failed_write_keeps_the_old_file() {
     assert_eq!(run.status.code(), Some(1));
     says!(String::from_utf8(run.stderr).unwrap() => "walker.glb");
     assert_eq!(std::fs::read(&out).unwrap(), before);
-    let beside = std::fs::read_dir(std::path::Path::new(&out).parent().unwrap()).unwrap();
-    assert_eq!(beside.count(), 2);
+    let siblings = std::fs::read_dir(std::path::Path::new(&out).parent().unwrap()).unwrap();
+    assert_eq!(siblings.count(), 2);
     // With enough disk space the file is written. A symbolic link stays a link.
     let link = folder.file("link.glb");
     std::os::unix::fs::symlink(&out, &link).unwrap();
@@ -98,8 +98,8 @@ fn clip_is_written_to_its_end() {
     let out = folder.file("longer.glb");
     text!("animate {file} --fps=60 --into {out}");
     let scene = gltf::read(&out).unwrap();
-    let [own, added] = ["walk", "walk at 60"].map(|clip| scene.clip(clip).unwrap().duration());
-    assert!((own - added).abs() < 1e-6, "{own} {added}");
+    let [original, added] = ["walk", "walk at 60"].map(|clip| scene.clip(clip).unwrap().duration());
+    assert!((original - added).abs() < 1e-6, "{original} {added}");
 }
 
 #[test]
@@ -114,9 +114,12 @@ fn solved_pose_is_a_clip_with_one_key() {
     let scene = keeps(&out);
     assert_eq!(scene.clip("kick").unwrap().span(), [0.0, 0.0]);
     let pose = at(&scene, "kick", 0.0);
-    let mut places = Vec::new();
-    scene.armature.local_to_model(&pose, &mut places).unwrap();
-    let knee = places[1].translation;
+    let mut placements = Vec::new();
+    scene
+        .armature
+        .local_to_model(&pose, &mut placements)
+        .unwrap();
+    let knee = placements[1].translation;
     assert!(
         (knee - kinopt::glam::Vec3A::new(0.5, 1.0, 0.0)).length() < 1e-5,
         "{knee}"
@@ -136,26 +139,31 @@ fn rig_is_written_as_one_animated_file() {
     has!(document, {"clip": "keys", "duration": 1.5});
     let scene = gltf::read(&out).unwrap();
     assert!(scene.meshes[0].skin.is_some());
-    let own = rig();
-    let mut q = vec![0.0; own.skeleton.angles()];
-    own.clip.sample(1.0, Playback::Hold, &mut q).unwrap();
-    let posed = own.skeleton.pose(&q).unwrap();
-    let mut places = Vec::new();
+    let rig_data = rig();
+    let mut q = vec![0.0; rig_data.skeleton.angles()];
+    rig_data.clip.sample(1.0, Playback::Hold, &mut q).unwrap();
+    let posed = rig_data.skeleton.pose(&q).unwrap();
+    let mut placements = Vec::new();
     // The first frame is the first key, at 0.5 s.
     scene
         .armature
-        .local_to_model(&at(&scene, "keys", 0.5), &mut places)
+        .local_to_model(&at(&scene, "keys", 0.5), &mut placements)
         .unwrap();
-    for (bone, place) in own.skeleton.bone_ids().zip(&places) {
+    for (bone, placement) in rig_data.skeleton.bone_ids().zip(&placements) {
         let tail = posed.tail(bone).unwrap().to_array().map(|x| x as f32);
-        assert!(place.translation.distance(kinopt::glam::Vec3A::from(tail)) < 1e-5);
+        assert!(
+            placement
+                .translation
+                .distance(kinopt::glam::Vec3A::from(tail))
+                < 1e-5
+        );
     }
     let fewer = folder.file("fewer.glb");
     let less = answer!("animate {rig_file} --fps=20 --reduce-keys=0.05,0.05 --out {fewer}");
     assert!(count(&less["keys"]) < count(&document["keys"]));
     let folded = folder.file("frames");
     refused!("animate {rig_file} --fps=20 --close-seam=0.2 --out {folded}" => 2, "--close-seam | .glb");
-    refused!("animate {rig_file} --fps=20 --close-seam=9 --out {fewer}" => 1, "9 s | 1.5 s");
+    refused!("animate {rig_file} --fps=20 --close-seam=9 --out {fewer}" => 1, "9 s | 1.5");
     refused!("animate {rig_file} --fps=20 --into {fewer}" => 2, "--into | rig");
     refused!("animate {rig_file} --time=1 --into {fewer}" => 2, "--into");
 }

@@ -66,9 +66,9 @@ fn written(folder: &Folder) -> String {
     folder.scene("flag.glb", &flag())
 }
 
-fn near(positions: &[Vec3], wanted: [[f32; 3]; 4]) {
+fn near(positions: &[Vec3], expected: [[f32; 3]; 4]) {
     assert_eq!(positions.len(), 4);
-    for (a, b) in positions.iter().zip(wanted.map(Vec3::from)) {
+    for (a, b) in positions.iter().zip(expected.map(Vec3::from)) {
         assert!(a.distance(b) < 1e-6, "{a} instead of {b}");
     }
 }
@@ -187,9 +187,9 @@ fn conflicting_options_are_rejected() {
     refused!("animate {rig} {to} --clip=walk" => 2, "rig.json | --clip");
     refused!("fk {rig} --time=1 --clip=walk" => 2, "--clip");
 
-    let still = folder.file("still.glb");
-    gltf::write_mesh(&flag().meshes[0].mesh, &still).unwrap();
-    refused!("animate {still} {to}" => 1, "still.glb | no clip");
+    let unskinned = folder.file("still.glb");
+    gltf::write_mesh(&flag().meshes[0].mesh, &unskinned).unwrap();
+    refused!("animate {unskinned} {to}" => 1, "still.glb | no clip");
     let mut bare = flag();
     bare.meshes.clear();
     let bare = folder.scene("bare.glb", &bare);

@@ -31,14 +31,14 @@ fn start(seeded: &Seeded) -> Vec<f64> {
 /// Velocities between control cycles, computed from the configurations, by joint of the arm.
 fn speeds(ticks: &[Value], start: &[f64]) -> Vec<Vec<f64>> {
     let mut before = start.to_vec();
-    let of = |tick: &Value| {
+    let speeds_of = |tick: &Value| {
         let q = numbers(&tick["q"]);
         let speeds = q.iter().zip(&before).map(|(a, b)| 1e3 * (a - b).abs());
         let speeds = speeds.take(7).collect();
         before = q;
         speeds
     };
-    ticks.iter().map(of).collect()
+    ticks.iter().map(speeds_of).collect()
 }
 
 #[test]
@@ -64,11 +64,11 @@ fn line_is_followed_within_velocity_limits() {
     assert_eq!(ticks[399]["status"], "on target");
     // The top speed of a joint is its largest absolute velocity.
     let top_speeds = numbers(&document["summary"]["top_speeds"]);
-    let told: Vec<Vec<f64>> = (ticks.iter())
+    let velocities: Vec<Vec<f64>> = (ticks.iter())
         .map(|tick| numbers(&tick["velocity"]))
         .collect();
     for (joint, top) in top_speeds.iter().enumerate() {
-        let speeds = told.iter().map(|velocity| velocity[joint].abs());
+        let speeds = velocities.iter().map(|velocity| velocity[joint].abs());
         assert_eq!(*top, speeds.fold(0.0, f64::max), "joint {joint}");
     }
     assert!(top_speeds.iter().any(|top| *top > 0.1), "{top_speeds:?}");
@@ -91,7 +91,7 @@ fn slower_limits_hold_and_are_reported() {
     assert!(all.iter().all(|speed| *speed <= 0.05 * (1.0 + 1e-9)));
     assert!(all.iter().any(|speed| *speed > 0.05 * (1.0 - 1e-9)));
     let mut held = ticks[200]["held"].as_object().unwrap().values();
-    assert!(held.any(|by| word(by).starts_with("velocity limit")));
+    assert!(held.any(|limit| word(limit).starts_with("velocity limit")));
     // After 0.2 s the arm is still moving, and the exit code reports it.
     let [metres, _] = seeded.errors(&numbers(&ticks[399]["q"]), &last);
     assert!(metres > 1e-3, "{metres}");
@@ -103,14 +103,14 @@ fn invalid_servo_options_are_rejected() {
     let folder = Folder::new("no-servo");
     let seeded = Seeded::panda();
     let (file, _) = targets(&folder, &seeded, &start(&seeded));
-    let asked = format!("solve {seeded} --targets {file}");
-    refused!("{asked} --servo 0" => 2, "--servo");
-    refused!("{asked} --servo 1000 --track" => 2, "--track");
-    refused!("{asked} --velocity-limits 1" => 2, "--servo");
+    let command = format!("solve {seeded} --targets {file}");
+    refused!("{command} --servo 0" => 2, "--servo");
+    refused!("{command} --servo 1000 --track" => 2, "--track");
+    refused!("{command} --velocity-limits 1" => 2, "--servo");
     let one = "--target flange=0.4,0.1,0.5";
     refused!("solve {seeded} {one} --velocity-limits 1" => 2, "--servo");
-    let few = "--velocity-limits: 2 numbers given";
-    refused!("{asked} --servo 1000 --velocity-limits 1,2" => 2, "{few}");
+    let too_few = "--velocity-limits: 2 numbers given";
+    refused!("{command} --servo 1000 --velocity-limits 1,2" => 2, "{too_few}");
     let rig = model("humanoid/humanoid.json");
     let ours = "--tip left_hand --servo 1000";
     refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");
@@ -125,14 +125,14 @@ fn contact_is_reported_and_target_unreached() {
     let (tip, base) = (seeded.tip, seeded.base);
     let content = json!({"targets": [pose], "starts": [start], "tip_link": tip, "base_link": base});
     let targets = folder.text("one.json", content);
-    let place = json!([pose[0], pose[1], pose[2] - 0.02]);
+    let position = json!([pose[0], pose[1], pose[2] - 0.02]);
     let world = folder.text(
         "world.json",
-        json!({"boxes": [{"name": "block", "size": [0.1, 0.1, 0.1], "position": place}]}),
+        json!({"boxes": [{"name": "block", "size": [0.1, 0.1, 0.1], "position": position}]}),
     );
     let line = format!("solve {seeded} --targets {targets} --servo 100 --world {world}");
-    let told = text!("{line}");
-    says!(told => "1 in contact | obstacle `block`");
+    let text = text!("{line}");
+    says!(text => "1 in contact | obstacle `block`");
     let document = answer!("{line}");
     let tick = &document["ticks"][0];
     assert_eq!(tick["status"], "in contact");

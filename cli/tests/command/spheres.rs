@@ -14,16 +14,16 @@ fn robot_spheres_are_written_in_both_formats() {
     let shapes = CollisionModel::of(&robot).unwrap();
     for name in ["panda.urdf", "panda.yml"] {
         let out = folder.file(name);
-        let told = answer!("spheres {panda} --max-protrusion 0.04 --samples 500 --out {out}");
-        assert!(number(&told["max_protrusion"]) <= 0.04);
+        let report = answer!("spheres {panda} --max-protrusion 0.04 --samples 500 --out {out}");
+        assert!(number(&report["max_protrusion"]) <= 0.04);
         let read = SphereModel::read(&out, &shapes).unwrap();
-        assert_eq!(count(&told["spheres"]), read.count() as u64);
+        assert_eq!(count(&report["spheres"]), read.count() as u64);
         // The reported maximum protrusion equals a new measurement.
-        assert!((read.max_protrusion() - number(&told["max_protrusion"])).abs() < 1e-12);
-        let links = list(&told["links"]);
+        assert!((read.max_protrusion() - number(&report["max_protrusion"])).abs() < 1e-12);
+        let links = list(&report["links"]);
         assert_eq!(links.len(), shapes.links().len());
         has!(links[0], {"name": "base"});
-        let pairs = list(&told["pairs"]);
+        let pairs = list(&report["pairs"]);
         assert!(pairs.contains(&json!(["base", "link5"])), "{pairs:?}");
         assert!(!pairs.contains(&json!(["link1", "link2"])));
     }
@@ -37,8 +37,8 @@ fn robot_spheres_are_written_in_both_formats() {
     assert_eq!(spheres.max_protrusion(), 0.0);
     // Links that consist of spheres are unchanged.
     let out = folder.file("again.yml");
-    let told = answer!("spheres {spherised} --samples 0 --out {out}");
-    has!(told, {"max_protrusion": 0.0, "spheres": spheres.count()});
+    let report = answer!("spheres {spherised} --samples 0 --out {out}");
+    has!(report, {"max_protrusion": 0.0, "spheres": spheres.count()});
 }
 
 #[test]
@@ -70,10 +70,10 @@ fn single_sphere_is_reported_in_the_singular() {
          <origin xyz='1 0 0'/><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1'/></joint></robot>"
     );
     let (balls, out) = (folder.text("balls.urdf", urdf), folder.file("balls.yml"));
-    let told = text!("spheres {balls} --samples 0 --out {out}");
-    says!(told => "2 spheres on 2 links, | 0 pairs of links are checked");
-    let told = text!("info {balls}");
-    says!(told => "1 degree of freedom, 1 of them free | 0 files of meshes");
+    let text = text!("spheres {balls} --samples 0 --out {out}");
+    says!(text => "2 spheres on 2 links, | 0 pairs of links are checked");
+    let text = text!("info {balls}");
+    says!(text => "1 degree of freedom, 1 of them free | 0 files of meshes");
     let urdf = format!("<robot name='ball'><link name='a'>{ball}</link></robot>");
     let ball = folder.text("ball.urdf", urdf);
     says!(text!("spheres {ball} --samples 0 --out {out}") => "1 sphere on 1 link, ");
@@ -105,8 +105,8 @@ fn default_accepts_links_of_any_size() {
       <body name="b" pos=".4 0 0"><joint axis="0 1 0" range="-100 100"/><geom type="box" size=".2 .05 .05" pos=".2 0 0"/>
       </body></body></worldbody></mujoco>"#;
     let (robot, out) = (folder.text("arm.xml", floor), folder.file("spheres.yml"));
-    let told = answer!("spheres {robot} --samples 0 --out {out}");
-    assert!(number(&told["max_protrusion"]) > 0.008, "{told}");
+    let report = answer!("spheres {robot} --samples 0 --out {out}");
+    assert!(number(&report["max_protrusion"]) > 0.008, "{report}");
     let run = kinopt!("spheres {robot} --samples 0 --out {out}");
     says!(stderr(&run) => "note: | too large for 0.008 m, 2 % of the reach");
     refused!("spheres {robot} --samples 0 --max-protrusion 0.0001 --out {out}" => 1, "--max-protrusion 0.0001: | larger");

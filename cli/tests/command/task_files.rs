@@ -15,15 +15,15 @@ fn of_joint(answer: &Value, joint: &str) -> f64 {
 fn placed(folder: &Folder, options: &str, answer: &Value, frame: &str) -> (Vec<f64>, [f64; 3]) {
     let file = folder.text("answer.json", answer);
     let placed = answer!("fk {NAO} {options} --q-file {file} --frame {frame}");
-    let own = &placed["frames"][frame];
-    let turned = numbers(&own["quaternion"]);
+    let frame_placement = &placed["frames"][frame];
+    let turned = numbers(&frame_placement["quaternion"]);
     let [w, x, y, z] = [0, 1, 2, 3].map(|part| turned[part]);
     let ahead = [
         1.0 - 2.0 * (y * y + z * z),
         2.0 * (x * y + w * z),
         2.0 * (x * z - w * y),
     ];
-    (numbers(&own["position"]), ahead)
+    (numbers(&frame_placement["position"]), ahead)
 }
 
 #[test]
@@ -57,26 +57,26 @@ fn each_task_has_its_effect() {
         ]
     );
     let (_, ahead) = placed(&folder, free, &answer, "head");
-    let off = ((ahead[0] + ahead[1]) / 2f64.sqrt()).acos();
-    assert!(off < 0.3 + 1e-6, "{off}");
+    let angle = ((ahead[0] + ahead[1]) / 2f64.sqrt()).acos();
+    assert!(angle < 0.3 + 1e-6, "{angle}");
     let rolls =
         of_joint(&answer, "left_shoulder_roll") + 2.0 * of_joint(&answer, "right_shoulder_roll");
     assert!((rolls - 0.4).abs() < 1e-8);
     // Hand position at the start, from a task of zero velocity.
-    let still = folder.text(
+    let at_rest = folder.text(
         "still.json",
         json!([{"task": "frame velocity", "frame": "left_hand", "time_step_s": 1}]),
     );
-    let begun = answer!("solve {NAO} {free} --tasks {still}");
+    let begun = answer!("solve {NAO} {free} --tasks {at_rest}");
     let (from, _) = placed(&folder, free, &begun, "left_hand");
     let (to, _) = placed(&folder, free, &answer, "left_hand");
-    for (moved, wanted) in to
+    for (moved, direction) in to
         .iter()
         .zip(&from)
         .map(|(to, from)| to - from)
         .zip([0.01, 0.0, 0.005])
     {
-        assert!((moved - wanted).abs() < 1e-6, "{from:?} {to:?}");
+        assert!((moved - direction).abs() < 1e-6, "{from:?} {to:?}");
     }
 }
 

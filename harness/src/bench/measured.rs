@@ -7,16 +7,16 @@ use crate::trace::Mark;
 use crate::{Adapter, Answer, Judge, ProblemInstance, Record, Trace};
 
 /// Shorter solves are repeated, and the shortest time counts.
-const QUICK: Duration = Duration::from_millis(2);
+const MAX_REPEATED_TIME: Duration = Duration::from_millis(2);
 const REPEATS: usize = 2;
 /// Shorter solves are timed in groups, to exclude the cost of reading the clock.
-const TINY: Duration = Duration::from_micros(50);
-const TOGETHER: u32 = 16;
+const MAX_GROUPED_TIME: Duration = Duration::from_micros(50);
+const GROUP_SIZE: u32 = 16;
 
 /// Result of one adapter on one problem, untraced and traced.
 pub(super) struct Measured {
     answer: Answer,
-    plain: Duration,
+    untraced: Duration,
     marks: Vec<Mark>,
     traced: Duration,
 }
@@ -29,23 +29,27 @@ pub(super) struct Judged {
 }
 
 impl Measured {
-    pub(super) fn new(adapter: &mut dyn Adapter, question: &ProblemInstance<'_>) -> Self {
-        let mut ask = || adapter.solve(question, &Trace::off());
-        let (answer, mut plain) = clock::time(&mut ask);
-        let together = if plain < TINY { TOGETHER } else { 1 };
+    pub(super) fn new(adapter: &mut dyn Adapter, instance: &ProblemInstance<'_>) -> Self {
+        let mut solve = || adapter.solve(instance, &Trace::off());
+        let (answer, mut untraced) = clock::time(&mut solve);
+        let group = if untraced < MAX_GROUPED_TIME {
+            GROUP_SIZE
+        } else {
+            1
+        };
         for _ in 0..REPEATS {
-            if plain < QUICK {
-                let (_, taken) = clock::time(|| (0..together).for_each(|_| drop(ask())));
-                plain = plain.min(taken / together);
+            if untraced < MAX_REPEATED_TIME {
+                let (_, elapsed) = clock::time(|| (0..group).for_each(|_| drop(solve())));
+                untraced = untraced.min(elapsed / group);
             }
         }
         let trace = Trace::on();
         // The result of the traced solve is not used.
-        let _ = adapter.solve(question, &trace);
+        let _ = adapter.solve(instance, &trace);
         let (marks, traced) = trace.finish();
         Self {
             answer,
-            plain,
+            untraced,
             marks,
             traced,
         }
@@ -54,24 +58,24 @@ impl Measured {
     pub(super) fn judged(
         self,
         problem: usize,
-        question: &ProblemInstance<'_>,
+        instance: &ProblemInstance<'_>,
         judge: &mut Judge<'_>,
         accuracies: &[f64],
     ) -> Judged {
-        let plain = self.plain.as_secs_f64() * 1e6;
+        let untraced = self.untraced.as_secs_f64() * 1e6;
         let traced = self.traced.as_secs_f64() * 1e6;
-        let stretch = if traced > 0.0 { plain / traced } else { 1.0 };
-        let mut first_at: Vec<Option<f64>> = vec![None; accuracies.len()];
+        let stretch = if traced > 0.0 { untraced / traced } else { 1.0 };
+        let mut micros_to: Vec<Option<f64>> = vec![None; accuracies.len()];
         let mut note = |error: f64, micros: f64| {
-            for (first, &accuracy) in first_at.iter_mut().zip(accuracies) {
-                if first.is_none() && error <= accuracy {
-                    *first = Some(micros);
+            for (reached_at, &accuracy) in micros_to.iter_mut().zip(accuracies) {
+                if reached_at.is_none() && error <= accuracy {
+                    *reached_at = Some(micros);
                 }
             }
         };
         let mut course: Vec<(usize, f64)> = Vec::new();
         for (step, mark) in self.marks.iter().enumerate() {
-            let verdict = judge.verdict(question.problem, question.targets, &mark.place);
+            let verdict = judge.verdict(instance.problem, instance.targets, &mark.configuration);
             if !verdict.within_limits {
                 continue;
             }
@@ -84,9 +88,9 @@ impl Measured {
             }
         }
         let answer = self.answer;
-        let verdict = judge.verdict(question.problem, question.targets, &answer.q);
+        let verdict = judge.verdict(instance.problem, instance.targets, &answer.q);
         if verdict.within_limits {
-            note(verdict.error, plain);
+            note(verdict.error, untraced);
         }
         let finite = |value: f64| value.is_finite().then_some(value);
         let record = Record {
@@ -103,9 +107,9 @@ impl Measured {
             residuals: answer.counts.residuals,
             jacobians: answer.counts.jacobians,
             gradients: answer.counts.gradients,
-            micros: plain,
-            late: question.budget.is_late(self.plain),
-            micros_to: first_at,
+            micros: untraced,
+            late: instance.budget.is_late(self.untraced),
+            micros_to,
         };
         Judged { record, course }
     }

@@ -87,7 +87,7 @@ impl<'s> Bench<'s> {
         let mut answered = 0;
         'problems: for (index, case) in self.set.cases().iter().enumerate() {
             problem.aim(case)?;
-            let mut row = Vec::with_capacity(active.len());
+            let mut measurements = Vec::with_capacity(active.len());
             for entry in &active {
                 let Some(adapter) = self.adapters.get_mut(entry.adapter) else {
                     continue;
@@ -102,24 +102,24 @@ impl<'s> Bench<'s> {
                     break 'problems;
                 }
                 problem.derive_by(entry.route.unwrap_or_default());
-                let question = ProblemInstance {
+                let instance = ProblemInstance {
                     set: self.set,
-                    problem: problem.question()?,
+                    problem: problem.instance()?,
                     targets: &case.targets,
                     start: &case.start,
                     budget: self.budget,
                     seed: self.set.seed_of_case(index),
                 };
-                let measured = Measured::new(&mut **adapter, &question);
+                let measured = Measured::new(&mut **adapter, &instance);
                 let accuracies = &results.setting.accuracies;
-                row.push((
+                measurements.push((
                     entry.run,
-                    measured.judged(index, &question, &mut judge, accuracies),
+                    measured.judged(index, &instance, &mut judge, accuracies),
                 ));
                 answered += 1;
             }
-            for (run, judged) in row {
-                results.keep(run, judged, index == self.chosen);
+            for (run, judged) in measurements {
+                results.add_record(run, judged, index == self.chosen);
             }
             results.problems = index + 1;
         }
@@ -205,7 +205,7 @@ fn accuracies(tolerance: f64) -> Vec<f64> {
 }
 
 impl Results {
-    fn keep(&mut self, run: usize, judged: Judged, chosen: bool) {
+    fn add_record(&mut self, run: usize, judged: Judged, chosen: bool) {
         let Some(run) = self.runs.get_mut(run) else {
             return;
         };

@@ -11,16 +11,16 @@ use kinopt::problem::Derivatives;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
-use super::{STEPS, marked_run};
+use super::{MAX_STEPS, marked_run};
 use crate::{Adapter, Answer, ProblemInstance, Trace, attempts};
 
 /// Number of past steps stored by L-BFGS.
 const MEMORY: usize = 7;
 /// Iterations of one simplex.
-const SIMPLEX_STEPS: u64 = 3000;
+const SIMPLEX_ITERATIONS: u64 = 3000;
 const PARTICLES: usize = 40;
 /// Iterations of one swarm.
-const SWARM_STEPS: u64 = 250;
+const SWARM_ITERATIONS: u64 = 250;
 
 /// A solver of argmin with the restarts of the harness.
 #[derive(Clone, Debug)]
@@ -34,24 +34,24 @@ pub struct ArgminAdapter {
 /// A solver with bounds, created for each attempt from its start and seed.
 macro_rules! within_bounds {
     ($steps:expr, |$bounded:ident, $start:ident, $seed:ident| $solver:expr) => {
-        |question, trace| {
-            let $bounded = BoundedProblem::new(question.problem);
-            let answer = attempts(question, |$start, index, left| {
-                let $seed = question.seed.wrapping_add(index as u64);
+        |instance, trace| {
+            let $bounded = BoundedProblem::new(instance.problem);
+            let answer = attempts(instance, |$start, index, remaining| {
+                let $seed = instance.seed.wrapping_add(index as u64);
                 let Ok(solver) = $solver else {
                     return Answer::at($start.to_vec());
                 };
                 let executor = Executor::new($bounded.clone(), solver).configure(|state| {
                     let state = state.max_iters($steps);
-                    state.target_cost(question.sufficient_cost())
+                    state.target_cost(instance.sufficient_cost())
                 });
-                let run = marked_run::run(executor, left, trace);
+                let run = marked_run::run(executor, remaining, trace);
                 match run.map(|run| $bounded.solution(&run)) {
                     Ok(Ok(solution)) => Answer::from(&solution),
                     _ => Answer::at($start.to_vec()),
                 }
             });
-            trace.translate(|x| question.set.configuration(x));
+            trace.translate(|x| instance.set.configuration(x));
             answer
         }
     };
@@ -60,17 +60,17 @@ macro_rules! within_bounds {
 /// A solver over unbounded variables, created for each attempt.
 macro_rules! over_unbounded {
     ($solver:expr) => {
-        |question, trace| {
-            let unbounded = UnboundedProblem::new(question.problem);
-            let answer = attempts(question, |start, _, left| {
+        |instance, trace| {
+            let unbounded = UnboundedProblem::new(instance.problem);
+            let answer = attempts(instance, |start, _, remaining| {
                 let Ok(y) = unbounded.start(start) else {
                     return Answer::at(start.to_vec());
                 };
                 let executor = Executor::new(unbounded.clone(), $solver).configure(|state| {
-                    let state = state.param(y.clone()).max_iters(STEPS as u64);
-                    state.target_cost(question.sufficient_cost())
+                    let state = state.param(y.clone()).max_iters(MAX_STEPS as u64);
+                    state.target_cost(instance.sufficient_cost())
                 });
-                let run = marked_run::run(executor, left, trace);
+                let run = marked_run::run(executor, remaining, trace);
                 match unbounded.solution_from(&y, run) {
                     Ok(solution) => Answer::from(&solution),
                     // A failed line search ends the run without a state.
@@ -79,7 +79,7 @@ macro_rules! over_unbounded {
             });
             trace.translate(|y| {
                 let y = nalgebra::DVector::from_column_slice(y);
-                question.set.configuration(&unbounded.variables_at(&y))
+                instance.set.configuration(&unbounded.variables_at(&y))
             });
             answer
         }
@@ -92,9 +92,9 @@ impl ArgminAdapter {
     pub fn nelder_mead() -> Self {
         Self {
             name: "argmin Nelder-Mead",
-            setting: format!("at most {SIMPLEX_STEPS} steps an attempt"),
+            setting: format!("at most {SIMPLEX_ITERATIONS} steps an attempt"),
             routes: &[],
-            solve: within_bounds!(SIMPLEX_STEPS, |bounded, start, _seed| bounded
+            solve: within_bounds!(SIMPLEX_ITERATIONS, |bounded, start, _seed| bounded
                 .simplex(start)
                 .map(NelderMead::new)),
         }
@@ -105,10 +105,10 @@ impl ArgminAdapter {
     pub fn particle_swarm() -> Self {
         Self {
             name: "argmin particle swarm",
-            setting: format!("{PARTICLES} particles, at most {SWARM_STEPS} steps an attempt"),
+            setting: format!("{PARTICLES} particles, at most {SWARM_ITERATIONS} steps an attempt"),
             routes: &[],
             // Seeded here, because the generator of argmin is seeded by the system.
-            solve: within_bounds!(SWARM_STEPS, |bounded, start, seed| bounded
+            solve: within_bounds!(SWARM_ITERATIONS, |bounded, start, seed| bounded
                 .search_box(start)
                 .map(|window| ParticleSwarm::new(window, PARTICLES)
                     .with_rng_generator(StdRng::seed_from_u64(seed)))),
@@ -121,7 +121,7 @@ impl ArgminAdapter {
         Self {
             name: "argmin L-BFGS",
             setting: format!(
-                "memory {MEMORY}, Moré-Thuente, at most {STEPS} steps an attempt; bounds by a change of variables"
+                "memory {MEMORY}, Moré-Thuente, at most {MAX_STEPS} steps an attempt; bounds by a change of variables"
             ),
             routes: &Derivatives::ALL,
             solve: over_unbounded!(LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)),
@@ -134,7 +134,7 @@ impl ArgminAdapter {
         Self {
             name: "argmin trust region",
             setting: format!(
-                "Steihaug on the Gauss-Newton Hessian, at most {STEPS} steps an attempt; bounds by a change of variables"
+                "Steihaug on the Gauss-Newton Hessian, at most {MAX_STEPS} steps an attempt; bounds by a change of variables"
             ),
             routes: &Derivatives::ALL,
             solve: over_unbounded!(TrustRegion::new(Steihaug::new().with_max_iters(20))),
@@ -159,7 +159,7 @@ impl Adapter for ArgminAdapter {
         self.routes
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        (self.solve)(question, trace)
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        (self.solve)(instance, trace)
     }
 }

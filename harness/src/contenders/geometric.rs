@@ -10,7 +10,7 @@ use kinopt::solver::{Iteration, Silent, Stopping};
 use crate::{Adapter, Answer, Budget, ProblemInstance, ProblemSet, Trace, attempts};
 
 /// Sweeps of one attempt, as by default.
-const SWEEPS: usize = 500;
+const MAX_SWEEPS: usize = 500;
 
 /// A [`Geometric`] method, created with the remaining time.
 pub struct GeometricAdapter {
@@ -43,9 +43,9 @@ impl GeometricAdapter {
         }
     }
 
-    fn limited(&self, left: Duration) -> Box<dyn Geometric> {
-        let stopping = Stopping::default().with_max_iterations(SWEEPS);
-        (self.method)(stopping.with_patience(Some(60)).with_time_limit(left))
+    fn limited(&self, remaining: Duration) -> Box<dyn Geometric> {
+        let stopping = Stopping::default().with_max_iterations(MAX_SWEEPS);
+        (self.method)(stopping.with_patience(Some(60)).with_time_limit(remaining))
     }
 }
 
@@ -59,34 +59,34 @@ impl Adapter for GeometricAdapter {
     }
 
     fn setting(&self) -> String {
-        format!("at most {SWEEPS} sweeps an attempt, 60 that do not halve the cost end it")
+        format!("at most {MAX_SWEEPS} sweeps an attempt, 60 that do not halve the cost end it")
     }
 
     fn prepare(&mut self, set: &ProblemSet, _budget: Budget) -> Result<(), String> {
         // Zero iterations: finds unsupported problems.
         let problem = set.problem().map_err(|error| error.to_string())?;
         let stopping = Stopping::default().with_max_iterations(0);
-        let tried = (self.method)(stopping).solve_question(
+        let result = (self.method)(stopping).solve_question(
             (&problem).into(),
             &set.model().neutral(),
             &mut Silent,
         );
-        tried.map(|_| ()).map_err(|error| error.to_string())
+        result.map(|_| ()).map_err(|error| error.to_string())
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        attempts(question, |start, _, left| {
-            let method = self.limited(left);
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        attempts(instance, |start, _, remaining| {
+            let method = self.limited(remaining);
             let solved = if trace.is_on() {
                 let mut mark = |iteration: &Iteration<'_>| {
                     trace.mark(iteration.x);
                     ControlFlow::Continue(())
                 };
-                let solved = method.solve_question(question.problem, start, &mut mark);
-                trace.translate(|x| question.set.configuration(x));
+                let solved = method.solve_question(instance.problem, start, &mut mark);
+                trace.translate(|x| instance.set.configuration(x));
                 solved
             } else {
-                method.solve_question(question.problem, start, &mut Silent)
+                method.solve_question(instance.problem, start, &mut Silent)
             };
             match solved {
                 Ok(solution) => Answer::from(&solution),

@@ -53,22 +53,22 @@ impl Adapter for LaneEngineAdapter {
         Ok(())
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+    fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
         let (q_arm, solution) = (&mut self.q_arm, &mut self.solution);
-        let mut q = question.start.to_vec();
-        let solved = match (&self.arm, question.targets) {
+        let mut q = instance.start.to_vec();
+        let solved = match (&self.arm, instance.targets) {
             (Some(arm), [target]) => arm
-                .joint_values(question.start, q_arm)
+                .joint_values(instance.start, q_arm)
                 .and_then(|()| arm.solve_into(*target, q_arm, solution))
                 .and_then(|()| arm.configuration(&solution.q, &mut q))
                 .is_ok(),
             _ => false,
         };
         if !solved {
-            return Answer::at(question.start.to_vec());
+            return Answer::at(instance.start.to_vec());
         }
         Answer {
-            q: question.set.within_limits(&q),
+            q: instance.set.within_limits(&q),
             ..Answer::from(&self.solution)
         }
     }

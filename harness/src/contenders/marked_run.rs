@@ -31,16 +31,16 @@ impl Watch {
     where
         I::Param: Place,
     {
-        if let Some(place) = state.get_best_param().or_else(|| state.get_param()) {
-            self.0.mark(place.coordinates().as_slice());
+        if let Some(variables) = state.get_best_param().or_else(|| state.get_param()) {
+            self.0.mark(variables.coordinates().as_slice());
         }
     }
 }
 
-/// Runs an executor for at most `left`.
+/// Runs an executor for at most `time_limit`.
 pub(super) fn run<P, S, I>(
     executor: Executor<P, S, I>,
-    left: Duration,
+    time_limit: Duration,
     trace: &Trace,
 ) -> Result<OptimizationResult<P, S, I>, Error>
 where
@@ -48,7 +48,7 @@ where
     I: State,
     I::Param: Place,
 {
-    let executor = executor.timeout(left);
+    let executor = executor.timeout(time_limit);
     if trace.is_on() {
         executor
             .add_observer(Watch(trace.clone()), ObserverMode::Always)

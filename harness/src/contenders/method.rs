@@ -46,13 +46,13 @@ impl Adapter for MethodAdapter {
         &Derivatives::ALL
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        attempts(question, |start, _, left| {
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        attempts(instance, |start, _, remaining| {
             let stopping = Stopping::default()
                 .with_max_iterations(self.steps)
-                .with_time_limit(left);
+                .with_time_limit(remaining);
             let solver = self.solver.clone().with_stopping(stopping);
-            solve_marked(&solver, question, start, &mut self.workspace, trace)
+            solve_marked(&solver, instance, start, &mut self.workspace, trace)
         })
     }
 }
@@ -60,7 +60,7 @@ impl Adapter for MethodAdapter {
 /// Runs a solver of kinopt and marks every iteration.
 pub(super) fn solve_marked(
     solver: &Solver,
-    question: &ProblemInstance<'_>,
+    instance: &ProblemInstance<'_>,
     start: &[f64],
     workspace: &mut Workspace,
     trace: &Trace,
@@ -70,11 +70,11 @@ pub(super) fn solve_marked(
             trace.mark(iteration.x);
             ControlFlow::Continue(())
         };
-        let solved = solver.solve_observed(question.problem, start, workspace, &mut mark);
-        trace.translate(|x| question.set.configuration(x));
+        let solved = solver.solve_observed(instance.problem, start, workspace, &mut mark);
+        trace.translate(|x| instance.set.configuration(x));
         solved
     } else {
-        solver.solve(question.problem, start, workspace)
+        solver.solve(instance.problem, start, workspace)
     };
     match solved {
         Ok(solution) => Answer::from(solution),

@@ -21,9 +21,9 @@ use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, Projec
 use crate::Adapter;
 
 /// Iterations of one attempt of the gradient methods, whose iterations are cheap.
-const GRADIENT_STEPS: usize = 2000;
+const MAX_GRADIENT_STEPS: usize = 2000;
 /// Iterations of one attempt of the other methods.
-const STEPS: usize = 200;
+const MAX_STEPS: usize = 200;
 
 /// All solvers with their default settings.
 #[must_use]
@@ -34,11 +34,11 @@ pub fn all() -> Vec<Box<dyn Adapter>> {
     let error = LevenbergMarquardt::new(Damping::ErrorProportional);
     vec![
         Box::new(SolverAdapter::default()),
-        Box::new(MethodAdapter::new(gain, STEPS)),
-        Box::new(MethodAdapter::new(error, STEPS)),
-        Box::new(MethodAdapter::new(GaussNewton::default(), STEPS)),
-        Box::new(MethodAdapter::new(halving, GRADIENT_STEPS)),
-        Box::new(MethodAdapter::new(barzilai_borwein, GRADIENT_STEPS)),
+        Box::new(MethodAdapter::new(gain, MAX_STEPS)),
+        Box::new(MethodAdapter::new(error, MAX_STEPS)),
+        Box::new(MethodAdapter::new(GaussNewton::default(), MAX_STEPS)),
+        Box::new(MethodAdapter::new(halving, MAX_GRADIENT_STEPS)),
+        Box::new(MethodAdapter::new(barzilai_borwein, MAX_GRADIENT_STEPS)),
         Box::new(LaneEngineAdapter::default()),
         Box::new(ArgminAdapter::lbfgs()),
         Box::new(ArgminAdapter::trust_region()),

@@ -51,13 +51,13 @@ impl Adapter for SolverAdapter {
         &Derivatives::ALL
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        let stopping = Stopping::default().with_time_limit(question.budget.time_limit);
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        let stopping = Stopping::default().with_time_limit(instance.budget.time_limit);
         let solver = self.solver.clone().with_stopping(stopping);
         solve_marked(
             &solver,
-            question,
-            question.start,
+            instance,
+            instance.start,
             &mut self.workspace,
             trace,
         )

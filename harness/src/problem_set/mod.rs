@@ -16,7 +16,7 @@ use kinopt::{Model, Problem};
 use crate::HarnessError;
 
 /// Distance of the seeds of cases; attempts count below it.
-const SEEDS_A_CASE: u64 = 1 << 16;
+const SEEDS_PER_CASE: u64 = 1 << 16;
 
 /// One problem: targets of the frames, and a start.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +75,8 @@ impl ProblemSet {
         let mut cases = Vec::with_capacity(count);
         for index in 0..count {
             let seed = self.seed_of_case(index);
-            let posed = self.random_configuration(seed.wrapping_sub(1));
-            let targets = kinematics.place(&posed)?.to_vec();
+            let target_configuration = self.random_configuration(seed.wrapping_sub(1));
+            let targets = kinematics.place(&target_configuration)?.to_vec();
             let start = match start {
                 Some(start) => start.to_vec(),
                 None => self.random_configuration(seed),
@@ -202,7 +202,7 @@ impl ProblemSet {
         let case = u64::try_from(case).unwrap_or(u64::MAX).wrapping_add(1);
         self.seed
             .rotate_left(40)
-            .wrapping_add(case.wrapping_mul(SEEDS_A_CASE))
+            .wrapping_add(case.wrapping_mul(SEEDS_PER_CASE))
     }
 
     /// A configuration sampled within the limits; mimic joints follow, locked joints keep their values.

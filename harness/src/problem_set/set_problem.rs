@@ -54,7 +54,7 @@ impl SetProblem {
     }
 
     /// Problem instance with the targets of the case.
-    pub(crate) fn question(&self) -> Result<ProblemInstance<'_>, ProblemError> {
+    pub(crate) fn instance(&self) -> Result<ProblemInstance<'_>, ProblemError> {
         self.problem.with_targets(&self.targets)
     }
 }

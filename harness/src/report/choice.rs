@@ -4,7 +4,7 @@ use crate::profile::median;
 use crate::{Results, Run};
 
 /// Largest number of lines in one chart.
-const LINES: usize = 7;
+const MAX_CHART_LINES: usize = 7;
 
 /// One panel of a picture: its title and its runs.
 pub(super) struct Panel<'r> {
@@ -47,10 +47,10 @@ pub(super) fn panels(results: &Results) -> Vec<Panel<'_>> {
     let mut panels: Vec<Panel<'_>> = Vec::new();
     let best = best_routes(results);
     for family in best.chunk_by(|a, b| a.family == b.family) {
-        for lines in family.chunks(LINES) {
+        for lines in family.chunks(MAX_CHART_LINES) {
             let title = lines.first().map_or("", |run| &run.family);
             match panels.last_mut() {
-                Some(last) if last.runs.len() + lines.len() <= LINES => {
+                Some(last) if last.runs.len() + lines.len() <= MAX_CHART_LINES => {
                     if !last.title.ends_with(title) {
                         last.title = format!("{}, {title}", last.title);
                     }

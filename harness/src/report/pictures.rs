@@ -7,9 +7,9 @@ use crate::profile::{performance_profile, share_within};
 use crate::{Results, Run};
 
 /// Number of solvers whose derivative modes are compared: those that solve the most.
-const COMPARED: usize = 4;
+const COMPARED_SOLVERS: usize = 4;
 /// Costs below this fraction of the first are drawn at the edge.
-const LOWEST_COST: f64 = 1e-18;
+const MIN_RELATIVE_COST: f64 = 1e-18;
 
 fn percent(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
@@ -113,7 +113,7 @@ pub fn routes(results: &Results) -> Figure {
     // Stable sort: equal runs keep the order of the results.
     best.sort_by_key(|run| std::cmp::Reverse(run.solved()));
     let mut figure = Figure::new(format!("Derivative routes: {}", results.model.name));
-    for solver in best.iter().take(COMPARED).map(|run| &run.solver) {
+    for solver in best.iter().take(COMPARED_SOLVERS).map(|run| &run.solver) {
         let mut chart = Chart::new(solver.clone())
             .x(Axis::log("time for one problem, µs"))
             .y(solved_axis());
@@ -134,9 +134,10 @@ pub fn course(results: &Results) -> Figure {
     let mut panels = panels(results);
     let points = |run: &&Run| -> Vec<(f64, f64)> {
         let mut courses = results.courses.iter();
-        let own = courses.find(|course| course.solver == run.solver && course.route == run.route);
-        let own = own.map(|course| course.points.as_slice());
-        let points = own.unwrap_or_default().iter();
+        let history =
+            courses.find(|course| course.solver == run.solver && course.route == run.route);
+        let history = history.map(|course| course.points.as_slice());
+        let points = history.unwrap_or_default().iter();
         points
             .map(|&(step, cost)| ((step + 1) as f64, cost))
             .collect()
@@ -152,7 +153,7 @@ pub fn course(results: &Results) -> Figure {
     let lowest = costs().filter(|cost| *cost > 0.0).fold(highest, f64::min);
     let mut y = Axis::log("lowest cost so far, length²");
     if highest > 0.0 {
-        y = y.range(lowest.max(LOWEST_COST * highest) / 3.0, 3.0 * highest);
+        y = y.range(lowest.max(MIN_RELATIVE_COST * highest) / 3.0, 3.0 * highest);
     }
     let (name, chosen) = (&results.model.name, results.setting.chosen);
     let title = format!("Cost over steps: {name}, problem {chosen}");

@@ -104,22 +104,22 @@ fn all_runs(results: &Results) -> String {
 }
 
 fn accuracies(results: &Results) -> String {
-    let wanted = &results.setting.accuracies;
+    let thresholds = &results.setting.accuracies;
     let mut text = String::from(
         "## Time to each accuracy\n\nEach solver by its best route: the share of problems with an error \
          below this fraction of the size (or this number of radians), and the median time until then \
          in microseconds.\n\n| solver |",
     );
-    for accuracy in wanted {
+    for accuracy in thresholds {
         let _ = write!(text, " {accuracy:e} |");
     }
     text.push_str("\n|---|");
-    text.push_str(&"---:|".repeat(wanted.len()));
+    text.push_str(&"---:|".repeat(thresholds.len()));
     text.push('\n');
     for run in choice::best_routes(results) {
         let untraced = if run.traced { "" } else { " *" };
         let _ = write!(text, "| {}{untraced} |", run.title());
-        for level in 0..wanted.len() {
+        for level in 0..thresholds.len() {
             let at = |record: &Record| record.micros_to.get(level).copied().flatten();
             let times: Vec<f64> = run.records.iter().filter_map(at).collect();
             let share = percent(times.len(), results.problems);
@@ -171,12 +171,12 @@ fn jacobians(results: &Results) -> String {
 
 fn settings(results: &Results) -> String {
     let mut text = String::from("## The solvers\n\n");
-    let mut told: Vec<&str> = Vec::new();
+    let mut listed: Vec<&str> = Vec::new();
     for run in &results.runs {
-        if told.contains(&run.solver.as_str()) {
+        if listed.contains(&run.solver.as_str()) {
             continue;
         }
-        told.push(&run.solver);
+        listed.push(&run.solver);
         let _ = match &run.sat_out {
             Some(why) => writeln!(text, "- **{}** does not apply: {why}", run.solver),
             None if run.about.is_empty() => writeln!(text, "- **{}**", run.solver),

@@ -19,17 +19,21 @@ pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Fa
         ..Scene::default()
     };
     let across = DVec3::Z.cross(eye).normalize();
-    let tall = rig.skeleton.size();
+    let height = rig.skeleton.size();
     for pose in 0..POSES {
-        let place = pose as f64 - 0.5 * (POSES - 1) as f64;
+        let column = pose as f64 - 0.5 * (POSES - 1) as f64;
         let q = angles(rig, pose);
-        let shift = across * (place * 0.8 * tall);
+        let shift = across * (column * 0.8 * height);
         add_posed(&mut scene, rig, &q, shift, linear(0x8fa9c4))?;
     }
     let heights = scene.positions.iter().map(|p| p.z);
     scene.ground = heights.fold(f64::INFINITY, f64::min);
-    let centre = DVec3::Z * 0.45 * tall;
-    let view = View::new(centre + eye.normalize() * 6.0 * tall, centre, 1.35 * tall);
+    let centre = DVec3::Z * 0.45 * height;
+    let view = View::new(
+        centre + eye.normalize() * 6.0 * height,
+        centre,
+        1.35 * height,
+    );
     let quality = Quality {
         samples: 1,
         paper_samples: 1,
@@ -42,19 +46,19 @@ pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Fa
 /// number spread the angles evenly and without correlation.
 fn angles(rig: &Rig, pose: usize) -> Vec<f64> {
     let limits = rig.skeleton.bones().iter().flat_map(|bone| bone.limits);
-    let each = limits.enumerate().map(|(index, limits)| {
+    let angles = limits.enumerate().map(|(index, limits)| {
         let unit = (index as f64 * 0.618_034 + pose as f64 * 0.381_97).fract();
-        let share = if pose == 0 {
+        let fraction = if pose == 0 {
             0.0
         } else {
             0.66 * (2.0 * unit - 1.0)
         };
-        share.abs()
-            * if share < 0.0 {
+        fraction.abs()
+            * if fraction < 0.0 {
                 limits.lower
             } else {
                 limits.upper
             }
     });
-    each.collect()
+    angles.collect()
 }

@@ -22,22 +22,22 @@ use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_placed;
 
 /// Target of the left hand, metres, and offset of the figure to the right of the picture's centre, metres.
-const PLACES: [(Option<[f64; 3]>, f64); 4] = [
+const FIGURES: [(Option<[f64; 3]>, f64); 4] = [
     (None, -2.05),
     (Some([0.4, 0.3, 0.35]), -0.75),
     (Some([0.85, 0.2, 0.8]), 0.5),
     (Some([0.75, 0.2, 1.75]), 1.9),
 ];
 /// Eye position, and the picture's right direction along the ground.
-pub(crate) const SEEN_FROM: DVec3 = DVec3::new(5.0, -6.0, 1.0);
-const RIGHT: DVec3 = DVec3::new(0.768, 0.64, 0.0);
+pub(crate) const EYE_OFFSET: DVec3 = DVec3::new(5.0, -6.0, 1.0);
+const RIGHT_DIRECTION: DVec3 = DVec3::new(0.768, 0.64, 0.0);
 const SIZE: [usize; 2] = [1000, 400];
 /// Number of frames of the drag, and maximum number until the body rests.
 const FRAMES: [u32; 2] = [60, 300];
 /// Distance of a sole's rear edge behind the toes, metres.
-const LENGTH: f64 = 0.2;
+const SOLE_LENGTH: f64 = 0.2;
 /// Half width of a sole, metres.
-const HALF_WIDTH: f64 = 0.035;
+const SOLE_HALF_WIDTH: f64 = 0.035;
 /// Distance of the centre of mass from the edges of the support polygon, metres.
 const MARGIN: f64 = 0.02;
 /// Density, kg/m³. The centre of mass does not depend on it.
@@ -69,17 +69,18 @@ impl Crouch {
         let stance =
             crouched_configuration(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
         let mut kinematics = ForwardKinematics::new(model);
-        let placed = kinematics.place(&stance)?;
-        let start = placed[hand.index()].translation;
+        let placements = kinematics.place(&stance)?;
+        let start = placements[hand.index()].translation;
         let mut tasks = Problem::builder(model);
         let target = tasks.add(Point::new(hand, start));
         let mut balance = SupportPolygon::new(&masses).with_margin(MARGIN);
         for foot in feet {
-            let toes = placed[foot.index()].translation;
-            let corners = [0.0, -LENGTH].map(|x| [-HALF_WIDTH, HALF_WIDTH].map(|y| (x, y)));
+            let toes = placements[foot.index()].translation;
+            let corners =
+                [0.0, -SOLE_LENGTH].map(|x| [-SOLE_HALF_WIDTH, SOLE_HALF_WIDTH].map(|y| (x, y)));
             let corners = corners.into_iter().flatten();
             balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
-            tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).scale(10.0));
+            tasks.add(Task::new(Pose::new(foot, placements[foot.index()])).scale(10.0));
         }
         tasks.add(Task::new(balance).scale(10.0));
         tasks.add(Posture::new(model, &stance).upright(model));
@@ -92,22 +93,22 @@ impl Crouch {
     }
 
     /// Sets the target and advances the drag by one frame.
-    pub(crate) fn lead(&mut self, to: Vector3<f64>) -> Result<(), Failure> {
-        self.drag.target_mut(self.target)?.set_target(to);
+    pub(crate) fn advance(&mut self, target: Vector3<f64>) -> Result<(), Failure> {
+        self.drag.target_mut(self.target)?.set_target(target);
         self.drag.advance();
         Ok(())
     }
 }
 
 /// Configuration at the end of a drag of the left hand to a target, from the crouched configuration.
-fn led(mut crouch: Crouch, to: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
-    let Some(to) = to.map(Vector3::from) else {
+fn dragged_to(mut crouch: Crouch, target: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
+    let Some(target) = target.map(Vector3::from) else {
         return Ok(crouch.drag.q().to_vec());
     };
     let start = crouch.start;
     for frame in 1..=FRAMES[0] {
         let share = f64::from(frame) / f64::from(FRAMES[0]);
-        crouch.lead(start + (to - start) * share)?;
+        crouch.advance(start + (target - start) * share)?;
     }
     let solution = crouch.drag.settle(FRAMES[1] as usize);
     match solution.reached {
@@ -123,17 +124,27 @@ pub(crate) fn crouching(rig: &Rig, cones: &Path, path: &Path) -> Result<(), Fail
         paper: linear(PAPER),
         ..Scene::default()
     };
-    for (to, aside) in PLACES {
-        let placements = body.pose(&led(Crouch::new(rig, &body)?, to)?)?;
-        let colour = if to.is_some() { POSED } else { AT_REST };
-        add_placed(&mut scene, rig, &placements, RIGHT * aside, linear(colour))?;
+    for (target, offset) in FIGURES {
+        let placements = body.pose(&dragged_to(Crouch::new(rig, &body)?, target)?)?;
+        let colour = if target.is_some() { POSED } else { AT_REST };
+        add_placed(
+            &mut scene,
+            rig,
+            &placements,
+            RIGHT_DIRECTION * offset,
+            linear(colour),
+        )?;
     }
     let centre = DVec3::new(0.1, 0.0, 0.9);
-    let view = View::new(centre + SEEN_FROM, centre, 2.3);
+    let view = View::new(centre + EYE_OFFSET, centre, 2.3);
     let mut image = render(&scene, &view, SIZE, Quality::STILL);
-    for (to, aside) in PLACES {
-        if let Some(to) = to {
-            ring(&mut image, &view, DVec3::from(to) + RIGHT * aside);
+    for (target, offset) in FIGURES {
+        if let Some(target) = target {
+            ring(
+                &mut image,
+                &view,
+                DVec3::from(target) + RIGHT_DIRECTION * offset,
+            );
         }
     }
     image.write(path)

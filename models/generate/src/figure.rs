@@ -45,8 +45,8 @@ pub(crate) fn axes(along: DVec3, towards: DVec3) -> DMat3 {
 impl Figure {
     /// Index of a bone by its name; an error for an unknown one.
     pub(crate) fn bone(&self, name: &str) -> Result<usize, Failure> {
-        let found = self.bones.iter().position(|bone| bone.name == name);
-        found.ok_or_else(|| format!("there is no bone `{name}`").into())
+        let index = self.bones.iter().position(|bone| bone.name == name);
+        index.ok_or_else(|| format!("there is no bone `{name}`").into())
     }
 
     /// Skeleton of the bones.
@@ -123,7 +123,7 @@ impl Figure {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         for part in self.surface.limbs.iter().flat_map(|(parts, _)| parts) {
-            let (far, radius) = match part.shape {
+            let (extent, radius) = match part.shape {
                 Shape::RoundCone {
                     length,
                     r0,
@@ -135,7 +135,7 @@ impl Figure {
                 Shape::Block { half, .. } => (0.0, half.length()),
                 Shape::Cylinder { radius, half, .. } => (0.0, radius.hypot(half)),
             };
-            for end in [part.origin, part.origin + part.axes.x_axis * far] {
+            for end in [part.origin, part.origin + part.axes.x_axis * extent] {
                 low = low.min(end - DVec3::splat(radius + 0.02));
                 high = high.max(end + DVec3::splat(radius + 0.02));
             }

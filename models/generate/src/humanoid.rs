@@ -195,9 +195,9 @@ impl Tree {
             ),
         ];
         for (side, ends, towards, limits) in sides {
-            let own = format!("{side}_{parent}");
-            let sided = self.bones.iter().any(|bone| bone.name == own);
-            let parent = if sided { own.as_str() } else { parent };
+            let sided_parent = format!("{side}_{parent}");
+            let sided = self.bones.iter().any(|bone| bone.name == sided_parent);
+            let parent = if sided { sided_parent.as_str() } else { parent };
             self.add(
                 &format!("{side}_{name}"),
                 Some(parent),

@@ -22,7 +22,7 @@ const TARGETS: [(&str, [f64; 3]); 5] = [
 ];
 /// Weights of the nominal posture in successive solves, metres per radian. The first selects a natural pose; the last
 /// does not disturb the targets.
-const POSTURE: [f64; 3] = [0.1, 0.01, 1e-3];
+const POSTURE_WEIGHTS: [f64; 3] = [0.1, 0.01, 1e-3];
 /// Position tolerance, metres.
 const TOLERANCE: f64 = 1e-4;
 
@@ -30,15 +30,15 @@ const SIZE: [usize; 2] = [1280, 820];
 pub(crate) const PAPER: u32 = 0xfafafa;
 pub(crate) const AT_REST: u32 = 0xc9ccd1;
 pub(crate) const POSED: u32 = 0x5b9bd5;
-const TARGET: u32 = 0xf2542d;
-const BONE: u32 = 0xffffff;
+const TARGET_COLOUR: u32 = 0xf2542d;
+const BONE_COLOUR: u32 = 0xffffff;
 
 /// Stacked angles of the rig with every tip at its target, radians.
 pub(crate) fn reach(rig: &Rig) -> Result<Vec<f64>, Failure> {
     let rest = vec![0.0; rig.skeleton.angles()];
     let mut q = rest.clone();
     let mut reached = Err("there is nothing to solve".into());
-    for weight in POSTURE {
+    for weight in POSTURE_WEIGHTS {
         // Only the last problem has to be reached; the first two supply its start.
         let solution = Solver::default()
             .with_restarts(Restarts::none())
@@ -81,29 +81,30 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
         paper: linear(PAPER),
         ..Scene::default()
     };
-    let (beside, here) = (DVec3::new(-0.35, -1.24, 0.0), DVec3::new(0.0, 0.42, 0.0));
+    let (rest_position, posed_position) =
+        (DVec3::new(-0.35, -1.24, 0.0), DVec3::new(0.0, 0.42, 0.0));
     // The lowest point of each figure is on the ground.
-    let mut stand = |q: &[f64], place: DVec3, colour: u32| -> Result<DVec3, Failure> {
-        let mut alone = Scene::default();
-        add_posed(&mut alone, rig, q, place, DVec3::ZERO)?;
-        let low = alone
+    let mut place_on_ground = |q: &[f64], position: DVec3, colour: u32| -> Result<DVec3, Failure> {
+        let mut figure_scene = Scene::default();
+        add_posed(&mut figure_scene, rig, q, position, DVec3::ZERO)?;
+        let lowest = figure_scene
             .positions
             .iter()
-            .fold(f64::INFINITY, |low, p| low.min(p.z));
-        let place = place - DVec3::Z * low;
-        add_posed(&mut scene, rig, q, place, linear(colour))?;
-        Ok(place)
+            .fold(f64::INFINITY, |lowest, p| lowest.min(p.z));
+        let position = position - DVec3::Z * lowest;
+        add_posed(&mut scene, rig, q, position, linear(colour))?;
+        Ok(position)
     };
-    let beside = stand(&rest, beside, AT_REST)?;
-    let here = stand(&posed, here, POSED)?;
+    let rest_position = place_on_ground(&rest, rest_position, AT_REST)?;
+    let posed_position = place_on_ground(&posed, posed_position, POSED)?;
 
     let centre = DVec3::new(0.0, -0.4, 0.97);
     let view = View::new(centre + DVec3::new(6.2, -1.3, 1.1), centre, 2.2);
     let mut image = render(&scene, &view, SIZE, Quality::STILL);
-    draw_bones(&mut image, &view, rig, &rest, beside)?;
-    draw_bones(&mut image, &view, rig, &posed, here)?;
+    draw_bones(&mut image, &view, rig, &rest, rest_position)?;
+    draw_bones(&mut image, &view, rig, &posed, posed_position)?;
     for (_, target) in TARGETS {
-        ring(&mut image, &view, DVec3::from(target) + here);
+        ring(&mut image, &view, DVec3::from(target) + posed_position);
     }
     image.write(path)
 }
@@ -113,14 +114,14 @@ pub(crate) fn draw_bones(
     view: &View,
     rig: &Rig,
     q: &[f64],
-    place: DVec3,
+    position: DVec3,
 ) -> Result<(), Failure> {
     let placements = rig.skeleton.pose(q)?;
     for bone in rig.skeleton.bone_ids() {
         let ends = [placements.tail(bone)?, placements.tip(&rig.skeleton, bone)?];
-        let ends = ends.map(|p| DVec3::from(p) + place);
-        view.line(image, ends, 0.008, linear(BONE), 0.55);
-        view.line(image, [ends[0]; 2], 0.024, linear(BONE), 0.8);
+        let ends = ends.map(|p| DVec3::from(p) + position);
+        view.line(image, ends, 0.008, linear(BONE_COLOUR), 0.55);
+        view.line(image, [ends[0]; 2], 0.024, linear(BONE_COLOUR), 0.8);
     }
     Ok(())
 }
@@ -129,18 +130,18 @@ pub(crate) fn draw_bones(
 pub(crate) fn ring(image: &mut Image, view: &View, centre: DVec3) {
     const CORNERS: usize = 48;
     let (right, up) = view.across();
-    let at = |corner: usize| {
+    let point = |corner: usize| {
         let (sin, cos) = (corner as f64 / CORNERS as f64 * std::f64::consts::TAU).sin_cos();
         centre + (right * cos + up * sin) * 0.052
     };
     for corner in 0..CORNERS {
         view.line(
             image,
-            [at(corner), at(corner + 1)],
+            [point(corner), point(corner + 1)],
             0.011,
-            linear(TARGET),
+            linear(TARGET_COLOUR),
             1.0,
         );
     }
-    view.line(image, [centre; 2], 0.026, linear(TARGET), 1.0);
+    view.line(image, [centre; 2], 0.026, linear(TARGET_COLOUR), 1.0);
 }

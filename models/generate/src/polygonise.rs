@@ -68,14 +68,14 @@ impl Grid {
         for block in cells(blocks) {
             let first = block * BLOCK;
             let centre = grid.at(first) + DVec3::splat(0.5 * f64::from(BLOCK) * step);
-            let far = surface.distance(centre);
+            let block_distance = surface.distance(centre);
             for node in cells(UVec3::splat(BLOCK + 1)) {
                 let index = grid.index(first + node);
-                if far.abs() <= reach {
+                if block_distance.abs() <= reach {
                     grid.distances[index] = surface.distance(grid.at(first + node));
                 } else if grid.distances[index].is_infinite() {
                     // Only the sign is used, as no surface is near.
-                    grid.distances[index] = far;
+                    grid.distances[index] = block_distance;
                 }
             }
         }
@@ -176,8 +176,10 @@ fn components(inside: [bool; 8]) -> [usize; 8] {
     for _ in 0..7 {
         for a in 0..8_usize {
             for b in 0..8_usize {
-                let apart = (a ^ b).count_ones();
-                if inside[a] == inside[b] && (apart == 1 || (apart == 2 && !inside[a])) {
+                let differing_bits = (a ^ b).count_ones();
+                if inside[a] == inside[b]
+                    && (differing_bits == 1 || (differing_bits == 2 && !inside[a]))
+                {
                     group[a] = group[a].min(group[b]);
                 }
             }

@@ -8,16 +8,16 @@ use glam::DVec3;
 use crate::polygonise::Soup;
 use crate::surface::Surface;
 
-/// Length below which an edge collapses, and the maximum length of a new edge, as fractions of the wanted length.
-const SHORT: f64 = 0.85;
-const LONG: f64 = 1.4;
+/// Length below which an edge collapses, and the maximum length of a new edge, as fractions of the target length.
+const MIN_EDGE_RATIO: f64 = 0.85;
+const MAX_EDGE_RATIO: f64 = 1.4;
 const ROUNDS: usize = 12;
 
 struct Mesh<'a> {
     surface: &'a Surface,
     positions: Vec<DVec3>,
-    /// Wanted edge length at each vertex.
-    wanted: Vec<f64>,
+    /// Target edge length at each vertex.
+    target_lengths: Vec<f64>,
     triangles: Vec<Option<[u32; 3]>>,
     /// Triangles at each vertex.
     around: Vec<Vec<u32>>,
@@ -33,12 +33,12 @@ pub(crate) fn remesh(soup: Soup, surface: &Surface) -> Soup {
     }
     let mut mesh = Mesh {
         surface,
-        wanted: vec![0.0; soup.positions.len()],
+        target_lengths: vec![0.0; soup.positions.len()],
         positions: soup.positions,
         triangles: soup.triangles.into_iter().map(Some).collect(),
         around,
     };
-    mesh.want();
+    mesh.set_target_lengths();
     for _ in 0..ROUNDS {
         mesh.collapse_short_edges();
         mesh.flip_edges();
@@ -48,19 +48,22 @@ pub(crate) fn remesh(soup: Soup, surface: &Surface) -> Soup {
 }
 
 impl Mesh<'_> {
-    /// Sets the wanted edge lengths from the parts, with gradual changes from vertex to vertex.
-    fn want(&mut self) {
-        for (wanted, &p) in self.wanted.iter_mut().zip(&self.positions) {
-            *wanted = self.surface.part_at(p).map_or(0.0, |part| part.edge);
+    /// Sets the target edge lengths from the parts, with gradual changes from vertex to vertex.
+    fn set_target_lengths(&mut self) {
+        for (target_length, &p) in self.target_lengths.iter_mut().zip(&self.positions) {
+            *target_length = self.surface.part_at(p).map_or(0.0, |part| part.edge);
         }
         for _ in 0..8 {
-            let each = 0..self.positions.len() as u32;
-            let smooth = each.map(|vertex| {
-                let near = self.neighbours(vertex);
-                let sum: f64 = near.iter().map(|&n| self.wanted[n as usize]).sum();
-                0.5 * (self.wanted[vertex as usize] + sum / near.len().max(1) as f64)
+            let vertices = 0..self.positions.len() as u32;
+            let smooth = vertices.map(|vertex| {
+                let neighbours = self.neighbours(vertex);
+                let sum: f64 = neighbours
+                    .iter()
+                    .map(|&n| self.target_lengths[n as usize])
+                    .sum();
+                0.5 * (self.target_lengths[vertex as usize] + sum / neighbours.len().max(1) as f64)
             });
-            self.wanted = smooth.collect();
+            self.target_lengths = smooth.collect();
         }
     }
 
@@ -71,14 +74,14 @@ impl Mesh<'_> {
 
     /// Sorted neighbours without duplicates.
     fn neighbours(&self, vertex: u32) -> Vec<u32> {
-        let mut near: Vec<u32> = self
+        let mut neighbours: Vec<u32> = self
             .corners(vertex)
             .flatten()
             .filter(|&v| v != vertex)
             .collect();
-        near.sort_unstable();
-        near.dedup();
-        near
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours
     }
 
     fn normal(&self, [a, b, c]: [u32; 3]) -> DVec3 {
@@ -88,12 +91,13 @@ impl Mesh<'_> {
 
     fn collapse_short_edges(&mut self) {
         for a in 0..self.positions.len() as u32 {
-            let (at, wanted) = (self.positions[a as usize], self.wanted[a as usize]);
-            let mut near = self.neighbours(a);
-            let length = |&v: &u32| at.distance_squared(self.positions[v as usize]);
-            near.sort_by(|v, w| length(v).total_cmp(&length(w)));
-            near.retain(|v| length(v) < (SHORT * wanted).powi(2));
-            for b in near {
+            let (position, target_length) =
+                (self.positions[a as usize], self.target_lengths[a as usize]);
+            let mut neighbours = self.neighbours(a);
+            let length = |&v: &u32| position.distance_squared(self.positions[v as usize]);
+            neighbours.sort_by(|v, w| length(v).total_cmp(&length(w)));
+            neighbours.retain(|v| length(v) < (MIN_EDGE_RATIO * target_length).powi(2));
+            for b in neighbours {
                 if self.collapse(a, b) {
                     break;
                 }
@@ -110,21 +114,23 @@ impl Mesh<'_> {
             .count();
         let (pa, pb) = (self.positions[a as usize], self.positions[b as usize]);
         let middle = self.surface.project(0.5 * (pa + pb));
-        let long =
-            |v: u32| middle.distance(self.positions[v as usize]) > LONG * self.wanted[v as usize];
+        let is_too_long = |v: u32| {
+            middle.distance(self.positions[v as usize])
+                > MAX_EDGE_RATIO * self.target_lengths[v as usize]
+        };
         if shared != 2
             || near_a
                 .iter()
                 .chain(&near_b)
-                .any(|&v| v != a && v != b && long(v))
+                .any(|&v| v != a && v != b && is_too_long(v))
         {
             return false;
         }
-        let kept = |t: &[u32; 3]| !(t.contains(&a) && t.contains(&b));
+        let is_kept = |t: &[u32; 3]| !(t.contains(&a) && t.contains(&b));
         let moved: Vec<[u32; 3]> = self
             .corners(a)
             .chain(self.corners(b))
-            .filter(kept)
+            .filter(is_kept)
             .collect();
         let before: Vec<DVec3> = moved.iter().map(|&t| self.normal(t)).collect();
         (self.positions[a as usize], self.positions[b as usize]) = (middle, middle);
@@ -170,32 +176,36 @@ impl Mesh<'_> {
         let opposite = |from: u32, to: u32| {
             self.around[from as usize].iter().find_map(|&index| {
                 let t = self.triangles[index as usize]?;
-                let turned = (0..3).find(|&k| t[k] == from && t[(k + 1) % 3] == to)?;
-                Some((index, t[(turned + 2) % 3]))
+                let corner = (0..3).find(|&k| t[k] == from && t[(k + 1) % 3] == to)?;
+                Some((index, t[(corner + 2) % 3]))
             })
         };
         let (Some((first, c)), Some((second, d))) = (opposite(a, b), opposite(b, a)) else {
             return;
         };
         let valence = [a, b, c, d].map(|v| self.neighbours(v).len() as i32);
-        let off = |change: [i32; 4]| -> i32 {
+        let irregularity = |change: [i32; 4]| -> i32 {
             valence
                 .iter()
                 .zip(change)
-                .map(|(n, by)| (n + by - 6).pow(2))
+                .map(|(n, change)| (n + change - 6).pow(2))
                 .sum()
         };
-        let (one, two) = ([a, d, c], [d, b, c]);
+        let (first_flipped, second_flipped) = ([a, d, c], [d, b, c]);
         let old = self.normal([a, b, c]) + self.normal([b, a, d]);
-        let folds = [one, two]
+        let folds = [first_flipped, second_flipped]
             .iter()
             .any(|&t| self.normal(t).dot(old.normalize_or_zero()) < 0.8);
         let joined = self.neighbours(c).binary_search(&d).is_ok();
-        if off([-1, -1, 1, 1]) >= off([0; 4]) || folds || joined || valence[0].min(valence[1]) < 5 {
+        if irregularity([-1, -1, 1, 1]) >= irregularity([0; 4])
+            || folds
+            || joined
+            || valence[0].min(valence[1]) < 5
+        {
             return;
         }
-        self.triangles[first as usize] = Some(one);
-        self.triangles[second as usize] = Some(two);
+        self.triangles[first as usize] = Some(first_flipped);
+        self.triangles[second as usize] = Some(second_flipped);
         self.around[a as usize].retain(|&t| t != second);
         self.around[b as usize].retain(|&t| t != first);
         self.around[c as usize].push(second);
@@ -205,16 +215,16 @@ impl Mesh<'_> {
     /// Moves every vertex along the surface towards the mean of its neighbours.
     fn spread(&mut self) {
         for vertex in 0..self.positions.len() as u32 {
-            let near = self.neighbours(vertex);
-            if near.is_empty() {
+            let neighbours = self.neighbours(vertex);
+            if neighbours.is_empty() {
                 continue;
             }
             let p = self.positions[vertex as usize];
-            let sum: DVec3 = near.iter().map(|&n| self.positions[n as usize]).sum();
+            let sum: DVec3 = neighbours.iter().map(|&n| self.positions[n as usize]).sum();
             let normal = self.surface.normal(p);
-            let step = sum / near.len() as f64 - p;
-            let along = p + 0.7 * (step - normal * step.dot(normal));
-            self.positions[vertex as usize] = self.surface.project(along);
+            let step = sum / neighbours.len() as f64 - p;
+            let position = p + 0.7 * (step - normal * step.dot(normal));
+            self.positions[vertex as usize] = self.surface.project(position);
         }
     }
 

@@ -145,9 +145,9 @@ impl Surface {
 
 /// Quadratic smooth minimum with the fillet of the second argument.
 fn join((a, keep): (f64, f64), (b, fillet): (f64, f64)) -> (f64, f64) {
-    let near = (fillet - (a - b).abs()).max(0.0);
+    let overlap = (fillet - (a - b).abs()).max(0.0);
     let rounding = if fillet > 0.0 {
-        near * near / (4.0 * fillet)
+        overlap * overlap / (4.0 * fillet)
     } else {
         0.0
     };

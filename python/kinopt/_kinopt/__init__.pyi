@@ -127,7 +127,7 @@ class ModelBuilder:
         parent: str | None = None,
         parent_from_joint: PlacementLike | None = None,
         *,
-        room: Sequence[tuple[float, float]] | None = None,
+        bounds: Sequence[tuple[float, float]] | None = None,
     ) -> None: ...
     def planar(
         self,
@@ -136,7 +136,7 @@ class ModelBuilder:
         parent_from_joint: PlacementLike | None = None,
         normal: Sequence[float] = ...,
         *,
-        room: Sequence[tuple[float, float]] | None = None,
+        bounds: Sequence[tuple[float, float]] | None = None,
         yaw: tuple[float, float] | None = None,
     ) -> None: ...
     def universal(

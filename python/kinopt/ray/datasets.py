@@ -47,15 +47,15 @@ def solve(
     Raises the exceptions of Ray's ``map_batches`` for unknown options, and, when the dataset is computed, Ray's
     ``RayTaskError`` around exceptions of ``solver``.
     """
-    fewest, most = workers if isinstance(workers, tuple) else (workers or 1, workers or cores())
+    min_workers, max_workers = workers if isinstance(workers, tuple) else (workers or 1, workers or cores())
     # Workers with a whole core each would leave none for reading.
-    options.setdefault("num_cpus", min(1.0, (cores() - 1) * 1000 // most / 1000))
+    options.setdefault("num_cpus", min(1.0, (cores() - 1) * 1000 // max_workers / 1000))
     return dataset.map_batches(
         Worker,
         fn_constructor_args=(solver,),
         batch_format="pyarrow",
         batch_size=batch_size,
-        compute=ray.data.ActorPoolStrategy(min_size=fewest, max_size=most),
+        compute=ray.data.ActorPoolStrategy(min_size=min_workers, max_size=max_workers),
         **options,
     )
 

@@ -16,7 +16,7 @@ from .folder import Folder
 # Metadata key in a file of solutions, with the stamp of its file of targets.
 _STAMP = "kinopt targets"
 # Number of rows of a finished file that are solved again when a job continues.
-_PROBED = 64
+_PROBED_ROWS = 64
 
 
 def write_blocks(
@@ -72,17 +72,17 @@ def solve_files(
     for name in [name for name in names if name not in left][:1]:
         job.probe(name)
     if left:
-        many = min(len(left), cores() if workers is None else workers)
+        worker_count = min(len(left), cores() if workers is None else workers)
         files = ray.data.from_items([{"name": name} for name in left], override_num_blocks=len(left))
-        told = files.map_batches(
+        results = files.map_batches(
             _FileWorker,
             fn_constructor_args=(job,),
             batch_format="pyarrow",
             batch_size=1,
-            compute=ray.data.ActorPoolStrategy(size=many),
+            compute=ray.data.ActorPoolStrategy(size=worker_count),
             **options,
         )
-        problems = sorted(row["problem"] for row in told.iter_rows() if row["problem"])
+        problems = sorted(row["problem"] for row in results.iter_rows() if row["problem"])
         if problems:
             raise InvalidValueError("; ".join(problems))
     return into.dataset(names)
@@ -101,10 +101,10 @@ class _Job:
 
     def probe(self, name: str) -> None:
         """Raises an error if a finished file differs from the current results."""
-        again = self.solver(self.source.read(name).slice(0, _PROBED))
-        before = self.into.read(name).slice(0, _PROBED)
+        recomputed = self.solver(self.source.read(name).slice(0, _PROBED_ROWS))
+        stored = self.into.read(name).slice(0, _PROBED_ROWS)
         # Compared as text, which is exact and treats NaN as equal.
-        if repr(again.to_pydict()) != repr(before.to_pydict()):
+        if repr(recomputed.to_pydict()) != repr(stored.to_pydict()):
             raise InvalidValueError(
                 f"{name} in {self.into.name} belongs to another query: use another folder, or delete it"
             )
@@ -114,10 +114,10 @@ class _Job:
         # Taken before reading: a later change of the file then invalidates the result.
         stamp = self.source.stamp(name)
         try:
-            answers = self.solver(self.source.read(name))
+            results = self.solver(self.source.read(name))
         except KinoptError as error:
             return f"{name}: {error}"
-        self.into.write(name, answers, {_STAMP: stamp})
+        self.into.write(name, results, {_STAMP: stamp})
         return None
 
 

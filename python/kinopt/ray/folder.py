@@ -13,7 +13,7 @@ from pyarrow import fs
 
 from ..errors import FileError
 
-_UNFINISHED = ".part"
+_UNFINISHED_SUFFIX = ".part"
 
 
 class Folder:
@@ -36,7 +36,7 @@ class Folder:
         """Creates the folder, and removes unfinished files of an interrupted job."""
         try:
             self.system.create_dir(self.path, recursive=True)
-            for name in self._names(_UNFINISHED):
+            for name in self._names(_UNFINISHED_SUFFIX):
                 self.system.delete_file(self.path_of(name))
         except OSError as error:
             raise FileError(f"{self.name} cannot be written: {error}") from None
@@ -80,7 +80,7 @@ class Folder:
     def write(self, name: str, table: pa.Table, notes: dict[str, str] | None = None) -> None:
         """Writes a table to a temporary name first, so that no partial file appears."""
         table = table.replace_schema_metadata({**(table.schema.metadata or {}), **(notes or {})})
-        unfinished = self.path_of(f".{name}.{uuid4().hex}{_UNFINISHED}")
+        unfinished = self.path_of(f".{name}.{uuid4().hex}{_UNFINISHED_SUFFIX}")
         try:
             pq.write_table(table, unfinished, filesystem=self.system, use_dictionary=False)
             self.system.move(unfinished, self.path_of(name))

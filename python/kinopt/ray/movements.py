@@ -63,16 +63,16 @@ def retarget_files(
         margin=margin,
     )
     begun = job.begin(overwrite)
-    many = workers or cores()
-    options.setdefault("num_cpus", 1 if workers is None else min(1.0, cores() * 1000 // many / 1000))
+    worker_count = workers or cores()
+    options.setdefault("num_cpus", 1 if workers is None else min(1.0, cores() * 1000 // worker_count / 1000))
     run = ray.remote(_run).options(**options)
-    held = ray.put(job)
+    job_reference = ray.put(job)
     running: dict[Any, Pair] = {}
     waiting = begun.left[::-1]
     while waiting or running:
-        while waiting and len(running) < many:
+        while waiting and len(running) < worker_count:
             pair = waiting.pop()
-            running[run.remote(held, pair)] = pair
+            running[run.remote(job_reference, pair)] = pair
         for done in ray.wait(list(running))[0]:
             begun.note(running.pop(done), ray.get(done))
     return begun.reports

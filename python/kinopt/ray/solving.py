@@ -59,7 +59,7 @@ class SolveArm:
         """Solves a table of targets."""
         start = self.start if self.starts is None else numbers(targets, self.starts)
         batch = self.arm.solve_batch(numbers(targets, self.target, (4, 4)), start, self.threads)
-        return answered(kept(targets, self.keep, (self.target, self.starts)), batch)
+        return with_results(kept_columns(targets, self.keep, (self.target, self.starts)), batch)
 
 
 class SolveProblem:
@@ -116,13 +116,13 @@ class SolveProblem:
             starts = np.tile(self.start, (targets.num_rows, 1))
         else:
             starts = numbers(targets, str(self.starts), (self.problem.configuration_len,))
-        wanted = {
-            name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
+        solver_targets = {
+            name: numbers(targets, column_name, self._shapes[name]) for name, column_name in self.targets.items()
         }
         batch = self.solver.solve_batch(
-            self.problem, starts, wanted, max_move=self.max_move, threads=self.threads
+            self.problem, starts, solver_targets, max_move=self.max_move, threads=self.threads
         )
-        return answered(kept(targets, self.keep, (*self.targets.values(), self.starts)), batch)
+        return with_results(kept_columns(targets, self.keep, (*self.targets.values(), self.starts)), batch)
 
 
 def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
@@ -139,7 +139,7 @@ def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
     return shapes.get(type(task), (-1,))
 
 
-def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]) -> pa.Table:
+def kept_columns(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]) -> pa.Table:
     """The columns to copy: those of ``keep``, or all that are not ``used``."""
     if keep is None:
         keep = [name for name in table.column_names if name not in used]
@@ -152,7 +152,7 @@ def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]
     return table.select(keep)
 
 
-def answered(table: pa.Table, batch: Any) -> pa.Table:
+def with_results(table: pa.Table, batch: Any) -> pa.Table:
     """The table with the results of a batch appended."""
     for name in ANSWERS:
         values = getattr(batch, name)

@@ -82,8 +82,8 @@ class FolderJob:
     def begin(self, overwrite: bool) -> Begun:
         """Creates the output folder, or continues one of an equal job."""
         skeleton = self.map if isinstance(self.map, str) and is_skeleton(self.map) else None
-        given = read_map(self.map)
-        text = None if given is None else json.dumps(given)
+        parsed_map = read_map(self.map)
+        text = None if parsed_map is None else json.dumps(parsed_map)
         folders = (self.source, self.out)
         # Each option struct reads its own fields.
         return Begun(folder_begun(folders, self.target, text, skeleton, self.options, self.options, overwrite))
@@ -92,12 +92,20 @@ class FolderJob:
         """Retargets one motion capture, and returns its report."""
         source, out = pair
         try:
-            found = retarget(source, self.target, self.map, **self.options)
-            found.save(out)
+            retargeted = retarget(source, self.target, self.map, **self.options)
+            retargeted.save(out)
         except KinoptError as error:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
-        return ClipReport(source, out, len(found), found.mean_error, found.slip, found.ground_penetration, notes=found.notes)
+        return ClipReport(
+            source,
+            out,
+            len(retargeted),
+            retargeted.mean_error,
+            retargeted.slip,
+            retargeted.ground_penetration,
+            notes=retargeted.notes,
+        )
 
 
 def retarget_folder(

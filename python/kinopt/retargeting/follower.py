@@ -12,7 +12,7 @@ from .._kinopt import World
 from .._kinopt.retargeting import Live
 from ..types import Floats
 from .maps import MapLike, naming
-from .retarget import asked
+from .retarget import retarget_request
 from .sources import Source
 from .targets import TargetLike
 
@@ -45,7 +45,7 @@ class RetargetFollower:
         world: World | None = None,
         margin: float | None = None,
     ) -> None:
-        own = asked(
+        request = retarget_request(
             measured,
             target,
             map,
@@ -61,8 +61,8 @@ class RetargetFollower:
             margin=margin,
         )
         with naming(map):
-            self._live = Live(own.capture, own.target, json.dumps(own.map), own.options)
-        self._map = own.map
+            self._live = Live(request.capture, request.target, json.dumps(request.map), request.options)
+        self._map = request.map
 
     @property
     def q(self) -> Floats:

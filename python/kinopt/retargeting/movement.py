@@ -108,8 +108,8 @@ class Retargeted:
     def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
         """Frames in which a driven point is farther than ``tolerance`` (metres) from its target, by its driving
         joint."""
-        far = self.errors > tolerance
-        return {name: np.flatnonzero(far[:, k]) for k, name in enumerate(self.driven) if far[:, k].any()}
+        is_missed = self.errors > tolerance
+        return {name: np.flatnonzero(is_missed[:, k]) for k, name in enumerate(self.driven) if is_missed[:, k].any()}
 
     def clip(self, target: TargetLike, name: str = "retargeted") -> Clip:
         """The motion as a clip of ``target``'s armature, in the axes of its file. ``target`` is the rig, skeleton,

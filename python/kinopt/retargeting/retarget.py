@@ -18,7 +18,7 @@ from .targets import Target, TargetLike, read_target
 
 
 @dataclass(frozen=True)
-class Question:
+class RetargetRequest:
     """A capture, a target and the map between them."""
 
     capture: Capture
@@ -28,7 +28,7 @@ class Question:
     options: dict[str, Any]
 
 
-def asked(
+def retarget_request(
     source: Source,
     target: TargetLike,
     map: MapLike,
@@ -38,27 +38,27 @@ def asked(
     up: Literal["y", "z"] | None,
     clip: str | None,
     **options: Any,
-) -> Question:
+) -> RetargetRequest:
     """Reads the capture, the target and the map."""
     skeleton = map if isinstance(map, str) and is_skeleton(map) else None
-    given = read_map(map)
-    if given is not None:
-        joints = given.get("joints") or joints if joints is None else joints
-        fps = given.get("fps") if fps is None else fps
+    parsed_map = read_map(map)
+    if parsed_map is not None:
+        joints = parsed_map.get("joints") or joints if joints is None else joints
+        fps = parsed_map.get("fps") if fps is None else fps
         if up is not None:
             # The argument has priority over the map.
-            given = {**given, "up": up}
-        up = given.get("up")
+            parsed_map = {**parsed_map, "up": up}
+        up = parsed_map.get("up")
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
     target = read_target(target)
     notes: list[str] = []
-    if given is None:
+    if parsed_map is None:
         guess = guess_map(capture, target, skeleton)
-        given, notes = guess.map, guess.notes
+        parsed_map, notes = guess.map, guess.notes
     else:
         with naming(map):
-            given, notes = completed(given, capture, target)
-    return Question(capture, target, given, notes, options)
+            parsed_map, notes = completed(parsed_map, capture, target)
+    return RetargetRequest(capture, target, parsed_map, notes, options)
 
 
 def retarget(
@@ -106,7 +106,7 @@ def retarget(
     Raises ``UnknownNameError`` for names in the map that the capture or the target lacks, ``InvalidValueError`` for
     invalid arrays, names and options, ``FileError`` and ``InvalidFileError`` for files.
     """
-    own = asked(
+    request = retarget_request(
         source,
         target,
         map,
@@ -123,27 +123,27 @@ def retarget(
     )
     with naming(map):
         parts = capture_retargeted(
-            own.capture,
-            own.target,
-            json.dumps(own.map),
+            request.capture,
+            request.target,
+            json.dumps(request.map),
             whole,
-            own.options,
+            request.options,
             bars.bar() if progress is True else progress or None,
         )
-    q, names, contacts, (standing, contact_points), errors, driven, measured, limits, touching, lost_contacts, base = parts
+    q, names, contacts, (contact_frames, contact_points), errors, driven, scalars, limits, touching, lost_contacts, base = parts
     stands_along, has_fixed_base = base
-    mean_error, slip, ground_penetration, stride = measured
-    notes = list(own.notes)
+    mean_error, slip, ground_penetration, stride = scalars
+    notes = list(request.notes)
     if stands_along is not None:
         notes.append("the target is upright along another axis than its upward axis")
     if has_fixed_base:
         notes.append('the target has legs but a fixed base, so it stays in place: read the robot with base_joint="free"')
     return Retargeted(
         q=q,
-        fps=own.capture.fps,
+        fps=request.capture.fps,
         names=names,
         contacts=contacts,
-        contact_frames=standing,
+        contact_frames=contact_frames,
         contact_points=contact_points,
         errors=errors,
         driven=driven,
@@ -152,11 +152,11 @@ def retarget(
         ground_penetration=ground_penetration,
         stride=stride,
         limits=[LimitMet(*limit) for limit in limits],
-        lost_contacts=[LostContact(*own) for own in lost_contacts],
+        lost_contacts=[LostContact(*lost) for lost in lost_contacts],
         touching=[Touching(*pair) for pair in touching],
-        map=own.map,
+        map=request.map,
         notes=notes,
-        capture=own.capture,
+        capture=request.capture,
     )
 
 

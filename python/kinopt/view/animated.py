@@ -20,7 +20,7 @@ from .solids import Solid
 Array = NDArray[np.float64]
 
 #: Number of times of each clip that are checked for scaling bones.
-MOMENTS = 24
+CLIP_SAMPLES = 24
 #: Colours of the meshes of a scene, in order.
 COLORS: tuple[Color, ...] = (look.SKIN, (150, 160, 172), (120, 140, 160), (190, 150, 120))
 
@@ -55,31 +55,33 @@ class AnimatedBody(Figure):
             frame: bones.index(self.skeleton.bone_of_frame(frame)[0]) for frame in self.frame_names
         }
         self._clips: list[Clip] = [Played(self, clip) for clip in clips_of(thing)]
-        self._meshes = self._made(thing, color, opacity)
+        self._meshes = self._build_meshes(thing, color, opacity)
         self.missing += [note for mesh in self._meshes for note in mesh.notes]
         self.show_pose(self._pose)
 
     def _skeleton_in(self, pose: Any, name: str) -> Any:
         return self.armature.at_rest_in(pose).skeleton(name, self._limits)
 
-    def _made(self, thing: Any, color: Color | None, opacity: float | None) -> list[MeshOnBones]:
+    def _build_meshes(self, thing: Any, color: Color | None, opacity: float | None) -> list[MeshOnBones]:
         poses = [self.armature.local_to_model(self._pose)[None]]
         for clip in clips_of(thing):
             start, end = clip.span
-            poses.append(self.armature.local_to_model(clip.sample(np.linspace(start, end, MOMENTS))))
-        moments = np.concatenate(poses).astype(float)
+            poses.append(self.armature.local_to_model(clip.sample(np.linspace(start, end, CLIP_SAMPLES))))
+        samples = np.concatenate(poses).astype(float)
         meshes = list(getattr(thing, "meshes", []))
-        made = []
+        bone_meshes = []
         for i, mesh in enumerate(meshes):
-            own = color or COLORS[i % len(COLORS)]
-            made.append(MeshOnBones.of_scene(self, f"{self.name}/{i}", mesh, moments, own, opacity))
+            mesh_color = color or COLORS[i % len(COLORS)]
+            bone_meshes.append(MeshOnBones.of_scene(self, f"{self.name}/{i}", mesh, samples, mesh_color, opacity))
         if not meshes:
             bones = np.arange(self.armature.bones)
-            rest = np.asarray(self.armature.rest_from_model, dtype=float)
+            rest_placements = np.asarray(self.armature.rest_from_model, dtype=float)
             skin = bone_skin(self.skeleton)
-            own = color or look.BONE
-            made.append(MeshOnBones(self, f"{self.name}/bones", skin, bones, rest, moments, own, opacity))
-        return made
+            mesh_color = color or look.BONE
+            bone_meshes.append(
+                MeshOnBones(self, f"{self.name}/bones", skin, bones, rest_placements, samples, mesh_color, opacity)
+            )
+        return bone_meshes
 
     # Pose.
 
@@ -118,9 +120,9 @@ class AnimatedBody(Figure):
         """Current pose of a frame: world_from_frame, shape (4, 4). Raises `UnknownNameError` for an unknown name."""
         if name not in self._bone_of_frame:
             return super().frame(name)
-        place: Array = self.at @ self._model_from_bone[self._bone_of_frame[name]]
-        place[:3, :3] /= np.linalg.norm(place[:3, :3], axis=0)
-        return place
+        placement: Array = self.at @ self._model_from_bone[self._bone_of_frame[name]]
+        placement[:3, :3] /= np.linalg.norm(placement[:3, :3], axis=0)
+        return placement
 
     def size(self) -> float:
         """Extent of its bones in the current pose, in the model's unit."""

@@ -13,7 +13,7 @@ import kinopt
 Array = NDArray[np.float64]
 
 #: Pinned frames higher than this above the lowest one are no feet, relative to the height of the model above it.
-HIGHER = 0.15
+MAX_FOOT_HEIGHT = 0.15
 
 
 def has_masses(thing: Any, q: Array) -> bool:
@@ -32,5 +32,5 @@ def feet(model: Any, pinned: Sequence[str], q: Array) -> list[str]:
     heights = {frame: float(kinopt.frame_placement(model, frame, q)[2, 3]) for frame in pinned}
     every = kinopt.ForwardKinematics(model).place(q)[:, 2, 3]
     lowest = min(heights.values())
-    near = lowest + HIGHER * (float(every.max()) - lowest)
+    near = lowest + MAX_FOOT_HEIGHT * (float(every.max()) - lowest)
     return [frame for frame in pinned if heights[frame] <= near]

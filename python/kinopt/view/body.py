@@ -59,9 +59,9 @@ class Body(ABC):
         self.model = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
-        rest = self.model.neutral()
-        standing = closed(thing, rest)
-        self._q: Array = rest if standing is None else standing
+        neutral = self.model.neutral()
+        standing = closed(thing, neutral)
+        self._q: Array = neutral if standing is None else standing
 
     @property
     def frame_names(self) -> list[str]:
@@ -86,8 +86,8 @@ class Body(ABC):
             # Raises the error of the library, with the valid names.
             kinopt.frame_placement(self.model, name, self._q)
         placements: Array = self._kinematics.place(self._q)
-        place: Array = self.at @ placements[self._index[name]]
-        return place
+        placement: Array = self.at @ placements[self._index[name]]
+        return placement
 
     def _place(self, q: Array) -> None:
         placements: Array = self._kinematics.place(q)

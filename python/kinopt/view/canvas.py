@@ -88,15 +88,15 @@ class Canvas:
 
         Raises `InvalidValueError` for an invalid placement.
         """
-        place = placement_of(placement)
+        matrix = placement_of(placement)
         length = (0.07 * stage.DRAWN / self.drawn if size is None else size) * self.drawn
         return self.server.scene.add_frame(
             f"/{name}",
             axes_length=length,
             axes_radius=0.035 * length,
             origin_color=(120, 130, 140),
-            position=place[:3, 3] * self.drawn,
-            wxyz=wxyz_of(place[None, :3, :3])[0],
+            position=matrix[:3, 3] * self.drawn,
+            wxyz=wxyz_of(matrix[None, :3, :3])[0],
         )
 
     def points(
@@ -111,16 +111,16 @@ class Canvas:
 
         Raises `InvalidValueError` for other shapes and for positions that are not finite.
         """
-        places = positions_of(positions)
+        points = positions_of(positions)
         shades = np.asarray(colors)
-        if shades.shape not in ((3,), (len(places), 3)):
+        if shades.shape not in ((3,), (len(points), 3)):
             raise kinopt.InvalidValueError(
-                f"colors has shape {shades.shape}, expected (3,) or ({len(places)}, 3)"
+                f"colors has shape {shades.shape}, expected (3,) or ({len(points)}, 3)"
             )
         size = 0.006 * stage.DRAWN / self.drawn if size is None else size
         return self.server.scene.add_point_cloud(
             f"/{name}",
-            points=(places * self.drawn).astype(np.float32),
+            points=(points * self.drawn).astype(np.float32),
             colors=shades.astype(np.uint8),
             point_size=size * self.drawn,
             point_shape="circle",
@@ -133,16 +133,16 @@ class Canvas:
 
         Raises `InvalidValueError` for other shapes and for positions that are not finite.
         """
-        places = (positions_of(positions) * self.drawn).astype(np.float32)
-        segments = np.stack([places[:-1], places[1:]], axis=1)
+        points = (positions_of(positions) * self.drawn).astype(np.float32)
+        segments = np.stack([points[:-1], points[1:]], axis=1)
         return self.server.scene.add_line_segments(
             f"/{name}", points=segments, colors=color, thickness=width, thickness_units="screen"
         )
 
     def label(self, name: str, text: str, position: ArrayLike) -> viser.LabelHandle:
         """Writes `text` at a position, three numbers; other values raise `InvalidValueError`."""
-        place = placement_of(position, "position")[:3, 3] * self.drawn
-        return self.server.scene.add_label(f"/{name}", text, position=place)
+        drawn_position = placement_of(position, "position")[:3, 3] * self.drawn
+        return self.server.scene.add_label(f"/{name}", text, position=drawn_position)
 
     # Lifetime.
 
@@ -183,15 +183,15 @@ class Canvas:
 def positions_of(value: ArrayLike) -> Array:
     """Positions of shape (N, 3), or those of placements of shape (N, 4, 4)."""
     try:
-        places = np.asarray(value, dtype=float)
+        points = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise kinopt.InvalidValueError(f"positions holds no numbers: {error}") from None
-    if places.ndim == 3 and places.shape[1:] == (4, 4):
-        places = places[:, :3, 3]
-    if places.ndim != 2 or places.shape[1] != 3:
+    if points.ndim == 3 and points.shape[1:] == (4, 4):
+        points = points[:, :3, 3]
+    if points.ndim != 2 or points.shape[1] != 3:
         raise kinopt.InvalidValueError(
-            f"positions has shape {places.shape}, expected (N, 3), or (N, 4, 4) for placements"
+            f"positions has shape {points.shape}, expected (N, 3), or (N, 4, 4) for placements"
         )
-    if not np.isfinite(places).all():
+    if not np.isfinite(points).all():
         raise kinopt.InvalidValueError("positions holds numbers that are not finite")
-    return places
+    return points

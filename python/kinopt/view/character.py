@@ -42,9 +42,9 @@ class CharacterBody(Figure):
         if mesh is None:
             self._skin = bone_skin(self.skeleton)
         else:
-            places = np.asarray(mesh.positions, dtype=float)
-            table = nearest_bones(self.skeleton, places) if weights is None else weights.to_table()
-            self._skin = Skin(places, mesh.triangles, table)
+            vertices = np.asarray(mesh.positions, dtype=float)
+            table = nearest_bones(self.skeleton, vertices) if weights is None else weights.to_table()
+            self._skin = Skin(vertices, mesh.triangles, table)
         self._color = color or (look.BONE if mesh is None else look.SKIN)
         self._shown = SkinOnPage(scene, name, self._skin, self._color, opacity=opacity)
         self.cut = self._shown.cut

@@ -20,9 +20,9 @@ from .target import Target
 Array = NDArray[np.float64]
 
 #: Tips closer than this share a gizmo when the page opens, relative to the size of the body.
-NEAR = 0.06
+MIN_TARGET_DISTANCE = 0.06
 #: Seconds between two updates of text, sliders and free gizmos, which need no screen rate.
-SLOW = 0.08
+TEXT_UPDATE_INTERVAL = 0.08
 
 
 class Dragging:
@@ -118,33 +118,33 @@ class Dragging:
 
     def _place(self, frame: str) -> Array:
         """Pose of the gizmo of a frame; a gizmo without rotation has the world's axes."""
-        place = self.body.frame(frame)
+        placement = self.body.frame(frame)
         if not self._asks_turn(frame):
-            place[:3, :3] = np.eye(3)
-        return place
+            placement[:3, :3] = np.eye(3)
+        return placement
 
     def apart(self, frames: list[str]) -> list[str]:
         """The frames that are not fixed to another one or to a target, and not close to a target."""
-        near = NEAR * self.body.size()
-        places = [self.body.frame(frame)[:3, 3] for frame in self.targets]
+        min_distance = MIN_TARGET_DISTANCE * self.body.size()
+        positions = [self.body.frame(frame)[:3, 3] for frame in self.targets]
         carriers = moved_by(self.body.model)
         taken = {carriers[frame] for frame in self.targets}
         chosen = []
         for frame in frames:
-            place = self.body.frame(frame)[:3, 3]
-            beside = any(np.linalg.norm(place - other) <= near for other in places)
-            if not beside and carriers[frame] not in taken:
-                places.append(place)
+            position = self.body.frame(frame)[:3, 3]
+            is_near_target = any(np.linalg.norm(position - other) <= min_distance for other in positions)
+            if not is_near_target and carriers[frame] not in taken:
+                positions.append(position)
                 taken.add(carriers[frame])
                 chosen.append(frame)
         return chosen
 
     def goals(self) -> list[Goal]:
         """Current goals of the body."""
-        wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
+        frames = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
         return [
             Goal(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
-            for frame in wanted
+            for frame in frames
         ]
 
     def _asks_turn(self, frame: str) -> bool:
@@ -242,7 +242,7 @@ class Dragging:
         self.scene.loop.tick(self._slow)
 
     def _slow(self, now: float) -> bool:
-        if now - self._last_slow < SLOW:
+        if now - self._last_slow < TEXT_UPDATE_INTERVAL:
             return True
         self._last_slow = now
         for frame, target in self.targets.items():

@@ -19,9 +19,9 @@ from .holding import Holding
 Array = NDArray[np.float64]
 
 #: Largest bend of a back while a limb is dragged, sum over its bones, radians.
-BENDS_OF_A_BACK = 0.7
+MAX_BACK_BEND = 0.7
 #: Posture weight of a back relative to limbs.
-STIFF = 5.0
+BACK_POSTURE_SCALE = 5.0
 
 
 class Figure(Body):
@@ -59,29 +59,32 @@ class Figure(Body):
         """
         bones = [self.skeleton.bone_of_frame(frame)[0] for frame in dragged]
         holds = self.skeleton.holds(bones)
-        at = dict(zip(self.model.joint_names, q.tolist(), strict=True))
-        lock = {joint: at[joint] for bone in holds["trunk"] for joint in self.skeleton.joints(bone)}
-        bend = BENDS_OF_A_BACK / max(len(holds["back"]), 1)
+        values = dict(zip(self.model.joint_names, q.tolist(), strict=True))
+        lock = {joint: values[joint] for bone in holds["trunk"] for joint in self.skeleton.joints(bone)}
+        bend = MAX_BACK_BEND / max(len(holds["back"]), 1)
         narrow = {
-            joint: (at[joint] - far, at[joint] + far)
+            joint: (values[joint] - max_bend, values[joint] + max_bend)
             for bone in holds["back"]
             # Both twists rotate in one direction if a bone is straight.
-            for joint, far in zip(self.skeleton.joints(bone), (bend / 2, bend, bend / 2), strict=True)
+            for joint, max_bend in zip(self.skeleton.joints(bone), (bend / 2, bend, bend / 2), strict=True)
         }
         ends = [self.skeleton.tip(bone) for bone in holds["ends"]]
-        kept = [
+        end_tasks = [
             tasks.Point(end, kinopt.frame_placement(self.model, end, q)[:3, 3], name=f"hold {end}")
             for end in ends
             if end not in dragged
         ]
-        held = Holding(kept, kinopt.ParameterMap(self.thing, lock=lock, narrow=narrow))
+        holding = Holding(end_tasks, kinopt.ParameterMap(self.thing, lock=lock, narrow=narrow))
         if reference is not None:
             back = {joint for bone in holds["back"] for joint in self.skeleton.joints(bone)}
-            wanted = dict(zip(self.model.joint_names, reference.tolist(), strict=True))
-            stiff = {joint: value for joint, value in wanted.items() if joint in back}
-            loose = {joint: value for joint, value in wanted.items() if joint not in back}
-            for name, some, times in (("posture", loose, 1.0), ("posture of the back", stiff, STIFF)):
-                if some:
-                    held.tasks.append(tasks.Posture(some, name=name, scale=times))
-            held.has_posture = True
-        return held
+            reference_values = dict(zip(self.model.joint_names, reference.tolist(), strict=True))
+            stiff = {joint: value for joint, value in reference_values.items() if joint in back}
+            loose = {joint: value for joint, value in reference_values.items() if joint not in back}
+            for name, joint_values, scale in (
+                ("posture", loose, 1.0),
+                ("posture of the back", stiff, BACK_POSTURE_SCALE),
+            ):
+                if joint_values:
+                    holding.tasks.append(tasks.Posture(joint_values, name=name, scale=scale))
+            holding.has_posture = True
+        return holding

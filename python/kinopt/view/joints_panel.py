@@ -13,11 +13,11 @@ from .closing import closed
 from .dragging import Dragging
 
 #: With more joints than this, sliders are in closed groups.
-MANY = 16
+MAX_UNGROUPED_JOINTS = 16
 #: Range of a joint without limits in both directions: radians, or multiples of the model's size.
-FREE = float(np.pi)
+UNLIMITED_HALF_RANGE = float(np.pi)
 #: Number of positions of a slider.
-PLACES = 1000
+SLIDER_STEPS = 1000
 
 
 class JointsPanel:
@@ -28,7 +28,7 @@ class JointsPanel:
         model, thing = page.body.model, page.body.thing
         followers = thing.mimics if isinstance(thing, kinopt.Robot) else {}
         kinds = {joint.name: joint.kind for joint in model.joints}
-        own = [
+        slider_joints = [
             (index, name)
             for index, name in enumerate(model.coordinate_names)
             # The components of a quaternion have no sliders of their own.
@@ -37,11 +37,13 @@ class JointsPanel:
         self._sliders: dict[int, Any] = {}
         gui = page.scene.server.gui
         size = page.body.size()
-        with gui.add_folder("Joints", expand_by_default=len(own) <= MANY):
+        with gui.add_folder("Joints", expand_by_default=len(slider_joints) <= MAX_UNGROUPED_JOINTS):
             self._buttons = gui.add_button_group("", ("Rest", "Random"))
             groups: dict[str, list[tuple[int, str]]] = {}
-            for index, name in own:
-                groups.setdefault(page.body.group(name) if len(own) > MANY else "", []).append((index, name))
+            for index, name in slider_joints:
+                groups.setdefault(
+                    page.body.group(name) if len(slider_joints) > MAX_UNGROUPED_JOINTS else "", []
+                ).append((index, name))
             for group, joints in groups.items():
                 if not group:
                     self._add(joints, kinds, size)
@@ -51,16 +53,16 @@ class JointsPanel:
 
         @self._buttons.on_click
         def _(event: Any) -> None:
-            rest = self._buttons.value == "Rest"
-            page.scene.loop.post(self._rest if rest else self._random)
+            is_rest = self._buttons.value == "Rest"
+            page.scene.loop.post(self._rest if is_rest else self._random)
 
     def _add(self, joints: list[tuple[int, str]], kinds: dict[str, str], size: float) -> None:
         page, model = self._page, self._page.body.model
         for index, name in joints:
-            far = FREE if kinds[name] in ("revolute", "continuous") else size
-            lower = float(np.nan_to_num(model.lower[index], neginf=-far))
-            upper = float(np.nan_to_num(model.upper[index], posinf=far))
-            step = max((upper - lower) / PLACES, 1e-9)
+            half_range = UNLIMITED_HALF_RANGE if kinds[name] in ("revolute", "continuous") else size
+            lower = float(np.nan_to_num(model.lower[index], neginf=-half_range))
+            upper = float(np.nan_to_num(model.upper[index], posinf=half_range))
+            step = max((upper - lower) / SLIDER_STEPS, 1e-9)
             value = float(np.clip(page.body.q[index], lower, upper))
             slider = page.scene.server.gui.add_slider(page.body.short(name), lower, upper, step, value)
             self._sliders[index] = slider

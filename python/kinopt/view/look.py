@@ -23,7 +23,7 @@ DARK: Color = (84, 96, 114)
 SKIN: Color = (201, 172, 148)
 BONE: Color = (104, 133, 166)
 #: Radius of a capsule, relative to the size of the model.
-THICKNESS = 0.035
+RELATIVE_THICKNESS = 0.035
 
 
 class DrawnKinematics:
@@ -35,11 +35,11 @@ class DrawnKinematics:
         #: Frames of joints, by joint; that of None is the world's.
         self.frame_of_joint: dict[str | None, str] = {None: _free("world", taken)}
         for joint in model.joints:
-            kind, parent, place = joint.kind, joint.parent, joint.parent_from_joint
+            kind, parent, placement = joint.kind, joint.parent, joint.parent_from_joint
             if kind == "ball":
-                builder.ball(joint.name, parent, place, joint.axis)
+                builder.ball(joint.name, parent, placement, joint.axis)
             else:
-                builder.joint(joint.name, kind, parent, place, joint.axis, joint.lower, joint.upper)
+                builder.joint(joint.name, kind, parent, placement, joint.axis, joint.lower, joint.upper)
             self.frame_of_joint[joint.name] = _free(f"joint/{joint.name}", taken)
         for frame in model.frames:
             builder.frame(frame.name, frame.joint, frame.joint_from_frame)
@@ -95,7 +95,7 @@ class JointBody:
 
 def capsules(model: Any, size: float) -> Iterator[JointBody]:
     """Capsules from each joint to its children, and a hub about the axis of each revolute joint."""
-    radius = THICKNESS * size
+    radius = RELATIVE_THICKNESS * size
     ends: dict[str | None, list[Array]] = {None: [], **{joint.name: [] for joint in model.joints}}
     for joint in model.joints:
         ends[joint.parent].append(joint.parent_from_joint[:3, 3])
@@ -103,12 +103,12 @@ def capsules(model: Any, size: float) -> Iterator[JointBody]:
         if not ends[frame.joint] and frame.joint is not None:
             ends[frame.joint].append(frame.joint_from_frame[:3, 3])
     for owner, points in ends.items():
-        far: list[Array] = []
+        limb_ends: list[Array] = []
         for point in points:
-            clear = all(np.linalg.norm(point - other) > 0.1 * radius for other in far)
+            clear = all(np.linalg.norm(point - other) > 0.1 * radius for other in limb_ends)
             if np.linalg.norm(point) > 0.2 * radius and clear:
-                far.append(point)
-        limbs = [capsule_between(np.zeros(3), point, _slim(point, radius)) for point in far]
+                limb_ends.append(point)
+        limbs = [capsule_between(np.zeros(3), point, _slim(point, radius)) for point in limb_ends]
         if limbs:
             yield JointBody(owner, joined(limbs), LIGHT)
     for joint in model.joints:

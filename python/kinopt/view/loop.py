@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any
 
 #: Seconds between two frames.
-FRAME = 1.0 / 60.0
+FRAME_TIME = 1.0 / 60.0
 
 Work = Callable[[], Any]
 #: Called in each frame with the time in seconds; returns true to be called in the next frame too.
@@ -102,7 +102,7 @@ class Loop:
                 now = time.perf_counter()
                 if now < next_frame:
                     continue
-                next_frame = max(next_frame + FRAME, now)
+                next_frame = max(next_frame + FRAME_TIME, now)
                 for ticker in list(self._tickers):
                     if not self._guarded(partial(ticker, now)):
                         self._tickers.pop(ticker, None)

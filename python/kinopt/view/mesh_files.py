@@ -40,16 +40,18 @@ class MeshFiles:
 
     def find(self, file: str) -> Path | None:
         """Path of a mesh named `package://…`, `file://…`, or by a path; None if it is missing."""
-        return next((place for place in self._places(file) if self._is_allowed(place) and place.is_file()), None)
+        return next(
+            (path for path in self._candidates(file) if self._is_allowed(path) and path.is_file()), None
+        )
 
-    def _is_allowed(self, place: Path) -> bool:
+    def _is_allowed(self, candidate: Path) -> bool:
         if not self._confine:
             return True
         roots = [*self._named.values(), *self._folders, *([] if self._beside is None else [self._beside])]
-        real = place.resolve()
+        real = candidate.resolve()
         return any(real.is_relative_to(root.resolve()) for root in roots)
 
-    def _places(self, file: str) -> Iterable[Path]:
+    def _candidates(self, file: str) -> Iterable[Path]:
         url = urlparse(file)
         if url.scheme == "package":
             package, inside = url.netloc, unquote(url.path).lstrip("/")

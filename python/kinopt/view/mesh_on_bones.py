@@ -14,7 +14,7 @@ from .skin import Skin, SkinOnPage
 Array = NDArray[np.float64]
 
 #: Relative difference of scales that count as equal.
-STEADY = 2e-3
+SCALE_TOLERANCE = 2e-3
 
 
 class MeshOnBones:
@@ -116,7 +116,7 @@ def steady_scale(transforms: Array) -> float | None:
     linear = transforms[..., :3, :3]
     squares = np.swapaxes(linear, -1, -2) @ linear
     square = float(np.trace(squares, axis1=-2, axis2=-1).mean()) / 3.0
-    if square <= 0.0 or np.abs(squares / square - np.eye(3)).max() > 2.0 * STEADY:
+    if square <= 0.0 or np.abs(squares / square - np.eye(3)).max() > 2.0 * SCALE_TOLERANCE:
         return None
     # A bone of the page cannot mirror.
     return float(np.sqrt(square)) if (np.linalg.det(linear) > 0.0).all() else None

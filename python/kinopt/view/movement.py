@@ -19,14 +19,14 @@ Array = NDArray[np.float64]
 #: Colour of the subject.
 COLOR = (196, 120, 52)
 #: Number of frames that are used to find bones.
-LOOKED_AT = 64
+MAX_SAMPLED_FRAMES = 64
 #: Weight of a bone's length relative to its variation: of joints at equally constant distance, the nearer ones share a
 #: bone.
-LENGTH = 0.05
+LENGTH_COST = 0.05
 #: Width of bones, pixels.
-WIDTH = 5.0
+LINE_WIDTH = 5.0
 #: Size of joints, for a body as large as a person.
-JOINT = 0.006
+JOINT_SIZE = 0.006
 
 
 class Person:
@@ -42,9 +42,9 @@ class Person:
         self.positions = positions
         self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
         first = positions[0]
-        self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT * stage.DRAWN / scene.drawn)
+        self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT_SIZE * stage.DRAWN / scene.drawn)
         self._lines: Any = scene.server.scene.add_line_segments(
-            f"/{name}/bones", points=self._ends(0), colors=COLOR, thickness=WIDTH, thickness_units="screen"
+            f"/{name}/bones", points=self._ends(0), colors=COLOR, thickness=LINE_WIDTH, thickness_units="screen"
         )
 
     def _ends(self, frame: int) -> Any:
@@ -118,19 +118,19 @@ def upright(movement: kinopt.Retargeted) -> Array:
 
 def bones_of(positions: Array) -> NDArray[np.intp]:
     """Pairs of joints that bones connect, shape (J - 1, 2): the tree with the most constant distances."""
-    looked_at = positions[:: max(len(positions) // LOOKED_AT, 1)][:LOOKED_AT]
-    apart = np.linalg.norm(looked_at[:, :, None] - looked_at[:, None], axis=3)
-    price = apart.std(axis=0) + LENGTH * apart.mean(axis=0)
-    joints = len(price)
-    reached, nearest, best = np.zeros(joints, bool), np.zeros(joints, int), price[0].copy()
+    looked_at = positions[:: max(len(positions) // MAX_SAMPLED_FRAMES, 1)][:MAX_SAMPLED_FRAMES]
+    distances = np.linalg.norm(looked_at[:, :, None] - looked_at[:, None], axis=3)
+    edge_cost = distances.std(axis=0) + LENGTH_COST * distances.mean(axis=0)
+    joints = len(edge_cost)
+    reached, nearest, best = np.zeros(joints, bool), np.zeros(joints, int), edge_cost[0].copy()
     reached[0] = True
     bones = []
     for _ in range(joints - 1):
         joint = int(np.where(reached, np.inf, best).argmin())
         bones.append((nearest[joint], joint))
         reached[joint] = True
-        nearer = price[joint] < best
-        nearest[nearer], best[nearer] = joint, price[joint][nearer]
+        nearer = edge_cost[joint] < best
+        nearest[nearer], best[nearer] = joint, edge_cost[joint][nearer]
     return np.array(bones, dtype=np.intp).reshape(-1, 2)
 
 
@@ -139,12 +139,12 @@ def _look(scene: Canvas, played: Movement, size: float) -> None:
     low, high = played.body.box()
     # The position of a free base is first in `q`, for robots and rigs.
     q = played.movement.q
-    way = q[:, :3] - q[0, :3] if q.shape[1] > 7 else np.zeros((1, 3))
-    low, high = low + way.min(axis=0), high + way.max(axis=0)
+    base_motion = q[:, :3] - q[0, :3] if q.shape[1] > 7 else np.zeros((1, 3))
+    low, high = low + base_motion.min(axis=0), high + base_motion.max(axis=0)
     if played.person is not None:
-        places = played.person.positions
-        low = np.minimum(low, places.min(axis=(0, 1)))
-        high = np.maximum(high, places.max(axis=(0, 1)))
+        positions = played.person.positions
+        low = np.minimum(low, positions.min(axis=(0, 1)))
+        high = np.maximum(high, positions.max(axis=(0, 1)))
     low, high = low * scene.drawn, high * scene.drawn
     stage.lay_ground(scene.server, scene.up, 0.0, float(np.linalg.norm(high - low)))
     stage.look_at(scene.server, scene.up, low, high)

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 COLOR: Color = (176, 160, 132)
 TOUCHED: Color = (214, 58, 58)
 #: Side length of the square that represents a plane, relative to the size of the objects on it.
-PLANE = 3.0
+PLANE_SIZE = 3.0
 
 
 class Obstacles:
@@ -55,18 +55,18 @@ class Obstacles:
 
     def follow(self) -> None:
         """Moves attached obstacles to the current poses of their frames."""
-        at = np.eye(4) if self._body is None else self._body.at
+        body_placement = np.eye(4) if self._body is None else self._body.at
         for name, obstacle in self._drawn.items():
             handle = self._handles[name]
             if obstacle.attached is None:
-                place = at @ obstacle.placement
+                placement = body_placement @ obstacle.placement
             elif self._body is None:
                 handle.visible = False
                 continue
             else:
-                place = self._body.frame(obstacle.attached) @ obstacle.placement
-            handle.position = place[:3, 3] * self.scene.drawn
-            handle.wxyz = wxyz_of(place[None, :3, :3])[0]
+                placement = self._body.frame(obstacle.attached) @ obstacle.placement
+            handle.position = placement[:3, 3] * self.scene.drawn
+            handle.wxyz = wxyz_of(placement[None, :3, :3])[0]
 
     def mark(self, touched: Iterable[str]) -> None:
         """Draws these obstacles red, and all others in their colour."""
@@ -90,7 +90,7 @@ class Obstacles:
         if obstacle.kind == "points":
             shown = self.scene.points(node[1:], measures["positions"], COLOR, size=2.0 * measures["radius"])
             return shown
-        solid = solid_of(obstacle, PLANE * stage.DRAWN / self.scene.drawn)
+        solid = solid_of(obstacle, PLANE_SIZE * stage.DRAWN / self.scene.drawn)
         return self.scene.server.scene.add_mesh_simple(
             node,
             vertices=(solid.vertices * self.scene.drawn).astype(np.float32),

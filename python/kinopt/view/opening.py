@@ -19,11 +19,11 @@ from .scene import Scene
 from .stage import Up
 
 #: Ranges from this size on have no meaningful middle, radians.
-FULL_TURN = 5.9
+MAX_LIMITED_RANGE = 5.9
 #: Ratio of smallest to largest singular value below which an arm counts as stretched.
-STRETCHED = 0.03
+MIN_DEXTERITY = 0.03
 #: Largest bend of joints away from a stretched pose, radians.
-BEND = 1.2
+MAX_BEND = 1.2
 #: Supported file types.
 SUPPORTED = ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
 
@@ -90,7 +90,7 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
     if not arms or len(arms[0]) < 3 or len(followed - set(arms[0])) > 2:
         return rest
     ranges = model.upper - model.lower
-    narrow = np.isfinite(ranges) & (ranges < FULL_TURN)
+    narrow = np.isfinite(ranges) & (ranges < MAX_LIMITED_RANGE)
     middle = np.where(narrow, (np.nan_to_num(model.lower) + np.nan_to_num(model.upper)) / 2, rest)
     jacobian = kinopt.Jacobian(robot, [tips[0]])
 
@@ -98,11 +98,11 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
         values = np.linalg.svd(jacobian.at(q), compute_uv=False)
         return float(values[-1] / values[0])
 
-    if dexterity(middle) > STRETCHED:
+    if dexterity(middle) > MIN_DEXTERITY:
         return middle
-    far = np.where(np.isfinite(ranges), np.minimum(ranges / 2, BEND), BEND)
+    half_range = np.where(np.isfinite(ranges), np.minimum(ranges / 2, MAX_BEND), MAX_BEND)
     random = np.random.default_rng(0).uniform(-1.0, 1.0, (200, len(middle)))
-    bent = np.clip(middle + random * far, model.lower, model.upper)
+    bent = np.clip(middle + random * half_range, model.lower, model.upper)
     return max(bent, key=dexterity)
 
 
@@ -159,7 +159,7 @@ def open_page(
         base_joint = base_joint or ("free" if path.suffix.lower() != ".json" else None)
     opened = open_model(path, base_joint)
     if retarget is not None:
-        around = world if isinstance(opened.thing, kinopt.Robot) else None
+        retarget_world = world if isinstance(opened.thing, kinopt.Robot) else None
         movement = kinopt.retarget(
             retarget,
             opened.thing,
@@ -168,8 +168,8 @@ def open_page(
             whole=whole,
             keep_clear=keep_clear,
             # The motion of a skeleton avoids no collisions.
-            world=around,
-            margin=None if around is None or keep_clear is not None else margin,
+            world=retarget_world,
+            margin=None if retarget_world is None or keep_clear is not None else margin,
         )
         opened.notes += movement.notes
         if movement.touching:

@@ -17,7 +17,7 @@ from .targets_panel import TargetsPanel
 from .time_panel import TimePanel
 
 #: Largest number of tips with a gizmo when the page opens; others are selected from the list.
-MOST_TARGETS = 8
+MAX_TARGETS = 8
 
 
 class Page(Dragging):
@@ -63,6 +63,6 @@ class Page(Dragging):
             self.on_grab.append(self.time.pause)
         for frame in dict.fromkeys([*self._hold, *self.body.pinned_first]):
             self.add_target(frame, pinned=True)
-        first = [] if self._played else self.apart(self.body.tips)[:MOST_TARGETS]
+        first = [] if self._played else self.apart(self.body.tips)[:MAX_TARGETS]
         for frame in first:
             self.add_target(frame)

@@ -19,7 +19,7 @@ Three = tuple[float, float, float]
 Write = Callable[[Four, Three], None]
 
 #: Smallest change of a transform that is sent, in metres as drawn and in components of quaternions.
-STILL = 1e-5
+MOTION_TOLERANCE = 1e-5
 
 
 class Parts:
@@ -42,7 +42,7 @@ class Parts:
         now = np.empty_like(self._sent)
         now[:, :4] = wxyz_of(world_from_part[:, :3, :3])
         now[:, 4:] = world_from_part[:, :3, 3] * self._scale
-        moved = np.nonzero(~(np.abs(now - self._sent).max(axis=1, initial=0.0) <= STILL))[0].tolist()
+        moved = np.nonzero(~(np.abs(now - self._sent).max(axis=1, initial=0.0) <= MOTION_TOLERANCE))[0].tolist()
         self._sent[moved] = now[moved]
         with self._server.atomic():
             for part in moved:

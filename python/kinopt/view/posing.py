@@ -29,10 +29,10 @@ ARM_SEARCHES = {
     "arm: first solution": "first",
 }
 #: Methods for any problem, independent for each target.
-GEOMETRIC = ("ccd", "fabrik")
+GEOMETRIC_METHODS = ("ccd", "fabrik")
 METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "fabrik")
 #: Largest joint displacement in a frame of a body at rest, radians or metres.
-STILL = 1e-6
+MOTION_TOLERANCE = 1e-6
 #: Nominal postures in the null space of the targets.
 POSTURES = ("pose when grabbed", "rest", "none")
 
@@ -89,7 +89,7 @@ class Posing:
         self.world, self.margin = world, margin
         #: Holds of a character by dragged frame: frames that stay, bones that stay.
         self._engine: _Engine | None = None
-        self._stated: tuple[Any, ...] = ()
+        self._engine_key: tuple[Any, ...] = ()
 
     def choose(self, **choices: Any) -> None:
         """Changes choices by name."""
@@ -114,13 +114,13 @@ class Posing:
         if not goals:
             return None
         moved = 0 if self.world is None else self.world.revision
-        stated = (self.choices, moved, tuple((goal.frame, goal.turns) for goal in goals))
-        if self._engine is None or stated != self._stated:
+        engine_key = (self.choices, moved, tuple((goal.frame, goal.turns) for goal in goals))
+        if self._engine is None or engine_key != self._engine_key:
             self._engine = self._state(goals)
-            self._stated = stated
-        before = time.perf_counter()
+            self._engine_key = engine_key
+        begun = time.perf_counter()
         answer = self._engine.advance({goal.frame: self._target(goal) for goal in goals}, self.body.q)
-        answer.seconds = time.perf_counter() - before
+        answer.seconds = time.perf_counter() - begun
         return answer
 
     def with_joint(self, joint: str, value: float, goals: list[Goal]) -> Answer:
@@ -133,39 +133,39 @@ class Posing:
         q = follows.expand(follows.reduce(q))
         self.state_anew()
         if not goals:
-            going_along = closed(self.body.thing, q, joint)
+            closed_q = closed(self.body.thing, q, joint)
             # Loops limit the motion of the joint.
-            return Answer(self.body.q if going_along is None else going_along, None, 0.0, False)
-        before = time.perf_counter()
-        held = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
+            return Answer(self.body.q if closed_q is None else closed_q, None, 0.0, False)
+        begun = time.perf_counter()
+        locked = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
         problem = kinopt.Problem(
             self.body.thing,
             self._tasks(goals),
-            parameters=held,
+            parameters=locked,
             tolerance=self.choices.tolerance,
             **self._clear_of(),
         )
         targets = {goal.frame: self._target(goal) for goal in goals}
         solution = kinopt.Drag(problem, q, max_move=np.inf).follow(targets, frames=20)
-        return Answer(solution.q, solution, time.perf_counter() - before, False)
+        return Answer(solution.q, solution, time.perf_counter() - begun, False)
 
     def _target(self, goal: Goal) -> Array:
-        place = inverse(self.body.at) @ goal.placement
-        return place if goal.turns else place[:3, 3]
+        target = inverse(self.body.at) @ goal.placement
+        return target if goal.turns else target[:3, 3]
 
     def _tasks(self, goals: list[Goal]) -> list[Any]:
-        made = []
+        goal_tasks = []
         for goal in goals:
             kind = tasks.Pose if goal.turns else tasks.Point
             level = DRAGGED if self.body.stands and not goal.pinned else PINNED
-            made.append(kind(goal.frame, self._target(goal), name=goal.frame, level=level))
-        return made
+            goal_tasks.append(kind(goal.frame, self._target(goal), name=goal.frame, level=level))
+        return goal_tasks
 
     def _reference(self) -> Array | None:
         match self.choices.posture:
             case "rest":
-                rest: Array = self.body.model.neutral()
-                return rest
+                neutral: Array = self.body.model.neutral()
+                return neutral
             case "none":
                 return None
         return self.body.q
@@ -181,7 +181,7 @@ class Posing:
             if arm is not None:
                 search = choices.solver != FOLLOW
                 return _ArmEngine(arm, goals[0], self.body.q, search)
-        made = self._tasks(goals)
+        all_tasks = self._tasks(goals)
         reference = self._reference()
         parameters = None
         holding = None
@@ -189,16 +189,16 @@ class Posing:
             pinned = [goal.frame for goal in goals if goal.pinned]
             holding = self.body.holding([goal.frame for goal in goals], self.body.q, reference, pinned)
         if holding is not None:
-            made += holding.tasks
+            all_tasks += holding.tasks
             parameters = holding.parameters
-        if choices.solver in GEOMETRIC:
+        if choices.solver in GEOMETRIC_METHODS:
             # Geometric methods support required tasks only.
-            made = [task for task in made if not isinstance(task, (tasks.Posture, tasks.SupportPolygon))]
+            all_tasks = [task for task in all_tasks if not isinstance(task, (tasks.Posture, tasks.SupportPolygon))]
         elif reference is not None and not (holding and holding.has_posture):
             weights: Literal["upright"] | None = "upright" if self.body.stands else None
-            made.append(tasks.Posture(reference, name="posture", joint_weights=weights))
+            all_tasks.append(tasks.Posture(reference, name="posture", joint_weights=weights))
         problem = kinopt.Problem(
-            thing, made, parameters=parameters, tolerance=choices.tolerance, **self._clear_of()
+            thing, all_tasks, parameters=parameters, tolerance=choices.tolerance, **self._clear_of()
         )
         if choices.solver in METHODS:
             return _SolverEngine(problem, kinopt.Solver(choices.solver))
@@ -250,7 +250,7 @@ class _ArmEngine(_Engine):
         settled = self._arm.configuration(solution.q, q)
         # A path follower that misses comes nearer frame by frame, until it is at rest.
         goes_on = self._follower is not None and not solution.reached
-        return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > STILL, jump_text)
+        return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > MOTION_TOLERANCE, jump_text)
 
 
 class _SolverEngine(_Engine):

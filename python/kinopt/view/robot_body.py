@@ -104,7 +104,7 @@ class RobotBody(Body):
         """Its meshes in the current pose, in the world."""
         placements = (self.at @ self._kinematics.place(self._q))[self._of_frames]
         pairs = zip(self._pieces, placements, strict=True)
-        return [Piece(piece.name, piece.solid.moved(place), piece.color) for piece, place in pairs]
+        return [Piece(piece.name, piece.solid.moved(placement), piece.color) for piece, placement in pairs]
 
     def remove(self) -> None:
         """Removes it from the scene."""
@@ -116,7 +116,7 @@ class RobotBody(Body):
         """Shapes of the links, each named after its link; capsules for missing meshes."""
         if not isinstance(self.thing, kinopt.Robot):
             return
-        found = 0
+        piece_count = 0
         bare: set[str | None] = set()
         joint_of = {frame.name: frame.joint for frame in self.model.frames}
         for link in self.thing.frame_names:
@@ -125,10 +125,10 @@ class RobotBody(Body):
                 if parts is None:
                     bare.add(joint_of[link])
                     continue
-                for solid, own in parts:
-                    found += 1
-                    yield Piece(link, solid.moved(shape.link_from_shape), color or own or look.LIGHT)
-        if found and bare:
+                for solid, file_color in parts:
+                    piece_count += 1
+                    yield Piece(link, solid.moved(shape.link_from_shape), color or file_color or look.LIGHT)
+        if piece_count and bare:
             yield from self._of_capsules(color, bare)
 
     def _of_collision_shapes(self, color: Color | None) -> Iterable[Piece]:

@@ -23,9 +23,9 @@ def pose_json(body: Body) -> str:
     """
     frames = {}
     for name in body.tips:
-        place = body.frame(name)
-        wxyz = wxyz_of(place[None, :3, :3])[0]
-        frames[name] = {"position": place[:3, 3].tolist(), "quaternion": wxyz.tolist()}
+        placement = body.frame(name)
+        wxyz = wxyz_of(placement[None, :3, :3])[0]
+        frames[name] = {"position": placement[:3, 3].tolist(), "quaternion": wxyz.tolist()}
     document = {
         "model": body.model.name,
         "q": body.q.tolist(),

@@ -163,9 +163,9 @@ class Scene(Canvas):
 
     def _numbered(self, thing: Any) -> str:
         """The object's own name, with a number if the name exists, so that nothing is replaced."""
-        own = getattr(getattr(thing, "model", thing), "name", None)
-        own = (own if isinstance(own, str) else "").strip("/") or "body"
-        names = itertools.chain([own], (f"{own} {i}" for i in itertools.count(2)))
+        base_name = getattr(getattr(thing, "model", thing), "name", None)
+        base_name = (base_name if isinstance(base_name, str) else "").strip("/") or "body"
+        names = itertools.chain([base_name], (f"{base_name} {i}" for i in itertools.count(2)))
         return next(name for name in names if name not in self._things)
 
     @property

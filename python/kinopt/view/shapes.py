@@ -13,7 +13,7 @@ from .solids import Solid
 Array = NDArray[np.float64]
 
 #: Thickness of a plane, relative to its length.
-THIN = 0.002
+RELATIVE_PLANE_THICKNESS = 0.002
 
 
 def solid_of(obstacle: kinopt.Obstacle, plane: float) -> Solid:
@@ -29,7 +29,7 @@ def solid_of(obstacle: kinopt.Obstacle, plane: float) -> Solid:
         case "capsule":
             return solids.capsule(measures["length"], measures["radius"])
         case "plane":
-            thin = THIN * plane
+            thin = RELATIVE_PLANE_THICKNESS * plane
             return solids.box([plane, plane, thin]).moved(_raised(-thin / 2))
         case "convex":
             return solids.creased(Solid(measures["points"], measures["triangles"]))

@@ -18,10 +18,10 @@ from .solids import Solid, Triangles, capsule_between, joined, sphere
 Array = NDArray[np.float64]
 
 #: Number of influences of a vertex that the page blends.
-INFLUENCES = 4
+MAX_INFLUENCES = 4
 #: Thickness of a bone without a mesh, relative to the skeleton's size, and its largest ratio to the bone's length.
 BONE_THICKNESS = 0.014
-SLENDER = 0.16
+MAX_THICKNESS_RATIO = 0.16
 
 
 @dataclass(frozen=True)
@@ -72,13 +72,13 @@ def fewer_influences(weights: Array) -> tuple[Array, float]:
     """Weights with at most four influences for each vertex, and the largest omitted weight of a vertex; rows sum to
     1."""
     count = int(np.count_nonzero(weights, axis=1).max(initial=0))
-    if count <= INFLUENCES:
+    if count <= MAX_INFLUENCES:
         return weights, 0.0
-    whole = kinopt.skinning.SkinWeights.from_table(weights)
-    pruned, _ = whole.pruned(INFLUENCES)
-    kept = np.asarray(pruned.to_table())
-    strongest = np.sort(weights, axis=1)[:, -INFLUENCES:].sum(axis=1)
-    return kept, float((1.0 - strongest / weights.sum(axis=1)).max())
+    full = kinopt.skinning.SkinWeights.from_table(weights)
+    pruned, _ = full.pruned(MAX_INFLUENCES)
+    pruned_weights = np.asarray(pruned.to_table())
+    strongest = np.sort(weights, axis=1)[:, -MAX_INFLUENCES:].sum(axis=1)
+    return pruned_weights, float((1.0 - strongest / weights.sum(axis=1)).max())
 
 
 def bone_skin(skeleton: Any) -> Skin:
@@ -94,31 +94,31 @@ def bone_skin(skeleton: Any) -> Skin:
             ends[names[bone.parent]].append(bone.rest_tail)
     solids, owners = [], []
     for i, bone in enumerate(bones):
-        places: list[Array] = []
+        limb_ends: list[Array] = []
         for end in ends[i]:
-            clear = all(np.linalg.norm(end - other) > 0.1 * thick for other in places)
+            clear = all(np.linalg.norm(end - other) > 0.1 * thick for other in limb_ends)
             if clear and np.linalg.norm(end - bone.rest_tail) > 0.1 * thick:
-                places.append(end)
-        parts = [_limb(bone.rest_tail, end, thick) for end in places]
-        parts.append(_ball(bone.rest_tail, 1.25 * thick if places else 0.8 * thick))
+                limb_ends.append(end)
+        parts = [_limb(bone.rest_tail, end, thick) for end in limb_ends]
+        parts.append(_ball(bone.rest_tail, 1.25 * thick if limb_ends else 0.8 * thick))
         solid = joined(parts)
         solids.append(solid)
         owners += [i] * len(solid.vertices)
-    whole = joined(solids)
-    weights = np.zeros((len(whole.vertices), len(bones)))
+    body = joined(solids)
+    weights = np.zeros((len(body.vertices), len(bones)))
     weights[np.arange(len(owners)), owners] = 1.0
-    return Skin(whole.vertices, whole.triangles, weights)
+    return Skin(body.vertices, body.triangles, weights)
 
 
 def _limb(start: Array, end: Array, thick: float) -> Solid:
     length = float(np.linalg.norm(end - start))
-    return capsule_between(start, end, min(thick, SLENDER * length))
+    return capsule_between(start, end, min(thick, MAX_THICKNESS_RATIO * length))
 
 
-def _ball(place: Array, radius: float) -> Solid:
-    at = np.eye(4)
-    at[:3, 3] = place
-    return sphere(radius).moved(at)
+def _ball(position: Array, radius: float) -> Solid:
+    placement = np.eye(4)
+    placement[:3, 3] = position
+    return sphere(radius).moved(placement)
 
 
 def nearest_bones(skeleton: Any, vertices: Array) -> Array:

@@ -11,9 +11,9 @@ Array = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
 
 #: Points around a solid of revolution.
-AROUND = 40
+POINTS_AROUND = 40
 #: Points of the outline of a half circle.
-ALONG = 24
+HALF_CIRCLE_POINTS = 24
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def joined(solids: list[Solid]) -> Solid:
     return Solid(np.concatenate(vertices), np.concatenate(triangles).astype(np.uint32))
 
 
-def _revolved(outline: Array, around: int = AROUND) -> Solid:
+def _revolved(outline: Array, around: int = POINTS_AROUND) -> Solid:
     """Revolves an outline of (radius, z) points, from the bottom up, about z; equal points make a sharp edge."""
     angles = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -68,7 +68,7 @@ def _revolved(outline: Array, around: int = AROUND) -> Solid:
 
 def capsule(length: float, radius: float) -> Solid:
     """A cylinder along z, `length` long, with half a sphere at either end; its middle is the origin."""
-    angles = np.linspace(-np.pi / 2, np.pi / 2, ALONG)
+    angles = np.linspace(-np.pi / 2, np.pi / 2, HALF_CIRCLE_POINTS)
     outline = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     outline[:, 1] += np.where(angles < 0.0, -length / 2, length / 2)
     outline[[0, -1], 0] = 0.0
@@ -110,11 +110,11 @@ def box(size: object) -> Solid:
 
 def capsule_between(start: Array, end: Array, radius: float) -> Solid:
     """A capsule from one point to another."""
-    way = end - start
-    length = float(np.linalg.norm(way))
+    axis = end - start
+    length = float(np.linalg.norm(axis))
     if length < 1e-12:
         return sphere(radius).moved(_at(np.eye(3), start))
-    z = way / length
+    z = axis / length
     x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
     x /= np.linalg.norm(x)
     turned = np.stack([x, np.cross(z, x), z], axis=1)
@@ -135,8 +135,8 @@ def creased(solid: Solid, angle: float = 0.6) -> Solid:
     """
     _, welded = np.unique(np.round(solid.vertices, 9), axis=0, return_inverse=True)
     corners = welded.reshape(-1)[solid.triangles].astype(np.int64)
-    places = solid.vertices[solid.triangles]
-    normals = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    points = solid.vertices[solid.triangles]
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(lengths > 0.0, lengths, 1.0)
     face = np.repeat(np.arange(len(corners)), 3)
@@ -152,18 +152,18 @@ def creased(solid: Solid, angle: float = 0.6) -> Solid:
     flat = corners.reshape(-1)
     after_first = 3 * (first // 3) + (first + 1) % 3
     after_second = 3 * (second // 3) + (second + 1) % 3
-    one = np.concatenate([first, after_first])
+    first_corner = np.concatenate([first, after_first])
     opposite = np.concatenate([after_second, second])
     # If the neighbour has the opposite orientation, equal ends are equal corners.
-    other = np.where(flat[one] == flat[opposite], opposite, np.concatenate([second, after_second]))
+    second_corner = np.where(flat[first_corner] == flat[opposite], opposite, np.concatenate([second, after_second]))
     while True:
-        least = np.minimum(label[one], label[other])
-        before = label.copy()
-        np.minimum.at(label, one, least)
-        np.minimum.at(label, other, least)
-        if np.array_equal(before, label):
+        lowest = np.minimum(label[first_corner], label[second_corner])
+        previous = label.copy()
+        np.minimum.at(label, first_corner, lowest)
+        np.minimum.at(label, second_corner, lowest)
+        if np.array_equal(previous, label):
             break
-    kept, triangles = np.unique(label, return_inverse=True)
+    representatives, triangles = np.unique(label, return_inverse=True)
     return Solid(
-        solid.vertices[solid.triangles.reshape(-1)[kept]], triangles.reshape(-1, 3).astype(np.uint32)
+        solid.vertices[solid.triangles.reshape(-1)[representatives]], triangles.reshape(-1, 3).astype(np.uint32)
     )

@@ -16,7 +16,7 @@ Up = Literal["+z", "+y"]
 #: Approximate drawn size of a model, in viser's metres: shadows and gizmos are designed for it.
 DRAWN = 1.6
 #: Sizes in metres that are drawn without scaling.
-USUAL = (0.4, 4.0)
+USUAL_SIZES = (0.4, 4.0)
 #: Direction from the model to the camera: right of the front, slightly above; for z up, x to the front.
 LOOK_FROM = np.array([1.0, -0.72, 0.36])
 #: Vertical field of view of the camera, radians.
@@ -25,7 +25,7 @@ FIELD_OF_VIEW = 0.6
 
 def drawn_scale(size: float) -> float:
     """Drawn length of 1 for a model of this size."""
-    if not np.isfinite(size) or size <= 0.0 or USUAL[0] <= size <= USUAL[1]:
+    if not np.isfinite(size) or size <= 0.0 or USUAL_SIZES[0] <= size <= USUAL_SIZES[1]:
         return 1.0
     return DRAWN / size
 
@@ -67,11 +67,11 @@ def look_at(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
     """Moves the camera so that the box from `low` to `high`, as drawn, fills the page."""
     middle = (low + high) / 2
     radius = max(float(np.linalg.norm(high - low)) / 2, 1e-3)
-    way = LOOK_FROM / np.linalg.norm(LOOK_FROM)
+    direction = LOOK_FROM / np.linalg.norm(LOOK_FROM)
     if up == "+y":
         # A glTF character faces +z.
-        way = np.array([-way[1], way[2], way[0]])
-    eye = middle + way * radius / np.sin(FIELD_OF_VIEW / 2) * 1.12
+        direction = np.array([-direction[1], direction[2], direction[0]])
+    eye = middle + direction * radius / np.sin(FIELD_OF_VIEW / 2) * 1.12
     camera = server.initial_camera
     camera.up = (0.0, 0.0, 1.0) if up == "+z" else (0.0, 1.0, 0.0)
     camera.position = tuple(eye)

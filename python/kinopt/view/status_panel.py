@@ -63,9 +63,9 @@ class StatusPanel:
         answer = page.answer
         if answer is not None and answer.solution is not None and not answer.solution.reached:
             for goal in page.goals():
-                place, target = page.body.frame(goal.frame)[:3, 3], goal.placement[:3, 3]
-                if np.linalg.norm(place - target) * scene.drawn > 1e-3:
-                    missed[goal.frame] = (place, target)
+                reached_position, target = page.body.frame(goal.frame)[:3, 3], goal.placement[:3, 3]
+                if np.linalg.norm(reached_position - target) * scene.drawn > 1e-3:
+                    missed[goal.frame] = (reached_position, target)
         # Hidden instead of removed, because the page would report removed labels as unknown.
         for frame in [frame for frame in self.marks if frame not in missed]:
             self.marks.pop(frame).visible = False
@@ -81,9 +81,9 @@ class StatusPanel:
         else:
             self._lines.points = points
         unit = page.body.unit
-        for frame, (place, target) in missed.items():
-            text = f"{length(float(np.linalg.norm(place - target)), unit)} off"
-            position = (place + target) / 2 * scene.drawn
+        for frame, (reached_position, target) in missed.items():
+            text = f"{length(float(np.linalg.norm(reached_position - target)), unit)} off"
+            position = (reached_position + target) / 2 * scene.drawn
             if frame not in self._labels:
                 self._labels[frame] = scene.server.scene.add_label(
                     f"/miss of {frame}", text, position=position, anchor="bottom-center"

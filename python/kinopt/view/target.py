@@ -11,7 +11,7 @@ import viser
 from numpy.typing import NDArray
 
 from .canvas import Canvas
-from .loop import FRAME
+from .loop import FRAME_TIME
 from .transforms import between, matrix_of, placement_of, wxyz_of
 
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Moved = Callable[[Array], Any]
 
 #: viser's page sends the pose of a gizmo 20 times a second; poses between are interpolated.
-BETWEEN_MESSAGES = 0.05
+MESSAGE_INTERVAL = 0.05
 
 
 class Target:
@@ -58,9 +58,9 @@ class Target:
         @self._gizmo.on_update
         async def _(event: viser.TransformControlsEvent) -> None:
             arrived = time.perf_counter()
-            place = matrix_of(event.target.wxyz, event.target.position / scene.drawn)
+            moved_placement = matrix_of(event.target.wxyz, event.target.position / scene.drawn)
             phase = event.phase
-            scene.loop.post(lambda: self._hear(place, phase, arrived))
+            scene.loop.post(lambda: self._hear(moved_placement, phase, arrived))
 
     @property
     def placement(self) -> Array:
@@ -111,8 +111,8 @@ class Target:
 
     def remove(self) -> None:
         """Removes it from the scene."""
-        for heard in (self._grabbed, self._heard, self._released):
-            heard.clear()
+        for callbacks in (self._grabbed, self._heard, self._released):
+            callbacks.clear()
         self._gizmo.remove()
         self.scene.forget(self)
 
@@ -148,7 +148,7 @@ class Target:
 
     def _go_on(self, now: float) -> bool:
         """Moves towards the last received pose; returns true until it is reached."""
-        share = min((now - self._began + FRAME) / BETWEEN_MESSAGES, 1.0)
+        share = min((now - self._began + FRAME_TIME) / MESSAGE_INTERVAL, 1.0)
         self._now = between(self._from, self._to, share)
         for moved in list(self._heard):
             moved(self._now)

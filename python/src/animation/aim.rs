@@ -23,7 +23,7 @@ pub(crate) struct Aim {
     inner: Aiming,
     armature: Arc<Bones>,
     /// Arguments: name of the bone, forward, up and offset.
-    made: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
+    arguments: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
 }
 
 #[pymethods]
@@ -53,7 +53,7 @@ impl Aim {
         Ok(Self {
             inner,
             armature,
-            made: (bone, forward.to_array(), up.map(|up| up.to_array()), offset),
+            arguments: (bone, forward.to_array(), up.map(|up| up.to_array()), offset),
         })
     }
 
@@ -68,7 +68,7 @@ impl Aim {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (bone, forward, up, offset) = self.made.clone();
+        let (bone, forward, up, offset) = self.arguments.clone();
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, bone, forward, up, offset);
         pickling::by_rebuild::<Self>(py, parts)
@@ -86,7 +86,7 @@ impl Aim {
     }
 
     fn __repr__(&self) -> String {
-        format!("Aim({:?})", self.made.0)
+        format!("Aim({:?})", self.arguments.0)
     }
 }
 

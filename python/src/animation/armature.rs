@@ -14,7 +14,8 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::transforms::{
-    self, Order, given, one_to_array, quaternion, quaternions, shaped, to_array, vector, vectors,
+    self, Order, one_to_array, quaternion, quaternion_argument, quaternions, shaped, to_array,
+    vector, vectors,
 };
 use crate::vertices::whole;
 
@@ -58,7 +59,7 @@ impl Armature {
             Some(value) => vectors(value, "scales")?,
             None => vec![Vec3A::ONE; bones],
         };
-        let rotations = match given(rotations_xyzw, rotations_wxyz, "rotations")? {
+        let rotations = match quaternion_argument(rotations_xyzw, rotations_wxyz, "rotations")? {
             Some((value, order)) => quaternions(value, order)?,
             None => vec![Quat::IDENTITY; bones],
         };
@@ -190,16 +191,16 @@ impl Armature {
         let (poses, count) = poses_of(pose)?;
         let bones = self.inner.bones();
         let shape: Vec<usize> = count.into_iter().chain([bones, 4, 4]).collect();
-        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let array = arrays::output_array::<f32>(py, out, &shape)?;
         let mut placed: Vec<Affine3A> = Vec::new();
-        arrays::fill(&array, |room| {
-            let pieces = room.chunks_mut(POSES_AT_A_TIME * (bones * 16).max(1));
-            for (poses, room) in poses.chunks(POSES_AT_A_TIME).zip(pieces) {
+        arrays::fill(&array, |buffer| {
+            let pieces = buffer.chunks_mut(POSES_AT_A_TIME * (bones * 16).max(1));
+            for (poses, buffer) in poses.chunks(POSES_AT_A_TIME).zip(pieces) {
                 py.check_signals()?;
                 py.detach(|| {
-                    for (pose, room) in poses.iter().zip(room.chunks_mut((bones * 16).max(1))) {
+                    for (pose, buffer) in poses.iter().zip(buffer.chunks_mut((bones * 16).max(1))) {
                         self.inner.local_to_model(pose, &mut placed).or_raise()?;
-                        transforms::write(&placed, room);
+                        transforms::write(&placed, buffer);
                     }
                     Ok::<(), PyErr>(())
                 })?;
@@ -220,28 +221,28 @@ impl Armature {
         model_from_bone: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let (placed, before) = transforms::read(model_from_bone, "model_from_bone")?;
+        let (placed, leading) = transforms::read(model_from_bone, "model_from_bone")?;
         let bones = self.inner.bones();
-        match before.as_slice() {
-            [own] | [_, own] if *own == bones => {}
+        match leading.as_slice() {
+            [last] | [_, last] if *last == bones => {}
             _ => {
-                let shape = shape_text(&[before.as_slice(), &[4, 4]].concat());
+                let shape = shape_text(&[leading.as_slice(), &[4, 4]].concat());
                 return Err(invalid(format!(
                     "model_from_bone has shape {shape}, expected ({bones}, 4, 4) or (N, {bones}, 4, 4)"
                 )));
             }
         }
-        let shape = [before.as_slice(), &[4, 4]].concat();
-        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let shape = [leading.as_slice(), &[4, 4]].concat();
+        let array = arrays::output_array::<f32>(py, out, &shape)?;
         let mut posed: Vec<Affine3A> = Vec::new();
-        arrays::fill(&array, |room| {
+        arrays::fill(&array, |buffer| {
             py.detach(|| {
-                let rooms = room.chunks_mut((bones * 16).max(1));
-                for (placed, room) in placed.chunks(bones.max(1)).zip(rooms) {
+                let buffers = buffer.chunks_mut((bones * 16).max(1));
+                for (placed, buffer) in placed.chunks(bones.max(1)).zip(buffers) {
                     self.inner
                         .skinning_transforms(placed, &mut posed)
                         .or_raise()?;
-                    transforms::write(&posed, room);
+                    transforms::write(&posed, buffer);
                 }
                 Ok(())
             })
@@ -318,7 +319,7 @@ impl Armature {
         wxyz: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let bone = self.inner.bone(bone).or_raise()?;
-        let (q, order) = given(xyzw, wxyz, "rotations")?
+        let (q, order) = quaternion_argument(xyzw, wxyz, "rotations")?
             .ok_or_else(|| invalid("a rotation is given as xyzw or as wxyz"))?;
         let q = quaternion(q, order)?;
         let set = |locals: &mut _| self.inner.set_model_rotation(locals, bone, q);

@@ -15,7 +15,7 @@ use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
 use super::playback;
 use super::playhead::Passage;
 use super::root_motion::RootMotion;
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::pool::Pool;
@@ -73,9 +73,9 @@ impl Clip {
     /// Raises `UnknownNameError`, and `InvalidValueError` if several clips match.
     #[staticmethod]
     fn named<'py>(clips: Vec<Bound<'py, Self>>, name: &str) -> PyResult<Bound<'py, Self>> {
-        let found = Motion::named(clips.iter().map(|clip| &*clip.get().inner), name).or_raise()?;
-        let same = |clip: &Bound<'_, Self>| std::ptr::eq(&*clip.get().inner, found);
-        let index = clips.iter().position(same).unwrap_or(0);
+        let motion = Motion::named(clips.iter().map(|clip| &*clip.get().inner), name).or_raise()?;
+        let is_same = |clip: &Bound<'_, Self>| std::ptr::eq(&*clip.get().inner, motion);
+        let index = clips.iter().position(is_same).unwrap_or(0);
         Ok(clips[index].clone())
     }
 
@@ -147,7 +147,7 @@ impl Clip {
         if out.is_some() {
             return Err(invalid("out takes the pose at one time"));
         }
-        let times = Questions::numbers(time, "time")?;
+        let times = Queries::numbers(time, "time")?;
         let mut poses = vec![self.armature.rest().clone(); times.count()];
         self.cursors.with(|cursor| {
             times.each(py, &mut poses, SAMPLES_AT_A_TIME, |time, poses| {
@@ -188,7 +188,7 @@ impl Clip {
     /// Raises `InvalidValueError` for a curve without a representation; clips of files and builders have none.
     fn channels<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, String, Bound<'py, PyAny>)>> {
         let channels = self.inner.channels(&self.armature).or_raise()?;
-        let of = |(bone, channel): (kinopt::skeleton::BoneId, Channel)| {
+        let described = |(bone, channel): (kinopt::skeleton::BoneId, Channel)| {
             let name = self.armature.names()[bone.index()].clone();
             let (property, curve) = match channel {
                 Channel::Translation(curve) => ("translation", vectors(py, curve)?),
@@ -204,7 +204,7 @@ impl Clip {
             };
             Ok((name, property.to_owned(), curve))
         };
-        channels.into_iter().map(of).collect()
+        channels.into_iter().map(described).collect()
     }
 
     /// Channels of morph target weights: [(target, curve), ...].
@@ -318,7 +318,7 @@ impl Clip {
         root_velocity: Option<Bound<'py, PyAny>>,
         skeleton: Option<Bound<'py, PyAny>>,
     ) -> PyResult<EditedClip> {
-        let asked = ClipIkRequest {
+        let request = ClipIkRequest {
             reach,
             plant,
             root,
@@ -328,7 +328,7 @@ impl Clip {
             root_velocity,
             skeleton,
         };
-        asked.over(py, self)
+        request.over(py, self)
     }
 
     /// The clip in place, and the root motion of a bone: (clip, root motion). The bone keeps its initial horizontal

@@ -82,7 +82,7 @@ impl ClipBuilder {
         } else {
             None
         };
-        let wrong = || {
+        let mismatch = || {
             invalid(format!(
                 "a {property} channel has {}, not {}",
                 match property {
@@ -93,7 +93,7 @@ impl ClipBuilder {
             ))
         };
         self.parts
-            .push(Part::Channel(bone, channel.ok_or_else(wrong)?));
+            .push(Part::Channel(bone, channel.ok_or_else(mismatch)?));
         Ok(())
     }
 

@@ -113,7 +113,7 @@ impl ClipIkRequest<'_> {
         let skeleton = self
             .skeleton
             .as_ref()
-            .map(|own| skeleton_of(own))
+            .map(|skeleton| skeleton_of(skeleton))
             .transpose()?;
         let mut ik = ClipIk::new(armature)
             .with_up(up)
@@ -129,8 +129,8 @@ impl ClipIkRequest<'_> {
         for &foot in &feet {
             ik = ik.with_planted(foot);
         }
-        for given in &self.reach {
-            ik = ik.with_reach(reach(given, armature, motion)?);
+        for object in &self.reach {
+            ik = ik.with_reach(reach(object, armature, motion)?);
         }
         if let Some(root) = &self.root {
             ik = ik.with_root(bone(root)?);
@@ -156,8 +156,8 @@ impl ClipIkRequest<'_> {
             ik = on_ground(ik, ground, up, &raised)?;
         }
         let edited = py.detach(|| ik.solve(motion));
-        let late = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
-        late.map_or(Ok(()), Err)?;
+        let error = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
+        error.map_or(Ok(()), Err)?;
         edited_clip(py, edited.or_raise()?, armature)
     }
 }
@@ -193,12 +193,12 @@ fn on_ground<'a>(
 }
 
 /// Reads a `kinopt.animation.Reach`.
-fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<Reach> {
-    let get = |name: &str| match given.getattr_opt(name)? {
+fn reach(object: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<Reach> {
+    let get = |name: &str| match object.getattr_opt(name)? {
         Some(value) => Ok(value),
         None => Err(invalid(format!(
             "reach contains {}, expected Reach",
-            given.repr()?
+            object.repr()?
         ))),
     };
     let name: String = arrays::name(&get("bone")?, "the bone of a reach")?;
@@ -236,8 +236,8 @@ fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<
     Ok(reach)
 }
 
-fn skeleton_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>> {
-    match given.cast::<Skeleton>() {
+fn skeleton_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>> {
+    match value.cast::<Skeleton>() {
         Ok(skeleton) => Ok(skeleton.clone()),
         Err(_) => Err(invalid("skeleton must be a Skeleton")),
     }
@@ -245,17 +245,17 @@ fn skeleton_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>>
 
 fn edited_clip(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
     let name = |bone: BoneId| armature.names()[bone.index()].clone();
-    let stances = edited.stances.iter().map(|own| FootPlant {
-        bone: name(own.bone),
-        span: own.span.into(),
-        place: own.place.into(),
-        slide: own.slide,
-        stray: own.stray,
+    let stances = edited.stances.iter().map(|plant| FootPlant {
+        bone: name(plant.bone),
+        span: plant.span.into(),
+        place: plant.place.into(),
+        slide: plant.slide,
+        stray: plant.stray,
     });
-    let led = edited.led.iter().map(|own| ReachResult {
-        bone: name(own.bone),
-        miss: own.miss,
-        at: own.at,
+    let led = edited.led.iter().map(|result| ReachResult {
+        bone: name(result.bone),
+        miss: result.miss,
+        at: result.at,
     });
     Ok(EditedClip {
         stances: stances.collect(),

@@ -13,7 +13,7 @@ use super::bones_and_poses::{Armature, Pose, Poses};
 use super::clip::Clip;
 use super::limb::{Limb, LimbGoal};
 use super::playback;
-use crate::arrays::{self, place};
+use crate::arrays::{self, resolve_index};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::{threads, transforms};
@@ -217,10 +217,10 @@ impl Crowd {
                 .collect()
         });
         let bones = self.armature.bones();
-        let array = arrays::room_of::<f32>(py, out, &[placed.len(), bones, 4, 4])?;
-        arrays::fill(&array, |room| {
-            for (placed, room) in placed.iter().zip(room.chunks_mut((bones * 16).max(1))) {
-                transforms::write(placed, room);
+        let array = arrays::output_array::<f32>(py, out, &[placed.len(), bones, 4, 4])?;
+        arrays::fill(&array, |buffer| {
+            for (placed, buffer) in placed.iter().zip(buffer.chunks_mut((bones * 16).max(1))) {
+                transforms::write(placed, buffer);
             }
             Ok(())
         })?;
@@ -243,7 +243,7 @@ impl Crowd {
     ///
     /// Raises `IndexError` for an unknown character.
     fn pose(&self, character: isize) -> PyResult<Pose> {
-        let index = place(character, self.__len__())?;
+        let index = resolve_index(character, self.__len__())?;
         let pose = self.with(|crowd| crowd.characters()[index].pose().clone());
         Ok(Pose::of(&self.armature, pose))
     }
@@ -252,7 +252,10 @@ impl Crowd {
     ///
     /// Raises `IndexError` for an unknown character or limb.
     fn set_goal(&self, character: isize, limb: isize, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
-        let (index, limb) = (place(character, self.__len__())?, place(limb, self.limbs)?);
+        let (index, limb) = (
+            resolve_index(character, self.__len__())?,
+            resolve_index(limb, self.limbs)?,
+        );
         let goal = goal.get().inner;
         self.with(|crowd| crowd.characters_mut()[index].goals_mut()[limb] = goal);
         Ok(())
@@ -270,9 +273,9 @@ impl Crowd {
         share: Option<f32>,
         speed: Option<f64>,
     ) -> PyResult<()> {
-        let index = place(character, self.__len__())?;
+        let index = resolve_index(character, self.__len__())?;
         let clips = self.with(|crowd| crowd.characters_mut()[index].clips_mut().len());
-        let clip = place(clip, clips)?;
+        let clip = resolve_index(clip, clips)?;
         let share = share.map(|share| arrays::share(share, "share"));
         let share = share.transpose()?;
         let speed = speed.map(|speed| arrays::finite(speed, "speed"));

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::playback;
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::skeleton::Skeleton;
@@ -52,7 +52,7 @@ impl EulerClip {
         interpolation: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let skeleton = Arc::clone(&skeleton.get().inner);
-        let mut read = Vec::new();
+        let mut read_tracks = Vec::new();
         for (bone, keys) in tracks {
             let name = arrays::name(&bone, "a bone of tracks")?;
             let bone = skeleton.bone(&name).or_raise()?;
@@ -74,25 +74,27 @@ impl EulerClip {
                 angles: [angles[0], angles[1], angles[2]],
             });
             let keys = keys.collect();
-            read.push(EulerTrack { bone, keys });
+            read_tracks.push(EulerTrack { bone, keys });
         }
-        let mut clip = Clip::new(read).or_raise()?;
+        let mut clip = Clip::new(read_tracks).or_raise()?;
         if let Some(chosen) = interpolation {
-            let mut between = Vec::new();
+            let mut interpolations = Vec::new();
             for track in clip.tracks() {
                 let name = &skeleton.bones()[track.bone.index()].name;
                 let of_bone = match chosen.cast::<PyDict>() {
                     Ok(by_bone) => by_bone.get_item(name)?,
                     Err(_) => Some(chosen.clone()),
                 };
-                let read = of_bone
+                let bone_interpolation = of_bone
                     .map(|value| read_interpolation(&value))
                     .transpose()?;
-                between.push((track.bone, read.unwrap_or_default()));
+                interpolations.push((track.bone, bone_interpolation.unwrap_or_default()));
             }
             let choose = |track: &EulerTrack| {
-                let found = between.iter().find(|(bone, _)| *bone == track.bone);
-                found.map(|(_, one)| one.clone()).unwrap_or_default()
+                let entry = interpolations.iter().find(|(bone, _)| *bone == track.bone);
+                entry
+                    .map(|(_, interpolation)| interpolation.clone())
+                    .unwrap_or_default()
             };
             clip = clip.interpolated(choose).or_raise()?;
         }
@@ -181,11 +183,11 @@ impl EulerClip {
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let playback = playback::of(playback)?;
-        let times = Questions::numbers(times, "times")?;
-        let array = arrays::room_of::<f64>(py, out, &times.shape(&[self.skeleton.angles()]))?;
-        arrays::fill(&array, |room| {
-            times.each(py, room, SAMPLES_AT_A_TIME, |time, room| {
-                self.inner.sample(time[0], playback, room).or_raise()
+        let times = Queries::numbers(times, "times")?;
+        let array = arrays::output_array::<f64>(py, out, &times.shape(&[self.skeleton.angles()]))?;
+        arrays::fill(&array, |buffer| {
+            times.each(py, buffer, SAMPLES_AT_A_TIME, |time, buffer| {
+                self.inner.sample(time[0], playback, buffer).or_raise()
             })
         })?;
         Ok(array)
@@ -226,9 +228,9 @@ fn read_interpolation(value: &Bound<'_, PyAny>) -> PyResult<EulerInterpolation> 
     let named = [EulerInterpolation::Linear, EulerInterpolation::CatmullRom];
     if let Ok(name) = value.extract::<String>() {
         let names: Vec<&str> = named.iter().map(EulerInterpolation::name).collect();
-        let found = named.iter().find(|known| known.name() == name);
+        let entry = named.iter().find(|known| known.name() == name);
         let unknown = || UnknownName::new("interpolation", &name, names.iter().copied());
-        return found.cloned().ok_or_else(unknown).or_raise();
+        return entry.cloned().ok_or_else(unknown).or_raise();
     }
     let rows = arrays::rows(value, "interpolation", 3)?;
     let controls = rows.chunks_exact(3).map(|row| TensionContinuityBias {

@@ -10,7 +10,7 @@ use super::bones_and_poses::{Armature, Pose};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{finite_quaternion, finite_vector, given, shaped, vector};
+use crate::transforms::{finite_quaternion, finite_vector, quaternion_argument, shaped, vector};
 
 /// Two-bone limb with an end that reaches a target: thigh and shin, or upper arm and forearm. Bones between the two
 /// rotate with the upper one.
@@ -29,11 +29,11 @@ pub(crate) struct Limb {
     pub(crate) inner: TwoBones,
     pub(crate) armature: Arc<Bones>,
     /// Arguments of the constructor.
-    made: Made,
+    arguments: LimbArguments,
 }
 
 #[derive(Clone)]
-struct Made {
+struct LimbArguments {
     upper: String,
     lower: String,
     end: End,
@@ -75,7 +75,7 @@ impl Limb {
         if let Some(axis) = hinge {
             inner = inner.with_hinge(axis).or_raise()?;
         }
-        let made = Made {
+        let arguments = LimbArguments {
             upper,
             lower,
             end,
@@ -85,7 +85,7 @@ impl Limb {
         Ok(Self {
             inner,
             armature,
-            made,
+            arguments,
         })
     }
 
@@ -100,13 +100,13 @@ impl Limb {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let Made {
+        let LimbArguments {
             upper,
             lower,
             end,
             hinge,
             softening,
-        } = self.made.clone();
+        } = self.arguments.clone();
         let end = match end {
             End::Bone(bone) => bone.into_pyobject(py)?.into_any(),
             End::Point(point) => point.into_pyobject(py)?.into_any(),
@@ -129,7 +129,10 @@ impl Limb {
     }
 
     fn __repr__(&self) -> String {
-        format!("Limb({:?}, {:?})", self.made.upper, self.made.lower)
+        format!(
+            "Limb({:?}, {:?})",
+            self.arguments.upper, self.arguments.lower
+        )
     }
 }
 
@@ -178,7 +181,7 @@ impl LimbGoal {
         ] {
             arrays::finite(value.into(), what)?;
         }
-        let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
+        let rotation = quaternion_argument(rotation_xyzw, rotation_wxyz, "rotations")?;
         let end = match (hold, rotation) {
             (Some(_), Some(_)) => {
                 return Err(invalid("hold and a rotation are given: use one of them"));

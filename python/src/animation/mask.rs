@@ -82,9 +82,9 @@ impl BoneMask {
     /// Weights of the morph targets, shape (targets,), float32.
     #[getter]
     fn morph_targets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let shares = self.inner.morph_targets().to_vec();
-        let count = shares.len();
-        shaped(py, shares, &[count])
+        let weights = self.inner.morph_targets().to_vec();
+        let count = weights.len();
+        shaped(py, weights, &[count])
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -15,8 +15,8 @@ const NAMES: [(&str, Playback); 3] = [
 
 /// Returns a playback mode by its name.
 pub(crate) fn of(name: &str) -> PyResult<Playback> {
-    let found = NAMES.iter().find(|(known, _)| *known == name);
-    found
+    let entry = NAMES.iter().find(|(known, _)| *known == name);
+    entry
         .map(|(_, playback)| *playback)
         .ok_or_else(|| UnknownName::new("playback", name, NAMES.map(|(name, _)| name)))
         .or_raise()

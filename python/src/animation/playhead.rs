@@ -37,19 +37,19 @@ impl Playhead {
     /// Seconds since playback started.
     #[getter]
     fn elapsed(&self) -> f64 {
-        self.with(|own| own.elapsed())
+        self.with(|playhead| playhead.elapsed())
     }
 
     /// Playback speed: seconds of the clip for each second; may be assigned, negative plays backwards.
     #[getter]
     fn speed(&self) -> f64 {
-        self.with(|own| own.speed)
+        self.with(|playhead| playhead.speed)
     }
 
     #[setter]
     fn set_speed(&self, speed: f64) -> PyResult<()> {
         let speed = arrays::finite(speed, "speed")?;
-        self.with(|own| own.speed = speed);
+        self.with(|playhead| playhead.speed = speed);
         Ok(())
     }
 
@@ -58,12 +58,12 @@ impl Playhead {
     /// Raises `InvalidValueError` for a number that is not finite.
     fn advance(&self, seconds: f64) -> PyResult<Passage> {
         let seconds = arrays::finite(seconds, "seconds")?;
-        let inner = self.with(|own| own.advance(seconds));
+        let inner = self.with(|playhead| playhead.advance(seconds));
         Ok(Passage { inner })
     }
 
     fn __repr__(&self) -> String {
-        let (elapsed, speed) = self.with(|own| (own.elapsed(), own.speed));
+        let (elapsed, speed) = self.with(|playhead| (playhead.elapsed(), playhead.speed));
         format!("Playhead(elapsed={elapsed}, speed={speed})")
     }
 }

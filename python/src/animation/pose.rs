@@ -12,7 +12,9 @@ use super::mask::BoneMask;
 use super::pose_parts::{Parts, frozen, rotations, weights_of};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{Order, flat, given, one_to_array, quaternion, shaped, vector};
+use crate::transforms::{
+    Order, flat, one_to_array, quaternion, quaternion_argument, shaped, vector,
+};
 
 impl Pose {
     fn array<'py>(
@@ -45,7 +47,7 @@ impl Pose {
         let armature = &armature.get().inner;
         let parts = Parts {
             translations,
-            rotations: given(rotations_xyzw, rotations_wxyz, "rotations")?,
+            rotations: quaternion_argument(rotations_xyzw, rotations_wxyz, "rotations")?,
             scales,
             morph_weights,
         };
@@ -133,7 +135,7 @@ impl Pose {
         scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let bone = self.armature.bone(bone).or_raise()?;
-        let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
+        let rotation = quaternion_argument(rotation_xyzw, rotation_wxyz, "rotations")?;
         let rotation: Option<Quat> = rotation
             .map(|(q, order)| quaternion(q, order))
             .transpose()?;

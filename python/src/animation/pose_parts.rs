@@ -27,9 +27,9 @@ impl Parts<'_, '_> {
     pub(super) fn pose(&self, armature: &Bones) -> PyResult<Locals> {
         let mut pose = armature.rest().clone();
         let bones = armature.bones();
-        let sized = |what: &str, given: usize| match given == bones {
+        let sized = |what: &str, count: usize| match count == bones {
             true => Ok(()),
-            false => Err(invalid(format!("{given} {what} for {bones} bones"))),
+            false => Err(invalid(format!("{count} {what} for {bones} bones"))),
         };
         let translations = match self.translations {
             Some(value) => vectors(value, "translations")?,

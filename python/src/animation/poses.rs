@@ -12,7 +12,7 @@ use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::Items;
 use crate::pickling;
-use crate::transforms::{Order, flat, given, shaped};
+use crate::transforms::{Order, flat, quaternion_argument, shaped};
 
 impl Poses {
     fn array<'py>(
@@ -44,7 +44,7 @@ impl Poses {
         morph_weights: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let armature = &armature.get().inner;
-        let rotations = given(rotations_xyzw, rotations_wxyz, "rotations")?;
+        let rotations = quaternion_argument(rotations_xyzw, rotations_wxyz, "rotations")?;
         let stacks = [
             translations,
             rotations.map(|(q, _)| q),
@@ -70,7 +70,7 @@ impl Poses {
         }
         let mut list = Vec::with_capacity(count);
         for i in 0..count {
-            let own = (
+            let rows = (
                 item(translations, i)?,
                 item(scales, i)?,
                 item(morph_weights, i)?,
@@ -80,10 +80,10 @@ impl Poses {
                 None => None,
             };
             let parts = Parts {
-                translations: own.0.as_ref(),
+                translations: rows.0.as_ref(),
                 rotations: turned.as_ref().map(|(q, order)| (q, *order)),
-                scales: own.1.as_ref(),
-                morph_weights: own.2.as_ref(),
+                scales: rows.1.as_ref(),
+                morph_weights: rows.2.as_ref(),
             };
             list.push(parts.pose(armature)?);
         }
@@ -144,10 +144,10 @@ impl Poses {
                 let pose = Pose::of(&self.armature, self.list[i].clone());
                 Ok(Bound::new(py, pose)?.into_any())
             }
-            Picked::Some(places) => {
-                let some = places.iter().map(|&i| self.list[i].clone());
-                let some = Self::of(&self.armature, some.collect());
-                Ok(Bound::new(py, some)?.into_any())
+            Picked::Some(indices) => {
+                let picked = indices.iter().map(|&i| self.list[i].clone());
+                let picked = Self::of(&self.armature, picked.collect());
+                Ok(Bound::new(py, picked)?.into_any())
             }
         }
     }

@@ -7,13 +7,13 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::solution::Solution;
 use crate::solver::Solver;
-use crate::transforms::{given, quaternion};
+use crate::transforms::{quaternion, quaternion_argument};
 
 /// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 256;
@@ -92,7 +92,7 @@ impl ReachLayer {
         wxyz: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let bone = self.skeleton.bone(bone).or_raise()?;
-        let (q, order) = given(xyzw, wxyz, "rotations")?
+        let (q, order) = quaternion_argument(xyzw, wxyz, "rotations")?
             .ok_or_else(|| invalid("a rotation is given as xyzw or as wxyz"))?;
         let q = quaternion(q, order)?;
         self.with(|layer| layer.set_rotation(bone, q, weight))
@@ -113,7 +113,7 @@ impl ReachLayer {
             self.with(|layer| layer.apply(&mut locals).map(|solution| solution.cloned()))
         });
         let solution = solved.or_raise()?;
-        pose.with(|own| own.copy_from(&locals));
+        pose.with(|current| current.copy_from(&locals));
         Ok(solution.map(Solution::from))
     }
 
@@ -184,11 +184,11 @@ impl EulerPoseMap {
             )));
         }
         let shape: Vec<usize> = count.into_iter().chain([angles]).collect();
-        let array = arrays::room_of::<f64>(py, out, &shape)?;
-        arrays::fill(&array, |room| {
+        let array = arrays::output_array::<f64>(py, out, &shape)?;
+        arrays::fill(&array, |buffer| {
             py.detach(|| {
-                let mut each = poses.iter().zip(room.chunks_mut(angles.max(1)));
-                each.try_for_each(|(pose, room)| self.inner.angles_of(pose, room))
+                let mut each = poses.iter().zip(buffer.chunks_mut(angles.max(1)));
+                each.try_for_each(|(pose, buffer)| self.inner.angles_of(pose, buffer))
             })
             .or_raise()
         })?;
@@ -201,7 +201,7 @@ impl EulerPoseMap {
     /// Raises `InvalidValueError` for another shape and for angles that are not finite.
     fn pose_of<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let one = arrays::axes(q)? == 1;
-        let q = Questions::rows(q, "q", self.skeleton.angles())?;
+        let q = Queries::rows(q, "q", self.skeleton.angles())?;
         let mut poses = vec![self.armature.rest().clone(); q.count()];
         q.each(py, &mut poses, POSES_AT_A_TIME, |q, pose| {
             self.inner.pose_of(q, &mut pose[0]).or_raise()

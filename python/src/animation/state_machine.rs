@@ -155,7 +155,7 @@ impl StateMachineRun {
 
 /// Event of a clip: the state, the clip, the name of the event, its time in the clip, and the weight of the clip at
 /// that time.
-type Heard = (String, String, String, f32, f32);
+type FiredEvent = (String, String, String, f32, f32);
 
 #[pymethods]
 impl StateMachineRun {
@@ -176,13 +176,13 @@ impl StateMachineRun {
     /// ...]. Negative seconds count as 0.
     ///
     /// Raises `InvalidValueError` for seconds that are not finite.
-    fn update(&self, py: Python<'_>, seconds: f64) -> PyResult<Vec<Heard>> {
+    fn update(&self, py: Python<'_>, seconds: f64) -> PyResult<Vec<FiredEvent>> {
         let seconds = arrays::finite(seconds, "seconds")?;
-        let mut heard: Vec<Heard> = Vec::new();
+        let mut events: Vec<FiredEvent> = Vec::new();
         let updated = py.detach(|| {
             self.with(|run| {
                 run.update(seconds, |event| {
-                    heard.push((
+                    events.push((
                         event.state.to_owned(),
                         event.clip.to_owned(),
                         event.event.name.clone(),
@@ -193,7 +193,7 @@ impl StateMachineRun {
             })
         });
         updated.or_raise()?;
-        Ok(heard)
+        Ok(events)
     }
 
     /// Pose after the last update, as a new object.

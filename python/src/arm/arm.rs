@@ -107,14 +107,14 @@ impl Arm {
 
     /// Returns the arm that searches for several solutions.
     fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
-        let mut kept = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, arm)) = &*kept {
+        let mut cached = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, arm)) = &*cached {
             if *known == search {
                 return Ok(Arc::clone(arm));
             }
         }
         let arm = Arc::new(self.inner.with_search(search).or_raise()?);
-        *kept = Some((search, Arc::clone(&arm)));
+        *cached = Some((search, Arc::clone(&arm)));
         Ok(arm)
     }
 
@@ -349,12 +349,12 @@ impl Arm {
         }
         let q = arrays::rows(q, "q", dof)?;
         let q: &[f64] = &q;
-        let all = || {
+        let compute = || {
             q.chunks_exact(dof)
                 .map(|q| self.inner.base_from_tool(q))
                 .collect()
         };
-        let placements: Result<Vec<_>, _> = py.detach(all);
+        let placements: Result<Vec<_>, _> = py.detach(compute);
         Ok(to_arrays(py, &placements.or_raise()?)?.into_any())
     }
 
@@ -484,7 +484,7 @@ impl Arm {
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
-        let numbers = |given: Option<&Bound<'_, PyAny>>, name: &'static str| match given {
+        let numbers = |value: Option<&Bound<'_, PyAny>>, name: &'static str| match value {
             Some(numbers) => PyResult::Ok(Some(arrays::vector(numbers, name)?.to_vec())),
             None => Ok(None),
         };
@@ -528,10 +528,12 @@ impl Arm {
         q: &Bound<'py, PyAny>,
         q_model: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let mut whole = arrays::vector(q_model, "q_model")?.to_vec();
+        let mut configuration = arrays::vector(q_model, "q_model")?.to_vec();
         let q_arm = arrays::vector(q, "q")?;
-        self.inner.configuration(&q_arm, &mut whole).or_raise()?;
-        Ok(arrays::list(q.py(), &whole))
+        self.inner
+            .configuration(&q_arm, &mut configuration)
+            .or_raise()?;
+        Ok(arrays::list(q.py(), &configuration))
     }
 
     /// Reads the arm's joints from a configuration of the whole model: shape (dof,).
@@ -542,8 +544,8 @@ impl Arm {
         q_model: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut q = Vec::new();
-        let whole = arrays::vector(q_model, "q_model")?;
-        self.inner.joint_values(&whole, &mut q).or_raise()?;
+        let configuration = arrays::vector(q_model, "q_model")?;
+        self.inner.joint_values(&configuration, &mut q).or_raise()?;
         Ok(arrays::list(q_model.py(), &q))
     }
 

@@ -18,7 +18,7 @@ use crate::solution::Solution;
 use crate::threads;
 
 /// Targets of a thread between two checks for signals.
-const PIECE: usize = 2048;
+const TARGETS_AT_A_TIME: usize = 2048;
 
 /// Solutions of a batch of targets, as arrays: item i of each belongs to target i.
 ///
@@ -93,19 +93,19 @@ impl<'py> Starts<'py> {
         }
     }
 
-    /// Starts of a range of targets; a common start is repeated in `memory`.
-    fn of<'a>(&'a self, first: usize, count: usize, memory: &'a mut Vec<f64>) -> &'a [f64] {
+    /// Starts of a range of targets; a common start is repeated in `buffer`.
+    fn of<'a>(&'a self, first: usize, count: usize, buffer: &'a mut Vec<f64>) -> &'a [f64] {
         match self {
             Self::Each(rows) => {
                 let dof = rows.shape()[1];
                 &rows[first * dof..(first + count) * dof]
             }
             Self::Same(start) => {
-                let wanted = count * start.len();
-                if memory.len() < wanted {
-                    *memory = start.repeat(count);
+                let length = count * start.len();
+                if buffer.len() < length {
+                    *buffer = start.repeat(count);
                 }
-                &memory[..wanted]
+                &buffer[..length]
             }
         }
     }
@@ -125,7 +125,7 @@ pub(super) fn solve<'py>(
     let targets = placements(targets, "target")?;
     let count = targets.len();
     let starts = Starts::new(starts, count, dof)?;
-    let q = arrays::room(py, out, count, dof)?;
+    let q = arrays::output_rows(py, out, count, dof)?;
     let batch = Batch {
         arm: owner.clone().unbind(),
         targets: targets.keep(),
@@ -176,13 +176,13 @@ fn solve_all(
 ) -> PyResult<()> {
     let dof = arm.joint_count();
     let pool = threads::pool(threads, batch.count)?;
-    let piece = PIECE * pool.as_ref().map_or(1, |pool| pool.current_num_threads());
+    let piece = TARGETS_AT_A_TIME * pool.as_ref().map_or(1, |pool| pool.current_num_threads());
     let q = q
         .as_slice_mut()
         .map_err(|error| invalid(error.to_string()))?;
     let mut placements: Vec<Placement<f64>> = Vec::new();
     let mut outcomes = Vec::new();
-    let mut memory = Vec::new();
+    let mut start_buffer = Vec::new();
     let pieces = targets
         .numbers()
         .chunks(16 * piece)
@@ -194,13 +194,13 @@ fn solve_all(
         placement::read_all(numbers, "target", first, &mut placements)?;
         outcomes.clear();
         outcomes.resize(placements.len(), PoseOutcome::default());
-        let starts = starts.of(first, placements.len(), &mut memory);
-        let answered = py.detach(|| match &pool {
+        let starts = starts.of(first, placements.len(), &mut start_buffer);
+        let result = py.detach(|| match &pool {
             Some(pool) => pool
                 .install(|| arm.solve_batch_into_parallel(&placements, starts, q, &mut outcomes)),
             None => arm.solve_batch_into(&placements, starts, q, &mut outcomes),
         });
-        answered
+        result
             .map_err(|error| counted_from(first, error))
             .or_raise()?;
         batch.write(py, first, &outcomes);
@@ -259,37 +259,37 @@ impl Batch {
     }
 
     /// Returns the batch of some of the targets.
-    fn some(&self, py: Python<'_>, places: &[usize]) -> PyResult<Self> {
-        let count = places.len();
-        let places = places.iter().map(|&place| place as i64);
-        let places = &PyArray1::from_iter(py, places);
+    fn some(&self, py: Python<'_>, indices: &[usize]) -> PyResult<Self> {
+        let count = indices.len();
+        let indices = indices.iter().map(|&index| index as i64);
+        let indices = &PyArray1::from_iter(py, indices);
         let starts = self.starts.bind(py);
         let starts = if axes(starts)? < 2 {
             starts.clone()
         } else {
-            starts.get_item(places)?
+            starts.get_item(indices)?
         };
         Ok(Self {
             arm: self.arm.clone_ref(py),
-            targets: self.targets.bind(py).get_item(places)?.unbind(),
+            targets: self.targets.bind(py).get_item(indices)?.unbind(),
             starts: starts.unbind(),
             count,
-            q: taken(&self.q, places)?,
-            reached: taken(&self.reached, places)?,
-            position_error: taken(&self.position_error, places)?,
-            orientation_error: taken(&self.orientation_error, places)?,
-            iterations: taken(&self.iterations, places)?,
-            attempts: taken(&self.attempts, places)?,
+            q: take_rows(&self.q, indices)?,
+            reached: take_rows(&self.reached, indices)?,
+            position_error: take_rows(&self.position_error, indices)?,
+            orientation_error: take_rows(&self.orientation_error, indices)?,
+            iterations: take_rows(&self.iterations, indices)?,
+            attempts: take_rows(&self.attempts, indices)?,
         })
     }
 }
 
 /// Selects rows of a column.
-fn taken<T: numpy::Element, D: Dimension>(
+fn take_rows<T: numpy::Element, D: Dimension>(
     column: &Py<PyArray<T, D>>,
-    places: &Bound<'_, PyArray1<i64>>,
+    indices: &Bound<'_, PyArray1<i64>>,
 ) -> PyResult<Py<PyArray<T, D>>> {
-    let rows = column.bind(places.py()).as_any().get_item(places)?;
+    let rows = column.bind(indices.py()).as_any().get_item(indices)?;
     Ok(rows.cast_into::<PyArray<T, D>>()?.unbind())
 }
 
@@ -319,7 +319,7 @@ impl Batch {
                 let solution = Solution::from(self.solution(py, i)?);
                 Ok(Bound::new(py, solution)?.into_any())
             }
-            Picked::Some(places) => Ok(Bound::new(py, self.some(py, &places)?)?.into_any()),
+            Picked::Some(indices) => Ok(Bound::new(py, self.some(py, &indices)?)?.into_any()),
         }
     }
 

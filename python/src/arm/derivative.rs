@@ -36,7 +36,7 @@ impl ArmDerivative {
     /// True if the solution is a smooth function of its target here: a bool, or an array of N.
     #[getter]
     fn is_unique<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut all = self.differentiability.iter().map(|own| *own == "unique");
+        let mut all = self.differentiability.iter().map(|name| *name == "unique");
         Ok(match self.is_one {
             true => all.all(|one| one).into_pyobject(py)?.to_owned().into_any(),
             false => PyArray1::from_iter(py, all).into_any(),
@@ -47,7 +47,7 @@ impl ArmDerivative {
         match (self.is_one, self.differentiability.as_slice()) {
             (true, [one]) => format!("ArmDerivative({one})"),
             (_, all) => {
-                let unique = all.iter().filter(|own| **own == "unique").count();
+                let unique = all.iter().filter(|name| **name == "unique").count();
                 format!("ArmDerivative({unique} of {} unique)", all.len())
             }
         }
@@ -80,8 +80,8 @@ pub(super) fn derivative(
         )));
     }
     let all: Result<Vec<Derivative>, _> = py.detach(|| {
-        let asked = targets.iter().zip(q.chunks_exact(dof.max(1)));
-        asked
+        let queries = targets.iter().zip(q.chunks_exact(dof.max(1)));
+        queries
             .map(|(target, q)| arm.derivative(*target, q))
             .collect()
     });
@@ -97,7 +97,10 @@ pub(super) fn derivative(
     };
     Ok(ArmDerivative {
         by_target: arrays::list(py, &numbers).reshape(shape)?.unbind(),
-        differentiability: all.iter().map(|own| own.differentiability.name()).collect(),
+        differentiability: all
+            .iter()
+            .map(|derivative| derivative.differentiability.name())
+            .collect(),
         is_one,
     })
 }

@@ -26,6 +26,6 @@ pub(super) fn moved(
     world: &Bound<'_, World>,
     margin: Option<f64>,
 ) -> PyResult<kinopt::Arm> {
-    let moved = arm.with_world(&world.get().snapshot(), margin).or_raise()?;
-    Ok(moved)
+    let inner = arm.with_world(&world.get().snapshot(), margin).or_raise()?;
+    Ok(inner)
 }

@@ -64,9 +64,9 @@ impl Servo {
                 servo = servo.with_damping(radians).or_raise()?;
             }
             if options.velocity.is_some() || options.acceleration.is_some() {
-                let rest = vec![0.0; start.len()];
-                let velocity = options.velocity.as_ref().unwrap_or(&rest);
-                let acceleration = options.acceleration.as_ref().unwrap_or(&rest);
+                let zeros = vec![0.0; start.len()];
+                let velocity = options.velocity.as_ref().unwrap_or(&zeros);
+                let acceleration = options.acceleration.as_ref().unwrap_or(&zeros);
                 servo = servo.with_motion(velocity, acceleration).or_raise()?;
             }
             PyResult::Ok(servo)

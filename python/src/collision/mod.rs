@@ -4,6 +4,6 @@ mod model;
 mod obstacles;
 mod spheres;
 
-pub(crate) use model::{CollisionModel, Taking};
+pub(crate) use model::{CollisionModel, CollisionOptions};
 pub(crate) use obstacles::Obstacles;
 pub(crate) use spheres::SphereModel;

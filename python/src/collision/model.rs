@@ -39,10 +39,10 @@ impl From<collision::CollisionModel> for CollisionModel {
 }
 
 /// Largest number of convex pieces of a mesh.
-const PIECES: usize = 16;
+const MAX_PIECES: usize = 16;
 
 /// Options for the collision shapes of a robot.
-pub(crate) struct Taking {
+pub(crate) struct CollisionOptions {
     pub(crate) packages: Vec<PathBuf>,
     pub(crate) meshes: String,
     pub(crate) leave_out_missing: bool,
@@ -62,21 +62,21 @@ impl CollisionModel {
 
     /// Returns the collision checker in a world without obstacles; created once.
     pub(crate) fn checker(&self) -> collision::Checker {
-        let made = || {
+        let create = || {
             let model = collision::CollisionModel::clone(&self.inner);
             match &self.spheres {
                 Some(spheres) => collision::Checker::new(model).with_spheres((**spheres).clone()),
                 None => collision::Checker::covered(model),
             }
         };
-        self.checker.get_or_init(made).clone()
+        self.checker.get_or_init(create).clone()
     }
 
-    pub(crate) fn of(robot: &kinopt::robot::Robot, taking: &Taking) -> PyResult<Self> {
-        let meshes = match taking.meshes.as_str() {
+    pub(crate) fn of(robot: &kinopt::robot::Robot, options: &CollisionOptions) -> PyResult<Self> {
+        let meshes = match options.meshes.as_str() {
             "hull" => MeshUse::Hull,
             "parts" => MeshUse::Parts,
-            "pieces" => MeshUse::Pieces(PIECES),
+            "pieces" => MeshUse::Pieces(MAX_PIECES),
             "triangles" => MeshUse::Triangles,
             other => {
                 return Err(invalid(format!(
@@ -85,10 +85,10 @@ impl CollisionModel {
             }
         };
         let mut builder = collision::CollisionModel::builder(robot).with_meshes(meshes);
-        for folder in &taking.packages {
+        for folder in &options.packages {
             builder = builder.with_package_folder(folder);
         }
-        if taking.leave_out_missing {
+        if options.leave_out_missing {
             builder = builder.leaving_out_missing_meshes();
         }
         Ok(builder.build().or_raise()?.into())
@@ -121,8 +121,8 @@ impl CollisionModel {
         let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
             return Err(invalid("the rig has no mesh with weights"));
         };
-        let made = py.detach(|| collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights));
-        Ok(made.or_raise()?.into())
+        let model = py.detach(|| collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights));
+        Ok(model.or_raise()?.into())
     }
 
     /// Kinematic model.
@@ -142,13 +142,13 @@ impl CollisionModel {
     #[getter]
     fn shapes(&self) -> Vec<Obstacle> {
         let frames = self.inner.model().frames();
-        let shapes = self.inner.objects().iter().map(|own| {
-            let (shape, place) = (own.shape.clone(), own.link_from_shape);
-            let link = frames[own.link.index()].name.clone();
+        let shapes = self.inner.objects().iter().map(|object| {
+            let (shape, link_from_shape) = (object.shape.clone(), object.link_from_shape);
+            let link = frames[object.link.index()].name.clone();
             Obstacle(collision::Obstacle::new(
-                own.name.as_str(),
+                object.name.as_str(),
                 shape,
-                place,
+                link_from_shape,
                 Some(link),
             ))
         });

@@ -20,17 +20,17 @@ pub(crate) struct Obstacles {
 
 impl Obstacles {
     pub(crate) fn of(options: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let given = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
+        let option = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
             Ok(options.get_item(name)?.filter(|value| !value.is_none()))
         };
-        let world = given("world")?.map(|value| match value.cast::<World>() {
+        let world = option("world")?.map(|value| match value.cast::<World>() {
             Ok(world) => Ok(world.get().snapshot()),
             Err(_) => Err(invalid(format!(
                 "world must be a kinopt.World, not {value}"
             ))),
         });
-        let margin = given("margin")?.map(|value| number(&value, "margin"));
-        let model = given("collision_model")?.map(|value| match value.cast::<CollisionModel>() {
+        let margin = option("margin")?.map(|value| number(&value, "margin"));
+        let model = option("collision_model")?.map(|value| match value.cast::<CollisionModel>() {
             Ok(model) => Ok(model.get().checker()),
             Err(_) => Err(invalid(format!(
                 "collision_model must be a kinopt.CollisionModel, not {value}"
@@ -45,15 +45,15 @@ impl Obstacles {
 
     /// Returns the checker of a robot, of a rig with a skin, or of the given collision model; `None` without any
     /// option.
-    pub(crate) fn checker(&self, of: &Bound<'_, PyAny>) -> PyResult<Option<Checker>> {
+    pub(crate) fn checker(&self, model: &Bound<'_, PyAny>) -> PyResult<Option<Checker>> {
         if self.world.is_none() && self.margin.is_none() && self.shapes.is_none() {
             return Ok(None);
         }
         let checker = if let Some(shapes) = &self.shapes {
             shapes.clone()
-        } else if let Ok(robot) = of.cast::<Robot>() {
+        } else if let Ok(robot) = model.cast::<Robot>() {
             robot.get().checker()?
-        } else if let Ok(rig) = of.cast::<Rig>() {
+        } else if let Ok(rig) = model.cast::<Rig>() {
             rig.get().checker()?
         } else {
             return Err(invalid(

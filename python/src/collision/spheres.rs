@@ -46,8 +46,8 @@ impl SphereModel {
         path: PathBuf,
         model: &CollisionModel,
     ) -> PyResult<Self> {
-        let read = py.detach(|| collision::SphereModel::read(path, &model.inner));
-        Ok(read.or_raise()?.into())
+        let spheres = py.detach(|| collision::SphereModel::read(path, &model.inner));
+        Ok(spheres.or_raise()?.into())
     }
 
     /// Number of spheres.
@@ -79,9 +79,9 @@ impl SphereModel {
     fn spheres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let links = PyDict::new(py);
         for group in self.inner.groups() {
-            let all: Vec<f64> = group.spheres.iter().flat_map(numbers).collect();
+            let values: Vec<f64> = group.spheres.iter().flat_map(numbers).collect();
             let rows: Bound<'py, PyArray2<f64>> =
-                arrays::list(py, &all).reshape([group.spheres.len(), 4])?;
+                arrays::list(py, &values).reshape([group.spheres.len(), 4])?;
             arrays::freeze(&rows)?;
             links.set_item(&group.name, rows)?;
         }

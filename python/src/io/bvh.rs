@@ -15,13 +15,17 @@ type Names = Vec<Vec<String>>;
 /// Channels of each bone, of their names.
 pub(crate) fn channels_of(names: &Names) -> PyResult<Vec<Vec<BvhChannel>>> {
     let named = |name: &String| {
-        let found = BvhChannel::ALL.into_iter().find(|own| own.name() == name);
+        let channel = BvhChannel::ALL
+            .into_iter()
+            .find(|channel| channel.name() == name);
         let names = BvhChannel::ALL.map(BvhChannel::name);
-        found
+        channel
             .ok_or_else(|| UnknownName::new("channel", name, names))
             .or_raise()
     };
-    let channels = names.iter().map(|own| own.iter().map(named).collect());
+    let channels = names
+        .iter()
+        .map(|bone_channels| bone_channels.iter().map(named).collect());
     channels.collect()
 }
 
@@ -48,12 +52,12 @@ pub(crate) fn bvh_to_text(
     rate: f64,
     channels: Option<Names>,
 ) -> PyResult<String> {
-    let (bones, own) = (&armature.get().inner, &clip.get().inner);
+    let (bones, clip) = (&armature.get().inner, &clip.get().inner);
     let channels = channels.as_ref().map(channels_of).transpose()?;
     let format = format_of(rate, channels.as_deref());
     armature
         .py()
-        .detach(|| bvh::to_text(bones, own, format))
+        .detach(|| bvh::to_text(bones, clip, format))
         .or_raise()
 }
 
@@ -93,12 +97,12 @@ pub(crate) fn bvh_write(
     path: PathBuf,
     channels: Option<Names>,
 ) -> PyResult<()> {
-    let (bones, own) = (&armature.get().inner, &clip.get().inner);
+    let (bones, clip) = (&armature.get().inner, &clip.get().inner);
     let channels = channels.as_ref().map(channels_of).transpose()?;
     let format = format_of(rate, channels.as_deref());
     armature
         .py()
-        .detach(|| bvh::write(bones, own, format, &path))
+        .detach(|| bvh::write(bones, clip, format, &path))
         .or_raise()
 }
 

@@ -74,9 +74,9 @@ pub(crate) fn dmat_to_bytes<'py>(
 #[pyfunction]
 #[pyo3(signature = (table, path, encoding = "binary"))]
 pub(crate) fn dmat_write(table: &Bound<'_, PyAny>, path: PathBuf, encoding: &str) -> PyResult<()> {
-    let (encoding, own) = (self::encoding(encoding)?, read(table)?);
+    let (encoding, matrix) = (self::encoding(encoding)?, read(table)?);
     table
         .py()
-        .detach(|| dmat::write(&own, encoding, &path))
+        .detach(|| dmat::write(&matrix, encoding, &path))
         .or_raise()
 }

@@ -17,10 +17,10 @@ fn encoding(name: &str) -> PyResult<PlyEncoding> {
         ("binary", PlyEncoding::BinaryLittleEndian),
         ("binary_big_endian", PlyEncoding::BinaryBigEndian),
     ];
-    let found = names.iter().find(|(own, _)| *own == name);
-    found
+    let entry = names.iter().find(|(word, _)| *word == name);
+    entry
         .map(|(_, encoding)| *encoding)
-        .ok_or_else(|| UnknownName::new("encoding", name, names.map(|(own, _)| own)))
+        .ok_or_else(|| UnknownName::new("encoding", name, names.map(|(word, _)| word)))
         .or_raise()
 }
 
@@ -70,9 +70,9 @@ pub(crate) fn ply_write(
     path: PathBuf,
     encoding: &str,
 ) -> PyResult<()> {
-    let (encoding, own) = (self::encoding(encoding)?, &mesh.get().inner);
+    let (encoding, inner) = (self::encoding(encoding)?, &mesh.get().inner);
     mesh.py()
-        .detach(|| ply::write(own, encoding, &path))
+        .detach(|| ply::write(inner, encoding, &path))
         .or_raise()
 }
 
@@ -87,8 +87,8 @@ pub(crate) fn obj_to_text(mesh: &Bound<'_, TriangleMesh>) -> String {
 /// Raises `FileError`.
 #[pyfunction]
 pub(crate) fn obj_write(mesh: &Bound<'_, TriangleMesh>, path: PathBuf) -> PyResult<()> {
-    let own = &mesh.get().inner;
-    mesh.py().detach(|| obj::write(own, &path)).or_raise()
+    let inner = &mesh.get().inner;
+    mesh.py().detach(|| obj::write(inner, &path)).or_raise()
 }
 
 /// The bytes of a .glb file of a static mesh, such as a posed one.
@@ -107,6 +107,8 @@ pub(crate) fn gltf_mesh_to_bytes<'py>(
 /// Raises `FileError`, `InvalidValueError` for a mesh without vertices or triangles.
 #[pyfunction]
 pub(crate) fn gltf_write_mesh(mesh: &Bound<'_, TriangleMesh>, path: PathBuf) -> PyResult<()> {
-    let own = &mesh.get().inner;
-    mesh.py().detach(|| gltf::write_mesh(own, &path)).or_raise()
+    let inner = &mesh.get().inner;
+    mesh.py()
+        .detach(|| gltf::write_mesh(inner, &path))
+        .or_raise()
 }

@@ -27,9 +27,9 @@ pub(crate) struct ModelBuilder {
 impl ModelBuilder {
     fn parent(&self, name: Option<&str>) -> PyResult<Option<JointId>> {
         let Some(name) = name else { return Ok(None) };
-        let found = self.joints.iter().find(|(joint, _)| joint == name);
+        let entry = self.joints.iter().find(|(joint, _)| joint == name);
         let names = self.joints.iter().map(|(joint, _)| joint.as_str());
-        found
+        entry
             .map(|&(_, id)| id)
             .ok_or_else(|| kinopt::model::UnknownName::new("joint", name, names))
             .or_raise()
@@ -37,7 +37,7 @@ impl ModelBuilder {
     }
 
     /// Parent of a joint and its placement relative to the parent.
-    fn place(
+    fn resolve_placement(
         &self,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
@@ -51,10 +51,10 @@ impl ModelBuilder {
 }
 
 /// Converts ranges to limits.
-fn room<const N: usize>(room: Option<[(f64, f64); N]>) -> [Limits; N] {
-    let free = [Limits::UNBOUNDED; N];
-    room.map_or(free, |room| {
-        room.map(|(lower, upper)| Limits::new(lower, upper))
+fn to_limits<const N: usize>(ranges: Option<[(f64, f64); N]>) -> [Limits; N] {
+    let unbounded = [Limits::UNBOUNDED; N];
+    ranges.map_or(unbounded, |ranges| {
+        ranges.map(|(lower, upper)| Limits::new(lower, upper))
     })
 }
 
@@ -121,7 +121,7 @@ impl ModelBuilder {
                     "others have methods of their own: .ball(), .free(), .planar(), .universal()",
                 )
             });
-        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let (parent, placement) = self.resolve_placement(parent, parent_from_joint)?;
         let joint = kinopt::model::Joint::new(
             name.as_str(),
             parent,
@@ -160,8 +160,8 @@ impl ModelBuilder {
         #[pyo3(from_py_with = about)] about: Option<[f64; 3]>,
         #[pyo3(from_py_with = angle)] angle: Option<f64>,
     ) -> PyResult<()> {
-        let (parent, placement) = self.place(parent, parent_from_joint)?;
-        let [twist_range] = room(twist.map(|twist| [twist]));
+        let (parent, placement) = self.resolve_placement(parent, parent_from_joint)?;
+        let [twist_range] = to_limits(twist.map(|twist| [twist]));
         let limited = swing.is_some() || twist.is_some() || angle.is_some();
         let swing = match swing {
             None => [std::f64::consts::PI; 2],
@@ -179,32 +179,32 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a free joint with six degrees of freedom: `NAME/x`, `NAME/y` and `NAME/z`, which translate within `room`
+    /// Adds a free joint with six degrees of freedom: `NAME/x`, `NAME/y` and `NAME/z`, which translate within `bounds`
     /// ((lower, upper) three times, metres), and the ball `NAME/rotation`. Its part of a configuration is x, y, z, w,
     /// x, y, z. Children refer to it by its name.
     ///
     /// Raises as `ball`.
-    #[pyo3(signature = (name, parent = None, parent_from_joint = None, *, room = None))]
+    #[pyo3(signature = (name, parent = None, parent_from_joint = None, *, bounds = None))]
     fn free(
         &mut self,
         name: String,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = room_of)] room: Option<[(f64, f64); 3]>,
+        #[pyo3(from_py_with = bounds_of)] bounds: Option<[(f64, f64); 3]>,
     ) -> PyResult<()> {
-        let (parent, placement) = self.place(parent, parent_from_joint)?;
-        let room = self::room(room);
-        let id = self.inner.free(name.as_str(), parent, placement, room);
+        let (parent, placement) = self.resolve_placement(parent, parent_from_joint)?;
+        let bounds = to_limits(bounds);
+        let id = self.inner.free(name.as_str(), parent, placement, bounds);
         self.joints.push((name, id));
         Ok(())
     }
 
-    /// Adds a planar joint across `normal`: `NAME/x` and `NAME/y`, which translate within `room` ((lower, upper) twice,
-    /// metres), and `NAME/yaw`, which rotates within `yaw` (radians). Children refer to it by its name.
+    /// Adds a planar joint across `normal`: `NAME/x` and `NAME/y`, which translate within `bounds` ((lower, upper)
+    /// twice, metres), and `NAME/yaw`, which rotates within `yaw` (radians). Children refer to it by its name.
     ///
     /// Raises as `ball`.
     #[pyo3(signature = (
-        name, parent = None, parent_from_joint = None, normal = [0.0, 0.0, 1.0], *, room = None, yaw = None
+        name, parent = None, parent_from_joint = None, normal = [0.0, 0.0, 1.0], *, bounds = None, yaw = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn planar(
@@ -213,12 +213,12 @@ impl ModelBuilder {
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = normal)] normal: [f64; 3],
-        #[pyo3(from_py_with = room_of)] room: Option<[(f64, f64); 2]>,
+        #[pyo3(from_py_with = bounds_of)] bounds: Option<[(f64, f64); 2]>,
         #[pyo3(from_py_with = yaw)] yaw: Option<(f64, f64)>,
     ) -> PyResult<()> {
-        let (parent, placement) = self.place(parent, parent_from_joint)?;
-        let (room, [yaw]) = (self::room(room), self::room(yaw.map(|yaw| [yaw])));
-        let id = (self.inner).planar(name.as_str(), parent, placement, normal, room, yaw);
+        let (parent, placement) = self.resolve_placement(parent, parent_from_joint)?;
+        let (bounds, [yaw]) = (to_limits(bounds), to_limits(yaw.map(|yaw| [yaw])));
+        let id = (self.inner).planar(name.as_str(), parent, placement, normal, bounds, yaw);
         self.joints.push((name, id));
         Ok(())
     }
@@ -239,8 +239,8 @@ impl ModelBuilder {
         #[pyo3(from_py_with = axes)] axes: [[f64; 3]; 2],
         #[pyo3(from_py_with = limits)] limits: Option<[(f64, f64); 2]>,
     ) -> PyResult<()> {
-        let (parent, placement) = self.place(parent, parent_from_joint)?;
-        let (axes, limits) = (axes.map(Into::into), room(limits));
+        let (parent, placement) = self.resolve_placement(parent, parent_from_joint)?;
+        let (axes, limits) = (axes.map(Into::into), to_limits(limits));
         let id = (self.inner).universal(name.as_str(), parent, placement, axes, limits);
         self.joints.push((name, id));
         Ok(())
@@ -282,16 +282,18 @@ impl ModelBuilder {
         places: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let expected = "places must be two 4 x 4 placements";
-        let places = places.map(|places| given(places, expected)).transpose()?;
-        let own = NamedLoop::new(name, frames, kind, places)?;
+        let places = places
+            .map(|places| read_argument(places, expected))
+            .transpose()?;
+        let named_loop = NamedLoop::new(name, frames, kind, places)?;
         let id = |name: &String| -> PyResult<FrameId> {
-            let found = self.frames.iter().find(|(frame, _)| frame == name);
+            let entry = self.frames.iter().find(|(frame, _)| frame == name);
             let names = self.frames.iter().map(|(frame, _)| frame.as_str());
             let unknown = || kinopt::model::UnknownName::new("frame", name, names);
-            found.map(|&(_, id)| id).ok_or_else(unknown).or_raise()
+            entry.map(|&(_, id)| id).ok_or_else(unknown).or_raise()
         };
-        let frames = [id(&own.frames[0])?, id(&own.frames[1])?];
-        self.inner.close(own.of(frames));
+        let frames = [id(&named_loop.frames[0])?, id(&named_loop.frames[1])?];
+        self.inner.close(named_loop.of(frames));
         Ok(())
     }
 
@@ -320,47 +322,50 @@ fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
 }
 
 /// Reads an argument; the error names the expected value instead of pyo3's type error.
-fn given<'py, T: FromPyObjectOwned<'py>>(value: &Bound<'py, PyAny>, expected: &str) -> PyResult<T> {
-    let own = value.extract();
-    own.map_err(|_| invalid(format!("{expected}, not {}", arrays::shown(value))))
+fn read_argument<'py, T: FromPyObjectOwned<'py>>(
+    value: &Bound<'py, PyAny>,
+    expected: &str,
+) -> PyResult<T> {
+    let extracted = value.extract();
+    extracted.map_err(|_| invalid(format!("{expected}, not {}", arrays::shown(value))))
 }
 
 fn axis(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    given(value, "axis must be three numbers")
+    read_argument(value, "axis must be three numbers")
 }
 
 fn normal(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    given(value, "normal must be three numbers")
+    read_argument(value, "normal must be three numbers")
 }
 
 fn axes(value: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 2]> {
-    given(value, "axes must be two of three numbers")
+    read_argument(value, "axes must be two of three numbers")
 }
 
 fn about(value: &Bound<'_, PyAny>) -> PyResult<Option<[f64; 3]>> {
-    given(value, "about must be three numbers")
+    read_argument(value, "about must be three numbers")
 }
 
 fn twist(value: &Bound<'_, PyAny>) -> PyResult<Option<(f64, f64)>> {
-    given(value, "twist must be (lower, upper)")
+    read_argument(value, "twist must be (lower, upper)")
 }
 
 fn yaw(value: &Bound<'_, PyAny>) -> PyResult<Option<(f64, f64)>> {
-    given(value, "yaw must be (lower, upper)")
+    read_argument(value, "yaw must be (lower, upper)")
 }
 
-fn room_of<const N: usize>(value: &Bound<'_, PyAny>) -> PyResult<Option<[(f64, f64); N]>> {
-    given(value, &format!("room must be (lower, upper) {N} times"))
+fn bounds_of<const N: usize>(value: &Bound<'_, PyAny>) -> PyResult<Option<[(f64, f64); N]>> {
+    read_argument(value, &format!("bounds must be (lower, upper) {N} times"))
 }
 
 fn limits(value: &Bound<'_, PyAny>) -> PyResult<Option<[(f64, f64); 2]>> {
-    given(value, "limits must be (lower, upper) twice")
+    read_argument(value, "limits must be (lower, upper) twice")
 }
 
 fn angle(value: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
-    given(value, "angle must be a number")
+    read_argument(value, "angle must be a number")
 }
 
 fn frames(value: &Bound<'_, PyAny>) -> PyResult<[String; 2]> {
-    given(value, "frames must be the names of two frames")
+    read_argument(value, "frames must be the names of two frames")
 }

@@ -7,20 +7,20 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::invalid;
-use crate::problem::{self, Adds, AnyTask, Stated, Target};
+use crate::problem::{self, AnyTask, CompiledProblem, Target, TaskBuilder};
 
 /// Adds tasks with their targets and weights by sample.
 pub(super) struct ByFrame<'a, 'm, 'py> {
     pub(super) builder: &'a mut MotionProblemBuilder<'m>,
     /// Index of the added task.
     pub(super) task: usize,
-    pub(super) targets: Vec<OfTask<'py>>,
-    pub(super) weights: Vec<OfTask<'py>>,
+    pub(super) targets: Vec<TaskEntry<'py>>,
+    pub(super) weights: Vec<TaskEntry<'py>>,
     pub(super) frames: usize,
 }
 
 /// Values of one task, one for each sample.
-pub(super) struct OfTask<'py> {
+pub(super) struct TaskEntry<'py> {
     task: usize,
     /// Name in messages.
     what: String,
@@ -31,31 +31,32 @@ pub(super) struct OfTask<'py> {
 pub(super) fn of_tasks<'py>(
     options: &Bound<'py, PyDict>,
     name: &str,
-    stated: &Stated,
-) -> PyResult<Vec<OfTask<'py>>> {
-    let mut found: Vec<OfTask<'py>> = Vec::new();
+    compiled: &CompiledProblem,
+) -> PyResult<Vec<TaskEntry<'py>>> {
+    let mut entries: Vec<TaskEntry<'py>> = Vec::new();
     for (key, values) in problem::items(options.get_item(name)?.as_ref(), name)? {
-        let task = stated.task(&key)?;
+        let task = compiled.task(&key)?;
         let what = format!("{name} of {}", key.str()?);
-        if found.iter().any(|own| own.task == task) {
+        if entries.iter().any(|entry| entry.task == task) {
             return Err(invalid(format!("{name} has two for task {task}")));
         }
-        found.push(OfTask { task, what, values });
+        entries.push(TaskEntry { task, what, values });
     }
-    Ok(found)
+    Ok(entries)
 }
 
-impl Adds for ByFrame<'_, '_, '_> {
+impl TaskBuilder for ByFrame<'_, '_, '_> {
     fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>> {
         let task_number = self.task;
-        let of = |all: &[OfTask<'_>]| all.iter().position(|own| own.task == task_number);
+        let index_of =
+            |all: &[TaskEntry<'_>]| all.iter().position(|entry| entry.task == task_number);
         let id = self.builder.add(task);
-        if let Some(k) = of(&self.weights) {
-            let OfTask { what, values, .. } = &self.weights[k];
+        if let Some(k) = index_of(&self.weights) {
+            let TaskEntry { what, values, .. } = &self.weights[k];
             let weights = arrays::vector_of(values, what, self.frames)?;
             self.builder.weights(id, &weights);
         }
-        if let Some(k) = of(&self.targets) {
+        if let Some(k) = index_of(&self.targets) {
             let targets = read(&self.targets[k], &residual, self.frames)?;
             self.builder.follow(id, move |frame, residual: &mut R| {
                 if let Some(target) = targets.get(frame) {
@@ -69,17 +70,17 @@ impl Adds for ByFrame<'_, '_, '_> {
 }
 
 /// Reads one target for each sample, and validates it on the residual.
-fn read<R: Target>(own: &OfTask<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Value>> {
-    let what = &own.what;
-    let given = own
+fn read<R: Target>(entry: &TaskEntry<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Value>> {
+    let what = &entry.what;
+    let count = entry
         .values
         .len()
         .map_err(|_| invalid(format!("{what} must be one target a frame")))?;
-    if given != frames {
-        return Err(invalid(format!("{what} are {given} for {frames} frames")));
+    if count != frames {
+        return Err(invalid(format!("{what} are {count} for {frames} frames")));
     }
     let mut targets = Vec::with_capacity(frames);
-    for (frame, value) in own.values.try_iter()?.enumerate() {
+    for (frame, value) in entry.values.try_iter()?.enumerate() {
         let what = format!("{what}, frame {frame},");
         let target = R::read(&value?, &what)?;
         let mut moved = residual.clone();

@@ -17,7 +17,7 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
-use crate::problem::{self, ParameterMap, Stated, limits_of, raised};
+use crate::problem::{self, CompiledProblem, ParameterMap, limits_of, raised};
 use crate::robot::Robot;
 
 /// All samples of a trajectory of one model as one bounded least-squares problem.
@@ -39,7 +39,7 @@ use crate::robot::Robot;
 pub(crate) struct MotionProblem {
     inner: Arc<trajectory::MotionProblem>,
     joint_names: Vec<String>,
-    given: (Py<PyAny>, usize, f64, Py<PyList>),
+    arguments: (Py<PyAny>, usize, f64, Py<PyList>),
     options: Py<PyDict>,
 }
 
@@ -91,7 +91,7 @@ impl MotionProblem {
         let tasks = tasks.map_err(|_| invalid("tasks must be a list of tasks"))?;
         let tasks = PyTuple::new(py, tasks.collect::<PyResult<Vec<_>>>()?)?;
         let options = PyDict::new(py);
-        let given = [
+        let values = [
             parameters.map(Bound::as_any),
             bounds,
             tolerance,
@@ -107,18 +107,18 @@ impl MotionProblem {
         ];
         // Copies arguments that the caller may change later.
         let copy = py.import("copy")?;
-        for (name, value) in OPTIONS.into_iter().zip(given) {
+        for (name, value) in OPTIONS.into_iter().zip(values) {
             if let Some(value) = value {
                 options.set_item(name, copy.call_method1("deepcopy", (value,))?)?;
             }
         }
         let inner = build(model, frames, time_step, &tasks, &options)?;
-        let own = model_of(model)?;
-        let names = crate::model::Model { inner: own }.coordinate_names();
+        let inner_model = model_of(model)?;
+        let names = crate::model::Model { inner: inner_model }.coordinate_names();
         Ok(Self {
             inner: Arc::new(inner),
             joint_names: names,
-            given: (
+            arguments: (
                 model.clone().unbind(),
                 frames,
                 time_step,
@@ -213,22 +213,22 @@ impl MotionProblem {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let (py, own) = (slf.py(), slf.get());
-        let (model, frames, time_step, tasks) = &own.given;
+        let (py, problem) = (slf.py(), slf.get());
+        let (model, frames, time_step, tasks) = &problem.arguments;
         let arguments = (model, *frames, *time_step, tasks).into_pyobject(py)?;
-        pickling::by_keywords::<Self>(py, &arguments, own.options.bind(py))
+        pickling::by_keywords::<Self>(py, &arguments, problem.options.bind(py))
     }
 }
 
 fn build(
-    whole: &Bound<'_, PyAny>,
+    python_model: &Bound<'_, PyAny>,
     frames: usize,
     time_step: f64,
     tasks: &Bound<'_, PyTuple>,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<trajectory::MotionProblem> {
-    let py = whole.py();
-    let own = model_of(whole)?;
+    let py = python_model.py();
+    let inner_model = model_of(python_model)?;
     // Compiles the problem of one sample first, which validates names, tasks and options.
     let of_frame = PyDict::new(py);
     for name in ["parameters", "bounds", "tolerance"] {
@@ -238,10 +238,10 @@ fn build(
     }
     of_frame.set_item("derivatives", "analytic")?;
     of_frame.set_item("preferences", "traded")?;
-    let stated = Stated::new(whole, tasks, &of_frame, None)?.map_err(invalid)?;
-    let mut builder = trajectory::MotionProblem::builder(&own, frames, time_step);
+    let compiled = CompiledProblem::new(python_model, tasks, &of_frame, None)?.map_err(invalid)?;
+    let mut builder = trajectory::MotionProblem::builder(&inner_model, frames, time_step);
     let map = options.get_item("parameters")?;
-    let robot = whole.cast::<Robot>().ok();
+    let robot = python_model.cast::<Robot>().ok();
     match (map, robot) {
         (Some(map), _) => drop(builder.parameters(map.cast::<ParameterMap>()?.get().inner.clone())),
         (None, Some(robot)) => drop(builder.parameters(robot.get().inner.map().clone())),
@@ -251,23 +251,23 @@ fn build(
         let joint = arrays::name(&joint, "a joint of bounds")?;
         builder.bound(joint.as_str(), limits_of(&limits, "bounds")?);
     }
-    let mut asked = ByFrame {
-        targets: of_tasks(options, "targets", &stated)?,
-        weights: of_tasks(options, "weights", &stated)?,
+    let mut by_frame = ByFrame {
+        targets: of_tasks(options, "targets", &compiled)?,
+        weights: of_tasks(options, "weights", &compiled)?,
         builder: &mut builder,
         task: 0,
         frames,
     };
     for (k, task) in tasks.iter().enumerate() {
-        asked.task = k;
-        problem::add(&task, whole, &own, &mut asked)?;
+        by_frame.task = k;
+        problem::add(&task, python_model, &inner_model, &mut by_frame)?;
     }
     if let Some(tolerance) = options.get_item("tolerance")? {
         for (quantity, tolerance) in problem::tolerances(&tolerance)? {
             builder.tolerance(quantity, tolerance);
         }
     }
-    let rates: [(&str, OfWeight); 3] = [
+    let rates: [(&str, CostOfWeight); 3] = [
         ("velocity", RateCost::velocity),
         ("acceleration", RateCost::acceleration),
         ("jerk", RateCost::jerk),
@@ -293,13 +293,13 @@ fn build(
         (None, None) => {}
     }
     if let Some(contacts) = options.get_item("contacts")? {
-        for given in contacts.try_iter()? {
-            builder.contact(contact(&given?, &own)?);
+        for object in contacts.try_iter()? {
+            builder.contact(contact(&object?, &inner_model)?);
         }
     }
     for (name, is_first) in [("first", true), ("last", false)] {
         if let Some(q) = options.get_item(name)? {
-            let q = arrays::vector_of(&q, name, own.configuration_len())?;
+            let q = arrays::vector_of(&q, name, inner_model.configuration_len())?;
             match is_first {
                 true => builder.first(&q),
                 false => builder.last(&q),
@@ -310,28 +310,28 @@ fn build(
 }
 
 /// Constructor of a rate cost from a weight.
-type OfWeight = fn(f64) -> RateCost;
+type CostOfWeight = fn(f64) -> RateCost;
 
 /// Reads a weight, or a weight and factors by joint.
-fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: OfWeight) -> PyResult<RateCost> {
+fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: CostOfWeight) -> PyResult<RateCost> {
     if let Ok((weight, factors)) = value.extract::<(f64, Bound<'_, PyAny>)>() {
-        let mut own = cost(weight);
+        let mut weighted = cost(weight);
         for (joint, factor) in problem::items(Some(&factors), name)? {
             let joint = arrays::name(&joint, &format!("a joint of {name}"))?;
-            own = own.scale(joint, arrays::number(&factor, name)?);
+            weighted = weighted.scale(joint, arrays::number(&factor, name)?);
         }
-        return Ok(own);
+        return Ok(weighted);
     }
     Ok(cost(arrays::number(value, name)?))
 }
 
 /// Reads a `kinopt.Contact`.
-fn contact(given: &Bound<'_, PyAny>, model: &kinopt::Model) -> PyResult<Contact> {
-    let get = |name: &str| match given.getattr_opt(name)? {
+fn contact(object: &Bound<'_, PyAny>, model: &kinopt::Model) -> PyResult<Contact> {
+    let get = |name: &str| match object.getattr_opt(name)? {
         Some(value) => Ok(value),
         None => Err(invalid(format!(
             "contacts holds {}, which is no kinopt.Contact",
-            given.repr()?
+            object.repr()?
         ))),
     };
     let frame: FrameId = model

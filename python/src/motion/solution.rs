@@ -48,8 +48,8 @@ macro_rules! parts {
             }
 
             fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-                let own = slf.get();
-                pickling::by_rebuild::<Self>(slf.py(), ($(own.$part.clone()),*))
+                let report = slf.get();
+                pickling::by_rebuild::<Self>(slf.py(), ($(report.$part.clone()),*))
             }
 
             #[staticmethod]
@@ -60,11 +60,11 @@ macro_rules! parts {
     };
 }
 
-parts!(MissedFrame(frame: usize, task: String, quantity: String, error: f64), |own| {
-    format!("MissedFrame({}, {:?}, {:.3e} {})", own.frame, own.task, own.error, own.quantity)
+parts!(MissedFrame(frame: usize, task: String, quantity: String, error: f64), |miss| {
+    format!("MissedFrame({}, {:?}, {:.3e} {})", miss.frame, miss.task, miss.error, miss.quantity)
 });
-parts!(ActiveMotionLimit(frame: usize, joint: String, bound: String, side: String, push: f64), |own| {
-    format!("ActiveMotionLimit({}, {:?}, {} {})", own.frame, own.joint, own.side, own.bound)
+parts!(ActiveMotionLimit(frame: usize, joint: String, bound: String, side: String, push: f64), |limit| {
+    format!("ActiveMotionLimit({}, {:?}, {} {})", limit.frame, limit.joint, limit.side, limit.bound)
 });
 
 /// Solution of a trajectory problem, with its errors.
@@ -205,8 +205,8 @@ impl MotionSolution {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
-        let missed = own.missed.iter().map(|miss| {
+        let solution = slf.get();
+        let missed = solution.missed.iter().map(|miss| {
             (
                 miss.frame,
                 miss.task.clone(),
@@ -214,24 +214,24 @@ impl MotionSolution {
                 miss.error,
             )
         });
-        let limits = own.active_limits.iter().map(|limit| {
+        let limits = solution.active_limits.iter().map(|limit| {
             let (bound, side) = (limit.bound.clone(), limit.side.clone());
             (limit.frame, limit.joint.clone(), bound, side, limit.push)
         });
         let parts: Parts = (
             (
-                own.q.clone(),
-                own.width,
-                own.costs.clone(),
-                own.names.clone(),
+                solution.q.clone(),
+                solution.width,
+                solution.costs.clone(),
+                solution.names.clone(),
             ),
             (
-                own.cost,
-                own.cost_of_rates,
-                own.termination.clone(),
-                own.iterations,
-                own.slip,
-                own.loop_gap,
+                solution.cost,
+                solution.cost_of_rates,
+                solution.termination.clone(),
+                solution.iterations,
+                solution.slip,
+                solution.loop_gap,
             ),
             missed.collect(),
             limits.collect(),
@@ -241,8 +241,8 @@ impl MotionSolution {
 
     #[staticmethod]
     fn _rebuild(parts: Parts) -> Self {
-        let ((q, width, costs, names), told, missed, limits) = parts;
-        let (cost, cost_of_rates, termination, iterations, slip, loop_gap) = told;
+        let ((q, width, costs, names), scalars, missed, limits) = parts;
+        let (cost, cost_of_rates, termination, iterations, slip, loop_gap) = scalars;
         let missed = missed
             .into_iter()
             .map(|(frame, task, quantity, error)| MissedFrame {

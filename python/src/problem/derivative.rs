@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::task::items;
-use super::{Problem, Stated, raised};
+use super::{CompiledProblem, Problem, raised};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
@@ -29,14 +29,14 @@ use crate::pickling;
 pub(crate) struct SolutionDerivative {
     /// The problem at the time of the solve.
     problem: Py<Problem>,
-    stated: Arc<Stated>,
+    compiled: Arc<CompiledProblem>,
     model: Arc<kinopt::Model>,
     q: Vec<f64>,
-    given: Option<Py<PyAny>>,
+    python_targets: Option<Py<PyAny>>,
     targets: Targets,
     differentiability: Differentiability,
     /// Factored system, shared by all products.
-    memory: Mutex<DerivativeWorkspace>,
+    workspace: Mutex<DerivativeWorkspace>,
 }
 
 impl SolutionDerivative {
@@ -46,17 +46,17 @@ impl SolutionDerivative {
         py: Python<'_>,
         what: impl FnOnce(&mut Derivative<'_>) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let question = self.stated.question(&self.targets)?;
+        let instance = self.compiled.instance(&self.targets)?;
         py.detach(|| {
             // A residual of the caller interrupted the factorisation, so it starts again.
-            let mut memory = self.memory.lock().unwrap_or_else(|poisoned| {
-                let mut memory = poisoned.into_inner();
-                *memory = DerivativeWorkspace::default();
-                memory
+            let mut workspace = self.workspace.lock().unwrap_or_else(|poisoned| {
+                let mut workspace = poisoned.into_inner();
+                *workspace = DerivativeWorkspace::default();
+                workspace
             });
-            let derivative = match Derivative::resume(question, &mut memory) {
+            let derivative = match Derivative::resume(instance, &mut workspace) {
                 Some(derivative) => derivative,
-                None => Derivative::new(question, &self.q, &mut memory).or_raise()?,
+                None => Derivative::new(instance, &self.q, &mut workspace).or_raise()?,
             };
             let mut derivative = derivative.with_joint_origins(&self.model).or_raise()?;
             let value = what(&mut derivative);
@@ -66,7 +66,7 @@ impl SolutionDerivative {
 
     /// Key of a task in dicts: its name, or its index if several tasks have that name.
     fn key<'py>(&self, py: Python<'py>, task: usize) -> PyResult<Bound<'py, PyAny>> {
-        let problem = &self.stated.inner;
+        let problem = &self.compiled.inner;
         let name = problem.task_name(task).unwrap_or_default();
         let same = (0..problem.tasks()).filter(|&other| problem.task_name(other) == Some(name));
         Ok(match same.count() {
@@ -86,10 +86,10 @@ impl SolutionDerivative {
         targets: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = problem.py();
-        let own = problem.get().stated()?;
-        let q = arrays::vector_of(q, "q", own.inner.configuration_len())?.to_vec();
-        let moves = own.moves(targets)?;
-        let given = match targets {
+        let compiled = problem.get().compiled()?;
+        let q = arrays::vector_of(q, "q", compiled.inner.configuration_len())?.to_vec();
+        let moves = compiled.moves(targets)?;
+        let python_targets = match targets {
             Some(targets) => {
                 let copy = py.import("copy")?.call_method1("deepcopy", (targets,))?;
                 Some(copy.unbind())
@@ -99,15 +99,15 @@ impl SolutionDerivative {
         let mut derivative = Self {
             model: model_of(problem.get().model.bind(py))?,
             problem: Py::new(py, problem.get().as_it_is(py))?,
-            stated: own.clone(),
+            compiled: compiled.clone(),
             q,
-            given,
-            targets: own.targets_with(moves.iter().map(|(_, aim)| aim))?,
+            python_targets,
+            targets: compiled.targets_with(moves.iter().map(|(_, aim)| aim))?,
             differentiability: Differentiability::Unique,
-            memory: Mutex::default(),
+            workspace: Mutex::default(),
         };
         derivative.differentiability =
-            derivative.with(py, |own| Ok(own.differentiability().clone()))?;
+            derivative.with(py, |inner| Ok(inner.differentiability().clone()))?;
         Ok(derivative)
     }
 
@@ -135,7 +135,7 @@ impl SolutionDerivative {
     /// Raises `UnknownNameError` and `InvalidValueError` for an unknown task.
     fn by_target<'py>(&self, task: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let py = task.py();
-        let task = self.stated.task(task)?;
+        let task = self.compiled.task(task)?;
         let matrix = self.with(py, |derivative| derivative.by_target(task).or_raise())?;
         let (rows, columns) = matrix.shape();
         let numbers = matrix.transpose();
@@ -155,17 +155,17 @@ impl SolutionDerivative {
         weights: Option<&Bound<'py, PyAny>>,
         joint_origins: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let problem = &self.stated;
+        let problem = &self.compiled;
         let mut rates = ParameterVector::new(&problem.inner);
         for (task, value) in problem.targets_by_task(targets)? {
             let name = problem.inner.task_name(task).unwrap_or_default();
-            let own = rates.target_mut(task);
+            let values = rates.target_mut(task);
             let what = format!("the target's rate of {name}");
-            own.copy_from_slice(&arrays::vector_of(&value, &what, own.len())?);
+            values.copy_from_slice(&arrays::vector_of(&value, &what, values.len())?);
         }
         if let Some(weights) = weights {
-            let own = rates.weights_mut();
-            own.copy_from_slice(&arrays::vector_of(weights, "weights", own.len())?);
+            let values = rates.weights_mut();
+            values.copy_from_slice(&arrays::vector_of(weights, "weights", values.len())?);
         }
         let joint_origins = items(joint_origins, "joint_origins")?;
         if !joint_origins.is_empty() {
@@ -218,16 +218,16 @@ impl SolutionDerivative {
             Ok(gradient)
         })?;
         let by_task = PyDict::new(py);
-        for task in 0..self.stated.inner.tasks() {
-            let own = gradient.target(task);
-            if !own.is_empty() {
-                by_task.set_item(self.key(py, task)?, arrays::list(py, own))?;
+        for task in 0..self.compiled.inner.tasks() {
+            let slopes = gradient.target(task);
+            if !slopes.is_empty() {
+                by_task.set_item(self.key(py, task)?, arrays::list(py, slopes))?;
             }
         }
         let by_joint = PyDict::new(py);
         let origins = self.model.joints().iter().zip(gradient.joint_origins());
-        for (joint, own) in origins {
-            by_joint.set_item(&joint.name, arrays::list(py, &own.to_array()))?;
+        for (joint, origin) in origins {
+            by_joint.set_item(&joint.name, arrays::list(py, &origin.to_array()))?;
         }
         let all = PyDict::new(py);
         all.set_item("targets", by_task)?;
@@ -237,7 +237,7 @@ impl SolutionDerivative {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let targets = self.given.as_ref().map(|given| given.bind(py));
+        let targets = self.python_targets.as_ref().map(|targets| targets.bind(py));
         let arguments = (self.problem.bind(py), arrays::list(py, &self.q), targets);
         pickling::by_class::<Self>(py, arguments)
     }

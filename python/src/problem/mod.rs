@@ -2,11 +2,11 @@
 
 mod body_tasks;
 mod camera;
+mod compiled;
 mod derivative;
 mod frozen;
 mod parameters;
 mod python_residual;
-mod stated;
 mod target;
 mod task;
 
@@ -27,13 +27,13 @@ use crate::pickling;
 use crate::solution::Collision;
 use crate::world::World;
 pub(crate) use camera::Camera;
+pub(crate) use compiled::CompiledProblem;
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
-pub(crate) use stated::Stated;
 pub(crate) use target::Target;
-pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
+pub(crate) use task::{Aimed, AnyTask, Move, TaskBuilder, add, items, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
@@ -75,7 +75,7 @@ pub(crate) struct Problem {
 struct Current {
     tasks: Py<PyTuple>,
     /// Compiled tasks, or the message of a problem without tasks.
-    stated: Result<Arc<Stated>, String>,
+    compiled: Result<Arc<CompiledProblem>, String>,
 }
 
 #[pymethods]
@@ -105,7 +105,7 @@ impl Problem {
         let options = PyDict::new(py);
         options.set_item("parameters", parameters)?;
         // Copies arguments that the caller may change later.
-        let given = [
+        let entries = [
             ("bounds", bounds),
             ("tolerance", tolerance),
             ("world", world),
@@ -114,7 +114,7 @@ impl Problem {
             ("weights", weights),
             ("joint_origins", joint_origins),
         ];
-        for (name, value) in given {
+        for (name, value) in entries {
             if let Some(value) = value {
                 let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
                 options.set_item(name, copy)?;
@@ -132,14 +132,14 @@ impl Problem {
         };
         let tasks = PyTuple::new(py, tasks)?;
         let checker = Obstacles::of(&options)?.checker(model)?;
-        let stated = Stated::new(model, &tasks, &options, checker.as_ref())?;
+        let compiled = CompiledProblem::new(model, &tasks, &options, checker.as_ref())?;
         Ok(Self {
             model: model.clone().unbind(),
             options: options.unbind(),
             checker,
             current: Mutex::new(Current {
                 tasks: tasks.unbind(),
-                stated,
+                compiled,
             }),
         })
     }
@@ -156,32 +156,32 @@ impl Problem {
         level: Option<&Bound<'_, PyAny>>,
         weight: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<usize> {
-        let own = PyDict::new(py);
+        let overrides = PyDict::new(py);
         for (name, value) in [("level", level), ("weight", weight)] {
             if let Some(value) = value {
-                own.set_item(name, value)?;
+                overrides.set_item(name, value)?;
             }
         }
         task::check(task)?;
-        let task = match own.is_empty() {
+        let task = match overrides.is_empty() {
             true => task.clone(),
-            false => task.call_method1("_with", (own,))?,
+            false => task.call_method1("_with", (overrides,))?,
         };
         loop {
-            let before = self.given(py);
-            let tasks = before.bind(py);
+            let previous = self.task_tuple(py);
+            let tasks = previous.bind(py);
             let number = tasks.len();
             let tasks = tasks
                 .as_sequence()
                 .concat(PyTuple::new(py, [&task])?.as_sequence())?
                 .to_tuple()?;
             let (model, options) = (self.model.bind(py), self.options.bind(py));
-            let stated = Stated::new(model, &tasks, options, self.checker.as_ref())?;
+            let compiled = CompiledProblem::new(model, &tasks, options, self.checker.as_ref())?;
             let mut current = self.lock();
             // Another thread may have added a task in the meantime.
-            if current.tasks.is(&before) {
+            if current.tasks.is(&previous) {
                 let tasks = tasks.unbind();
-                let last = std::mem::replace(&mut *current, Current { tasks, stated });
+                let last = std::mem::replace(&mut *current, Current { tasks, compiled });
                 drop(current);
                 // Dropping it may call Python, so the lock is released first.
                 drop(last);
@@ -199,14 +199,14 @@ impl Problem {
     /// The tasks as given.
     #[getter]
     fn tasks<'py>(&self, py: Python<'py>) -> Bound<'py, PyList> {
-        self.given(py).bind(py).to_list()
+        self.task_tuple(py).bind(py).to_list()
     }
 
     /// Names of the tasks, for targets and reports.
     #[getter]
     fn task_names(&self) -> Vec<String> {
-        match self.stated() {
-            Ok(stated) => stated.task_names().map(str::to_owned).collect(),
+        match self.compiled() {
+            Ok(compiled) => compiled.task_names().map(str::to_owned).collect(),
             Err(_) => Vec::new(),
         }
     }
@@ -214,37 +214,37 @@ impl Problem {
     /// Number of solver variables.
     #[getter]
     fn variables(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.variables())
+        Ok(self.compiled()?.inner.variables())
     }
 
     /// Number of residual rows.
     #[getter]
     fn rows(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.rows())
+        Ok(self.compiled()?.inner.rows())
     }
 
     /// Length of a configuration.
     #[getter]
     fn configuration_len(&self) -> PyResult<usize> {
-        Ok(self.stated()?.inner.configuration_len())
+        Ok(self.compiled()?.inner.configuration_len())
     }
 
     /// Lower bounds of the variables, shape (variables,), radians or metres.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, self.stated()?.inner.lower()))
+        Ok(arrays::list(py, self.compiled()?.inner.lower()))
     }
 
     /// Upper bounds of the variables, shape (variables,), radians or metres.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, self.stated()?.inner.upper()))
+        Ok(arrays::list(py, self.compiled()?.inner.upper()))
     }
 
     /// Reach of the model, metres.
     #[getter]
     fn reach(&self) -> PyResult<f64> {
-        Ok(self.stated()?.inner.reach())
+        Ok(self.compiled()?.inner.reach())
     }
 
     /// Derivative mode.
@@ -281,7 +281,7 @@ impl Problem {
     /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `scale` of the tasks.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(arrays::list(py, &self.stated()?.inner.weights()))
+        Ok(arrays::list(py, &self.compiled()?.inner.weights()))
     }
 
     /// The problem with other `weights`, shape (rows of `Solution.rows`,).
@@ -305,11 +305,11 @@ impl Problem {
     ) -> PyResult<Py<PyAny>> {
         let options = self.options.bind(py).copy()?;
         let all = PyDict::new(py);
-        for own in [
+        for origins in [
             options.get_item("joint_origins")?.as_ref(),
             Some(joint_origins),
         ] {
-            for (joint, origin) in items(own, "joint_origins")? {
+            for (joint, origin) in items(origins, "joint_origins")? {
                 all.set_item(joint, origin)?;
             }
         }
@@ -346,8 +346,8 @@ impl Problem {
                 "the problem has no collision avoidance: create it with world, margin or collision_model",
             ));
         };
-        let found = py.detach(|| checker.collisions(&q)).or_raise()?;
-        Ok(found.into_iter().map(Collision::from).collect())
+        let collisions = py.detach(|| checker.collisions(&q)).or_raise()?;
+        Ok(collisions.into_iter().map(Collision::from).collect())
     }
 
     /// Weighted residual r at `x`, shape (rows,). `x` is the variables, shape (variables,), or a configuration, shape
@@ -363,7 +363,7 @@ impl Problem {
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let r = self
-            .stated()?
+            .compiled()?
             .evaluate(py, x, targets, |problem, x, rows, _| {
                 let mut r = vec![0.0; rows];
                 problem.residual(x, &mut r);
@@ -383,14 +383,14 @@ impl Problem {
         x: &Bound<'py, PyAny>,
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let stated = self.stated()?;
-        let jacobian = stated.evaluate(py, x, targets, |problem, x, rows, variables| {
+        let compiled = self.compiled()?;
+        let jacobian = compiled.evaluate(py, x, targets, |problem, x, rows, variables| {
             let mut jacobian = DMatrix::zeros(rows, variables);
             problem.jacobian(x, &mut jacobian);
             jacobian.transpose()
         })?;
         arrays::list(py, jacobian.as_slice())
-            .reshape([stated.inner.rows(), stated.inner.variables()])
+            .reshape([compiled.inner.rows(), compiled.inner.variables()])
     }
 
     /// Gradient of half the squared residual with respect to the variables at `x`, as for `residual`, by reverse mode
@@ -404,15 +404,15 @@ impl Problem {
         x: &Bound<'py, PyAny>,
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let gradient = self
-            .stated()?
-            .evaluate(py, x, targets, |problem, x, rows, variables| {
-                let mut jacobian = DMatrix::zeros(rows, variables);
-                let (mut r, mut gradient) = (vec![0.0; rows], vec![0.0; variables]);
-                problem.residual(x, &mut r);
-                problem.gradient(x, &r, &mut gradient, &mut jacobian);
-                gradient
-            })?;
+        let gradient =
+            self.compiled()?
+                .evaluate(py, x, targets, |problem, x, rows, variables| {
+                    let mut jacobian = DMatrix::zeros(rows, variables);
+                    let (mut r, mut gradient) = (vec![0.0; rows], vec![0.0; variables]);
+                    problem.residual(x, &mut r);
+                    problem.gradient(x, &r, &mut gradient, &mut jacobian);
+                    gradient
+                })?;
         Ok(arrays::list(py, &gradient))
     }
 
@@ -430,16 +430,19 @@ impl Problem {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = PyTuple::new(py, [self.model.bind(py), self.given(py).bind(py).as_any()])?;
+        let arguments = PyTuple::new(
+            py,
+            [self.model.bind(py), self.task_tuple(py).bind(py).as_any()],
+        )?;
         pickling::by_keywords::<Self>(py, &arguments, self.options.bind(py))
     }
 
     fn __repr__(&self) -> String {
-        match self.stated() {
-            Ok(stated) => format!(
+        match self.compiled() {
+            Ok(compiled) => format!(
                 "Problem({} variables, {} rows, tasks {:?})",
-                stated.inner.variables(),
-                stated.inner.rows(),
+                compiled.inner.variables(),
+                compiled.inner.rows(),
                 self.task_names()
             ),
             Err(_) => "Problem(no tasks)".to_owned(),
@@ -454,12 +457,12 @@ impl Problem {
 
     fn with_options(&self, options: &Bound<'_, PyDict>) -> PyResult<Py<PyAny>> {
         let py = options.py();
-        let arguments = (self.model.bind(py), self.given(py));
+        let arguments = (self.model.bind(py), self.task_tuple(py));
         let problem = py.get_type::<Self>().call(arguments, Some(options))?;
         Ok(problem.unbind())
     }
 
-    fn given(&self, py: Python<'_>) -> Py<PyTuple> {
+    fn task_tuple(&self, py: Python<'_>) -> Py<PyTuple> {
         self.lock().tasks.clone_ref(py)
     }
 
@@ -472,15 +475,15 @@ impl Problem {
             checker: self.checker.clone(),
             current: Mutex::new(Current {
                 tasks: current.tasks.clone_ref(py),
-                stated: current.stated.clone(),
+                compiled: current.compiled.clone(),
             }),
         }
     }
 
     /// Returns the compiled problem. Raises `InvalidValueError` without tasks.
-    pub(crate) fn stated(&self) -> PyResult<Arc<Stated>> {
-        let stated = self.lock().stated.clone();
-        stated.map_err(invalid)
+    pub(crate) fn compiled(&self) -> PyResult<Arc<CompiledProblem>> {
+        let compiled = self.lock().compiled.clone();
+        compiled.map_err(invalid)
     }
 }
 
@@ -502,9 +505,9 @@ pub(crate) fn named<T: Copy>(
     name: &str,
     known: &[(&'static str, T)],
 ) -> PyResult<T> {
-    let found = known.iter().find(|(own, _)| *own == name);
-    let names = known.iter().map(|(own, _)| *own);
-    found
+    let entry = known.iter().find(|(word, _)| *word == name);
+    let names = known.iter().map(|(word, _)| *word);
+    entry
         .map(|(_, value)| *value)
         .ok_or_else(|| kinopt::model::UnknownName::new(kind, name, names))
         .or_raise()

@@ -29,7 +29,7 @@ pub(crate) struct ParameterMap {
     pub(crate) inner: kinopt::model::ParameterMap,
     model: Arc<kinopt::Model>,
     /// Robot or model of the map.
-    of: Py<PyAny>,
+    python_model: Py<PyAny>,
     options: Py<PyDict>,
 }
 
@@ -46,16 +46,16 @@ impl ParameterMap {
         at: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
-        let own = model_of(model)?;
+        let inner_model = model_of(model)?;
         let joint = |name: &Bound<'_, PyAny>| -> PyResult<JointId> {
             let name = arrays::name(name, "a joint of a parameter map")?;
-            own.joint(&name).or_raise()
+            inner_model.joint(&name).or_raise()
         };
-        let mut builder = parameters_of(model, &own);
+        let mut builder = parameters_of(model, &inner_model);
         for (name, value) in items(lock, "lock")? {
             let what = format!("the locked value of {name}");
             let id = joint(&name)?;
-            builder = match own.joints()[id.index()].kind {
+            builder = match inner_model.joints()[id.index()].kind {
                 JointKind::Ball => builder.with_locked_ball(id, arrays::array(&value, &what)?),
                 _ => builder.with_locked(id, arrays::number(&value, &what)?),
             };
@@ -64,17 +64,18 @@ impl ParameterMap {
             let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {
                 invalid("couple must be a dict of (name of the source joint, ratio, offset)")
             })?;
-            let master = own.joint(&master).or_raise()?;
+            let master = inner_model.joint(&master).or_raise()?;
             builder = builder.with_coupled(joint(&name)?, master, ratio, offset);
         }
         for (name, limits) in items(narrow, "narrow")? {
             builder = builder.with_narrowed(joint(&name)?, self::limits(&limits, "narrow")?);
         }
         if let Some(names) = &only {
-            let free: Result<Vec<_>, _> = names.iter().map(|name| own.joint(name)).collect();
+            let free: Result<Vec<_>, _> =
+                names.iter().map(|name| inner_model.joint(name)).collect();
             let q = match at {
                 Some(at) => arrays::vector(at, "at")?.to_vec(),
-                None => own.neutral(),
+                None => inner_model.neutral(),
             };
             builder = builder.with_only(&free.or_raise()?, &q);
         } else if at.is_some() {
@@ -84,13 +85,13 @@ impl ParameterMap {
         }
         let inner = builder.build().or_raise()?;
         let options = PyDict::new(py);
-        let given = [
+        let entries = [
             ("lock", lock),
             ("couple", couple),
             ("narrow", narrow),
             ("at", at),
         ];
-        for (name, value) in given {
+        for (name, value) in entries {
             if let Some(value) = value {
                 let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
                 options.set_item(name, copy)?;
@@ -101,8 +102,8 @@ impl ParameterMap {
         }
         Ok(Self {
             inner,
-            model: own,
-            of: model.clone().unbind(),
+            model: inner_model,
+            python_model: model.clone().unbind(),
             options: options.unbind(),
         })
     }
@@ -165,7 +166,7 @@ impl ParameterMap {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = PyTuple::new(py, [&self.of])?;
+        let arguments = PyTuple::new(py, [&self.python_model])?;
         pickling::by_keywords::<Self>(py, &arguments, self.options.bind(py))
     }
 
@@ -177,10 +178,10 @@ impl ParameterMap {
 
 /// Starts a map with all joints free, except a robot's mimic joints.
 pub(crate) fn parameters_of<'a>(
-    given: &'a Bound<'_, PyAny>,
+    python_model: &'a Bound<'_, PyAny>,
     model: &'a kinopt::Model,
 ) -> ParameterMapBuilder<'a> {
-    match given.cast::<Robot>() {
+    match python_model.cast::<Robot>() {
         Ok(robot) => robot.get().inner.parameters(),
         Err(_) => kinopt::model::ParameterMap::builder(model),
     }

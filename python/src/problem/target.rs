@@ -27,7 +27,7 @@ pub(crate) trait Target: Residual {
 
 /// Implements targets by a conversion function and a setter.
 macro_rules! targets {
-    ($($residual:ty, $value:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
+    ($($residual:ty, $value:ty, $read:path, |$task:ident, $target:pat_param| $set:expr;)*) => {$(
         impl Target for $residual {
             type Value = $value;
 
@@ -36,7 +36,7 @@ macro_rules! targets {
             }
 
             fn aim(&mut self, $target: &$value) -> Result<(), String> {
-                let $own = self;
+                let $task = self;
                 $set;
                 Ok(())
             }
@@ -45,19 +45,19 @@ macro_rules! targets {
 }
 
 targets! {
-    Point, [f64; 3], arrays::array, |own, target| own.set_target(*target);
-    Pose, Placement<f64>, placement::placement, |own, target| own.set_target(*target);
-    Orientation, Matrix3<f64>, placement::rotation, |own, target| own.set_target(*target);
-    LookAt, [f64; 3], arrays::array, |own, target| own.set_target(*target);
-    Distance, f64, arrays::number, |own, distance| own.set_distance(*distance);
-    Plane, [[f64; 3]; 2], arrays::table, |own, [point, normal]| own.set_plane(*point, *normal);
-    Ray, [[f64; 3]; 2], arrays::table, |own, [eye, through]| own.set_line(*eye, *through);
-    Pixel, [f64; 2], arrays::array, |own, pixel| own.set_target(*pixel);
-    CentreOfMass, [f64; 3], arrays::array, |own, target| own.set_target(*target);
-    Gaze, [f64; 3], arrays::array, |own, target| own.set_target(*target);
-    FrameVelocity, Placement<f64>, placement::placement, |own, previous| own.set_previous(*previous);
-    JointCoupling, f64, arrays::number, |own, offset| own.set_offset(*offset);
-    Manipulability, f64, arrays::number, |own, least| own.set_least(*least);
+    Point, [f64; 3], arrays::array, |task, target| task.set_target(*target);
+    Pose, Placement<f64>, placement::placement, |task, target| task.set_target(*target);
+    Orientation, Matrix3<f64>, placement::rotation, |task, target| task.set_target(*target);
+    LookAt, [f64; 3], arrays::array, |task, target| task.set_target(*target);
+    Distance, f64, arrays::number, |task, distance| task.set_distance(*distance);
+    Plane, [[f64; 3]; 2], arrays::table, |task, [point, normal]| task.set_plane(*point, *normal);
+    Ray, [[f64; 3]; 2], arrays::table, |task, [eye, through]| task.set_line(*eye, *through);
+    Pixel, [f64; 2], arrays::array, |task, pixel| task.set_target(*pixel);
+    CentreOfMass, [f64; 3], arrays::array, |task, target| task.set_target(*target);
+    Gaze, [f64; 3], arrays::array, |task, target| task.set_target(*target);
+    FrameVelocity, Placement<f64>, placement::placement, |task, previous| task.set_previous(*previous);
+    JointCoupling, f64, arrays::number, |task, offset| task.set_offset(*offset);
+    Manipulability, f64, arrays::number, |task, least| task.set_least(*least);
 }
 
 /// Error text for an array of another length than the task's joints.

@@ -65,37 +65,48 @@ impl<R: Target> AnyTask for TaskId<R> {
 }
 
 /// Object that accepts tasks.
-pub(crate) trait Adds {
+pub(crate) trait TaskBuilder {
     /// Adds a task with the given residual.
     fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
-impl Adds for ProblemBuilder<'_> {
+impl TaskBuilder for ProblemBuilder<'_> {
     fn add_task<R: Target>(&mut self, task: Task<R>, _: R) -> PyResult<Box<dyn AnyTask>> {
         Ok(Box::new(self.add(task)))
     }
 }
 
-/// Adds a task of `kinopt.tasks` to a problem on `model`, the model of `whole`.
-pub(crate) fn add<B: Adds>(
+/// Adds a task of `kinopt.tasks` to a problem on `model`, the model of `python_model`.
+pub(crate) fn add<B: TaskBuilder>(
     task: &Bound<'_, PyAny>,
-    whole: &Bound<'_, PyAny>,
+    python_model: &Bound<'_, PyAny>,
     model: &Model,
     builder: &mut B,
 ) -> PyResult<Box<dyn AnyTask>> {
-    let about = About::of(task)?;
+    let options = TaskOptions::of(task)?;
     let kind = check(task)?;
-    let add = Add { builder, about };
+    let add = TaskVisitor { builder, options };
     match kind.as_str() {
         "bounded" => {
             let lower = arrays::number(&task.getattr("lower")?, "lower")?;
             let upper = arrays::number(&task.getattr("upper")?, "upper")?;
-            let room = Room { lower, upper, add };
+            let bounded = BoundedVisitor { lower, upper, add };
             let task = &task.getattr("task")?;
-            let given = Given { task, whole, model };
-            residual(&given, room)
+            let arguments = TaskArguments {
+                task,
+                python_model,
+                model,
+            };
+            residual(&arguments, bounded)
         }
-        _ => residual(&Given { task, whole, model }, add),
+        _ => residual(
+            &TaskArguments {
+                task,
+                python_model,
+                model,
+            },
+            add,
+        ),
     }
 }
 
@@ -111,29 +122,29 @@ pub(super) fn check(task: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 /// Generic function of a residual.
-pub(super) trait Visit {
+pub(super) trait ResidualVisitor {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
-struct Add<'a, B> {
+struct TaskVisitor<'a, B> {
     builder: &'a mut B,
-    about: About,
+    options: TaskOptions,
 }
 
-impl<B: Adds> Visit for Add<'_, B> {
+impl<B: TaskBuilder> ResidualVisitor for TaskVisitor<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
-        let own = residual.clone();
-        self.builder.add_task(self.about.task(residual), own)
+        let initial = residual.clone();
+        self.builder.add_task(self.options.task(residual), initial)
     }
 }
 
-struct Room<'a, B> {
+struct BoundedVisitor<'a, B> {
     lower: f64,
     upper: f64,
-    add: Add<'a, B>,
+    add: TaskVisitor<'a, B>,
 }
 
-impl<B: Adds> Visit for Room<'_, B> {
+impl<B: TaskBuilder> ResidualVisitor for BoundedVisitor<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
         self.add
             .visit(Bounded::between(residual, self.lower, self.upper))
@@ -141,71 +152,74 @@ impl<B: Adds> Visit for Room<'_, B> {
 }
 
 /// Converts the residual of a task that wraps no other task.
-fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn AnyTask>> {
-    let Given { task, model, .. } = *given;
+fn residual<V: ResidualVisitor>(
+    arguments: &TaskArguments<'_, '_>,
+    visitor: V,
+) -> PyResult<Box<dyn AnyTask>> {
+    let TaskArguments { task, model, .. } = *arguments;
     let kind: String = task.getattr("_kind")?.extract()?;
     match kind.as_str() {
         "point" => {
-            let mut point = Point::new(given.frame("frame")?, given.numbers("target")?);
-            point = point.at(given.numbers::<3>("at")?);
-            if let Some(base) = given.optional_frame("base")? {
+            let mut point = Point::new(arguments.frame("frame")?, arguments.numbers("target")?);
+            point = point.at(arguments.numbers::<3>("at")?);
+            if let Some(base) = arguments.optional_frame("base")? {
                 point = point.relative_to(base);
             }
             visitor.visit(point)
         }
         "pose" => {
-            let target = placement::placement(&given.get("target")?, "target")?;
-            let mut pose = Pose::new(given.frame("frame")?, target);
-            if let Some(tool) = given.optional("tool")? {
+            let target = placement::placement(&arguments.get("target")?, "target")?;
+            let mut pose = Pose::new(arguments.frame("frame")?, target);
+            if let Some(tool) = arguments.optional("tool")? {
                 pose = pose.with_tool(placement::placement(&tool, "tool")?);
             }
-            if let Some(goal) = given.optional("goal")? {
+            if let Some(goal) = arguments.optional("goal")? {
                 pose = pose.with_goal(goal.cast::<PoseBounds>()?.get().inner);
             }
-            if let Some(base) = given.optional_frame("base")? {
+            if let Some(base) = arguments.optional_frame("base")? {
                 pose = pose.relative_to(base);
             }
             visitor.visit(pose)
         }
         "orientation" => {
-            let target = placement::rotation(&given.get("target")?, "target")?;
-            let mut orientation = Orientation::new(given.frame("frame")?, target);
-            if let Some(base) = given.optional_frame("base")? {
+            let target = placement::rotation(&arguments.get("target")?, "target")?;
+            let mut orientation = Orientation::new(arguments.frame("frame")?, target);
+            if let Some(base) = arguments.optional_frame("base")? {
                 orientation = orientation.relative_to(base);
             }
             visitor.visit(orientation)
         }
         "look-at" => {
             let (axis, target): ([f64; 3], [f64; 3]) =
-                (given.numbers("axis")?, given.numbers("target")?);
-            visitor.visit(LookAt::new(given.frame("frame")?, axis, target))
+                (arguments.numbers("axis")?, arguments.numbers("target")?);
+            visitor.visit(LookAt::new(arguments.frame("frame")?, axis, target))
         }
         "distance" => {
-            let distance = arrays::number(&given.get("distance")?, "distance")?;
+            let distance = arrays::number(&arguments.get("distance")?, "distance")?;
             visitor.visit(Distance::new(
-                given.frame("a")?,
-                given.frame("b")?,
+                arguments.frame("a")?,
+                arguments.frame("b")?,
                 distance,
             ))
         }
         "plane" => {
             let (point, normal): ([f64; 3], [f64; 3]) =
-                (given.numbers("point")?, given.numbers("normal")?);
-            visitor.visit(Plane::new(given.frame("frame")?, point, normal))
+                (arguments.numbers("point")?, arguments.numbers("normal")?);
+            visitor.visit(Plane::new(arguments.frame("frame")?, point, normal))
         }
         "ray" => {
             let (eye, through): ([f64; 3], [f64; 3]) =
-                (given.numbers("eye")?, given.numbers("through")?);
-            visitor.visit(Ray::new(given.frame("frame")?, eye, through))
+                (arguments.numbers("eye")?, arguments.numbers("through")?);
+            visitor.visit(Ray::new(arguments.frame("frame")?, eye, through))
         }
         "pixel" => {
-            let camera = given.get("camera")?.cast::<Camera>()?.get().inner;
-            let target = given.numbers("target")?;
-            visitor.visit(Pixel::new(given.frame("frame")?, camera, target))
+            let camera = arguments.get("camera")?.cast::<Camera>()?.get().inner;
+            let target = arguments.numbers("target")?;
+            visitor.visit(Pixel::new(arguments.frame("frame")?, camera, target))
         }
         "posture" => {
-            let posture = given.posture()?;
-            visitor.visit(match given.joint_weights(&posture.joints())? {
+            let posture = arguments.posture()?;
+            visitor.visit(match arguments.joint_weights(&posture.joints())? {
                 None => posture,
                 Some(JointWeights::ByRange) => posture.by_range(model),
                 Some(JointWeights::Upright) => posture.upright(model),
@@ -213,12 +227,12 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
             })
         }
         "smoothness" => {
-            let previous = given.get("previous")?;
+            let previous = arguments.get("previous")?;
             let dof = model.configuration_len();
             let previous = arrays::vector_of(&previous, "previous", dof)?;
-            let time_step_s = arrays::number(&given.get("time_step_s")?, "time_step_s")?;
+            let time_step_s = arrays::number(&arguments.get("time_step_s")?, "time_step_s")?;
             let smoothness = Smoothness::new(model, &previous, time_step_s);
-            visitor.visit(match given.joint_weights(&smoothness.joints())? {
+            visitor.visit(match arguments.joint_weights(&smoothness.joints())? {
                 None => smoothness,
                 // The class accepts no other text.
                 Some(JointWeights::ByRange | JointWeights::Upright) => smoothness.by_range(model),
@@ -228,15 +242,15 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
         "limit centring" => visitor.visit(LimitCentring::new(model)),
         "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
         "bounded" => Err(invalid("nested `Bounded`: use one interval instead")),
-        kind => body_tasks::residual(given, kind, visitor),
+        kind => body_tasks::residual(arguments, kind, visitor),
     }
 }
 
 /// Attributes of a task, with its model.
-pub(super) struct Given<'a, 'py> {
+pub(super) struct TaskArguments<'a, 'py> {
     pub(super) task: &'a Bound<'py, PyAny>,
     /// Robot, rig, skeleton or model of the problem.
-    pub(super) whole: &'a Bound<'py, PyAny>,
+    pub(super) python_model: &'a Bound<'py, PyAny>,
     pub(super) model: &'a Model,
 }
 
@@ -247,7 +261,7 @@ enum JointWeights {
     Given(Vec<f64>),
 }
 
-impl<'py> Given<'_, 'py> {
+impl<'py> TaskArguments<'_, 'py> {
     pub(super) fn get(&self, name: &str) -> PyResult<Bound<'py, PyAny>> {
         self.task.getattr(name)
     }
@@ -275,25 +289,25 @@ impl<'py> Given<'_, 'py> {
 
     /// Reads one weight for each of these joints.
     fn joint_weights(&self, joints: &[JointId]) -> PyResult<Option<JointWeights>> {
-        let Some(given) = self.optional("joint_weights")? else {
+        let Some(value) = self.optional("joint_weights")? else {
             return Ok(None);
         };
-        if let Ok(word) = given.cast::<PyString>() {
+        if let Ok(word) = value.cast::<PyString>() {
             // The class accepts these two words only.
             return Ok(Some(match word.to_str()? {
                 "upright" => JointWeights::Upright,
                 _ => JointWeights::ByRange,
             }));
         }
-        let Ok(named) = given.cast::<PyMapping>() else {
-            let weights = arrays::vector_of(&given, "joint_weights", joints.len())?;
+        let Ok(named) = value.cast::<PyMapping>() else {
+            let weights = arrays::vector_of(&value, "joint_weights", joints.len())?;
             return Ok(Some(JointWeights::Given(weights.to_vec())));
         };
         let mut weights = vec![1.0; joints.len()];
         for item in named.items()?.iter() {
             let (joint, weight): (String, f64) = item.extract()?;
             let id = self.model.joint(&joint).or_raise()?;
-            match joints.iter().position(|own| *own == id) {
+            match joints.iter().position(|known| *known == id) {
                 Some(k) => weights[k] = weight,
                 None => {
                     return Err(invalid(format!(
@@ -325,10 +339,10 @@ impl<'py> Given<'_, 'py> {
 }
 
 /// Common options of a task.
-struct About {
+struct TaskOptions {
     name: Option<String>,
     weight: Numbers,
-    times: f64,
+    scale: f64,
     tolerance: Numbers,
     role: Option<Role>,
     level: usize,
@@ -348,13 +362,13 @@ impl Numbers {
         if let Ok(number) = value.extract() {
             return Ok(Self::All(number));
         }
-        let Ok(given) = value.cast::<PyMapping>() else {
+        let Ok(mapping) = value.cast::<PyMapping>() else {
             return Err(invalid(format!(
                 "{what} must be a number, or a dict of numbers by quantity, such as {{\"metres\": 1.0}}"
             )));
         };
         let mut each = Vec::new();
-        for item in given.items()?.iter() {
+        for item in mapping.items()?.iter() {
             let (name, number): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
             let name = arrays::name(&name, &format!("a quantity of {what}"))?;
             let number = arrays::number(&number, &format!("{what} per {name}"))?;
@@ -372,7 +386,7 @@ impl Numbers {
     }
 }
 
-impl About {
+impl TaskOptions {
     fn of(task: &Bound<'_, PyAny>) -> PyResult<Self> {
         let get = |name: &str| match task.getattr_opt(name)? {
             Some(value) => Ok(value),
@@ -395,7 +409,7 @@ impl About {
         Ok(Self {
             name: get("name")?.extract()?,
             weight: Numbers::of(&get("weight")?, "weight")?,
-            times: arrays::number(&get("times")?, "times")?,
+            scale: arrays::number(&get("scale")?, "scale")?,
             tolerance: Numbers::of(&get("tolerance")?, "tolerance")?,
             role,
             level: arrays::whole(&get("level")?)?,
@@ -420,7 +434,7 @@ impl About {
             Some(_) => task.goal(),
             None => task,
         };
-        task.scale(self.times).at_level(self.level)
+        task.scale(self.scale).at_level(self.level)
     }
 }
 
@@ -432,16 +446,16 @@ pub(crate) fn tolerances(value: &Bound<'_, PyAny>) -> PyResult<Vec<(Quantity, f6
 
 /// Reads the items of a dict, empty for None.
 pub(crate) fn items<'py>(
-    given: Option<&Bound<'py, PyAny>>,
+    value: Option<&Bound<'py, PyAny>>,
     what: &str,
 ) -> PyResult<Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
-    let Some(given) = given else {
+    let Some(value) = value else {
         return Ok(Vec::new());
     };
-    if let Ok(dict) = given.cast::<PyDict>() {
+    if let Ok(dict) = value.cast::<PyDict>() {
         return Ok(dict.iter().collect());
     }
-    let Ok(mapping) = given.cast::<PyMapping>() else {
+    let Ok(mapping) = value.cast::<PyMapping>() else {
         return Err(invalid(format!("{what} must be a dict")));
     };
     mapping.items()?.iter().map(|item| item.extract()).collect()

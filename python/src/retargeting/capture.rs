@@ -38,11 +38,11 @@ impl Capture {
         usual: UpAxis,
         bones: Option<Vec<(usize, usize)>>,
     ) -> Self {
-        let own = up.or_else(|| inner.up_axis()).unwrap_or(usual);
+        let up_axis = up.or_else(|| inner.up_axis()).unwrap_or(usual);
         Self {
             inner: Arc::new(inner),
-            up: own,
-            is_detected: up.is_none() && own != usual,
+            up: up_axis,
+            is_detected: up.is_none() && up_axis != usual,
             bones,
         }
     }
@@ -152,11 +152,17 @@ impl Capture {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
-        let positions = own.positions(slf.py())?;
+        let capture = slf.get();
+        let positions = capture.positions(slf.py())?;
         pickling::by_class::<Self>(
             slf.py(),
-            (positions, own.joints(), own.fps(), own.up(), own.bones()),
+            (
+                positions,
+                capture.joints(),
+                capture.fps(),
+                capture.up(),
+                capture.bones(),
+            ),
         )
     }
 }

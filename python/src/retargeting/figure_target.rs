@@ -26,7 +26,7 @@ use crate::skeleton::Skeleton;
 /// Raises `InvalidValueError` for other objects, and for bones with children and a non-uniform scale.
 #[pyclass(frozen, module = "kinopt.retargeting")]
 pub(crate) struct FigureTarget {
-    of: Py<PyAny>,
+    source: Py<PyAny>,
     pub(super) inner: retarget::FigureTarget,
     armature: Arc<Bones>,
 }
@@ -34,20 +34,20 @@ pub(crate) struct FigureTarget {
 impl FigureTarget {
     /// Converts a rig, skeleton, scene or capture; `None` for a robot or a model.
     pub(super) fn of(target: &Bound<'_, PyAny>, up: Option<UpAxis>) -> PyResult<Option<Self>> {
-        let made = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
+        let wrap = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
             Ok(Some(Self {
-                of: target.clone().unbind(),
+                source: target.clone().unbind(),
                 inner: inner.or_raise()?,
                 armature: Arc::new(armature.clone()),
             }))
         };
         let of_bones = |bones: &kinopt::Skeleton| {
             let inner = retarget::FigureTarget::new(bones, up.unwrap_or(UpAxis::Z));
-            made(inner, &Bones::of_skeleton(bones))
+            wrap(inner, &Bones::of_skeleton(bones))
         };
         let of_file = |bones: &Bones, turning| {
             let up = up.unwrap_or(UpAxis::Y);
-            made(
+            wrap(
                 retarget::FigureTarget::of_armature(bones, &turning, up),
                 bones,
             )
@@ -77,12 +77,12 @@ impl FigureTarget {
     fn new(of: &Bound<'_, PyAny>, up: Option<&str>) -> PyResult<Self> {
         let figure = Self::of(of, up.map(up_axis).transpose()?)?;
         let kind = of.get_type();
-        let lacks = || {
+        let unsupported = || {
             invalid(format!(
                 "expected a rig, a skeleton, a scene or a motion capture, not {kind}"
             ))
         };
-        figure.ok_or_else(lacks)
+        figure.ok_or_else(unsupported)
     }
 
     /// Model: a free base, then three angles for each bone.
@@ -134,7 +134,7 @@ impl FigureTarget {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = slf.get();
-        pickling::by_class::<Self>(slf.py(), (own.of.clone_ref(slf.py()), own.up()))
+        let figure = slf.get();
+        pickling::by_class::<Self>(slf.py(), (figure.source.clone_ref(slf.py()), figure.up()))
     }
 }

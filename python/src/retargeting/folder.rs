@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use kinopt::motion::retarget::folder::{self, FolderError, FolderQuestion, MovementFolder};
 use pyo3::prelude::*;
 
-use super::question::{Options, foot_shapes_of, read_map, target_of};
+use super::request::{Options, foot_shapes_of, read_map, target_of};
 use super::up_axis;
 use crate::error::{Fault, OrRaise, raise};
 
 /// Options of reading files and of solving trajectories as a whole.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(super) struct Reading {
+pub(super) struct ReadOptions {
     joints: Option<Vec<String>>,
     fps: Option<f64>,
     up: Option<String>,
@@ -22,7 +22,7 @@ pub(super) struct Reading {
 }
 
 /// Input file, output file, and true if it was done before.
-type Begun = (OsString, OsString, bool);
+type BegunFile = (OsString, OsString, bool);
 
 /// Starts or continues a folder of `.npz` outputs for the capture files of another folder.
 #[pyfunction]
@@ -31,17 +31,17 @@ pub(super) fn folder_begun(
     target: &Bound<'_, PyAny>,
     map: Option<&str>,
     skeleton: Option<&str>,
-    reading: Reading,
+    reading: ReadOptions,
     options: Options,
     overwrite: bool,
-) -> PyResult<Vec<Begun>> {
+) -> PyResult<Vec<BegunFile>> {
     let robot = target_of(target)?;
     let up = reading.up.as_deref().map(up_axis).transpose()?;
-    let mut how = options.read(up.unwrap_or_default());
-    how.shapes = foot_shapes_of(target);
+    let mut retarget_options = options.read(up.unwrap_or_default());
+    retarget_options.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
     let world = options.world(target.py())?;
-    let asked = FolderQuestion::new(&robot, how)
+    let request = FolderQuestion::new(&robot, retarget_options)
         .with_map(map.as_ref())
         .with_skeleton(skeleton)
         .with_joints(reading.joints.as_deref())
@@ -52,18 +52,22 @@ pub(super) fn folder_begun(
         .with_keep_clear(options.margin()?)
         .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
-    let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
-    let begun = found.begin(&asked, overwrite).map_err(|error| {
+    let movements = MovementFolder::find(&source, &into, "npz").or_raise()?;
+    let begun = movements.begin(&request, overwrite).map_err(|error| {
         let hint = match &error {
             FolderError::OtherQuestion { .. } => ": give another folder, or overwrite=True",
             _ => "",
         };
         raise(error.kind(), format!("{error}{hint}"))
     })?;
-    let told = begun
-        .into_iter()
-        .map(|own| (own.source.into(), own.out.into(), own.done_before));
-    Ok(told.collect())
+    let begun_rows = begun.into_iter().map(|movement| {
+        (
+            movement.source.into(),
+            movement.out.into(),
+            movement.done_before,
+        )
+    });
+    Ok(begun_rows.collect())
 }
 
 /// Temporary path of an output file during writing.

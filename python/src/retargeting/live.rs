@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question, raised};
+use super::request::{Options, RetargetRequest, raised};
 use crate::arrays;
 use crate::error::OrRaise;
 
@@ -31,11 +31,11 @@ impl Live {
         map: &str,
         options: Options,
     ) -> PyResult<Self> {
-        let question = Question::read(capture, target, map, &options)?;
-        let follower = py.detach(|| question.fitted()?.live());
+        let request = RetargetRequest::read(capture, target, map, &options)?;
+        let follower = py.detach(|| request.fitted()?.live());
         Ok(Self {
             follower: Mutex::new(follower.map_err(raised)?),
-            names: question.names(),
+            names: request.names(),
         })
     }
 
@@ -53,13 +53,13 @@ impl Live {
         positions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = arrays::rows(positions, "positions", 3)?;
-        let places: Vec<Vector3<f64>> = rows
+        let points: Vec<Vector3<f64>> = rows
             .chunks_exact(3)
             .map(|at| Vector3::new(at[0], at[1], at[2]))
             .collect();
         let q = py.detach(|| {
             let mut follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
-            follower.step(&places).map(<[f64]>::to_vec)
+            follower.step(&points).map(<[f64]>::to_vec)
         });
         Ok(arrays::list(py, &q.or_raise()?))
     }

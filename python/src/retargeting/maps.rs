@@ -4,7 +4,7 @@ use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{raised, read_map, target_of};
+use super::request::{raised, read_map, target_of};
 use crate::error::OrRaise;
 
 /// A guessed map: JSON, the known skeleton, the known body, and notes.
@@ -64,12 +64,12 @@ pub(super) fn map_completed(
 ) -> PyResult<(Option<String>, Vec<String>)> {
     let robot = target_of(target)?;
     let map = read_map(map, &robot)?;
-    let lacks = map.drives.is_empty();
+    let has_no_drives = map.drives.is_empty();
     let guess = map
         .completed(&capture.get().inner, robot.model())
         .map_err(raised)?;
     let (map, .., notes) = guessed(guess, capture.get());
-    Ok((lacks.then_some(map), notes))
+    Ok((has_no_drives.then_some(map), notes))
 }
 
 /// Names of the known skeletons.

@@ -6,7 +6,7 @@ mod folder;
 mod live;
 mod maps;
 mod movement;
-mod question;
+mod request;
 
 use kinopt::motion::retarget::UpAxis;
 use pyo3::prelude::*;

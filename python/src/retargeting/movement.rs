@@ -12,7 +12,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question, raised};
+use super::request::{Options, RetargetRequest, raised};
 use crate::arrays;
 use crate::error::invalid;
 
@@ -32,7 +32,7 @@ type MovementParts<'py> = (
 );
 
 /// Time between two checks for signals.
-const INTERVAL: Duration = Duration::from_millis(50);
+const REPORT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Number of finished frames, and of all frames.
 #[derive(Default)]
@@ -66,16 +66,16 @@ fn while_listening<T: Send>(
         PyResult::Ok(())
     };
     py.detach(|| {
-        let (tell, told) = mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         std::thread::scope(|scope| {
             let flag = Arc::clone(&cancelled);
             let state = &state;
-            scope.spawn(move || tell.send(compute(flag, state)));
+            scope.spawn(move || sender.send(compute(flag, state)));
             loop {
-                match told.recv_timeout(INTERVAL) {
-                    Ok(found) => {
+                match receiver.recv_timeout(REPORT_INTERVAL) {
+                    Ok(result) => {
                         Python::attach(&mut report)?;
-                        return found.map_err(raised);
+                        return result.map_err(raised);
                     }
                     Err(RecvTimeoutError::Timeout) => {
                         if let Err(error) = Python::attach(&mut report) {
@@ -103,12 +103,12 @@ pub(super) fn capture_retargeted<'py>(
     options: Options,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<MovementParts<'py>> {
-    let question = Question::read(capture, target, map, &options)?;
-    let found = while_listening(py, progress, |cancelled, done| {
-        let retargeting = question.fitted()?.with_cancellation(cancelled);
+    let request = RetargetRequest::read(capture, target, map, &options)?;
+    let retargeted = while_listening(py, progress, |cancelled, done| {
+        let retargeting = request.fitted()?.with_cancellation(cancelled);
         let frames = retargeting.frames();
         done.frames.store(frames, Ordering::Relaxed);
-        let found = match whole {
+        let retargeted = match whole {
             true => retargeting.whole_with_progress(&mut |frames| {
                 done.done.fetch_max(frames, Ordering::Relaxed);
             })?,
@@ -116,17 +116,25 @@ pub(super) fn capture_retargeted<'py>(
         };
         done.done.store(frames, Ordering::Relaxed);
         let has_fixed_base = retargeting.legs_on_fixed_base();
-        let errors = retargeting.errors(&found)?;
-        let limits = retargeting.active_limits(&found);
+        let errors = retargeting.errors(&retargeted)?;
+        let limits = retargeting.active_limits(&retargeted);
         let driving = retargeting.driving();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
-        Ok((found, errors, limits, driving, stride, up, has_fixed_base))
+        Ok((
+            retargeted,
+            errors,
+            limits,
+            driving,
+            stride,
+            up,
+            has_fixed_base,
+        ))
     })?;
-    let (found, errors, limits, driving, stride, up, has_fixed_base) = found;
+    let (retargeted, errors, limits, driving, stride, up, has_fixed_base) = retargeted;
     let driven = driving
         .iter()
-        .map(|&joint| question.capture.names()[joint].clone());
+        .map(|&joint| request.capture.names()[joint].clone());
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
             (MotionBound::Speed, Side::Lower) => "speed down",
@@ -136,32 +144,32 @@ pub(super) fn capture_retargeted<'py>(
         };
         (met.joint, side, met.frames.start, met.frames.end)
     });
-    let touching = found.touching.into_iter().map(|own| {
-        let pair = own.pair;
-        (own.frame, pair.first, pair.second, pair.distance)
+    let touching = retargeted.touching.into_iter().map(|contact| {
+        let pair = contact.pair;
+        (contact.frame, pair.first, pair.second, pair.distance)
     });
-    let lost_contacts = found.lost_contacts.into_iter();
-    let lost_contacts = lost_contacts.map(|own| (own.frame, own.contact_frame));
-    let frames = found.q.len() / found.configuration_len.max(1);
-    let contacts = PyArray1::from_slice(py, &found.contacts);
-    let points = found.contact_points.iter();
+    let lost_contacts = retargeted.lost_contacts.into_iter();
+    let lost_contacts = lost_contacts.map(|lost| (lost.frame, lost.contact_frame));
+    let frames = retargeted.q.len() / retargeted.configuration_len.max(1);
+    let contacts = PyArray1::from_slice(py, &retargeted.contacts);
+    let points = retargeted.contact_points.iter();
     let contact_points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     Ok((
-        arrays::list(py, &found.q).reshape([frames, found.configuration_len])?,
-        question.names(),
+        arrays::list(py, &retargeted.q).reshape([frames, retargeted.configuration_len])?,
+        request.names(),
         contacts
-            .reshape([frames, found.contact_frames.len()])?
+            .reshape([frames, retargeted.contact_frames.len()])?
             .into_any(),
         (
-            found.contact_frames,
-            arrays::list(py, &contact_points).reshape([found.contact_points.len(), 3])?,
+            retargeted.contact_frames,
+            arrays::list(py, &contact_points).reshape([retargeted.contact_points.len(), 3])?,
         ),
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
         (
-            found.mean_error,
-            found.slip,
-            found.ground_penetration,
+            retargeted.mean_error,
+            retargeted.slip,
+            retargeted.ground_penetration,
             stride,
         ),
         limits.collect(),

@@ -244,10 +244,10 @@ impl Rig {
         q: &Bound<'_, PyAny>,
         method: &str,
     ) -> PyResult<TriangleMesh> {
-        let by = crate::skinning::method(method)?;
+        let method = crate::skinning::method(method)?;
         let q = crate::arrays::vector_of(q, "q", self.inner.skeleton.angles())?;
         let q: &[f64] = &q;
-        py.detach(|| self.inner.posed_mesh(q, by))
+        py.detach(|| self.inner.posed_mesh(q, method))
             .or_raise()
             .map(TriangleMesh::from)
     }

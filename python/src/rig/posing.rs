@@ -7,7 +7,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::Rig;
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
 use crate::pickling;
@@ -30,11 +30,11 @@ pub(crate) struct RigPosing {
 impl RigPosing {
     pub(super) fn make(rig: &Bound<'_, Rig>, method: SkinningMethod) -> PyResult<Self> {
         let owned = Arc::clone(&rig.get().inner);
-        let made = rig
+        let posing = rig
             .py()
             .detach(|| kinopt::io::rig::RigPosing::new(owned, method));
         Ok(Self {
-            posings: Pool::new(made.or_raise()?),
+            posings: Pool::new(posing.or_raise()?),
             rig: rig.clone().unbind(),
             method,
         })
@@ -48,13 +48,13 @@ impl RigPosing {
         part: Part,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let rig = &self.rig.get().inner;
-        let q = Questions::rows(q, "q", rig.skeleton.angles())?;
+        let q = Queries::rows(q, "q", rig.skeleton.angles())?;
         let vertices = rig.mesh.as_ref().map_or(0, |mesh| part.count(mesh));
-        let array = arrays::room_of::<f32>(py, out, &q.shape(&[vertices, 3]))?;
+        let array = arrays::output_array::<f32>(py, out, &q.shape(&[vertices, 3]))?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |room| {
-                q.each(py, room, POSES_AT_A_TIME, |q, room| {
-                    posing.deform(q, part.of(room)).or_raise()
+            arrays::fill(&array, |buffer| {
+                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
+                    posing.deform(q, part.of(buffer)).or_raise()
                 })
             })
         })?;

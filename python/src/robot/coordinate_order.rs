@@ -135,8 +135,8 @@ fn file_name(name: &str) -> &str {
 /// True if a joint is the last of the chain that represents a planar joint.
 fn is_yaw_of_planar(model: &Model, id: JointId) -> bool {
     let joints = model.joints();
-    let own = &joints[id.index()];
-    let name = own.name.strip_suffix("/yaw");
-    let slide = own.parent.map(|parent| &joints[parent.index()].name);
+    let joint = &joints[id.index()];
+    let name = joint.name.strip_suffix("/yaw");
+    let slide = joint.parent.map(|parent| &joints[parent.index()].name);
     name.is_some_and(|name| slide.is_some_and(|slide| slide.strip_suffix("/y") == Some(name)))
 }

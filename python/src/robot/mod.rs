@@ -23,7 +23,7 @@ use source::{
 };
 
 use crate::arrays;
-use crate::collision::{CollisionModel, Taking};
+use crate::collision::{CollisionModel, CollisionOptions};
 use crate::configuration::of_one;
 use crate::error::{OrRaise, invalid};
 use crate::kinematics::jacobians;
@@ -66,14 +66,14 @@ impl Robot {
         if let Some(known) = self.checker.get() {
             return Ok(known.clone());
         }
-        let made = Checker::of(&self.inner).or_raise()?;
-        Ok(self.checker.get_or_init(|| made).clone())
+        let checker = Checker::of(&self.inner).or_raise()?;
+        Ok(self.checker.get_or_init(|| checker).clone())
     }
 
     /// Returns the collision shapes of its feet, computed once.
     pub(crate) fn foot_shapes(&self) -> FootShapes {
-        let found = || FootShapes::of_files(&self.inner);
-        self.foot_shapes.get_or_init(found).clone()
+        let read_shapes = || FootShapes::of_files(&self.inner);
+        self.foot_shapes.get_or_init(read_shapes).clone()
     }
 
     fn pinocchio_order(&self) -> PyResult<CoordinateOrder> {
@@ -83,10 +83,10 @@ impl Robot {
             ));
         }
         // Added limits make a continuous joint a revolute one here, but not in Pinocchio.
-        let stated = self.source.stated()?;
+        let file_model = self.source.file_model()?;
         let kind = |joint: &str| {
-            let id = stated.joint(joint).ok()?;
-            Some(stated.joints()[id.index()].kind)
+            let id = file_model.joint(joint).ok()?;
+            Some(file_model.joints()[id.index()].kind)
         };
         Ok(CoordinateOrder::of_pinocchio(&self.model, |joint| {
             kind(joint) == Some(JointKind::Continuous)
@@ -420,8 +420,8 @@ impl Robot {
         places: Option<[Bound<'_, PyAny>; 2]>,
     ) -> PyResult<Self> {
         let mut source = self.source.clone();
-        let own = NamedLoop::new(name, frames, kind, places)?;
-        source.loops.added.push(own);
+        let named_loop = NamedLoop::new(name, frames, kind, places)?;
+        source.loops.added.push(named_loop);
         Self::build(source)
     }
 
@@ -717,12 +717,12 @@ impl Robot {
         leave_out_missing: bool,
         srdf: Option<&Srdf>,
     ) -> PyResult<CollisionModel> {
-        let taking = Taking {
+        let options = CollisionOptions {
             packages,
             meshes: meshes.to_owned(),
             leave_out_missing,
         };
-        let model = py.detach(|| CollisionModel::of(&self.inner, &taking))?;
+        let model = py.detach(|| CollisionModel::of(&self.inner, &options))?;
         match srdf {
             Some(srdf) => model.with_srdf(srdf),
             None => Ok(model),

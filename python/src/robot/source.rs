@@ -46,7 +46,7 @@ pub(super) struct Loops {
 #[derive(Clone, Default)]
 pub(super) struct Base {
     pub(super) joint: Option<String>,
-    pub(super) room: Vec<(String, (f64, f64))>,
+    pub(super) bounds: Vec<(String, (f64, f64))>,
 }
 
 /// Pickled form of soft limits, mimic limits, and texts of joint_limits.yaml with file names.
@@ -106,10 +106,10 @@ impl Source {
         if self.loops.without {
             robot = robot.without_loops();
         }
-        for own in &self.loops.added {
+        for named_loop in &self.loops.added {
             let model = robot.model();
-            let [first, second] = own.frames.each_ref().map(|name| model.frame(name));
-            let closed = own.of([first.or_raise()?, second.or_raise()?]);
+            let [first, second] = named_loop.frames.each_ref().map(|name| model.frame(name));
+            let closed = named_loop.of([first.or_raise()?, second.or_raise()?]);
             robot = robot.with_loop(closed).or_raise()?;
         }
         if let Some(names) = &self.loops.passive {
@@ -124,7 +124,7 @@ impl Source {
     }
 
     /// Model of the file without changes.
-    pub(super) fn stated(&self) -> PyResult<kinopt::Model> {
+    pub(super) fn file_model(&self) -> PyResult<kinopt::Model> {
         let reader = match self.lenient {
             true => Robot::reader().lenient(),
             false => Robot::reader(),
@@ -141,11 +141,15 @@ impl Source {
         });
         let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
             tools.collect::<PyResult<_>>()?;
-        let added = self.loops.added.iter().map(|own| own.pickled(py));
+        let added = self
+            .loops
+            .added
+            .iter()
+            .map(|named_loop| named_loop.pickled(py));
         let added: Vec<LoopParts<'py>> = added.collect::<PyResult<_>>()?;
-        let room = PyDict::new(py);
-        for (axis, range) in &self.base.room {
-            room.set_item(axis, *range)?;
+        let bounds = PyDict::new(py);
+        for (axis, range) in &self.base.bounds {
+            bounds.set_item(axis, *range)?;
         }
         let limits: Vec<_> = (self.joint_limits.iter())
             .map(|(text, file)| (text.to_string(), file.clone()))
@@ -155,7 +159,7 @@ impl Source {
             self.file.clone(),
             (self.lenient, self.confine),
             (self.soft_limits, self.mimic_limits, limits),
-            (self.base.joint.clone(), room),
+            (self.base.joint.clone(), bounds),
             tools,
             (self.loops.without, added, self.loops.passive.clone()),
         ))
@@ -167,7 +171,7 @@ impl Source {
         file: String,
         (lenient, confine): (bool, bool),
         (soft_limits, mimic_limits, limits): PickledLimits,
-        (joint, room): PickledBase<'_>,
+        (joint, bounds): PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
         (without, added, passive): PickledLoops<'_>,
     ) -> PyResult<Self> {
@@ -187,7 +191,7 @@ impl Source {
             joint_limits: (limits.into_iter())
                 .map(|(text, file)| (text.into(), file))
                 .collect(),
-            base: Base::new(joint, room)?,
+            base: Base::new(joint, bounds)?,
             tools: tools.collect::<PyResult<_>>()?,
             loops: Loops {
                 without,
@@ -201,12 +205,12 @@ impl Source {
 impl Base {
     pub(super) fn new(
         joint: Option<Bound<'_, PyAny>>,
-        room: Option<Bound<'_, PyDict>>,
+        bounds: Option<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
         let joint = joint.transpose()?;
-        let room = room.map_or_else(Vec::new, |room| room.iter().collect());
-        let ranges = room.into_iter().map(|(axis, range)| {
+        let bounds = bounds.map_or_else(Vec::new, |bounds| bounds.iter().collect());
+        let ranges = bounds.into_iter().map(|(axis, range)| {
             let range = range.extract::<(f64, f64)>();
             let axis = arrays::name(&axis, "an axis of base_bounds")?;
             let (lower, upper) = range
@@ -220,13 +224,13 @@ impl Base {
         });
         Ok(Self {
             joint,
-            room: ranges.collect::<PyResult<_>>()?,
+            bounds: ranges.collect::<PyResult<_>>()?,
         })
     }
 
     fn joint(&self) -> PyResult<BaseJoint> {
         let kind = self.joint.as_deref().unwrap_or("fixed");
-        let ranges = self.room.iter();
+        let ranges = self.bounds.iter();
         let ranges = ranges.map(|(axis, (lower, upper))| (axis, Limits::new(*lower, *upper)));
         BaseJoint::named(kind, ranges).or_raise()
     }

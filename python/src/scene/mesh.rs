@@ -97,8 +97,8 @@ impl SceneMesh {
     #[getter]
     fn tangents<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         let tangents = &self.inner.tangents;
-        let there = (!tangents.is_empty()).then(|| to_array(py, tangents, 4));
-        there.transpose()
+        let array = (!tangents.is_empty()).then(|| to_array(py, tangents, 4));
+        array.transpose()
     }
 
     /// Morph targets; often empty.

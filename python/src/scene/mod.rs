@@ -185,8 +185,8 @@ impl Scene {
     /// Meshes, with their bones.
     #[getter]
     fn meshes(&self) -> Vec<SceneMesh> {
-        let of = |mesh: &gltf::SceneMesh| SceneMesh::of(&self.armature, mesh.clone());
-        self.inner.meshes.iter().map(of).collect()
+        let scene_mesh = |mesh: &gltf::SceneMesh| SceneMesh::of(&self.armature, mesh.clone());
+        self.inner.meshes.iter().map(scene_mesh).collect()
     }
 
     /// Animation clips.

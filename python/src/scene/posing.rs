@@ -29,9 +29,9 @@ pub(crate) struct ScenePosing {
 impl ScenePosing {
     pub(super) fn make(scene: &Bound<'_, Scene>, method: SkinningMethod) -> PyResult<Self> {
         let owned = Arc::clone(&scene.get().inner);
-        let made = scene.py().detach(|| gltf::ScenePosing::new(owned, method));
+        let posing = scene.py().detach(|| gltf::ScenePosing::new(owned, method));
         Ok(Self {
-            posings: Pool::new(made.or_raise()?),
+            posings: Pool::new(posing.or_raise()?),
             scene: scene.clone().unbind(),
             method,
         })
@@ -48,13 +48,13 @@ impl ScenePosing {
         let meshes = self.scene.get().inner.meshes.iter();
         let vertices: usize = meshes.map(|mesh| part.count(&mesh.mesh)).sum();
         let shape: Vec<usize> = count.into_iter().chain([vertices, 3]).collect();
-        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let array = arrays::output_array::<f32>(py, out, &shape)?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |room| {
+            arrays::fill(&array, |buffer| {
                 for (i, pose) in poses.iter().enumerate() {
                     py.check_signals()?;
-                    let room = &mut room[i * vertices * 3..(i + 1) * vertices * 3];
-                    py.detach(|| posing.deform(pose, part.of(room)))
+                    let buffer = &mut buffer[i * vertices * 3..(i + 1) * vertices * 3];
+                    py.detach(|| posing.deform(pose, part.of(buffer)))
                         .or_raise()?;
                 }
                 Ok(())

@@ -16,7 +16,7 @@ use pyo3::types::{PyDict, PyType};
 
 use super::{POSES_AT_A_TIME, Skeleton, write_all};
 use crate::animation::{Armature, Pose};
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::model::Model;
 use crate::pickling;
@@ -95,8 +95,8 @@ impl Root {
             let known = AXES.iter().position(|known| known == axis);
             let known = known.filter(|_| is_free);
             let valid = if is_free { &AXES[..] } else { &[] };
-            let at = known.ok_or_else(|| unknown("axis of this root", axis, valid));
-            bounds[at.or_raise()?] = Limits::new(*lower, *upper);
+            let index = known.ok_or_else(|| unknown("axis of this root", axis, valid));
+            bounds[index.or_raise()?] = Limits::new(*lower, *upper);
         }
         Ok(match is_free {
             true => SkeletonRoot::Free { bounds },
@@ -131,13 +131,13 @@ impl BallSkeleton {
         out: Option<&Bound<'py, PyAny>>,
         write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let q = Questions::rows(q, "q", self.model.configuration_len())?;
+        let q = Queries::rows(q, "q", self.model.configuration_len())?;
         let bones = self.armature.bones();
-        let array = arrays::room_of::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        let array = arrays::output_array::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |room| {
-                q.each(py, room, POSES_AT_A_TIME, |q, room| {
-                    write(posing.pose(q).or_raise()?, room);
+            arrays::fill(&array, |buffer| {
+                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
+                    write(posing.pose(q).or_raise()?, buffer);
                     Ok(())
                 })
             })
@@ -194,7 +194,7 @@ impl BallSkeleton {
         let (cones, root) = (cones_of(cones)?, Root::new(root, bounds)?);
         let is_capture = path
             .extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case("bvh"));
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("bvh"));
         let py = class.py();
         let (armature, turning) = match is_capture {
             true => {
@@ -277,8 +277,8 @@ impl BallSkeleton {
         q: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.each_pose(py, q, out, |pose, room| {
-            write_all(pose.model_from_bone.iter().copied(), room);
+        self.each_pose(py, q, out, |pose, buffer| {
+            write_all(pose.model_from_bone.iter().copied(), buffer);
         })
     }
 
@@ -292,8 +292,8 @@ impl BallSkeleton {
         q: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.each_pose(py, q, out, |pose, room| {
-            write_all(pose.skinning_transforms(self.inner.skeleton()), room);
+        self.each_pose(py, q, out, |pose, buffer| {
+            write_all(pose.skinning_transforms(self.inner.skeleton()), buffer);
         })
     }
 
@@ -336,23 +336,23 @@ impl BallSkeleton {
         }
         let cones = PyDict::new(py);
         for (bone, cone) in &self.cones {
-            let own = PyDict::new(py);
+            let entry = PyDict::new(py);
             let BoneCone { axis, limits } = cone;
-            own.set_item("twist", (limits.twist.lower, limits.twist.upper))?;
+            entry.set_item("twist", (limits.twist.lower, limits.twist.upper))?;
             match limits.about {
                 Some(about) => {
-                    own.set_item("swing", limits.swing)?;
-                    own.set_item("about", about.to_array())?;
+                    entry.set_item("swing", limits.swing)?;
+                    entry.set_item("about", about.to_array())?;
                 }
-                None => own.set_item("swing", limits.swing[0])?,
+                None => entry.set_item("swing", limits.swing[0])?,
             }
             if let Some(angle) = limits.angle {
-                own.set_item("angle", angle)?;
+                entry.set_item("angle", angle)?;
             }
             if let Some(axis) = axis {
-                own.set_item("axis", axis.to_array())?;
+                entry.set_item("axis", axis.to_array())?;
             }
-            cones.set_item(bone, own)?;
+            cones.set_item(bone, entry)?;
         }
         let kind = &self.root.kind;
         let parts = (self.skeleton(), cones, kind, bounds, self.armature());
@@ -382,40 +382,40 @@ impl BallSkeleton {
 }
 
 /// Reads cones of a side file, or of a dict in radians.
-fn cones_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
-    let Some(given) = given else {
+fn cones_of(source: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
+    let Some(source) = source else {
         return Ok(Cones::new());
     };
-    let Ok(dict) = given.cast::<PyDict>() else {
-        let path = given.extract::<PathBuf>();
+    let Ok(dict) = source.cast::<PyDict>() else {
+        let path = source.extract::<PathBuf>();
         let path = path.map_err(|_| invalid("cones must be a path, or a dict by bone"))?;
         return cones::read(path).or_raise();
     };
-    let cone = |(bone, said): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+    let cone = |(bone, fields): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let bone = arrays::name(&bone, "a bone of cones")?;
-        let cone = cone_of(&bone, &said)?;
+        let cone = cone_of(&bone, &fields)?;
         Ok((bone, cone))
     };
     dict.iter().map(cone).collect()
 }
 
-fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
+fn cone_of(bone: &str, fields: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
     const KEYS: [&str; 5] = ["swing", "twist", "angle", "axis", "about"];
-    let said = said.cast::<PyDict>();
-    let said = said.map_err(|_| invalid(format!("the cone of {bone} must be a dict")))?;
-    for (key, _) in said.iter() {
+    let fields = fields.cast::<PyDict>();
+    let fields = fields.map_err(|_| invalid(format!("the cone of {bone} must be a dict")))?;
+    for (key, _) in fields.iter() {
         let key = arrays::name(&key, &format!("a key of the cone of {bone}"))?;
         if !KEYS.contains(&key.as_str()) {
             return Err(UnknownName::new("key of a cone", &key, KEYS)).or_raise();
         }
     }
     let vector = |key: &str| -> PyResult<Option<Vector3<f64>>> {
-        let own = said.get_item(key)?.filter(|value| !value.is_none());
-        let own = own.map(|value| arrays::array::<3>(&value, &format!("{key} of {bone}")));
-        Ok(own.transpose()?.map(Vector3::from))
+        let entry = fields.get_item(key)?.filter(|value| !value.is_none());
+        let entry = entry.map(|value| arrays::array::<3>(&value, &format!("{key} of {bone}")));
+        Ok(entry.transpose()?.map(Vector3::from))
     };
     let (axis, about) = (vector("axis")?, vector("about")?);
-    let swing = match said.get_item("swing")? {
+    let swing = match fields.get_item("swing")? {
         None => [std::f64::consts::PI; 2],
         Some(swing) => match (swing.extract::<f64>(), about) {
             (Ok(round), None) => [round; 2],
@@ -430,7 +430,7 @@ fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
             }
         },
     };
-    let twist = match said.get_item("twist")? {
+    let twist = match fields.get_item("twist")? {
         None => Limits::UNBOUNDED,
         Some(twist) => {
             let ends = twist.extract::<(f64, f64)>();
@@ -443,7 +443,7 @@ fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
         Some(about) => BallLimits::elliptic(about, swing, twist),
         None => BallLimits::cone(swing[0], twist),
     };
-    let angle = said.get_item("angle")?.filter(|value| !value.is_none());
+    let angle = fields.get_item("angle")?.filter(|value| !value.is_none());
     if let Some(angle) = angle {
         let angle = arrays::number(&angle, &format!("angle of {bone}"))?;
         // Range of the side file.

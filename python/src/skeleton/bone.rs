@@ -222,13 +222,14 @@ pub(super) fn skeleton(name: &str, bones: &[Bone]) -> PyResult<Skeleton> {
     let mut builder = kinopt::Skeleton::builder(name);
     let mut ids = Vec::with_capacity(bones.len());
     for (index, bone) in bones.iter().enumerate() {
-        let before = &bones[..index];
+        let earlier = &bones[..index];
         let parent = match &bone.parent {
             Some(parent) => {
-                let found = before.iter().position(|other| other.name == *parent);
-                let names = before.iter().map(|other| other.name.as_str());
-                let found = found.ok_or_else(|| UnknownName::new("bone", parent, names));
-                Some(ids[found.or_raise()?])
+                let parent_index = earlier.iter().position(|other| other.name == *parent);
+                let names = earlier.iter().map(|other| other.name.as_str());
+                let parent_index =
+                    parent_index.ok_or_else(|| UnknownName::new("bone", parent, names));
+                Some(ids[parent_index.or_raise()?])
             }
             None => None,
         };

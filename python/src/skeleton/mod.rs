@@ -14,7 +14,7 @@ use pyo3::types::PyType;
 
 pub(crate) use self::balls::BallSkeleton;
 pub(crate) use self::bone::{Bone, SkeletonBuilder};
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::OrRaise;
 use crate::model::Model;
 use crate::pickling;
@@ -65,8 +65,8 @@ impl Skeleton {
     /// Bones without children.
     fn last(&self) -> impl Iterator<Item = kinopt::skeleton::BoneId> + '_ {
         let bones = self.inner.bones();
-        let stands = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
-        self.inner.bone_ids().filter(move |id| !stands(id))
+        let has_child = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
+        self.inner.bone_ids().filter(move |id| !has_child(id))
     }
 
     /// Calls `write` with each pose and its part of the output, without the GIL.
@@ -77,13 +77,13 @@ impl Skeleton {
         out: Option<&Bound<'py, PyAny>>,
         write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let q = Questions::rows(q, "q", self.inner.angles())?;
+        let q = Queries::rows(q, "q", self.inner.angles())?;
         let bones = self.inner.bones().len();
-        let array = arrays::room_of::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        let array = arrays::output_array::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |room| {
-                q.each(py, room, POSES_AT_A_TIME, |q, room| {
-                    write(posing.pose(q).or_raise()?, room);
+            arrays::fill(&array, |buffer| {
+                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
+                    write(posing.pose(q).or_raise()?, buffer);
                     Ok(())
                 })
             })
@@ -264,8 +264,8 @@ impl Skeleton {
         q: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.each_pose(py, q, out, |pose, room| {
-            write_all(pose.model_from_bone.iter().copied(), room);
+        self.each_pose(py, q, out, |pose, buffer| {
+            write_all(pose.model_from_bone.iter().copied(), buffer);
         })
     }
 
@@ -280,8 +280,8 @@ impl Skeleton {
         q: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.each_pose(py, q, out, |pose, room| {
-            write_all(pose.skinning_transforms(&self.inner), room);
+        self.each_pose(py, q, out, |pose, buffer| {
+            write_all(pose.skinning_transforms(&self.inner), buffer);
         })
     }
 
@@ -335,8 +335,8 @@ impl Skeleton {
 }
 
 /// Writes placements as sixteen numbers each.
-fn write_all(placements: impl Iterator<Item = Placement<f64>>, room: &mut [f64]) {
-    for (placement, room) in placements.zip(room.chunks_exact_mut(16)) {
-        room.copy_from_slice(&placement::to_numbers(&placement));
+fn write_all(placements: impl Iterator<Item = Placement<f64>>, buffer: &mut [f64]) {
+    for (placement, buffer) in placements.zip(buffer.chunks_exact_mut(16)) {
+        buffer.copy_from_slice(&placement::to_numbers(&placement));
     }
 }

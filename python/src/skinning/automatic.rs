@@ -53,7 +53,7 @@ fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
 }
 
 /// Computes weights without the GIL.
-fn made(
+fn compute_weights(
     py: Python<'_>,
     make: impl FnOnce() -> Result<kinopt::skinning::SkinWeights, AutomaticWeightsError> + Send,
 ) -> PyResult<SkinWeights> {
@@ -86,7 +86,7 @@ impl AutomaticWeights {
         skeleton: &Bound<'_, Skeleton>,
     ) -> PyResult<SkinWeights> {
         let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
-        made(py, || self.inner.for_skeleton(mesh, skeleton))
+        compute_weights(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
     /// Computes weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
@@ -99,7 +99,7 @@ impl AutomaticWeights {
         segments: &Bound<'_, PyAny>,
     ) -> PyResult<SkinWeights> {
         let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
-        made(py, || self.inner.for_segments(mesh, &segments))
+        compute_weights(py, || self.inner.for_segments(mesh, &segments))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -147,7 +147,7 @@ impl HeatWeights {
         skeleton: &Bound<'_, Skeleton>,
     ) -> PyResult<SkinWeights> {
         let (mesh, skeleton) = (&mesh.get().inner, &skeleton.get().inner);
-        made(py, || self.inner.for_skeleton(mesh, skeleton))
+        compute_weights(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
     /// Computes weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
@@ -161,7 +161,7 @@ impl HeatWeights {
         segments: &Bound<'_, PyAny>,
     ) -> PyResult<SkinWeights> {
         let (mesh, segments) = (&mesh.get().inner, self::segments(segments)?);
-        made(py, || self.inner.for_segments(mesh, &segments))
+        compute_weights(py, || self.inner.for_segments(mesh, &segments))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

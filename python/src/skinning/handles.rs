@@ -155,7 +155,7 @@ impl CageBinding {
         py: Python<'py>,
         point: isize,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let point = arrays::place(point, self.inner.point_count())?;
+        let point = arrays::resolve_index(point, self.inner.point_count())?;
         let row = self.inner.coordinates(point).unwrap_or_default();
         shaped(py, row.to_vec(), &[row.len()])
     }
@@ -173,9 +173,10 @@ impl CageBinding {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let corners = vectors(cage, "cage")?;
         let corners: &[Vec3] = &corners;
-        let array = arrays::room_of::<f32>(py, out, &[self.inner.point_count(), 3])?;
-        vertices::fill(&array, |room| {
-            py.detach(|| self.inner.positions(corners, room)).or_raise()
+        let array = arrays::output_array::<f32>(py, out, &[self.inner.point_count(), 3])?;
+        vertices::fill(&array, |buffer| {
+            py.detach(|| self.inner.positions(corners, buffer))
+                .or_raise()
         })?;
         Ok(array)
     }

@@ -37,14 +37,14 @@ pub(crate) struct MeshWeights {
 impl MeshWeights {
     /// Reads the transforms of poses, with the number of poses; `None` for a single one.
     fn poses(&self, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Affine3A>, Option<usize>)> {
-        let (transforms, before) = transforms::read(value, "transforms")?;
+        let (transforms, leading) = transforms::read(value, "transforms")?;
         let bones = self.weights.bone_count();
-        match before.as_slice() {
-            [own] if *own == bones => Ok((transforms, None)),
-            [count, own] if *own == bones => Ok((transforms, Some(*count))),
+        match leading.as_slice() {
+            [last] if *last == bones => Ok((transforms, None)),
+            [count, last] if *last == bones => Ok((transforms, Some(*count))),
             _ => Err(invalid(format!(
                 "transforms are of {} before (4, 4), expected ({bones},) or (N, {bones})",
-                arrays::shape_text(&before)
+                arrays::shape_text(&leading)
             ))),
         }
     }
@@ -61,14 +61,14 @@ impl MeshWeights {
         let (transforms, count) = self.poses(transforms)?;
         let vertices = self.weights.vertex_count();
         let shape: Vec<usize> = count.into_iter().chain([vertices, columns]).collect();
-        let array = arrays::room_of::<f32>(py, out, &shape)?;
+        let array = arrays::output_array::<f32>(py, out, &shape)?;
         let (bones, width) = (self.weights.bone_count(), vertices * columns);
-        arrays::fill(&array, |room| {
+        arrays::fill(&array, |buffer| {
             for i in 0..count.unwrap_or(1) {
                 py.check_signals()?;
                 let transforms = &transforms[i * bones..(i + 1) * bones];
-                let room = &mut room[i * width..(i + 1) * width];
-                py.detach(|| deform(transforms, room)).or_raise()?;
+                let buffer = &mut buffer[i * width..(i + 1) * width];
+                py.detach(|| deform(transforms, buffer)).or_raise()?;
             }
             Ok(())
         })?;
@@ -87,8 +87,8 @@ impl MeshWeights {
         let method: SkinningMethod = super::method(method)?;
         let rest = vectors(rest, "rest")?;
         let at_rest: &[Vec3] = &rest;
-        self.each_pose(py, transforms, out, 3, |transforms, room| {
-            let (rest, posed) = vertices(at_rest, bytemuck::cast_slice_mut(room));
+        self.each_pose(py, transforms, out, 3, |transforms, buffer| {
+            let (rest, posed) = vertices(at_rest, bytemuck::cast_slice_mut(buffer));
             self.inner.deform(method, transforms, rest, posed)
         })
     }
@@ -214,7 +214,7 @@ impl MeshWeights {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let method: SkinningMethod = super::method(method)?;
         let at_rest = tangents(rest, "rest")?;
-        self.each_pose(py, transforms, out, 4, |transforms, room| {
+        self.each_pose(py, transforms, out, 4, |transforms, buffer| {
             let mut posed = vec![Vec4::ZERO; at_rest.len()];
             let rest = RestVertices {
                 tangents: &at_rest,
@@ -225,8 +225,8 @@ impl MeshWeights {
                 ..PosedVertices::default()
             };
             self.inner.deform(method, transforms, rest, buffers)?;
-            for (tangent, room) in posed.iter().zip(room.chunks_exact_mut(4)) {
-                room.copy_from_slice(&tangent.to_array());
+            for (tangent, buffer) in posed.iter().zip(buffer.chunks_exact_mut(4)) {
+                buffer.copy_from_slice(&tangent.to_array());
             }
             Ok(())
         })

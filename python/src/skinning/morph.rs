@@ -99,13 +99,13 @@ impl MorphTarget {
     /// Changes of their normals, shape (N, 3); None if it does not change normals.
     #[getter]
     fn normal_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
-        some(py, self.inner.normal_deltas())
+        optional_array(py, self.inner.normal_deltas())
     }
 
     /// Changes of their tangents, shape (N, 3); None if it does not change tangents.
     #[getter]
     fn tangent_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
-        some(py, self.inner.tangent_deltas())
+        optional_array(py, self.inner.tangent_deltas())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -128,9 +128,12 @@ impl MorphTarget {
     }
 }
 
-fn some<'py>(py: Python<'py>, deltas: &[Vec3]) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
-    let there = (!deltas.is_empty()).then(|| to_array(py, deltas, 3));
-    there.transpose()
+fn optional_array<'py>(
+    py: Python<'py>,
+    deltas: &[Vec3],
+) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+    let array = (!deltas.is_empty()).then(|| to_array(py, deltas, 3));
+    array.transpose()
 }
 
 /// Immutable list of the morph targets of one mesh.
@@ -202,12 +205,15 @@ impl MorphTargets {
         let weights = numbers(weights, "weights", None)?;
         let vertices = self.inner.vertex_count();
         // A missing buffer has no vertices.
-        let room = |buffer: Option<&Bound<'_, PyAny>>, columns: usize| {
+        let output = |buffer: Option<&Bound<'_, PyAny>>, columns: usize| {
             let rows = if buffer.is_some() { vertices } else { 0 };
-            arrays::room_of::<f32>(py, buffer, &[rows, columns]).map(Bound::unbind)
+            arrays::output_array::<f32>(py, buffer, &[rows, columns]).map(Bound::unbind)
         };
-        let (positions, normals, signed) =
-            (room(positions, 3)?, room(normals, 3)?, room(tangents, 4)?);
+        let (positions, normals, signed) = (
+            output(positions, 3)?,
+            output(normals, 3)?,
+            output(tangents, 4)?,
+        );
         vertices::fill(positions.bind(py), |positions| {
             vertices::fill(normals.bind(py), |normals| {
                 arrays::fill(signed.bind(py), |signed| {
@@ -218,8 +224,8 @@ impl MorphTargets {
                             .apply(&weights, positions, normals, &mut tangents)
                     };
                     py.detach(apply).or_raise()?;
-                    for (tangent, room) in tangents.iter().zip(signed.chunks_exact_mut(4)) {
-                        room.copy_from_slice(&tangent.to_array());
+                    for (tangent, components) in tangents.iter().zip(signed.chunks_exact_mut(4)) {
+                        components.copy_from_slice(&tangent.to_array());
                     }
                     Ok(())
                 })
@@ -290,9 +296,9 @@ impl BlendShapes {
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let weights = numbers(weights, "weights", None)?;
-        let array = arrays::room_of::<f32>(py, out, &[self.inner.vertex_count(), 3])?;
-        vertices::fill(&array, |room| {
-            py.detach(|| self.inner.blend(&weights, room)).or_raise()
+        let array = arrays::output_array::<f32>(py, out, &[self.inner.vertex_count(), 3])?;
+        vertices::fill(&array, |buffer| {
+            py.detach(|| self.inner.blend(&weights, buffer)).or_raise()
         })?;
         Ok(array)
     }

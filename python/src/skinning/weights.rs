@@ -46,7 +46,7 @@ impl SkinWeights {
 }
 
 /// Limit on the number of bones, far above real skeletons: it bounds the memory for invalid input.
-const BONES: usize = 1 << 20;
+const MAX_BONES: usize = 1 << 20;
 
 /// Reads vertices, bones and weights from three arrays.
 fn collected(
@@ -59,7 +59,7 @@ fn collected(
     let vertices: Numbers<'_, Ix1, i64> = whole(vertices, "vertices", expected)?;
     let bones: Numbers<'_, Ix1, i64> = whole(bones, "bones", expected)?;
     let weights = arrays::vector_of(weights, "weights", vertices.len())?;
-    if bone_count > BONES {
+    if bone_count > MAX_BONES {
         return Err(too_many(bone_count));
     }
     if bones.len() != vertices.len() {
@@ -81,7 +81,7 @@ fn collected(
 }
 
 fn too_many(bones: usize) -> PyErr {
-    invalid(format!("{bones} bones, where there may be {BONES}"))
+    invalid(format!("{bones} bones, where there may be {MAX_BONES}"))
 }
 
 #[pymethods]
@@ -130,7 +130,7 @@ impl SkinWeights {
     #[classmethod]
     fn from_table(_class: &Bound<'_, PyType>, table: &Bound<'_, PyAny>) -> PyResult<Self> {
         let table: Numbers<'_, Ix2> = arrays::numbers(table, "table", "(V, bones)")?;
-        if table.shape()[1] > BONES {
+        if table.shape()[1] > MAX_BONES {
             return Err(too_many(table.shape()[1]));
         }
         let mut builder = Weights::builder(table.shape()[0], table.shape()[1]);

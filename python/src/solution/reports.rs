@@ -105,10 +105,10 @@ impl Collision {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let own = &slf.get().0;
-        let names = (own.first.clone(), own.second.clone());
-        let links = [own.first_kind, own.second_kind].map(|kind| kind == BodyKind::Link);
-        pickling::by_rebuild::<Self>(slf.py(), (names, links, own.distance, own.on_the_way))
+        let pair = &slf.get().0;
+        let names = (pair.first.clone(), pair.second.clone());
+        let links = [pair.first_kind, pair.second_kind].map(|kind| kind == BodyKind::Link);
+        pickling::by_rebuild::<Self>(slf.py(), (names, links, pair.distance, pair.on_the_way))
     }
 
     #[staticmethod]

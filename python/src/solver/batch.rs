@@ -18,13 +18,13 @@ use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::problem::{Move, Problem, Stated, raised};
+use crate::problem::{CompiledProblem, Move, Problem, raised};
 use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
 
 /// Time between two checks for signals and progress reports of a batch on several threads.
-const LOOK: Duration = Duration::from_millis(20);
+const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Solutions of a batch, in the order of its queries: arrays over all of them, and `solutions[i]`.
 ///
@@ -133,16 +133,16 @@ impl Solutions {
 
     fn __getitem__<'py>(&self, index: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = index.py();
-        let places = match arrays::pick(index, self.inner.len())? {
+        let indices = match arrays::pick(index, self.inner.len())? {
             Picked::One(i) => {
                 let solution = Solution::from(self.inner[i].clone());
                 return Ok(Bound::new(py, solution)?.into_any());
             }
-            Picked::Some(places) => places,
+            Picked::Some(indices) => indices,
         };
-        let some = places.into_iter().map(|i| self.inner[i].clone());
-        let some = Self::new(some.collect(), self.dof);
-        Ok(Bound::new(py, some)?.into_any())
+        let picked = indices.into_iter().map(|i| self.inner[i].clone());
+        let picked = Self::new(picked.collect(), self.dof);
+        Ok(Bound::new(py, picked)?.into_any())
     }
 
     #[classmethod]
@@ -160,7 +160,7 @@ impl Solutions {
 }
 
 /// Queries read from Python.
-struct Questions {
+struct Queries {
     starts: Vec<f64>,
     /// True for one start for each query; false for a common start.
     many_starts: bool,
@@ -178,9 +178,9 @@ type BatchArrays<'a, 'py> = (
     Option<&'a Bound<'py, PyAny>>,
 );
 
-impl Questions {
+impl Queries {
     fn read(
-        (given, problem): (&Problem, &Stated),
+        (python_problem, problem): (&Problem, &CompiledProblem),
         (starts, targets, max_move): BatchArrays<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
@@ -213,7 +213,7 @@ impl Questions {
         }
         let count = count.map_or(1, |(_, count)| count);
         moves.resize_with(count, Vec::new);
-        let mut questions = Self {
+        let mut queries = Self {
             starts,
             many_starts,
             dof,
@@ -221,11 +221,11 @@ impl Questions {
             limits: None,
             count,
         };
-        if let Some(most) = max_move.filter(|_| count > 0) {
-            let limits = move_limits((given, problem), most, questions.start(0))?;
-            questions.limits = Some(limits);
+        if let Some(max_move) = max_move.filter(|_| count > 0) {
+            let limits = move_limits((python_problem, problem), max_move, queries.start(0))?;
+            queries.limits = Some(limits);
         }
-        Ok(questions)
+        Ok(queries)
     }
 
     fn start(&self, index: usize) -> &[f64] {
@@ -240,18 +240,18 @@ impl Questions {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Engine, &Stated),
+        (engine, problem): (&Engine, &CompiledProblem),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
         let targets = problem.targets_with(&self.moves[index])?;
-        let (mut question, start) = (problem.question(&targets)?, self.start(index));
+        let (mut instance, start) = (problem.instance(&targets)?, self.start(index));
         let mut limits = self.limits.clone();
         if let Some(limits) = &mut limits {
             limits.start_at(&problem.inner, start).or_raise()?;
-            question = question.with_moves(limits).or_raise()?;
+            instance = instance.with_moves(limits).or_raise()?;
         }
-        let solution = engine.solve(question, start, workspace, watch);
+        let solution = engine.solve(instance, start, workspace, watch);
         raised().and(solution)
     }
 }
@@ -259,42 +259,42 @@ impl Questions {
 pub(super) fn solve(
     engine: &Engine,
     problem: &Bound<'_, Problem>,
-    asked: BatchArrays<'_, '_>,
+    arguments: BatchArrays<'_, '_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Solutions> {
     let py = problem.py();
-    let given = problem.get();
-    let problem = &*given.stated()?;
-    let questions = Questions::read((given, problem), asked)?;
-    let threads = threads::count(threads, questions.count)?;
-    let progress = Progress::new(py, progress, questions.count)?;
-    let asked = (engine, problem);
+    let python_problem = problem.get();
+    let problem = &*python_problem.compiled()?;
+    let queries = Queries::read((python_problem, problem), arguments)?;
+    let threads = threads::count(threads, queries.count)?;
+    let progress = Progress::new(py, progress, queries.count)?;
+    let engine_and_problem = (engine, problem);
     let inner = py.detach(|| match threads {
-        0 | 1 => one_by_one(&questions, asked, &progress),
-        threads => on_threads(&questions, asked, threads, &progress),
+        0 | 1 => one_by_one(&queries, engine_and_problem, &progress),
+        threads => on_threads(&queries, engine_and_problem, threads, &progress),
     })?;
-    let dof = questions.dof;
+    let dof = queries.dof;
     Ok(Solutions::new(inner, dof))
 }
 
 fn one_by_one(
-    questions: &Questions,
-    asked: (&Engine, &Stated),
+    queries: &Queries,
+    engine_and_problem: (&Engine, &CompiledProblem),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
-    let total = questions.count;
+    let total = queries.count;
     let mut solutions = Vec::with_capacity(total);
-    let mut told = std::time::Instant::now();
-    asked.1.workspaces.with(|workspace| {
+    let mut reported_at = std::time::Instant::now();
+    engine_and_problem.1.workspaces.with(|workspace| {
         let mut watch = Watch::new(None);
         for index in 0..total {
-            solutions.push(questions.solve(index, asked, workspace, &mut watch)?);
+            solutions.push(queries.solve(index, engine_and_problem, workspace, &mut watch)?);
             watch.look_at_signals();
             raised()?;
-            if told.elapsed() >= LOOK {
+            if reported_at.elapsed() >= CHECK_INTERVAL {
                 progress.done(index + 1)?;
-                told = std::time::Instant::now();
+                reported_at = std::time::Instant::now();
             }
         }
         progress.done(total)
@@ -304,18 +304,18 @@ fn one_by_one(
 
 /// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
-    questions: &Questions,
-    asked: (&Engine, &Stated),
+    queries: &Queries,
+    engine_and_problem: (&Engine, &CompiledProblem),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
-    let total = questions.count;
+    let total = queries.count;
     let (next, done, stop) = (
         AtomicUsize::new(0),
         AtomicUsize::new(0),
         AtomicBool::new(false),
     );
-    let answers: Mutex<Vec<Option<kinopt::Solution>>> = Mutex::new(vec![None; total]);
+    let solutions: Mutex<Vec<Option<kinopt::Solution>>> = Mutex::new(vec![None; total]);
     let failure: Mutex<Option<(usize, PyErr)>> = Mutex::new(None);
     let fail = |index: usize, error: PyErr| {
         stop.store(true, Ordering::Relaxed);
@@ -326,17 +326,18 @@ fn on_threads(
         }
     };
     let work = || {
-        asked.1.workspaces.with(|workspace| {
+        engine_and_problem.1.workspaces.with(|workspace| {
             let mut watch = Watch::until(&stop);
             while !stop.load(Ordering::Relaxed) {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= total {
                     return;
                 }
-                match questions.solve(index, asked, workspace, &mut watch) {
+                match queries.solve(index, engine_and_problem, workspace, &mut watch) {
                     Ok(solution) => {
-                        let mut answers = answers.lock().unwrap_or_else(PoisonError::into_inner);
-                        answers[index] = Some(solution);
+                        let mut solutions =
+                            solutions.lock().unwrap_or_else(PoisonError::into_inner);
+                        solutions[index] = Some(solution);
                     }
                     Err(error) => fail(index, error),
                 }
@@ -347,10 +348,10 @@ fn on_threads(
     scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
         while !workers.iter().all(ScopedJoinHandle::is_finished) {
-            park_timeout(LOOK);
-            let looked = Python::attach(|py| py.check_signals());
-            let told = progress.done(done.load(Ordering::Relaxed));
-            if let Err(error) = looked.and(told) {
+            park_timeout(CHECK_INTERVAL);
+            let signals = Python::attach(|py| py.check_signals());
+            let report = progress.done(done.load(Ordering::Relaxed));
+            if let Err(error) = signals.and(report) {
                 fail(0, error);
             }
         }
@@ -359,6 +360,8 @@ fn on_threads(
         return Err(error);
     }
     progress.done(total)?;
-    let answers = answers.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(answers.into_iter().flatten().collect())
+    let solutions = solutions
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    Ok(solutions.into_iter().flatten().collect())
 }

@@ -10,12 +10,12 @@ use pyo3::prelude::*;
 use super::Solver;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::problem::{Aimed, Problem, Stated, raised};
+use crate::problem::{Aimed, CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
 
 /// Default iterations of a frame, as in the library.
-const STEPS: usize = 40;
+const FRAME_ITERATIONS: usize = 40;
 
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse.
 ///
@@ -40,7 +40,7 @@ const STEPS: usize = 40;
 pub(crate) struct Drag {
     problem: Py<Problem>,
     /// Tasks of the problem at the start of the drag.
-    stated: Arc<Stated>,
+    compiled: Arc<CompiledProblem>,
     /// Locked only without the GIL, because frames may call back into Python.
     inner: Mutex<kinopt::ik::Drag>,
 }
@@ -62,7 +62,7 @@ impl Drag {
         targets: Option<&Bound<'_, PyAny>>,
         on: impl FnOnce(&mut kinopt::ik::Drag) + Send,
     ) -> PyResult<Solution> {
-        let moves = self.stated.moves(targets)?;
+        let moves = self.compiled.moves(targets)?;
         let solution = py.detach(|| {
             let mut drag = self.lock();
             for (_, aim) in &moves {
@@ -94,16 +94,16 @@ impl Drag {
         jerk_limits: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
-        let stated = problem.get().stated()?;
-        let own = &stated.inner;
+        let compiled = problem.get().compiled()?;
+        let inner_problem = &compiled.inner;
         let new = py.detach(|| {
-            let drag = kinopt::ik::Drag::new(own.clone(), &start).or_raise();
+            let drag = kinopt::ik::Drag::new(inner_problem.clone(), &start).or_raise();
             raised().and(drag)
         });
         let mut drag = new?;
         if let Some(solver) = solver {
             let method = solver.get().optimiser("a drag")?;
-            let frame = Stopping::default().with_max_iterations(STEPS);
+            let frame = Stopping::default().with_max_iterations(FRAME_ITERATIONS);
             let frame = solver.get().limits.stopping(frame);
             drag = drag.with_solver(method.clone(), frame).or_raise()?;
         }
@@ -114,20 +114,20 @@ impl Drag {
             let restarts = Restarts::default().with_attempts(attempts);
             drag = drag.with_search(restarts.with_seed(seed)).or_raise()?;
         }
-        let given = [velocity_limits, acceleration_limits, jerk_limits];
+        let rate_limits = [velocity_limits, acceleration_limits, jerk_limits];
         match time_step {
             Some(time_step) => {
-                let limits = motion_limits(py, problem, own, given)?;
+                let limits = motion_limits(py, problem, inner_problem, rate_limits)?;
                 drag = drag.with_motion_limits(time_step, &limits).or_raise()?;
             }
-            None if given.iter().any(Option::is_some) => {
+            None if rate_limits.iter().any(Option::is_some) => {
                 return Err(invalid("limits of rates need a time_step"));
             }
             None => {}
         }
         Ok(Self {
             problem: problem.clone().unbind(),
-            stated,
+            compiled,
             inner: Mutex::new(drag),
         })
     }
@@ -143,7 +143,7 @@ impl Drag {
     /// Raises `UnknownNameError` for an unknown task, `InvalidValueError` for targets of another shape and for numbers
     /// that are not finite.
     fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
-        let moves = self.stated.moves(Some(targets))?;
+        let moves = self.compiled.moves(Some(targets))?;
         py.detach(|| {
             let mut drag = self.lock();
             let mut moves = moves.iter();
@@ -243,9 +243,9 @@ impl Drag {
     #[getter]
     fn jump(&self, py: Python<'_>) -> Option<DragJump> {
         self.look(py, |drag| {
-            drag.jump().map(|leap| DragJump {
-                joint: leap.joint.to_owned(),
-                distance: leap.distance,
+            drag.jump().map(|jump| DragJump {
+                joint: jump.joint.to_owned(),
+                distance: jump.distance,
             })
         })
     }
@@ -259,23 +259,23 @@ impl Drag {
 fn motion_limits(
     py: Python<'_>,
     problem: &Bound<'_, Problem>,
-    own: &kinopt::Problem,
-    given: [Option<&Bound<'_, PyAny>>; 3],
+    inner_problem: &kinopt::Problem,
+    rate_limits: [Option<&Bound<'_, PyAny>>; 3],
 ) -> PyResult<MotionLimits> {
     let model = problem.get().model(py);
     let mut limits = match model.bind(py).cast::<Robot>() {
         Ok(robot) => robot.get().inner.motion_limits(),
-        Err(_) => MotionLimits::unlimited(own.configuration_len()),
+        Err(_) => MotionLimits::unlimited(inner_problem.configuration_len()),
     };
     let names = ["velocity_limits", "acceleration_limits", "jerk_limits"];
-    let own = [
+    let limits_of_rates = [
         &mut limits.velocity,
         &mut limits.acceleration,
         &mut limits.jerk,
     ];
-    for ((own, given), name) in own.into_iter().zip(given).zip(names) {
-        if let Some(given) = given {
-            *own = arrays::vector(given, name)?.to_vec();
+    for ((limit, value), name) in limits_of_rates.into_iter().zip(rate_limits).zip(names) {
+        if let Some(value) = value {
+            *limit = arrays::vector(value, name)?.to_vec();
         }
     }
     Ok(limits)

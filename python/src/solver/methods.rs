@@ -222,17 +222,17 @@ impl Engine {
     /// Solves one query.
     pub(super) fn solve(
         &self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) -> PyResult<Solution> {
         match self {
             Self::Optimiser(solver) => solver
-                .solve_observed(question, start, workspace, observer)
+                .solve_observed(instance, start, workspace, observer)
                 .or_raise()
                 .cloned(),
-            Self::Geometric(method) => method.solve_question(question, start, observer).or_raise(),
+            Self::Geometric(method) => method.solve_question(instance, start, observer).or_raise(),
         }
     }
 }

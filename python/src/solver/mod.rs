@@ -97,7 +97,7 @@ impl Solver {
         let engine = Engine::of(method, &limits)?;
         let options = PyDict::new(py);
         options.set_item("method", method)?;
-        let given = [
+        let entries = [
             ("max_iterations", max_iterations.into_pyobject(py)?),
             ("gradient_tolerance", gradient_tolerance.into_pyobject(py)?),
             ("step_tolerance", step_tolerance.into_pyobject(py)?),
@@ -108,7 +108,7 @@ impl Solver {
             ("agreeing", agreeing.into_pyobject(py)?),
             ("restart_steps", restart_steps.into_pyobject(py)?),
         ];
-        for (name, value) in given {
+        for (name, value) in entries {
             if !value.is_none() {
                 options.set_item(name, value)?;
             }
@@ -154,21 +154,22 @@ impl Solver {
         max_move: Option<&Bound<'_, PyAny>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solution> {
-        let given = problem.get();
-        let problem = given.stated()?;
+        let python_problem = problem.get();
+        let problem = python_problem.compiled()?;
         let start = arrays::vector(start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
-        let mut question = problem.question(&targets)?;
-        let limits = max_move.map(|most| moves::move_limits((given, &problem), most, &start));
+        let mut instance = problem.instance(&targets)?;
+        let limits = max_move
+            .map(|max_move| moves::move_limits((python_problem, &problem), max_move, &start));
         let limits = limits.transpose()?;
         if let Some(limits) = &limits {
-            question = question.with_moves(limits).or_raise()?;
+            instance = instance.with_moves(limits).or_raise()?;
         }
         let solution = py.detach(|| {
             problem.workspaces.with(|workspace| {
                 let mut watch = Watch::new(observer.as_ref());
-                let solution = self.engine.solve(question, &start, workspace, &mut watch);
+                let solution = self.engine.solve(instance, &start, workspace, &mut watch);
                 raised().and(solution)
             })
         })?;
@@ -192,8 +193,8 @@ impl Solver {
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solutions> {
-        let asked = (starts, targets, max_move);
-        batch::solve(&self.engine, problem, asked, threads, progress)
+        let arguments = (starts, targets, max_move);
+        batch::solve(&self.engine, problem, arguments, threads, progress)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

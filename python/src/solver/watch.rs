@@ -12,7 +12,7 @@ use crate::arrays;
 use crate::problem::{is_raised, raise_later};
 
 /// Time between two checks for signals.
-const SIGNALS: Duration = Duration::from_millis(5);
+const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(5);
 
 /// State of a search for an observer, after every step and once before the first.
 #[pyclass(frozen, module = "kinopt")]
@@ -58,7 +58,7 @@ pub(super) struct Watch<'a> {
 impl<'a> Watch<'a> {
     /// Calls an observer, if there is one, and checks for signals.
     pub(super) fn new(observer: Option<&'a Py<PyAny>>) -> Self {
-        let next = Instant::now() + SIGNALS;
+        let next = Instant::now() + SIGNAL_CHECK_INTERVAL;
         let stop = None;
         Self {
             observer,
@@ -82,7 +82,7 @@ impl<'a> Watch<'a> {
             if let Err(error) = Python::attach(|py| py.check_signals()) {
                 raise_later(error);
             }
-            self.next = now + SIGNALS;
+            self.next = now + SIGNAL_CHECK_INTERVAL;
         }
     }
 }

@@ -364,11 +364,11 @@ impl World {
     /// Raises `UnknownNameError` for an unknown name, `InvalidValueError` for an attached obstacle, whose pose in the
     /// world is unknown.
     fn separation(&self, py: Python<'_>, first: &str, second: &str) -> PyResult<Separation> {
-        let (one, other) = (
+        let (first_obstacle, second_obstacle) = (
             self.obstacle(first).or_raise()?,
             self.obstacle(second).or_raise()?,
         );
-        for obstacle in [&one, &other] {
+        for obstacle in [&first_obstacle, &second_obstacle] {
             if let Some(frame) = &obstacle.attached {
                 let name = &obstacle.name;
                 return Err(invalid(format!(
@@ -376,10 +376,15 @@ impl World {
                 )));
             }
         }
-        let found = py.detach(|| {
-            collision::separation(&one.shape, &one.placement, &other.shape, &other.placement)
+        let separation = py.detach(|| {
+            collision::separation(
+                &first_obstacle.shape,
+                &first_obstacle.placement,
+                &second_obstacle.shape,
+                &second_obstacle.placement,
+            )
         });
-        Ok(Separation(found))
+        Ok(Separation(separation))
     }
 
     /// Names of the obstacles, in the order of their addition.

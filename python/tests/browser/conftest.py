@@ -121,9 +121,9 @@ class Tab:
 
     def hear_all(self):
         """Waits until the server sends nothing more."""
-        heard = -1
-        while heard != len(self.received):
-            heard = len(self.received)
+        received_count = -1
+        while received_count != len(self.received):
+            received_count = len(self.received)
             self.settle(1.5)
 
     def status(self):
@@ -137,10 +137,10 @@ class Tab:
         def rests():
             nonlocal before, same
             # Read from the page first, which has then sent all mouse events.
-            told = self.status()
+            status = self.status()
             page = self.page
             now = [target.placement.tobytes() for target in page.targets.values()]
-            idle = not page.scene.loop._tickers and told.split() == page.status.text.split()
+            idle = not page.scene.loop._tickers and status.split() == page.status.text.split()
             same = same + 1 if idle and now == before else 0
             before = now
             return same >= looks

@@ -36,8 +36,8 @@ def test_source_and_target_play_together(tmp_path, open_tab):
         frame = round(1.2 * movement.movement.fps)
         assert np.array_equal(page.body.q, movement.movement.q[frame])
         hand = movement.movement.capture.joints.index("left_hand")
-        place = movement.person.positions[frame, hand]
-        column, row = shown.pixel(place).round().astype(int)
+        position = movement.person.positions[frame, hand]
+        column, row = shown.pixel(position).round().astype(int)
         assert _orange(shown)[row - 6 : row + 7, column - 6 : column + 7].any(), "the hand is drawn elsewhere"
         assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.001
         # After a click on its button, time passes.

@@ -39,28 +39,28 @@ class Watched:
         self.q = []
         draw = page.body._place
 
-        def place(q):
+        def draw_and_record(q):
             self.q.append(q.copy())
             draw(q)
 
-        page.body._place = place
+        page.body._place = draw_and_record
 
     def hold_limits(self, model):
         q = np.array(self.q)
         return bool((q >= model.lower).all() and (q <= model.upper).all())
 
 
-def drag(shown, frame, way, points=25, back=False):
-    """Drags the gizmo of a frame by one of its arrows along `way`, with the mouse, and `back` if requested.
+def drag(shown, frame, displacement, points=25, back=False):
+    """Drags the gizmo of a frame by one of its arrows along `displacement`, with the mouse, and `back` if requested.
 
     Returns the texts of the status before the mouse goes back.
     """
     target = shown.page.targets[frame]
-    place = target.placement
-    way = np.asarray(way, dtype=float)
-    axis = int(np.abs(place[:3, :3].T @ way).argmax())
-    arrow = place[:3, axis] * 0.75 * target.size
-    start, end = shown.pixel(place[:3, 3] + arrow), shown.pixel(place[:3, 3] + arrow + way)
+    placement = target.placement
+    displacement = np.asarray(displacement, dtype=float)
+    axis = int(np.abs(placement[:3, :3].T @ displacement).argmax())
+    arrow = placement[:3, axis] * 0.75 * target.size
+    start, end = shown.pixel(placement[:3, 3] + arrow), shown.pixel(placement[:3, 3] + arrow + displacement)
     mouse, texts = shown.tab.mouse, []
 
     def go(first, last):
@@ -88,11 +88,11 @@ def drag(shown, frame, way, points=25, back=False):
     return texts
 
 
-def along_an_axis(place, way):
+def along_an_axis(placement, displacement):
     """Component of a vector along the nearest axis of a placement."""
-    share = place[:3, :3].T @ way
+    share = placement[:3, :3].T @ displacement
     axis = int(np.abs(share).argmax())
-    return share[axis] * place[:3, axis]
+    return share[axis] * placement[:3, axis]
 
 
 def error_of(page, frame):
@@ -148,8 +148,8 @@ def test_humanoid_mesh_follows_dragged_hand(opened, open_tab):
     ground = shown.colors()
     drag(shown, hand, [0.0, 0.0, 0.35])
     assert page.answer.solution.reached
-    for frame, place in pinned.items():
-        assert np.linalg.norm(page.body.frame(frame)[:3, 3] - place) < 1e-5
+    for frame, position in pinned.items():
+        assert np.linalg.norm(page.body.frame(frame)[:3, 3] - position) < 1e-5
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
     # No joint jumps.
     assert np.abs(np.diff(np.array(watched.q), axis=0)).max() <= 0.15 + 1e-9

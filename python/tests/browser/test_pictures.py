@@ -19,7 +19,7 @@ from kinopt.view.opening import open_page  # noqa: E402
 MODELS = Path(__file__).parents[3] / "models"
 PICTURES = os.environ.get("KINOPT_PICTURES")
 #: Folder of pictures outside the repository, such as Khronos' fox; they are opened only if it is given.
-SHARED = os.environ.get("KINOPT_SHARED")
+SHARED_FOLDER = os.environ.get("KINOPT_SHARED")
 
 
 def model(kind, folder):
@@ -37,7 +37,7 @@ def model(kind, folder):
         case "capture":
             made.write_capture(person, folder / "waving.bvh")
             return folder / "waving.bvh"
-    return Path(SHARED) / "assets" / "gltf" / "Fox.glb"
+    return Path(SHARED_FOLDER) / "assets" / "gltf" / "Fox.glb"
 
 
 #: Dragged frame, displacement relative to the model's size, and time in the clip.
@@ -53,30 +53,30 @@ SCENES = {
 
 
 #: Kinds that are opened without KINOPT_PICTURES: the others open as in `test_pages` and `test_movements`.
-TRIED = ("window", "gltf")
+TRIED_SCENES = ("window", "gltf")
 
 #: Worlds of collision avoidance.
 WORLDS = {"obstacles": MODELS / "worlds" / "table.json", "window": MODELS / "worlds" / "window.json"}
 
 
-@pytest.mark.parametrize("kind", SCENES if PICTURES else TRIED)
+@pytest.mark.parametrize("kind", SCENES if PICTURES else TRIED_SCENES)
 def test_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
-    if kind == "fox" and not SHARED:
+    if kind == "fox" and not SHARED_FOLDER:
         pytest.skip("SKIPPED: the fox is no part of the project; KINOPT_SHARED names a folder with it")
     page = open_page(model(kind, tmp_path), port=8320, world=WORLDS.get(kind), margin=0.01)
     try:
         shown = open_tab(page, 1280, 800, sharp=True) if PICTURES else open_tab(page)
         before = shown.colors()
-        frame, way, seconds = SCENES[kind]
+        frame, displacement, seconds = SCENES[kind]
         if seconds is not None:
             page.call(lambda: page.time.show(seconds))
         frame = frame or next(iter(page.targets))
         target = page.targets[frame]
-        place = page.call(lambda: page._place(frame))
-        page.call(lambda: target._hear(place, "start"))
+        start = page.call(lambda: page._place(frame))
+        page.call(lambda: target._hear(start, "start"))
         for k in range(1, 31):
-            step = place.copy()
-            step[:3, 3] += np.asarray(way) * page.body.size() * k / 30
+            step = start.copy()
+            step[:3, 3] += np.asarray(displacement) * page.body.size() * k / 30
             page.call(lambda step=step: target._hear(step, "update"))
             shown.settle(0.05)
         page.call(lambda: setattr(target, "placement", step))

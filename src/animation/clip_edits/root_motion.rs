@@ -15,7 +15,7 @@ pub struct RootMotion {
     up: Vec3,
     span: [f32; 2],
     /// Displacement perpendicular to the up axis.
-    way: KeyedCurve<Vec3A>,
+    displacement: KeyedCurve<Vec3A>,
     /// Rotation about the up axis, radians, continuous beyond full turns.
     heading: KeyedCurve<f32>,
 }
@@ -105,21 +105,21 @@ impl RootMotion {
             return Ok(Self {
                 up,
                 span: [time; 2],
-                way: KeyedCurve::linear(vec![time], vec![Vec3A::ZERO])?,
+                displacement: KeyedCurve::linear(vec![time], vec![Vec3A::ZERO])?,
                 heading: KeyedCurve::linear(vec![time], vec![0.0])?,
             });
         };
         Ok(Self {
             up,
             span: [*first, *last],
-            way: KeyedCurve::linear(times.to_vec(), displacements)?,
+            displacement: KeyedCurve::linear(times.to_vec(), displacements)?,
             heading: KeyedCurve::linear(times.to_vec(), heading)?,
         })
     }
 
     getters! {
         /// Horizontal displacement in the armature's unit, by clip time in seconds.
-        pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.way;
+        pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.displacement;
         /// Rotation about the up axis in radians by clip time in seconds, continuous beyond full turns.
         pub fn heading(&self) -> &KeyedCurve<f32> = &self.heading;
     }
@@ -128,7 +128,7 @@ impl RootMotion {
     #[must_use]
     pub fn at(&self, time: f32) -> Affine3A {
         let rotation = rotation_about(self.up, self.heading.at(time));
-        Affine3A::from_rotation_translation(rotation, self.way.at(time).into())
+        Affine3A::from_rotation_translation(rotation, self.displacement.at(time).into())
     }
 
     /// Transform of the character after `elapsed` seconds of playback. In loop mode the motion accumulates over the

@@ -50,10 +50,14 @@ const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;
 const NULL_SPACE_ACCELERATION: f64 = 0.1;
 /// Time in which null-space motion gains its full speed without acceleration limits, seconds.
 const NULL_SPACE_RISE: f64 = 0.05;
-/// Largest offset of the goal configuration to the side of a stretched arm, radians per radian of its last error.
+/// Largest offset of the goal configuration to the side of a stretched arm, radians.
+///
+/// The singular configuration can move by 2e-3 rad per cycle. A prediction of that motion makes the joints reverse.
+const MAX_SIDE_OFFSET: f64 = 4e-3;
+/// Largest offset to that side, radians per radian of the last error.
 ///
 /// Lag of a target within reach is also an error, but a small one.
-const LEANING_PER_ERROR: f64 = 10.0;
+const SIDE_OFFSET_PER_ERROR: f64 = 20.0;
 /// Distance of a target from the last one beyond which it is approached in steps, radians.
 const LEAD: f64 = 0.1;
 /// Largest number of those steps in a cycle.
@@ -115,10 +119,12 @@ impl Arm {
     /// prismatic joint by the metres that weigh as much). A joint faster than 0.1 rad/s comes to rest for a cycle
     /// before it reverses.
     ///
-    /// The arm stays on its branch and converges to the closest pose to a target out of reach. The null space of a
-    /// redundant arm goes to the posture of the start, or to a [given one](super::ArmBuilder::with_posture). It uses
-    /// half of the velocity limits while the target moves. A joint that starts outside its position limits returns at
-    /// its velocity limit.
+    /// Within reach the arm keeps its branch. It converges to the closest pose to a target out of reach, where its
+    /// branches meet. After about 1 % of lines out of reach it returns on another branch.
+    ///
+    /// The null space of a redundant arm goes to the posture of the start, or to a
+    /// [given one](super::ArmBuilder::with_posture). It uses half of the velocity limits while the target moves. A joint
+    /// that starts outside its position limits returns at its velocity limit.
     ///
     /// # Errors
     /// Returns an error for a start of the wrong length or not finite, or a time step that is not a positive number.
@@ -498,8 +504,8 @@ impl Servo<'_> {
             if lead == 0 {
                 self.branch.take_target(rests);
                 self.lead_null_space(rests);
-                let longest = LEANING_PER_ERROR * self.goal_error;
-                self.branch.offset_to_side(&mut self.workspace, longest);
+                let offset = MAX_SIDE_OFFSET.min(SIDE_OFFSET_PER_ERROR * self.goal_error);
+                self.branch.offset_to_side(&mut self.workspace, offset);
             }
             let descent = LocalDescent {
                 steps: GOAL_STEPS,

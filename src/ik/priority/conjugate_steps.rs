@@ -112,7 +112,10 @@ impl Descent {
     fn compute_gauss_newton_step(&mut self, descent: &mut DescentProblem<'_, '_>) -> Option<f64> {
         self.cost_at_x(descent);
         descent.jacobian(TaskSubset::rank(self.rank), &self.x, &mut self.jacobian);
-        if !self.step_solver.take_pulls(&self.jacobian, &self.residual) {
+        if !self
+            .step_solver
+            .set_objective(&self.jacobian, &self.residual)
+        {
             return None;
         }
         if self.constraints.inequalities.any() {
@@ -133,7 +136,7 @@ impl Descent {
             space: descent.instance.space(),
             fixed: &self.fixed,
         };
-        self.step_solver.pull(
+        self.step_solver.minimise(
             constraint_rows,
             &self.jacobian,
             &self.residual,

@@ -120,7 +120,10 @@ impl Descent {
     fn restore_residual(&mut self, descent: &mut DescentProblem<'_, '_>, held_residual: &[f64]) {
         self.cost_at_x(descent);
         descent.jacobian(TaskSubset::rank(self.rank), &self.x, &mut self.jacobian);
-        if !self.step_solver.take_pulls(&self.jacobian, &self.residual) {
+        if !self
+            .step_solver
+            .set_objective(&self.jacobian, &self.residual)
+        {
             return;
         }
         self.trial.copy_from_slice(&self.x);

@@ -138,7 +138,10 @@ impl Descent {
                 return result(iterations, Some(Termination::IterationLimit));
             }
             iterations += 1;
-            if !self.step_solver.take_pulls(&self.jacobian, &self.residual) {
+            if !self
+                .step_solver
+                .set_objective(&self.jacobian, &self.residual)
+            {
                 return result(iterations, None);
             }
             let (trial_result, damping) = self.try_dampings(descent, cost, dampings[damping_index]);
@@ -169,7 +172,7 @@ impl Descent {
         damping: Option<f64>,
     ) -> (TrialResult, f64) {
         self.compute_hessian(descent);
-        let max_stiffness = self.newton.model.stiffest();
+        let max_stiffness = self.newton.model.max_stiffness();
         let raised_damping =
             |damping: f64| DAMPING_FACTOR * damping.max(MIN_DAMPING * max_stiffness);
         let mut damping = damping.unwrap_or(INITIAL_DAMPING * max_stiffness);

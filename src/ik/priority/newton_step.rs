@@ -25,14 +25,16 @@ impl Descent {
         newton
             .differences
             .set_base_point(descent, &lagrangian, &self.x);
-        newton.model.take(self.x.len(), |direction, image| {
-            (newton.differences).derivative_along(
-                descent,
-                &lagrangian,
-                (&self.x, direction),
-                image,
-            );
-        });
+        newton
+            .model
+            .compute_hessian(self.x.len(), |direction, image| {
+                (newton.differences).derivative_along(
+                    descent,
+                    &lagrangian,
+                    (&self.x, direction),
+                    image,
+                );
+            });
     }
 
     /// Writes the damped step into `best`, limited to the longest joint step. Returns the predicted decrease if the
@@ -59,7 +61,9 @@ impl Descent {
         );
         let model_decrease =
             (newton.model).minimise(damping, slope, &bounds, inequalities, &mut self.model_step)?;
-        newton.model.write_resting(&mut newton.ended_on_bound);
+        newton
+            .model
+            .write_held_variables(&mut newton.ended_on_bound);
         for (ended_on_bound, is_held) in newton.ended_on_bound.iter_mut().zip(is_held) {
             *ended_on_bound |= *is_held && keeps_active_set;
         }
@@ -69,7 +73,7 @@ impl Descent {
         for entry in &mut self.model_step {
             *entry *= fraction;
         }
-        let resting_edges = self.newton.model.resting_on();
+        let resting_edges = self.newton.model.holding_inequalities();
         self.constraints.inequalities.record_step_end(
             resting_edges,
             keeps_active_set,

@@ -96,7 +96,7 @@ pub(super) fn solve(
             }
         })
     });
-    let led = request.bones.iter().enumerate().map(|(k, bone)| {
+    let results = request.bones.iter().enumerate().map(|(k, bone)| {
         let errors = solved.errors(k).zip(&samples);
         let worst = errors.max_by(|one, other| one.0.total_cmp(&other.0));
         let (miss, time) = worst.map_or((0.0, times[0]), |(miss, time)| (miss, plan.time(*time)));
@@ -108,7 +108,7 @@ pub(super) fn solve(
     });
     Ok(EditedClip {
         stances: stances.collect(),
-        led: led.collect(),
+        led: results.collect(),
         root_moved: plan
             .moved
             .iter()

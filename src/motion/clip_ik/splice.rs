@@ -47,25 +47,29 @@ pub(super) fn spliced(
     };
     let mut replaced = Vec::new();
     for (bone, values) in new.rotations {
-        let (kept, is_linear) = match channel_of(bone, Property::Rotation) {
+        let (original_times, is_linear) = match channel_of(bone, Property::Rotation) {
             None => (&[][..], true),
             Some(Channel::Rotation(curve)) => (curve.times(), curve.is_slerp()),
             Some(other) => (other.times(), false),
         };
-        let kept = sampler.keys(kept, is_linear, |pose| pose.rotations()[bone.index()])?;
-        let (times, values) = merged(kept, &new.times, values);
+        let original_keys = sampler.keys(original_times, is_linear, |pose| {
+            pose.rotations()[bone.index()]
+        })?;
+        let (times, values) = merged(original_keys, &new.times, values);
         let curve = RotationCurve::slerp(times, values)?;
         builder.channel(bone, Channel::Rotation(curve))?;
         replaced.push((bone, Property::Rotation));
     }
     for (bone, values) in new.translations {
-        let (kept, is_linear) = match channel_of(bone, Property::Translation) {
+        let (original_times, is_linear) = match channel_of(bone, Property::Translation) {
             None => (&[][..], true),
             Some(Channel::Translation(curve)) => (curve.times(), curve.is_linear()),
             Some(other) => (other.times(), false),
         };
-        let kept = sampler.keys(kept, is_linear, |pose| pose.translations()[bone.index()])?;
-        let (times, values) = merged(kept, &new.times, values);
+        let original_keys = sampler.keys(original_times, is_linear, |pose| {
+            pose.translations()[bone.index()]
+        })?;
+        let (times, values) = merged(original_keys, &new.times, values);
         let curve = KeyedCurve::linear(times, values)?;
         builder.channel(bone, Channel::Translation(curve))?;
         replaced.push((bone, Property::Translation));
@@ -128,9 +132,9 @@ impl ChannelSampler<'_> {
     }
 }
 
-fn merged<V>(kept: Vec<(f32, V)>, solved: &[f32], values: Vec<V>) -> (Vec<f32>, Vec<V>) {
+fn merged<V>(original: Vec<(f32, V)>, solved: &[f32], values: Vec<V>) -> (Vec<f32>, Vec<V>) {
     let new = solved.iter().copied().zip(values);
-    let mut keys: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
-    keys.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut keys: Vec<(f32, V)> = original.into_iter().chain(new).collect();
+    keys.sort_by(|first, second| first.0.total_cmp(&second.0));
     keys.into_iter().unzip()
 }

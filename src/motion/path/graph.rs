@@ -341,11 +341,11 @@ impl Step<'_> {
     fn is_near(&self, predecessor: usize, q: &[f32], padded: &[f32; PADDED_JOINTS]) -> bool {
         if let (false, Some(row)) = (self.revolutions_ignored, self.padded.get(predecessor)) {
             // Compares all joints at once, without branches.
-            let mut near = true;
+            let mut is_near = true;
             for joint in 0..PADDED_JOINTS {
-                near &= (row[joint] - padded[joint]).abs() <= self.padded_limits[joint];
+                is_near &= (row[joint] - padded[joint]).abs() <= self.padded_limits[joint];
             }
-            return near;
+            return is_near;
         }
         let moves = self.row(predecessor).iter().zip(q).zip(self.limits);
         let difference = |joint, from, to| self.revolutions.difference(joint, from, to).abs();

@@ -39,7 +39,7 @@ pub(in crate::solver) struct EdgeFrame {
     width: usize,
     /// Displacement of the variables per unit of each component.
     directions: [Vector3<f64>; 3],
-    /// Inverse of `ways`, by rows: gives the components of a displacement.
+    /// Inverse of `directions`, by rows: gives the components of a displacement.
     normals: [Vector3<f64>; 3],
     near_edges: [Option<NearEdge>; 3],
 }

@@ -15,8 +15,8 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// Angle limits of ball joints; those from the start come last, with a flag.
     pub(in crate::solver) fn turns(&self) -> impl Iterator<Item = (&'a TurnLimit, bool)> {
-        let whole = self.rotations.turns.iter().map(|turn| (turn, false));
-        whole.chain(self.moves.iter().map(|turn| (turn, true)))
+        let from_zero = self.rotations.turns.iter().map(|turn| (turn, false));
+        from_zero.chain(self.moves.iter().map(|turn| (turn, true)))
     }
 
     /// Frames of steps at nearby edges.
@@ -41,8 +41,8 @@ impl<'a> ConfigurationSpace<'a> {
             let mut before = self
                 .turns()
                 .take(k)
-                .filter(|(own, _)| own.first == turn.first);
-            let is_first = before.all(|(own, _)| own.near_edge(x).is_none());
+                .filter(|(earlier, _)| earlier.first == turn.first);
+            let is_first = before.all(|(earlier, _)| earlier.near_edge(x).is_none());
             is_first.then(|| EdgeFrame::of_ball(turn.first, self.edges_near(x, turn.first)))
         });
         let swings = self.rotations.swings.iter();

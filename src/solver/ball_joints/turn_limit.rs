@@ -186,7 +186,7 @@ mod tests {
     ///
     /// This also holds if the straight rotation back leaves the cone.
     #[test]
-    fn whole_turns_of_twist_change_nothing() {
+    fn projection_ignores_whole_revolutions_of_twist() {
         let z = Vector3::UNITS[2];
         let cone = BallLimits::elliptic([1.0, 0.0, 0.0], [0.3, 1.2], Limits::UNBOUNDED);
         let mut builder = Model::builder("shoulder");
@@ -197,27 +197,34 @@ mod tests {
         let mut random = RandomStream::new(3, 0);
         let mut by_the_variables = 0;
         for _ in 0..2000 {
-            let mut draw = |most: f64| most * (2.0 * random.unit() - 1.0);
+            let mut draw = |max: f64| max * (2.0 * random.unit() - 1.0);
             let centre = [draw(0.2), draw(0.8), draw(3.0)];
-            let own = [draw(0.3), draw(1.2), centre[2] + draw(3.0)];
-            if !in_cone(centre) || !in_cone(own) {
+            let variables = [draw(0.3), draw(1.2), centre[2] + draw(3.0)];
+            if !in_cone(centre) || !in_cone(variables) {
                 continue;
             }
             let mut limit = TurnLimit::from_zero(0, chart, [0.0; 3], 0.4);
             limit.centre_at(&centre);
-            let [mut put, mut wound] = [own; 2];
-            wound[2] += 2.0 * TAU;
-            limit.project(&mut put, in_cone);
-            limit.project(&mut wound, in_cone);
-            assert!(limit.is_within(put) && in_cone(put), "{put:?}");
-            if limit.is_well_within(own, 1e-6) {
+            let [mut projected, mut rotated] = [variables; 2];
+            rotated[2] += 2.0 * TAU;
+            limit.project(&mut projected, in_cone);
+            limit.project(&mut rotated, in_cone);
+            assert!(
+                limit.is_within(projected) && in_cone(projected),
+                "{projected:?}"
+            );
+            if limit.is_well_within(variables, 1e-6) {
                 continue;
             }
-            let straight = limit.rotation_vector(own) * (0.4 / limit.angle(own));
+            let straight = limit.rotation_vector(variables) * (0.4 / limit.angle(variables));
             let back = super::Quaternion::exp(straight) * limit.centre;
             by_the_variables += u32::from(!in_cone(limit.chart.variables(back)));
-            let apart = limit.chart.rotation(put).conjugate() * limit.chart.rotation(wound);
-            assert!(apart.log().norm() < 1e-9, "{own:?}: {put:?} {wound:?}");
+            let difference =
+                limit.chart.rotation(projected).conjugate() * limit.chart.rotation(rotated);
+            assert!(
+                difference.log().norm() < 1e-9,
+                "{variables:?}: {projected:?} {rotated:?}"
+            );
         }
         assert!(by_the_variables > 20, "{by_the_variables}");
     }

@@ -33,17 +33,17 @@ impl BranchedMatrix {
     }
 
     /// Adds to the entry of two coupled unknowns.
-    pub(crate) fn add(&mut self, a: usize, b: usize, by: f64) {
-        self.entries[self.tree.entry(a, b)] += by;
+    pub(crate) fn add(&mut self, a: usize, b: usize, value: f64) {
+        self.entries[self.tree.entry(a, b)] += value;
     }
 
     /// Writes A x.
     pub(crate) fn multiply(&self, x: &[f64], to: &mut [f64]) {
         to.fill(0.0);
         for k in 0..self.tree.unknowns() {
-            let (way, row) = (self.tree.path_to_root(k), self.row(k));
+            let (path, row) = (self.tree.path_to_root(k), self.row(k));
             let mut sum = row[0] * x[k];
-            for (&above, entry) in way[1..].iter().zip(&row[1..]) {
+            for (&above, entry) in path[1..].iter().zip(&row[1..]) {
                 sum += entry * x[above];
                 to[above] += entry * x[k];
             }
@@ -70,9 +70,9 @@ impl BranchedMatrix {
             return;
         }
         for k in 0..tree.unknowns() {
-            let way = tree.path_to_root(k);
-            let row = &mut self.entries[tree.start(k)..][..way.len()];
-            for (&above, entry) in way[1..].iter().zip(&mut row[1..]) {
+            let path = tree.path_to_root(k);
+            let row = &mut self.entries[tree.start(k)..][..path.len()];
+            for (&above, entry) in path[1..].iter().zip(&mut row[1..]) {
                 if held[k] || held[above] {
                     // The right side of a held unknown is set below.
                     right[above] -= *entry * values[k];
@@ -95,24 +95,24 @@ impl BranchedMatrix {
     pub(crate) fn factorise(&mut self) -> bool {
         let tree = &*self.tree;
         let diagonal = (0..tree.unknowns()).map(|k| self.entries[tree.start(k)]);
-        let least = NEGLIGIBLE * diagonal.fold(0.0, f64::max);
+        let min_pivot = NEGLIGIBLE * diagonal.fold(0.0, f64::max);
         for k in (0..tree.unknowns()).rev() {
-            let way = tree.path_to_root(k);
-            let (before, own) = self.entries.split_at_mut(tree.start(k));
-            let row = &mut own[..way.len()];
+            let path = tree.path_to_root(k);
+            let (ancestors, later) = self.entries.split_at_mut(tree.start(k));
+            let row = &mut later[..path.len()];
             let pivot = row[0];
-            if pivot <= least || pivot.is_nan() {
+            if pivot <= min_pivot || pivot.is_nan() {
                 return false;
             }
             row[0] = 1.0 / pivot.sqrt();
             let inverse = row[0];
             row[1..].iter_mut().for_each(|entry| *entry *= inverse);
-            for (step, &above) in way.iter().enumerate().skip(1) {
-                let rest = &row[step..];
-                let theirs = &mut before[tree.start(above)..][..rest.len()];
-                let factor = rest[0];
-                for (entry, own) in theirs.iter_mut().zip(rest) {
-                    *entry -= factor * own;
+            for (step, &above) in path.iter().enumerate().skip(1) {
+                let tail = &row[step..];
+                let ancestor_row = &mut ancestors[tree.start(above)..][..tail.len()];
+                let factor = tail[0];
+                for (entry, value) in ancestor_row.iter_mut().zip(tail) {
+                    *entry -= factor * value;
                 }
             }
         }
@@ -122,18 +122,18 @@ impl BranchedMatrix {
     /// Solves A x = b in place after [`factorise`](Self::factorise): Lᵀ from the tips to the root, then L back.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         for k in (0..self.tree.unknowns()).rev() {
-            let (way, row) = (self.tree.path_to_root(k), self.row(k));
+            let (path, row) = (self.tree.path_to_root(k), self.row(k));
             let value = b[k] * row[0];
             b[k] = value;
-            for (&above, entry) in way[1..].iter().zip(&row[1..]) {
+            for (&above, entry) in path[1..].iter().zip(&row[1..]) {
                 b[above] -= entry * value;
             }
         }
         for k in 0..self.tree.unknowns() {
-            let (way, row) = (self.tree.path_to_root(k), self.row(k));
-            let above = way[1..].iter().zip(&row[1..]);
-            let taken: f64 = above.map(|(&above, entry)| entry * b[above]).sum();
-            b[k] = (b[k] - taken) * row[0];
+            let (path, row) = (self.tree.path_to_root(k), self.row(k));
+            let above = path[1..].iter().zip(&row[1..]);
+            let known: f64 = above.map(|(&above, entry)| entry * b[above]).sum();
+            b[k] = (b[k] - known) * row[0];
         }
     }
 
@@ -158,11 +158,12 @@ mod tests {
     }
 
     #[test]
-    fn it_multiplies_and_solves_as_a_dense_matrix_does() {
+    fn branched_matrix_multiplies_and_solves_like_dense() {
         let mut random = RandomStream::new(5, 0);
         for coupled in couplings() {
             let n = 8;
-            let (mut own, mut dense) = (BranchedMatrix::new(n, &coupled), DMatrix::zeros(n, n));
+            let (mut branched, mut dense) =
+                (BranchedMatrix::new(n, &coupled), DMatrix::zeros(n, n));
             for set in coupled.into_iter().chain((0..n).map(|k| vec![k])) {
                 // A row that depends on these unknowns.
                 let row: Vec<f64> = set.iter().map(|_| 2.0 * random.unit() - 1.0).collect();
@@ -170,14 +171,14 @@ mod tests {
                     for (q, &b) in set.iter().enumerate() {
                         dense[(a, b)] += row[p] * row[q];
                         if a >= b {
-                            own.add(a, b, row[p] * row[q]);
+                            branched.add(a, b, row[p] * row[q]);
                         }
                     }
                 }
             }
             let x = DVector::from_fn(n, |_, _| random.unit());
             let mut product = vec![0.0; n];
-            own.multiply(x.as_slice(), &mut product);
+            branched.multiply(x.as_slice(), &mut product);
             assert!((&dense * &x - DVector::from_vec(product)).amax() < 1e-14);
 
             let damping = 0.5;
@@ -195,21 +196,22 @@ mod tests {
                     right[k] = x[k];
                 }
                 let expected = full.cholesky().map(|factor| factor.solve(&right));
-                let (mut factor, mut got) = (own.clone(), b.as_slice().to_vec());
-                factor.copy_free(&own, damping, (&held, x.as_slice()), &mut got);
+                let (mut factor, mut solution) = (branched.clone(), b.as_slice().to_vec());
+                factor.copy_free(&branched, damping, (&held, x.as_slice()), &mut solution);
                 assert!(factor.factorise());
-                factor.solve(&mut got);
-                let miss = expected.map(|expected| (expected - DVector::from_vec(got)).amax());
-                assert!(miss.is_some_and(|miss| miss < 1e-13), "{miss:?}");
+                factor.solve(&mut solution);
+                let error =
+                    expected.map(|expected| (expected - DVector::from_vec(solution)).amax());
+                assert!(error.is_some_and(|error| error < 1e-13), "{error:?}");
             }
         }
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_refused() {
+    fn factorise_rejects_indefinite_matrix() {
         let mut matrix = BranchedMatrix::new(2, &[vec![0, 1]]);
-        for (a, b, by) in [(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)] {
-            matrix.add(a, b, by);
+        for (a, b, value) in [(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)] {
+            matrix.add(a, b, value);
         }
         assert!(!matrix.factorise());
     }

@@ -30,17 +30,17 @@ pub(super) fn factorise(a: &mut [f64], order: usize, columns: &mut Vec<f64>) -> 
         above[k * order + k] = inverse;
         let next = &mut above[(k + 1) * order..];
         next[k] *= inverse;
-        let beside = next[k];
-        next[k + 1] -= beside * beside;
+        let coupling = next[k];
+        next[k + 1] -= coupling * coupling;
         let next_inverse = inverse_of(next[k + 1]);
         next[k + 1] = next_inverse;
         for (i, row) in below.chunks_exact_mut(order).enumerate() {
             row[k] *= inverse;
-            row[k + 1] = (row[k + 1] - row[k] * beside) * next_inverse;
+            row[k + 1] = (row[k + 1] - row[k] * coupling) * next_inverse;
             (first[i], second[i]) = (row[k], row[k + 1]);
             let factors = [-row[k], -row[k + 1]];
-            let behind = &mut row[k + 2..k + 3 + i];
-            add_two_scaled(behind, factors, [&first[..=i], &second[..=i]]);
+            let trailing = &mut row[k + 2..k + 3 + i];
+            add_two_scaled(trailing, factors, [&first[..=i], &second[..=i]]);
         }
         k += 2;
     }
@@ -56,8 +56,8 @@ pub(super) fn substitute(factor: &[f64], order: usize, b: &mut [f64]) {
         b[k] = (b[k] - dot(&row[..k], &b[..k])) * row[k];
     }
     for (k, row) in factor.chunks_exact(order.max(1)).enumerate().rev() {
-        let (earlier, own) = b.split_at_mut(k);
-        own[0] *= row[k];
-        add_scaled(earlier, -own[0], row);
+        let (earlier, later) = b.split_at_mut(k);
+        later[0] *= row[k];
+        add_scaled(earlier, -later[0], row);
     }
 }

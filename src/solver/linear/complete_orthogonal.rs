@@ -26,12 +26,12 @@ impl CompleteOrthogonal {
         self.q_r.reserve(rows, columns);
         self.z_u.reserve(columns, rank);
         vacate(&mut self.pivots, columns);
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.r_transposed, columns * rank),
             (&mut self.right_side, rows),
             (&mut self.solution, columns),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
     }
 
@@ -45,10 +45,10 @@ impl CompleteOrthogonal {
         tolerance: f64,
     ) {
         let rows = matrix.nrows();
-        let all = matrix.as_slice();
+        let matrix_entries = matrix.as_slice();
         let entries = columns
             .iter()
-            .flat_map(|&column| &all[column * rows..(column + 1) * rows]);
+            .flat_map(|&column| &matrix_entries[column * rows..(column + 1) * rows]);
         self.q_r.load(rows, entries);
         self.columns = columns.len();
         self.pivots.clear();
@@ -88,8 +88,8 @@ impl CompleteOrthogonal {
         self.r_transposed.clear();
         for row in 0..self.rank() {
             let zeros = std::iter::repeat_n(0.0, row);
-            let kept = (row..n).map(|column| self.q_r.r(row, column));
-            self.r_transposed.extend(zeros.chain(kept));
+            let row_entries = (row..n).map(|column| self.q_r.r(row, column));
+            self.r_transposed.extend(zeros.chain(row_entries));
         }
         self.z_u.load(n, self.r_transposed.iter());
         for _ in 0..self.rank() {

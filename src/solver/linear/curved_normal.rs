@@ -51,12 +51,12 @@ impl CurvedNormal {
             true => self.semiseparable.reserve(rows, columns),
             false => vacate(&mut self.factor, columns * columns),
         }
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.pivot_column, 2 * columns),
             (&mut self.unknown, columns),
             (&mut self.stopped_effect, rows),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
         vacate(&mut self.moving, columns);
         self.products.reserve(columns);
@@ -94,8 +94,8 @@ impl CurvedNormal {
             let unknown = &self.unknown;
             let mut solved = unknown.iter();
             self.moving.retain(|&j| {
-                let wanted = *solved.next().unwrap_or(&0.0);
-                let stopped = model.space.stopped_step(model.x, j, wanted);
+                let full_step = *solved.next().unwrap_or(&0.0);
+                let stopped = model.space.stopped_step(model.x, j, full_step);
                 step[j] = stopped.unwrap_or(0.0);
                 stopped.is_none()
             });
@@ -120,14 +120,14 @@ impl CurvedNormal {
         let rows = model.jacobian.nrows();
         let entries = model.jacobian.as_slice();
         let column = |j: usize| &entries[j * rows..(j + 1) * rows];
-        let bend = |j: usize| &curvature[j * n..(j + 1) * n];
+        let curvature_row = |j: usize| &curvature[j * n..(j + 1) * n];
 
         refill(&mut self.factor, order * order, 0.0);
         let (moving, factor) = (&self.moving, &mut self.factor);
         self.products.fill(model.jacobian, moving, factor);
         for (a, &i) in self.moving.iter().enumerate() {
             for (b, &j) in self.moving.iter().enumerate().take(a + 1) {
-                self.factor[a * order + b] += bend(i)[j];
+                self.factor[a * order + b] += curvature_row(i)[j];
             }
             let scale = model.scale.get(i).copied().unwrap_or(1.0);
             self.factor[a * order + a] += damping / (scale * scale);
@@ -145,8 +145,9 @@ impl CurvedNormal {
         let (effect, gradient) = (&self.stopped_effect, model.gradient);
         self.unknown.clear();
         let slopes = self.moving.iter();
-        self.unknown
-            .extend(slopes.map(|&j| -gradient[j] - dot(column(j), effect) - dot(bend(j), stopped)));
+        self.unknown.extend(
+            slopes.map(|&j| -gradient[j] - dot(column(j), effect) - dot(curvature_row(j), stopped)),
+        );
         cholesky::substitute(&self.factor, order, &mut self.unknown);
         true
     }

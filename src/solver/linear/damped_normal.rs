@@ -29,13 +29,13 @@ impl DampedNormal {
     /// Reserves memory for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
         let order = rows.min(columns);
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.gram, order * order),
             (&mut self.factor, order * order),
             (&mut self.pivot_column, 2 * order),
             (&mut self.unknown, order),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
         self.products.reserve(columns);
         self.gram_is_fresh = false;

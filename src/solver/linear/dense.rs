@@ -88,7 +88,7 @@ mod tests {
     use super::dot;
 
     #[test]
-    fn the_shorter_length_counts_whichever_it_is() {
+    fn dot_uses_the_shorter_length() {
         let numbers: Vec<f64> = (1..12).map(f64::from).collect();
         for longer in 0..11 {
             for shorter in 0..=longer {

@@ -8,7 +8,7 @@
 #[derive(Clone, Debug)]
 pub(super) struct EliminationTree {
     /// Paths in sequence, each from its unknown on; indices decrease along a path.
-    ways: Vec<usize>,
+    paths: Vec<usize>,
     /// Index of the start of each path, and of the end of the last one.
     starts: Vec<usize>,
 }
@@ -24,21 +24,25 @@ impl EliminationTree {
         }
         let mut parents = vec![None; unknowns];
         for unknown in (0..unknowns).rev() {
-            let own = std::mem::take(&mut before[unknown]);
-            parents[unknown] = own.iter().rposition(|coupled| *coupled);
+            let couplings = std::mem::take(&mut before[unknown]);
+            parents[unknown] = couplings.iter().rposition(|coupled| *coupled);
             // Unknowns coupled with an eliminated one become coupled with each other.
             if let Some(parent) = parents[unknown] {
-                for (fill, _) in own[..parent].iter().enumerate().filter(|own| *own.1) {
+                for (fill, _) in couplings[..parent]
+                    .iter()
+                    .enumerate()
+                    .filter(|entry| *entry.1)
+                {
                     before[parent][fill] = true;
                 }
             }
         }
-        let (mut ways, mut starts) = (Vec::new(), vec![0]);
+        let (mut paths, mut starts) = (Vec::new(), vec![0]);
         for unknown in 0..unknowns {
-            ways.extend(std::iter::successors(Some(unknown), |&at| parents[at]));
-            starts.push(ways.len());
+            paths.extend(std::iter::successors(Some(unknown), |&at| parents[at]));
+            starts.push(paths.len());
         }
-        Self { ways, starts }
+        Self { paths, starts }
     }
 
     pub(super) fn unknowns(&self) -> usize {
@@ -47,12 +51,12 @@ impl EliminationTree {
 
     /// Number of entries of all paths.
     pub(super) fn entries(&self) -> usize {
-        self.ways.len()
+        self.paths.len()
     }
 
     /// Unknowns from one to its root.
     pub(super) fn path_to_root(&self, unknown: usize) -> &[usize] {
-        &self.ways[self.starts[unknown]..self.starts[unknown + 1]]
+        &self.paths[self.starts[unknown]..self.starts[unknown + 1]]
     }
 
     /// Index of an unknown's first entry.

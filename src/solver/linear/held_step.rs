@@ -8,15 +8,15 @@ use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
 /// Smallest stiffness of a variable, relative to the largest, for variables on which almost no row depends.
-const LEAST_STIFFNESS: f64 = 1e-6;
+const MIN_STIFFNESS: f64 = 1e-6;
 /// Relative regularisation of Newton's matrix, for dependent constraints.
-const WEAKEST: f64 = 1e-12;
+const REGULARISATION: f64 = 1e-12;
 /// Largest number of Newton steps.
-const MOST_STEPS: usize = 40;
+const MAX_NEWTON_STEPS: usize = 40;
 /// Fraction of the predicted increase that a Newton step must achieve.
-const ENOUGH: f64 = 1e-4;
+const MIN_INCREASE_FRACTION: f64 = 1e-4;
 /// Smallest fraction of a Newton step that is tried.
-const SHORTEST: f64 = 1e-15;
+const MIN_STEP_FRACTION: f64 = 1e-15;
 
 /// Bounds of a step's variables.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ pub(crate) struct StepBounds<'a> {
     pub(crate) fixed: &'a [bool],
 }
 
-/// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the pulls' r and J and the constraints C.
+/// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the r and J of an objective and the constraints C.
 ///
 /// Rows of J with a single entry (those of a posture) form a diagonal H. The other rows, E, are unknowns together with
 /// the multipliers y of C. With M = [C; E] the remaining system has the order of M's rows. Without bounds it is (M
@@ -39,7 +39,7 @@ pub(crate) struct HeldStep {
     /// g: slope of the rows with a single entry, by variable.
     slope: Vec<f64>,
     entries_of_row: Vec<usize>,
-    /// Rows of E among the pulls' rows.
+    /// Rows of E among the objective's rows.
     dense: Vec<usize>,
     /// M by columns.
     columns: Vec<f64>,
@@ -55,16 +55,16 @@ pub(crate) struct HeldStep {
     newton: Vec<f64>,
     slope_of_dual: Vec<f64>,
     /// Flags of the variables that move freely.
-    standing: Vec<bool>,
+    moving: Vec<bool>,
     /// Flags of the variables that moved freely before the last step of w.
-    last_standing: Vec<bool>,
+    last_moving: Vec<bool>,
 }
 
 impl HeldStep {
     /// Reserves memory for every problem of this shape.
-    pub(crate) fn reserve(&mut self, held: usize, pulls: usize, variables: usize) {
-        let order = held + pulls;
-        for (vector, room) in [
+    pub(crate) fn reserve(&mut self, constraints: usize, objective_rows: usize, variables: usize) {
+        let order = constraints + objective_rows;
+        for (vector, capacity) in [
             (&mut self.stiffness, variables),
             (&mut self.slope, variables),
             (&mut self.columns, variables * order),
@@ -76,17 +76,17 @@ impl HeldStep {
             (&mut self.newton, order),
             (&mut self.slope_of_dual, order),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
-        vacate(&mut self.entries_of_row, pulls);
-        vacate(&mut self.dense, pulls);
-        for standing in [&mut self.standing, &mut self.last_standing] {
-            vacate(standing, variables);
+        vacate(&mut self.entries_of_row, objective_rows);
+        vacate(&mut self.dense, objective_rows);
+        for moving in [&mut self.moving, &mut self.last_moving] {
+            vacate(moving, variables);
         }
     }
 
-    /// Sets the pulls' J and r. Returns false if all columns are zero or not finite.
-    pub(crate) fn take_pulls(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) -> bool {
+    /// Sets J and r of the objective. Returns false if all columns are zero or not finite.
+    pub(crate) fn set_objective(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) -> bool {
         let (rows, n) = jacobian.shape();
         let entries = jacobian.as_slice();
         let columns = || entries.chunks_exact(rows.max(1));
@@ -113,48 +113,48 @@ impl HeldStep {
             }
         }
         for stiffness in &mut self.stiffness {
-            *stiffness += LEAST_STIFFNESS * steepest;
+            *stiffness += MIN_STIFFNESS * steepest;
         }
         steepest > 0.0 && steepest.is_finite()
     }
 
-    /// Writes the best step for the pulls, subject to CΔ = 0 for C = `held`.
+    /// Writes the best step for the objective, subject to CΔ = 0 for C = `held`.
     ///
-    /// `jacobian` and `residual` must be those of [`take_pulls`](Self::take_pulls).
-    pub(crate) fn pull(
+    /// `jacobian` and `residual` must be those of [`set_objective`](Self::set_objective).
+    pub(crate) fn minimise(
         &mut self,
         held: &DMatrix<f64>,
         jacobian: &DMatrix<f64>,
         residual: &[f64],
-        within: &StepBounds<'_>,
+        bounds: &StepBounds<'_>,
         step: &mut [f64],
     ) {
-        let (holds, rows) = (held.nrows(), jacobian.nrows());
+        let (constraints, rows) = (held.nrows(), jacobian.nrows());
         self.columns.clear();
-        for (j, held) in held.as_slice().chunks_exact(holds.max(1)).enumerate() {
+        for (j, held) in held.as_slice().chunks_exact(constraints.max(1)).enumerate() {
             self.columns.extend_from_slice(held);
             let column = &jacobian.as_slice()[j * rows..(j + 1) * rows];
             self.columns
                 .extend(self.dense.iter().map(|&row| column[row]));
         }
-        refill(&mut self.bias, holds, 0.0);
+        refill(&mut self.bias, constraints, 0.0);
         self.bias
             .extend(self.dense.iter().map(|&row| residual[row]));
-        self.solve(holds, within, step);
+        self.solve(constraints, bounds, step);
     }
 
-    /// Writes the shortest step in the metric H of the pulls with CΔ = −c, for C = `held` and c = `miss`.
+    /// Writes the shortest step in the metric H of the objective with CΔ = −c, for C = `held` and c = `violation`.
     pub(crate) fn restore(
         &mut self,
         held: &DMatrix<f64>,
-        miss: &[f64],
-        within: &StepBounds<'_>,
+        violation: &[f64],
+        bounds: &StepBounds<'_>,
         step: &mut [f64],
     ) {
         held.as_slice().clone_into(&mut self.columns);
-        miss.clone_into(&mut self.bias);
+        violation.clone_into(&mut self.bias);
         self.slope.fill(0.0);
-        self.solve(held.nrows(), within, step);
+        self.solve(held.nrows(), bounds, step);
     }
 
     /// Solves the concave dual D(w) of the step by Newton's method.
@@ -162,101 +162,105 @@ impl HeldStep {
     /// For given w each variable moves independently, by −(g + Mᵀw)/H within its bounds. The slope of D is the
     /// remaining error of the constraints and E. The result is exact once no variable changes its state at a bound (Li
     /// & Li 2011, "Projections onto a box and hyperplanes").
-    fn solve(&mut self, holds: usize, within: &StepBounds<'_>, step: &mut [f64]) {
+    fn solve(&mut self, constraints: usize, bounds: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
         refill(&mut self.unknown, order, 0.0);
-        self.take_moves(within, step);
-        let mut height = self.height(holds, step);
-        let strongest = (0..holds).map(|row| {
+        self.compute_moves(bounds, step);
+        let mut dual_value = self.dual_value(constraints, step);
+        let strengths = (0..constraints).map(|row| {
             let columns = self.columns.chunks_exact(order.max(1));
             let entries = columns.zip(&self.stiffness);
             entries.map(|(c, h)| c[row] * c[row] / h).sum()
         });
-        let weakest = WEAKEST * strongest.fold(0.0, f64::max);
-        for _ in 0..MOST_STEPS {
-            self.take_newton(holds, weakest, step);
-            let promised = dot(&self.slope_of_dual, &self.newton);
-            if promised.is_nan() || promised <= 0.0 {
+        let regularisation = REGULARISATION * strengths.fold(0.0, f64::max);
+        for _ in 0..MAX_NEWTON_STEPS {
+            self.compute_newton_step(constraints, regularisation, step);
+            let predicted_increase = dot(&self.slope_of_dual, &self.newton);
+            if predicted_increase.is_nan() || predicted_increase <= 0.0 {
                 return;
             }
-            std::mem::swap(&mut self.standing, &mut self.last_standing);
+            std::mem::swap(&mut self.moving, &mut self.last_moving);
             self.unknown.clone_into(&mut self.start);
-            let mut share = 1.0;
-            let risen = loop {
+            let mut fraction = 1.0;
+            let increased = loop {
                 self.unknown.copy_from_slice(&self.start);
-                add_scaled(&mut self.unknown, share, &self.newton);
-                self.take_moves(within, step);
-                let now = self.height(holds, step);
-                if now >= height + ENOUGH * share * promised {
-                    height = now;
+                add_scaled(&mut self.unknown, fraction, &self.newton);
+                self.compute_moves(bounds, step);
+                let new_value = self.dual_value(constraints, step);
+                if new_value >= dual_value + MIN_INCREASE_FRACTION * fraction * predicted_increase {
+                    dual_value = new_value;
                     break true;
                 }
-                share *= 0.5;
-                if share < SHORTEST {
+                fraction *= 0.5;
+                if fraction < MIN_STEP_FRACTION {
                     break false;
                 }
             };
             // Without an increase only rounding is left.
-            if !risen || (share == 1.0 && self.standing == self.last_standing) {
+            if !increased || (fraction == 1.0 && self.moving == self.last_moving) {
                 return;
             }
         }
     }
 
     /// Writes the best move of every variable for the current multipliers.
-    fn take_moves(&mut self, within: &StepBounds<'_>, step: &mut [f64]) {
+    fn compute_moves(&mut self, bounds: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
-        self.standing.clear();
+        self.moving.clear();
         for (j, step) in step.iter_mut().enumerate() {
             let column = &self.columns[j * order..(j + 1) * order];
-            let free = -(self.slope[j] + dot(column, &self.unknown)) / self.stiffness[j];
-            let (down, up) = within.space.room(within.x, j);
-            let (least, most) = (-down, up);
-            let fixed = within.fixed[j] || least >= most;
-            let held = free.max(least).min(most);
-            *step = if fixed { 0.0 } else { held };
-            self.standing.push(!fixed && held == free);
+            let unbounded = -(self.slope[j] + dot(column, &self.unknown)) / self.stiffness[j];
+            let (max_decrease, max_increase) = bounds.space.room(bounds.x, j);
+            let (lower, upper) = (-max_decrease, max_increase);
+            let is_fixed = bounds.fixed[j] || lower >= upper;
+            let clamped = unbounded.max(lower).min(upper);
+            *step = if is_fixed { 0.0 } else { clamped };
+            self.moving.push(!is_fixed && clamped == unbounded);
         }
     }
 
     /// D(w) for the corresponding moves; stores its slope.
-    fn height(&mut self, holds: usize, step: &[f64]) -> f64 {
+    fn dual_value(&mut self, constraints: usize, step: &[f64]) -> f64 {
         let order = self.bias.len();
         self.bias.clone_into(&mut self.slope_of_dual);
-        let mut height = dot(&self.bias, &self.unknown);
+        let mut dual_value = dot(&self.bias, &self.unknown);
         for ((column, &step), (slope, stiffness)) in
             (self.columns.chunks_exact(order.max(1)).zip(step))
                 .zip(self.slope.iter().zip(&self.stiffness))
         {
-            let pull = slope + dot(column, &self.unknown);
-            height += (0.5 * stiffness * step + pull) * step;
+            let gradient = slope + dot(column, &self.unknown);
+            dual_value += (0.5 * stiffness * step + gradient) * step;
             add_scaled(&mut self.slope_of_dual, step, column);
         }
-        for row in holds..order {
-            height -= 0.5 * self.unknown[row] * self.unknown[row];
+        for row in constraints..order {
+            dual_value -= 0.5 * self.unknown[row] * self.unknown[row];
             self.slope_of_dual[row] -= self.unknown[row];
         }
-        height
+        dual_value
     }
 
     /// Computes Newton's step for the variables that move freely.
-    fn take_newton(&mut self, holds: usize, weakest: f64, step: &[f64]) {
+    fn compute_newton_step(&mut self, constraints: usize, regularisation: f64, step: &[f64]) {
         let order = self.bias.len();
         refill(&mut self.factor, order * order, 0.0);
-        for j in (0..step.len()).filter(|&j| self.standing[j]) {
+        for j in (0..step.len()).filter(|&j| self.moving[j]) {
             let column = &self.columns[j * order..(j + 1) * order];
-            let give = 1.0 / self.stiffness[j];
+            let compliance = 1.0 / self.stiffness[j];
             for (row, &entry) in column
                 .iter()
                 .enumerate()
                 .filter(|(_, entry)| **entry != 0.0)
             {
                 let gram = &mut self.factor[row * order..=row * order + row];
-                add_scaled(gram, give * entry, &column[..=row]);
+                add_scaled(gram, compliance * entry, &column[..=row]);
             }
         }
         for row in 0..order {
-            self.factor[row * order + row] += if row < holds { weakest } else { 1.0 };
+            self.factor[row * order + row] += if row < constraints {
+                regularisation
+            } else {
+                1.0
+            };
         }
         cholesky::factorise(&mut self.factor, order, &mut self.pivot_column);
         self.slope_of_dual.clone_into(&mut self.newton);

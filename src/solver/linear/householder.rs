@@ -16,13 +16,13 @@ pub(super) struct HouseholderQr {
 impl HouseholderQr {
     /// Reserves memory for matrices of up to this shape.
     pub(super) fn reserve(&mut self, rows: usize, columns: usize) {
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.entries, rows * columns),
             (&mut self.diagonal, columns),
             (&mut self.scale, columns),
         ] {
             vector.clear();
-            vector.reserve(room);
+            vector.reserve(capacity);
         }
     }
 

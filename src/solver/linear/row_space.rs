@@ -22,7 +22,7 @@ pub(crate) struct RowSpace {
     /// Row of the matrix at each position of the pivoted one.
     pivots: Vec<usize>,
     /// Remaining squared length of each row.
-    left: Vec<f64>,
+    remaining: Vec<f64>,
     r_transposed: Vec<f64>,
     side: Vec<f64>,
     /// True if the factorisation is that of A Aᵀ.
@@ -33,13 +33,13 @@ pub(crate) struct RowSpace {
     spans: Vec<(usize, usize)>,
     gram: Vec<f64>,
     pivot_column: Vec<f64>,
-    rest: Vec<f64>,
+    remainder: Vec<f64>,
 }
 
 /// Smallest remaining squared length of clearly independent rows, relative to the longest row.
-const CLEARLY: f64 = 1e-6;
+const CLEARLY_INDEPENDENT: f64 = 1e-6;
 /// Smallest remaining squared length without a loss of relevant digits, relative to the longest row.
-const WELL: f64 = 1e-3;
+const WELL_CONDITIONED: f64 = 1e-3;
 
 /// Remaining squared length, relative to the largest, below which cancellation requires to compute it again.
 const CANCELLED: f64 = 1e-6;
@@ -53,47 +53,52 @@ fn reflect(v: &[f64], scale: f64, x: &mut [f64]) {
 impl RowSpace {
     /// Factorises a matrix that is given by its rows in sequence, each of `columns` numbers.
     ///
-    /// Rows whose remaining length is at most `least` add no rank.
-    pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, least: f64) {
+    /// Rows whose remaining length is at most `min_length` add no rank.
+    pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, min_length: f64) {
         self.is_gram = false;
         self.columns = columns;
         self.rows = entries.len().checked_div(columns).unwrap_or(0);
         self.q_r.load(columns, entries.iter());
         self.pivots.clear();
         self.pivots.extend(0..self.rows);
-        self.left.clear();
+        self.remaining.clear();
         let rows = entries.chunks_exact(columns.max(1));
-        self.left.extend(rows.map(|row| dot(row, row)));
-        let whole: f64 = self.left.iter().fold(0.0, |most, left| left.max(most));
+        self.remaining.extend(rows.map(|row| dot(row, row)));
+        let longest: f64 = self
+            .remaining
+            .iter()
+            .fold(0.0, |max, remaining| remaining.max(max));
         for k in 0..self.rows.min(columns) {
-            let best =
-                (k..self.rows).fold(k, |best, next| match self.left[next] > self.left[best] {
+            let best = (k..self.rows).fold(k, |best, next| {
+                match self.remaining[next] > self.remaining[best] {
                     true => next,
                     false => best,
-                });
-            if self.left[best] <= CANCELLED * whole {
+                }
+            });
+            if self.remaining[best] <= CANCELLED * longest {
                 for row in k..self.rows {
                     let tail = self.q_r.tail_norm(row, k);
-                    self.left[row] = tail * tail;
+                    self.remaining[row] = tail * tail;
                 }
             }
-            let best =
-                (k..self.rows).fold(best, |best, next| match self.left[next] > self.left[best] {
+            let best = (k..self.rows).fold(best, |best, next| {
+                match self.remaining[next] > self.remaining[best] {
                     true => next,
                     false => best,
-                });
+                }
+            });
             // False for NaN.
-            let enough = self.left[best].sqrt() > least;
-            if !enough {
+            let is_independent = self.remaining[best].sqrt() > min_length;
+            if !is_independent {
                 break;
             }
             self.q_r.swap_columns(k, best);
             self.pivots.swap(k, best);
-            self.left.swap(k, best);
+            self.remaining.swap(k, best);
             self.q_r.reduce_next_by(reflect);
             for row in k + 1..self.rows {
-                let taken = self.q_r.r(k, row);
-                self.left[row] = (self.left[row] - taken * taken).max(0.0);
+                let entry = self.q_r.r(k, row);
+                self.remaining[row] = (self.remaining[row] - entry * entry).max(0.0);
             }
         }
         if self.rank() < self.rows {
@@ -104,11 +109,11 @@ impl RowSpace {
     /// Factorises a matrix of `rows` rows that is given by its columns, if no [`null_direction`](Self::null_direction)
     /// is needed.
     ///
-    /// Entries may often be zero. Rows whose remaining length is at most `share` of the longest add no rank.
-    pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, share: f64) {
+    /// Entries may often be zero. Rows whose remaining length is at most `tolerance` of the longest add no rank.
+    pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, tolerance: f64) {
         self.rows = rows;
         self.columns = entries.len().checked_div(rows).unwrap_or(0);
-        self.is_gram = rows <= self.columns && rows > 0 && self.take_gram(entries);
+        self.is_gram = rows <= self.columns && rows > 0 && self.factorise_gram(entries);
         if !self.is_gram {
             let mut transposed = std::mem::take(&mut self.matrix);
             transposed.clear();
@@ -116,14 +121,14 @@ impl RowSpace {
                 transposed.extend(entries.iter().skip(row).step_by(rows));
             }
             let squares = transposed.chunks_exact(self.columns.max(1));
-            let longest = squares.fold(0.0_f64, |most, row| most.max(dot(row, row)));
-            self.factorise(&transposed, self.columns, share * longest.sqrt());
+            let longest = squares.fold(0.0_f64, |max, row| max.max(dot(row, row)));
+            self.factorise(&transposed, self.columns, tolerance * longest.sqrt());
             self.matrix = transposed;
         }
     }
 
     /// Factorises A Aᵀ = L Lᵀ. Returns true if the rows are clearly independent.
-    fn take_gram(&mut self, entries: &[f64]) -> bool {
+    fn factorise_gram(&mut self, entries: &[f64]) -> bool {
         let count = self.rows;
         refill(&mut self.gram, count * count, 0.0);
         self.spans.clear();
@@ -139,7 +144,7 @@ impl RowSpace {
                 add_scaled(row, column[k], &column[from..=k]);
             }
         }
-        let longest = (0..count).fold(0.0_f64, |most, k| most.max(self.gram[k * count + k]));
+        let longest = (0..count).fold(0.0_f64, |max, k| max.max(self.gram[k * count + k]));
         cholesky::factorise(&mut self.gram, count, &mut self.pivot_column);
         // The diagonal is stored inverted, or zero for a lost pivot.
         let pivots = (0..count).map(|k| self.gram[k * count + k]);
@@ -147,11 +152,11 @@ impl RowSpace {
             true => 1.0 / (inverse * inverse * longest),
             false => 0.0,
         });
-        let least = squared.fold(f64::INFINITY, f64::min);
-        if !(longest.is_finite() && least > CLEARLY) {
+        let min_pivot = squared.fold(f64::INFINITY, f64::min);
+        if !(longest.is_finite() && min_pivot > CLEARLY_INDEPENDENT) {
             return false;
         }
-        self.refinements = if least > WELL { 0 } else { 1 };
+        self.refinements = if min_pivot > WELL_CONDITIONED { 0 } else { 1 };
         entries.clone_into(&mut self.matrix);
         true
     }
@@ -174,8 +179,8 @@ impl RowSpace {
         self.r_transposed.clear();
         for column in 0..self.rank() {
             let zeros = std::iter::repeat_n(0.0, column);
-            let kept = (column..self.rows).map(|row| self.q_r.r(column, row));
-            self.r_transposed.extend(zeros.chain(kept));
+            let row_entries = (column..self.rows).map(|row| self.q_r.r(column, row));
+            self.r_transposed.extend(zeros.chain(row_entries));
         }
         self.z_u.load(self.rows, self.r_transposed.iter());
         for _ in 0..self.rank() {
@@ -226,7 +231,7 @@ impl RowSpace {
         let rank = self.rank();
         g.clone_into(&mut self.side);
         self.q_r.apply_transpose(&mut self.side);
-        let mut pivoted = std::mem::take(&mut self.left);
+        let mut pivoted = std::mem::take(&mut self.remaining);
         refill(&mut pivoted, self.rows, 0.0);
         if rank < self.rows {
             // Uᵀ w = (Qᵀ g)₁, λ = P Z [w; 0]
@@ -244,11 +249,11 @@ impl RowSpace {
         for (&row, &value) in self.pivots.iter().zip(&pivoted) {
             lambda[row] = value;
         }
-        self.left = pivoted;
+        self.remaining = pivoted;
     }
 
     /// Nonzero parts of A's columns, with their rows.
-    fn own_columns(&self) -> impl Iterator<Item = (Range<usize>, &[f64])> {
+    fn nonzero_columns(&self) -> impl Iterator<Item = (Range<usize>, &[f64])> {
         let columns = self.matrix.chunks_exact(self.rows.max(1));
         let spans = self.spans.iter().map(|&(from, to)| from..to);
         spans
@@ -258,42 +263,42 @@ impl RowSpace {
 
     /// Computes y = Aᵀ (A Aᵀ)⁻¹ b, and repeats that for the remainder of b.
     fn solve_gram(&mut self, b: &[f64], y: &mut [f64]) {
-        let mut rest = std::mem::take(&mut self.rest);
+        let mut remainder = std::mem::take(&mut self.remainder);
         y.fill(0.0);
         for round in 0..=self.refinements {
-            b.clone_into(&mut rest);
+            b.clone_into(&mut remainder);
             if round > 0 {
-                for ((rows, column), y) in self.own_columns().zip(&*y) {
-                    add_scaled(&mut rest[rows], -y, column);
+                for ((rows, column), y) in self.nonzero_columns().zip(&*y) {
+                    add_scaled(&mut remainder[rows], -y, column);
                 }
             }
-            cholesky::substitute(&self.gram, self.rows, &mut rest);
-            for ((rows, column), y) in self.own_columns().zip(&mut *y) {
-                *y += dot(column, &rest[rows]);
+            cholesky::substitute(&self.gram, self.rows, &mut remainder);
+            for ((rows, column), y) in self.nonzero_columns().zip(&mut *y) {
+                *y += dot(column, &remainder[rows]);
             }
         }
-        self.rest = rest;
+        self.remainder = remainder;
     }
 
     /// Computes λ = (A Aᵀ)⁻¹ A g, and repeats that for the remainder of g.
     fn solve_gram_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
-        let mut rest = std::mem::take(&mut self.rest);
+        let mut remainder = std::mem::take(&mut self.remainder);
         lambda.fill(0.0);
         for round in 0..=self.refinements {
-            refill(&mut rest, self.rows, 0.0);
-            for ((rows, column), g) in self.own_columns().zip(g) {
-                let left = match round {
+            refill(&mut remainder, self.rows, 0.0);
+            for ((rows, column), g) in self.nonzero_columns().zip(g) {
+                let residual = match round {
                     0 => *g,
                     _ => g - dot(column, &lambda[rows.clone()]),
                 };
-                if left != 0.0 {
-                    add_scaled(&mut rest[rows], left, column);
+                if residual != 0.0 {
+                    add_scaled(&mut remainder[rows], residual, column);
                 }
             }
-            cholesky::substitute(&self.gram, self.rows, &mut rest);
-            add_scaled(lambda, 1.0, &rest);
+            cholesky::substitute(&self.gram, self.rows, &mut remainder);
+            add_scaled(lambda, 1.0, &remainder);
         }
-        self.rest = rest;
+        self.remainder = remainder;
     }
 }
 
@@ -311,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_row_feels_is_orthonormal_and_complete() {
+    fn null_space_is_orthonormal_and_complete() {
         let mut space = RowSpace::default();
         space.factorise(&DEPENDENT, 4, 1e-12);
         assert_eq!((space.rank(), space.nullity()), (2, 2));
@@ -335,7 +340,7 @@ mod tests {
 
     /// (A⁺ b)·g = b·(A⁺ᵀ g), and A A⁺ A = A, for both ranks, with the null space and without.
     #[test]
-    fn the_pseudoinverse_is_one_and_its_transpose_its_own() {
+    fn pseudoinverse_and_transpose_agree() {
         for (rows, bare) in [(2, false), (3, false), (2, true), (3, true)] {
             let matrix = &DEPENDENT[..rows * 4];
             let mut space = RowSpace::default();

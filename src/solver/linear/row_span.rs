@@ -9,28 +9,28 @@ pub(crate) struct RowSpan {
     /// Basis, vector by vector.
     basis: Vec<f64>,
     /// Coefficients of each independent row in the basis vectors up to its own, row by row.
-    shares: Vec<f64>,
+    coefficients: Vec<f64>,
     /// The caller's number of each independent row.
     rows: Vec<usize>,
-    left: Vec<f64>,
+    remainder: Vec<f64>,
     multipliers: Vec<f64>,
     /// Squared part of each variable's unit vector outside the span of all vectors so far.
-    untaken: Vec<f64>,
+    free_parts: Vec<f64>,
 }
 
 impl RowSpan {
     /// Reserves memory for this many independent rows and numbers per row.
     pub(crate) fn reserve(&mut self, rows: usize, columns: usize) {
         self.clear();
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.basis, rows * columns),
-            (&mut self.shares, triangle(rows + 1)),
-            (&mut self.left, columns),
+            (&mut self.coefficients, triangle(rows + 1)),
+            (&mut self.remainder, columns),
             (&mut self.multipliers, rows),
-            (&mut self.untaken, columns),
+            (&mut self.free_parts, columns),
         ] {
             vector.clear();
-            vector.reserve(room);
+            vector.reserve(capacity);
         }
         self.rows.reserve(rows);
     }
@@ -38,30 +38,31 @@ impl RowSpan {
     /// Removes all rows.
     pub(crate) fn clear(&mut self) {
         self.basis.clear();
-        self.shares.clear();
+        self.coefficients.clear();
         self.rows.clear();
     }
 
-    /// Adds a row by its number, unless at most `least` of its length is independent of the stored rows.
-    pub(crate) fn add(&mut self, number: usize, row: impl Iterator<Item = f64>, least: f64) {
-        self.left.clear();
-        self.left.extend(row);
+    /// Adds a row by its number, unless at most `min_length` of it is independent of the stored rows.
+    pub(crate) fn add(&mut self, number: usize, row: impl Iterator<Item = f64>, min_length: f64) {
+        self.remainder.clear();
+        self.remainder.extend(row);
         let rank = self.rows.len();
-        self.shares.resize(triangle(rank + 1), 0.0);
-        let shares = &mut self.shares[triangle(rank)..];
-        shares.fill(0.0);
+        self.coefficients.resize(triangle(rank + 1), 0.0);
+        let coefficients = &mut self.coefficients[triangle(rank)..];
+        coefficients.fill(0.0);
         for _ in 0..2 {
-            let basis = self.basis.chunks_exact(self.left.len().max(1));
-            for (vector, share) in basis.zip(&mut *shares) {
-                let along = dot(vector, &self.left);
-                add_scaled(&mut self.left, -along, vector);
-                *share += along;
+            let basis = self.basis.chunks_exact(self.remainder.len().max(1));
+            for (vector, coefficient) in basis.zip(&mut *coefficients) {
+                let component = dot(vector, &self.remainder);
+                add_scaled(&mut self.remainder, -component, vector);
+                *coefficient += component;
             }
         }
-        let new = dot(&self.left, &self.left).sqrt();
-        if new > least && new.is_finite() {
-            shares[rank] = new;
-            self.basis.extend(self.left.iter().map(|entry| entry / new));
+        let length = dot(&self.remainder, &self.remainder).sqrt();
+        if length > min_length && length.is_finite() {
+            coefficients[rank] = length;
+            self.basis
+                .extend(self.remainder.iter().map(|entry| entry / length));
             self.rows.push(number);
         }
     }
@@ -80,34 +81,34 @@ impl RowSpan {
     pub(crate) fn complement(&mut self, fixed: &[bool], directions: &mut Vec<f64>) {
         let n = fixed.len();
         let basis = self.basis.chunks_exact(n.max(1));
-        self.untaken.clear();
+        self.free_parts.clear();
         let free = fixed.iter().map(|&fixed| if fixed { -1.0 } else { 1.0 });
-        self.untaken.extend(free);
+        self.free_parts.extend(free);
         for vector in basis.clone() {
-            for (untaken, entry) in self.untaken.iter_mut().zip(vector) {
-                *untaken -= entry * entry;
+            for (free_part, entry) in self.free_parts.iter_mut().zip(vector) {
+                *free_part -= entry * entry;
             }
         }
         let free = fixed.iter().filter(|fixed| !**fixed).count();
         directions.clear();
         for _ in self.rows.len()..free {
-            let most = (0..n).max_by(|&a, &b| self.untaken[a].total_cmp(&self.untaken[b]));
-            let Some(most) = most else { return };
+            let index = (0..n).max_by(|&a, &b| self.free_parts[a].total_cmp(&self.free_parts[b]));
+            let Some(index) = index else { return };
             let done = directions.len();
             directions.resize(done + n, 0.0);
-            let (others, own) = directions.split_at_mut(done);
-            own[most] = 1.0;
+            let (earlier, direction) = directions.split_at_mut(done);
+            direction[index] = 1.0;
             // Twice, as in `add`.
             for _ in 0..2 {
-                for vector in basis.clone().chain(others.chunks_exact(n.max(1))) {
-                    let along = dot(vector, own);
-                    add_scaled(own, -along, vector);
+                for vector in basis.clone().chain(earlier.chunks_exact(n.max(1))) {
+                    let component = dot(vector, direction);
+                    add_scaled(direction, -component, vector);
                 }
             }
-            let length = dot(own, own).sqrt();
-            for (untaken, entry) in self.untaken.iter_mut().zip(&mut *own) {
+            let length = dot(direction, direction).sqrt();
+            for (free_part, entry) in self.free_parts.iter_mut().zip(&mut *direction) {
                 *entry /= length;
-                *untaken -= *entry * *entry;
+                *free_part -= *entry * *entry;
             }
         }
     }
@@ -123,10 +124,10 @@ impl RowSpan {
             .extend(basis.map(|direction| -dot(direction, vector)));
         // Row k depends on the basis vectors up to its own, so its λ follows from the later ones.
         for k in (0..self.rows.len()).rev() {
-            let shares = &self.shares[triangle(k)..];
-            let own = self.multipliers[k] / shares[k];
-            self.multipliers[k] = own;
-            add_scaled(&mut self.multipliers[..k], -own, &shares[..k]);
+            let coefficients = &self.coefficients[triangle(k)..];
+            let multiplier = self.multipliers[k] / coefficients[k];
+            self.multipliers[k] = multiplier;
+            add_scaled(&mut self.multipliers[..k], -multiplier, &coefficients[..k]);
         }
         self.rows
             .iter()
@@ -154,19 +155,22 @@ mod tests {
         // Twice the first row and the second: dependent.
         space.add(7, [2.5, 4.0, 3.0, -1.0].into_iter(), 1e-10);
         let vector = [0.3, -1.2, 0.7, 2.0];
-        let mut rest = vector;
+        let mut remainder = vector;
         for (number, multiplier) in space.multipliers(&vector) {
-            for (rest, entry) in rest.iter_mut().zip(rows[number]) {
-                *rest += multiplier * entry;
+            for (remainder, entry) in remainder.iter_mut().zip(rows[number]) {
+                *remainder += multiplier * entry;
             }
         }
         let mut projected = vector;
         space.project_out(&mut projected);
-        for ((rest, projected), k) in rest.iter().zip(&projected).zip(0..) {
-            assert!((rest - projected).abs() < 1e-14, "{k}: {rest} {projected}");
+        for ((remainder, projected), k) in remainder.iter().zip(&projected).zip(0..) {
+            assert!(
+                (remainder - projected).abs() < 1e-14,
+                "{k}: {remainder} {projected}"
+            );
         }
         for row in rows {
-            let along: f64 = row.iter().zip(&rest).map(|(a, b)| a * b).sum();
+            let along: f64 = row.iter().zip(&remainder).map(|(a, b)| a * b).sum();
             assert!(along.abs() < 1e-14, "{along}");
         }
     }

@@ -39,13 +39,13 @@ impl<'a> Semiseparable<'a> {
     /// xᵀ S x; `sum` is a buffer for m numbers.
     pub(in crate::solver) fn quadratic(self, x: &[f64], sum: &mut Vec<f64>) -> f64 {
         refill(sum, self.jacobian.nrows(), 0.0);
-        let (mut twice, mut own) = (0.0, 0.0);
+        let (mut off_diagonal, mut diagonal) = (0.0, 0.0);
         for ((column, generator), &x) in self.pairs().zip(x).filter(|(_, x)| **x != 0.0) {
-            twice += x * dot(column, sum);
-            own += x * x * dot(generator, column);
+            off_diagonal += x * dot(column, sum);
+            diagonal += x * x * dot(generator, column);
             add_scaled(sum, x, generator);
         }
-        2.0 * twice + own
+        2.0 * off_diagonal + diagonal
     }
 
     /// Adds S x to `product`; `sum` is a buffer for m numbers.
@@ -87,7 +87,7 @@ pub(in crate::solver) struct SemiseparableNormal {
 impl SemiseparableNormal {
     /// Reserves memory for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.matrix, rows * rows),
             (&mut self.factor, rows * rows),
             (&mut self.pivot_column, 2 * rows),
@@ -97,7 +97,7 @@ impl SemiseparableNormal {
             (&mut self.pivots, columns),
             (&mut self.product, columns),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
     }
 
@@ -186,25 +186,30 @@ impl SemiseparableNormal {
         self.pivots.clear();
         let mut largest = 0.0_f64;
         for (&j, value) in moving.iter().zip(unknown.iter_mut()) {
-            let (own, scale) = (column(j), model.scale.get(j).copied().unwrap_or(1.0));
-            let diagonal = dot(own, own) + dot(generator(j), own) + damping / (scale * scale);
+            let (jacobian_column, scale) = (column(j), model.scale.get(j).copied().unwrap_or(1.0));
+            let diagonal = dot(jacobian_column, jacobian_column)
+                + dot(generator(j), jacobian_column)
+                + damping / (scale * scale);
             largest = largest.max(diagonal);
             self.side.clear();
-            let products = self.matrix.chunks_exact(rows).map(|row| dot(row, own));
+            let products = self
+                .matrix
+                .chunks_exact(rows)
+                .map(|row| dot(row, jacobian_column));
             self.side.extend(products);
-            let pivot = diagonal - dot(&self.side, own);
+            let pivot = diagonal - dot(&self.side, jacobian_column);
             // True for NaN.
             let is_lost = !(pivot > NEGLIGIBLE * largest);
             if is_lost {
                 return false;
             }
             let from = self.lower.len();
-            let ends = own.iter().zip(generator(j)).zip(&self.side);
+            let terms = jacobian_column.iter().zip(generator(j)).zip(&self.side);
             self.lower
-                .extend(ends.map(|((own, generator), side)| (own + generator - side) / pivot));
+                .extend(terms.map(|((entry, generator), side)| (entry + generator - side) / pivot));
             let w = &self.lower[from..];
             add_outer(&mut self.matrix, pivot, w, w);
-            *value -= dot(own, &self.sum);
+            *value -= dot(jacobian_column, &self.sum);
             add_scaled(&mut self.sum, *value, w);
             self.pivots.push(pivot);
         }

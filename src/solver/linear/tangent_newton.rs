@@ -28,7 +28,7 @@ pub(crate) struct TangentNewton {
     factor: Vec<f64>,
     pivot_column: Vec<f64>,
     /// Largest |entry| of the diagonal of ZᵀHZ.
-    stiffest: f64,
+    max_stiffness: f64,
     image: Vec<f64>,
     e: Vec<f64>,
     /// L⁻¹zⱼ for each variable, then L⁻¹Zᵀa for the row a of each inequality.
@@ -43,7 +43,7 @@ impl TangentNewton {
     /// Reserves memory for this many variables.
     pub(crate) fn reserve(&mut self, variables: usize) {
         let square = variables * variables;
-        for (vector, room) in [
+        for (vector, capacity) in [
             (&mut self.directions, square),
             (&mut self.hessian, square),
             (&mut self.factor, square),
@@ -52,13 +52,17 @@ impl TangentNewton {
             (&mut self.image, variables),
             (&mut self.e, variables),
         ] {
-            vacate(vector, room);
+            vacate(vector, capacity);
         }
         self.projection.reserve(variables, variables);
     }
 
     /// Computes ZᵀHZ; `image` writes the product of H with a direction.
-    pub(crate) fn take(&mut self, variables: usize, mut image: impl FnMut(&[f64], &mut [f64])) {
+    pub(crate) fn compute_hessian(
+        &mut self,
+        variables: usize,
+        mut image: impl FnMut(&[f64], &mut [f64]),
+    ) {
         let count = self.directions.len().checked_div(variables).unwrap_or(0);
         let directions = || self.directions.chunks_exact(variables.max(1));
         let hessian = &mut self.hessian;
@@ -70,19 +74,19 @@ impl TangentNewton {
                 hessian[k * count + j] = dot(other, &self.image);
             }
         }
-        self.stiffest = 0.0;
+        self.max_stiffness = 0.0;
         for row in 0..count {
             for column in 0..=row {
                 let mean = 0.5 * (hessian[row * count + column] + hessian[column * count + row]);
                 hessian[row * count + column] = mean;
             }
-            self.stiffest = self.stiffest.max(hessian[row * count + row].abs());
+            self.max_stiffness = self.max_stiffness.max(hessian[row * count + row].abs());
         }
     }
 
     /// Largest |entry| of the diagonal of ZᵀHZ, the scale of the damping.
-    pub(crate) fn stiffest(&self) -> f64 {
-        self.stiffest
+    pub(crate) fn max_stiffness(&self) -> f64 {
+        self.max_stiffness
     }
 
     /// Writes the best step for a damping μ and the slope g, within bounds.
@@ -92,7 +96,7 @@ impl TangentNewton {
         &mut self,
         damping: f64,
         slope: &[f64],
-        within: &StepBounds<'_>,
+        bounds: &StepBounds<'_>,
         inequalities: Inequalities<'_>,
         step: &mut [f64],
     ) -> Option<f64> {
@@ -119,47 +123,49 @@ impl TangentNewton {
         let Inequalities { rows, down } = inequalities;
         self.variables = n;
         self.inequalities.clear();
-        let near = (0..down.len()).filter(|&row| down[row] < f64::INFINITY);
-        self.inequalities.extend(near);
+        let finite = (0..down.len()).filter(|&row| down[row] < f64::INFINITY);
+        self.inequalities.extend(finite);
         for &row in &self.inequalities {
             let first = self.rows.len();
-            let along = |direction: &[f64]| {
+            let product = |direction: &[f64]| {
                 let entries = rows.row(row);
                 let products = entries.iter().zip(direction).map(|(a, z)| a * z);
                 products.sum::<f64>()
             };
-            self.rows.extend(directions().map(along));
+            self.rows.extend(directions().map(product));
             solve_lower(&self.factor, &mut self.rows[first..]);
         }
-        let room = |j: usize| match j.checked_sub(n) {
-            None => within.space.room(within.x, j),
-            Some(own) => (down[self.inequalities[own]], f64::INFINITY),
+        let max_changes = |j: usize| match j.checked_sub(n) {
+            None => bounds.space.room(bounds.x, j),
+            Some(index) => (down[self.inequalities[index]], f64::INFINITY),
         };
         let count = n + self.inequalities.len();
-        let fallen = self.projection.project(&self.e, &self.rows, count, room);
+        let decrease = self
+            .projection
+            .project(&self.e, &self.rows, count, max_changes);
         let components = step.iter_mut().zip(&self.projection.products);
-        for ((step, product), fixed) in components.zip(within.fixed) {
+        for ((step, product), fixed) in components.zip(bounds.fixed) {
             *step = if *fixed { 0.0 } else { *product };
         }
-        Some(fallen)
+        Some(decrease)
     }
 
     /// Flags the variables whose bounds hold the last step.
-    pub(crate) fn write_resting(&self, resting: &mut [bool]) {
-        resting.fill(false);
-        for &(j, _) in self.projection.standing() {
-            if let Some(resting) = resting.get_mut(j) {
-                *resting = true;
+    pub(crate) fn write_held_variables(&self, held: &mut [bool]) {
+        held.fill(false);
+        for &(j, _) in self.projection.active() {
+            if let Some(held) = held.get_mut(j) {
+                *held = true;
             }
         }
     }
 
     /// Indices of the inequalities that hold the last step.
-    pub(crate) fn resting_on(&self) -> impl Iterator<Item = usize> {
-        let standing = self.projection.standing().iter();
-        standing.filter_map(|&(row, _)| {
-            let own = row.checked_sub(self.variables)?;
-            self.inequalities.get(own).copied()
+    pub(crate) fn holding_inequalities(&self) -> impl Iterator<Item = usize> {
+        let active = self.projection.active().iter();
+        active.filter_map(|&(row, _)| {
+            let index = row.checked_sub(self.variables)?;
+            self.inequalities.get(index).copied()
         })
     }
 }

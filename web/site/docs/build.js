@@ -20,15 +20,15 @@ const groups = contents();
 const all = pages(groups);
 const pictures = new Set();
 const links = new Links(all, pictures);
-const found = [];
+const searchEntries = [];
 for (const page of all.values()) {
     const text = REFERENCES[page.path] ? WRITTEN[page.address]() : source(page.path);
     const { html, headings, sections } = rendered(text, page, links);
-    for (const { heading, anchor, text: words } of sections) found.push([page.title, heading, `${page.address}#${anchor}`, words]);
+    for (const { heading, anchor, text: words } of sections) searchEntries.push([page.title, heading, `${page.address}#${anchor}`, words]);
     writeFileSync(within(page.address), laidOut({ page, html, headings, groups }));
 }
 for (const path of pictures) copyFileSync(new URL(path, root), within(path));
-for (const own of ["page.css", "page.js", "search.js"]) copyFileSync(new URL(own, import.meta.url), within(`docs/${own}`));
+for (const file of ["page.css", "page.js", "search.js"]) copyFileSync(new URL(file, import.meta.url), within(`docs/${file}`));
 if (rustdoc) cpSync(resolve(rustdoc), new URL("rust/", dist), { recursive: true });
-writeFileSync(within("docs/search.json"), JSON.stringify(found));
+writeFileSync(within("docs/search.json"), JSON.stringify(searchEntries));
 console.log(`web/site/dist: ${all.size} pages of documentation, ${pictures.size} pictures`);

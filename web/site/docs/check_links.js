@@ -31,8 +31,8 @@ export function checked(folder) {
             const [path, anchor] = link.split("#");
             const target = path === "" ? name : posix.join(posix.dirname(name), decodeURI(path));
             from.get(name).add(target);
-            const there = !target.startsWith("..") && existsSync(join(folder, target)) && statSync(join(folder, target)).isFile();
-            if (!there || (anchor && !pages.get(target)?.ids.has(decodeURIComponent(anchor)))) broken.push(`${name}: ${link}`);
+            const exists = !target.startsWith("..") && existsSync(join(folder, target)) && statSync(join(folder, target)).isFile();
+            if (!exists || (anchor && !pages.get(target)?.ids.has(decodeURIComponent(anchor)))) broken.push(`${name}: ${link}`);
         }
     }
     return { broken, elsewhere, from, links };

@@ -30,7 +30,7 @@ export function contents() {
         const heading = line.match(/^## (.*)/);
         if (heading) groups.push({ title: heading[1], entries: [] });
         const entry = line.match(/^- \[([^\]]+)\]\(([^)#\s]+)(#[^)\s]+)?\)/);
-        if (entry) groups.at(-1).entries.push({ title: entry[1], anchor: entry[3] ?? "", ...place(entry[2]) });
+        if (entry) groups.at(-1).entries.push({ title: entry[1], anchor: entry[3] ?? "", ...entryTarget(entry[2]) });
     }
     return groups;
 }
@@ -38,7 +38,7 @@ export function contents() {
 /** Folder of rustdoc's output, if set: its pages are then part of the site. */
 export const rustdoc = process.env.KINOPT_RUSTDOC;
 
-function place(link) {
+function entryTarget(link) {
     if (rustdoc && link === "https://docs.rs/kinopt") return { address: "rust/kinopt/index.html" };
     if (/^https?:/.test(link)) return { external: link };
     const path = posix.join(posix.dirname(LIST), link).replace(/\/$/, "");
@@ -49,8 +49,8 @@ function place(link) {
  * Pages by the path of their source: the list itself, the entries of its groups, and further pages that it links to.
  */
 export function pages(groups) {
-    const own = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
-    const named = [...source(LIST).matchAll(/\[([^\]]+)\]\(([^)#\s]+\.md)\)/g)].map(([, title, link]) => ({ title, ...place(link) }));
-    const all = [{ title: "Documentation", path: LIST, address: addressOf(LIST) }, ...own, ...named];
+    const listed = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
+    const named = [...source(LIST).matchAll(/\[([^\]]+)\]\(([^)#\s]+\.md)\)/g)].map(([, title, link]) => ({ title, ...entryTarget(link) }));
+    const all = [{ title: "Documentation", path: LIST, address: addressOf(LIST) }, ...listed, ...named];
     return new Map(all.reverse().map((page) => [page.path, page]));
 }

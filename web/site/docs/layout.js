@@ -6,11 +6,11 @@ const escape = (text) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&
 
 function entry(page, { title, address, anchor = "", external }) {
     if (external) return `<li><a href="${external}">${escape(title)}</a></li>`;
-    const here = address === page.address && !anchor ? ' aria-current="page"' : "";
-    return `<li><a href="${between(page.address, address)}${anchor}"${here}>${escape(title)}</a></li>`;
+    const current = address === page.address && !anchor ? ' aria-current="page"' : "";
+    return `<li><a href="${between(page.address, address)}${anchor}"${current}>${escape(title)}</a></li>`;
 }
 
-const group = (page) => ({ title, entries }) => `<h2>${escape(title)}</h2>\n<ul>\n${entries.map((own) => entry(page, own)).join("\n")}\n</ul>`;
+const group = (page) => ({ title, entries }) => `<h2>${escape(title)}</h2>\n<ul>\n${entries.map((target) => entry(page, target)).join("\n")}\n</ul>`;
 
 function onThisPage(headings) {
     const parts = headings.filter(({ level }) => level === 2);
@@ -21,9 +21,9 @@ function onThisPage(headings) {
 
 function neighbours(page, groups) {
     const order = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
-    const at = order.findIndex(({ address }) => address === page.address);
-    const to = (own, rel, says) => own ? `<a rel="${rel}" href="${between(page.address, own.address)}"><small>${says}</small>${escape(own.title)}</a>` : "<span></span>";
-    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Previous")}${to(order[at + 1], "next", "Next")}</nav>`;
+    const index = order.findIndex(({ address }) => address === page.address);
+    const linkTo = (target, rel, label) => target ? `<a rel="${rel}" href="${between(page.address, target.address)}"><small>${label}</small>${escape(target.title)}</a>` : "<span></span>";
+    return `<nav class="neighbours" aria-label="Next pages">${linkTo(index > 0 && order[index - 1], "prev", "Previous")}${linkTo(order[index + 1], "next", "Next")}</nav>`;
 }
 
 /** True if a table is too wide for the text column: many columns with long rows. */
@@ -42,13 +42,13 @@ function firstWords(html) {
 export function laidOut({ page, html, headings, groups }) {
     const at = (address) => between(page.address, address);
     const title = headings[0]?.text ?? page.title;
-    const whole = title === "kinopt" ? "kinopt" : `${title} · kinopt`;
+    const fullTitle = title === "kinopt" ? "kinopt" : `${title} · kinopt`;
     return `<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>${escape(whole)}</title>
+<title>${escape(fullTitle)}</title>
 <meta name="description" content="${escape(firstWords(html))}">
 <link rel="icon" href="data:,">
 <link rel="stylesheet" href="${at("palette.css")}">

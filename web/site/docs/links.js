@@ -3,7 +3,7 @@ import { existsSync, statSync } from "node:fs";
 import { posix } from "node:path";
 import { repository, root } from "./contents.js";
 
-const OWN = new RegExp(`^(?:${repository}/(?:blob|tree|raw)/main|${repository.replace("//github.com", "//raw.githubusercontent.com")}/main)/`);
+const REPOSITORY_LINK = new RegExp(`^(?:${repository}/(?:blob|tree|raw)/main|${repository.replace("//github.com", "//raw.githubusercontent.com")}/main)/`);
 
 /** Relative address from one page of the site to another. */
 export const between = (from, to) => posix.relative(posix.dirname(from), to) || posix.basename(to);
@@ -17,10 +17,10 @@ export class Links {
 
     /** Path in the repository of a link of a page, and its anchor; undefined for external addresses. */
     #path(page, link) {
-        const [whole, anchor = ""] = link.split(/(?=#)/);
-        if (OWN.test(whole)) return { path: whole.replace(OWN, ""), anchor };
-        if (/^[a-z]+:/i.test(whole) || whole === "") return undefined;
-        return { path: posix.join(posix.dirname(page.path), decodeURI(whole)).replace(/\/$/, ""), anchor };
+        const [target, anchor = ""] = link.split(/(?=#)/);
+        if (REPOSITORY_LINK.test(target)) return { path: target.replace(REPOSITORY_LINK, ""), anchor };
+        if (/^[a-z]+:/i.test(target) || target === "") return undefined;
+        return { path: posix.join(posix.dirname(page.path), decodeURI(target)).replace(/\/$/, ""), anchor };
     }
 
     /** Path of a link into the repository. */
@@ -33,26 +33,26 @@ export class Links {
         return this.pages.get(this.#path(page, link)?.path)?.title;
     }
 
-    #there(page, path) {
+    #stat(page, path) {
         const file = new URL(path, root);
         if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which does not exist`);
         return statSync(file);
     }
 
     link(page, link) {
-        const own = this.#path(page, link);
-        if (!own) return link;
-        const target = this.pages.get(own.path);
-        if (target) return between(page.address, target.address) + own.anchor;
-        const kind = this.#there(page, own.path).isDirectory() ? "tree" : "blob";
-        return `${repository}/${kind}/main/${own.path}${own.anchor}`;
+        const resolved = this.#path(page, link);
+        if (!resolved) return link;
+        const target = this.pages.get(resolved.path);
+        if (target) return between(page.address, target.address) + resolved.anchor;
+        const kind = this.#stat(page, resolved.path).isDirectory() ? "tree" : "blob";
+        return `${repository}/${kind}/main/${resolved.path}${resolved.anchor}`;
     }
 
     picture(page, link) {
-        const own = this.#path(page, link);
-        if (!own) return link;
-        this.#there(page, own.path);
-        this.pictures.add(own.path);
-        return between(page.address, own.path);
+        const resolved = this.#path(page, link);
+        if (!resolved) return link;
+        this.#stat(page, resolved.path);
+        this.pictures.add(resolved.path);
+        return between(page.address, resolved.path);
     }
 }

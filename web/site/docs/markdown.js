@@ -47,9 +47,9 @@ const named = (token) => LANGUAGES[token.info.trim().split(/[\s,]+/)[0]];
 markdown.core.ruler.push("languages", ({ tokens, Token }) => {
     for (let begin = 0; begin < tokens.length; begin += 1) {
         let end = begin;
-        const told = new Set();
-        while (tokens[end]?.type === "fence" && tokens[end].level === 0 && named(tokens[end]) && !told.has(named(tokens[end]))) told.add(named(tokens[end++]));
-        if (told.size < 2) continue;
+        const languages = new Set();
+        while (tokens[end]?.type === "fence" && tokens[end].level === 0 && named(tokens[end]) && !languages.has(named(tokens[end]))) languages.add(named(tokens[end++]));
+        if (languages.size < 2) continue;
         const group = new Token("languages", "div", 0);
         group.children = tokens.splice(begin, end - begin);
         tokens.splice(begin, 0, group);

@@ -1,17 +1,17 @@
 // Behaviour of the documentation pages: language tabs, copy buttons, and a contents menu on small screens.
 import { ranked } from "./search.js";
 
-const KEPT = "kinopt language";
+const LANGUAGE_KEY = "kinopt language";
 const remembered = () => {
     try {
-        return localStorage.getItem(KEPT);
+        return localStorage.getItem(LANGUAGE_KEY);
     } catch {
         return null; // pages opened as files have no storage
     }
 };
 const remember = (language) => {
     try {
-        localStorage.setItem(KEPT, language);
+        localStorage.setItem(LANGUAGE_KEY, language);
     } catch {
         // No storage, as above.
     }
@@ -25,9 +25,9 @@ function choose(language) {
         if (!shown) continue;
         for (const part of parts) part.hidden = part !== shown;
         for (const tab of group.querySelectorAll('[role="tab"]')) {
-            const own = tab.textContent === language;
-            tab.setAttribute("aria-selected", String(own));
-            tab.tabIndex = own ? 0 : -1;
+            const isSelected = tab.textContent === language;
+            tab.setAttribute("aria-selected", String(isSelected));
+            tab.tabIndex = isSelected ? 0 : -1;
         }
     }
 }
@@ -48,18 +48,18 @@ for (const [number, group] of document.querySelectorAll(".languages").entries())
         part.setAttribute("aria-labelledby", tab.id);
         tab.addEventListener("click", () => {
             // Groups above may change their height: the clicked tab stays under the pointer.
-            const before = tab.getBoundingClientRect().top;
+            const previousTop = tab.getBoundingClientRect().top;
             choose(language);
             remember(language);
-            scrollBy({ top: tab.getBoundingClientRect().top - before, behavior: "instant" });
+            scrollBy({ top: tab.getBoundingClientRect().top - previousTop, behavior: "instant" });
         });
         tabs.append(tab);
     }
     tabs.addEventListener("keydown", (event) => {
-        const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-        if (!way) return;
+        const direction = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+        if (!direction) return;
         const all = [...tabs.children];
-        const next = all[(all.indexOf(document.activeElement) + way + all.length) % all.length];
+        const next = all[(all.indexOf(document.activeElement) + direction + all.length) % all.length];
         next.click();
         next.focus();
     });
@@ -117,11 +117,11 @@ search.addEventListener("input", async () => {
     const query = search.value.trim();
     const scored = query ? ranked(await sections(), query) : [];
     results.replaceChildren(...scored.slice(0, 12).map(({ page, heading, address }) => {
-        const [item, link, where] = ["li", "a", "small"].map((kind) => document.createElement(kind));
+        const [item, link, pageName] = ["li", "a", "small"].map((kind) => document.createElement(kind));
         link.href = new URL(address, root);
         link.textContent = heading;
-        where.textContent = page === heading ? "" : page;
-        link.append(where);
+        pageName.textContent = page === heading ? "" : page;
+        link.append(pageName);
         item.append(link);
         return item;
     }));

@@ -28,25 +28,25 @@ function wordsOfRust() {
     const words = new Map();
     const files = readdirSync(new URL("python/src/", root), { recursive: true }).filter((file) => file.endsWith(".rs")).sort();
     for (const file of files) {
-        let said = [];
+        let docLines = [];
         let scope = "";
         let named;
         for (const line of source(`python/src/${file}`).split("\n")) {
             const text = line.trim();
-            const own = text.match(/^\/\/\/ ?(.*)/);
+            const docLine = text.match(/^\/\/\/ ?(.*)/);
             const keep = (name) => {
-                if (said.length && !words.has(name)) words.set(name, said.join("\n"));
-                [said, named] = [[], undefined];
+                if (docLines.length && !words.has(name)) words.set(name, docLines.join("\n"));
+                [docLines, named] = [[], undefined];
             };
-            if (own) said.push(own[1]);
+            if (docLine) docLines.push(docLine[1]);
             else if (text.startsWith("#[")) named = text.match(/name = "(\w+)"|#\[getter\((\w+)\)\]/)?.slice(1).find(Boolean) ?? named;
-            else if (/^impl\b/.test(line)) [scope, said] = [line.match(/^impl(?:<[^>]*>)? (?:\w+ for )?(\w+)/)?.[1] ?? "", []];
+            else if (/^impl\b/.test(line)) [scope, docLines] = [line.match(/^impl(?:<[^>]*>)? (?:\w+ for )?(\w+)/)?.[1] ?? "", []];
             else if (/^(pub(\(\w+\))? )?struct /.test(line)) {
                 scope = line.match(/struct (\w+)/)[1];
                 keep(scope);
-            } else if (/\bfn (r#)?\w+/.test(text) && said.length) keep(`${/^\s/.test(line) ? `${scope}.` : ""}${named ?? text.match(/fn (?:r#)?(\w+)/)[1]}`);
+            } else if (/\bfn (r#)?\w+/.test(text) && docLines.length) keep(`${/^\s/.test(line) ? `${scope}.` : ""}${named ?? text.match(/fn (?:r#)?(\w+)/)[1]}`);
             else if (/^(pub(\(\w+\))? )?\w+: /.test(text)) keep(`${scope}.${text.match(/(\w+):/)[1]}`);
-            else if (text === "" || text === "}") [said, named] = [[], undefined];
+            else if (text === "" || text === "}") [docLines, named] = [[], undefined];
         }
     }
     return words;
@@ -54,14 +54,14 @@ function wordsOfRust() {
 
 /** Statements of a stub or a module; those over several lines are joined. */
 function statements(text) {
-    const whole = [];
+    const joined = [];
     let depth = 0;
     for (const line of text.split("\n")) {
-        if (depth > 0) whole[whole.length - 1] += ` ${line.trim()}`;
-        else whole.push(line);
+        if (depth > 0) joined[joined.length - 1] += ` ${line.trim()}`;
+        else joined.push(line);
         depth += (line.match(/[([{]/g) ?? []).length - (line.match(/[)\]}]/g) ?? []).length;
     }
-    return whole.map((line) => line.replace(/\( /g, "(").replace(/,? \)/g, ")"));
+    return joined.map((line) => line.replace(/\( /g, "(").replace(/,? \)/g, ")"));
 }
 
 /** Doc text as Markdown: names as code; lines about keywords become a list. */
@@ -77,57 +77,57 @@ function plain(words = "") {
     return lines.join("\n").trim();
 }
 
-const line = (signature, told) => `- \`${signature}\`${told ? `  \n  ${plain(told).replace(/\s*\n\s*/g, " ")}` : ""}`;
+const line = (signature, doc) => `- \`${signature}\`${doc ? `  \n  ${plain(doc).replace(/\s*\n\s*/g, " ")}` : ""}`;
 const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:\s*\.\.\.$/, "");
 
 /** A signature as a code block; a long one has a line for each parameter. */
 function block(text) {
     const [, name, inside, rest] = text.match(/^(\w+)\(([\s\S]*)\)((?: -> .*)?)$/) ?? [];
     if (text.length < 90 || !inside) return ["```python", text, "```", ""];
-    const parameters = inside.split(/, (?![^[(]*[\])])/).map((one) => `    ${one},`);
+    const parameters = inside.split(/, (?![^[(]*[\])])/).map((parameter) => `    ${parameter},`);
     return ["```python", `${name}(`, ...parameters, `)${rest}`, "```", ""];
 }
 
 function ofStub(file, words) {
-    const found = [];
-    let at;
+    const entries = [];
+    let currentClass;
     let property = false;
     for (const statement of file ? statements(source(`python/kinopt/_kinopt/${file}.pyi`)) : []) {
         const kind = statement.match(/^class (\w+)/);
-        if (kind) found.push((at = { name: kind[1], told: words.get(kind[1]), members: [] }));
+        if (kind) entries.push((currentClass = { name: kind[1], doc: words.get(kind[1]), members: [] }));
         else if (/^def /.test(statement)) {
             const name = statement.match(/^def (\w+)/)[1];
-            found.push({ name, told: words.get(name), signature: signature(statement), members: [] });
-            at = undefined;
+            entries.push({ name, doc: words.get(name), signature: signature(statement), members: [] });
+            currentClass = undefined;
         } else if (/^\s+@property/.test(statement)) property = true;
-        else if (/^\s+def /.test(statement) && at) {
+        else if (/^\s+def /.test(statement) && currentClass) {
             const name = statement.match(/def (\w+)/)[1];
-            const own = signature(statement);
-            if (name === "__new__") at.signature = own.replace("__new__", at.name).replace(/ -> \w+$/, "");
-            else if (!name.startsWith("_")) at.members.push(line(property ? own.replace("()", "").replace(" -> ", ": ") : own, words.get(`${at.name}.${name}`)));
+            const definition = signature(statement);
+            if (name === "__new__") currentClass.signature = definition.replace("__new__", currentClass.name).replace(/ -> \w+$/, "");
+            else if (!name.startsWith("_")) currentClass.members.push(line(property ? definition.replace("()", "").replace(" -> ", ": ") : definition, words.get(`${currentClass.name}.${name}`)));
             property = false;
         }
     }
-    return found;
+    return entries;
 }
 
 /** Classes and functions of a Python source, with their docstrings. */
 function ofFile(file) {
     const text = source(`python/kinopt/${file}`);
-    const found = [];
-    for (const [whole, kind, name, given, told] of text.matchAll(/^(class|def) ([A-Za-z]\w*)(?:\(([\s\S]*?)\))?(?: -> [^\n]*)?:\n    """([\s\S]*?)"""/gm)) {
-        const own = { name, told: told.replace(/^ {4}/gm, ""), members: [] };
-        if (kind === "def") own.signature = `${name}(${given.replace(/\s+/g, " ").replace(/,? *$/, "").trim()})`;
+    const entries = [];
+    for (const [declaration, kind, name, parameters, doc] of text.matchAll(/^(class|def) ([A-Za-z]\w*)(?:\(([\s\S]*?)\))?(?: -> [^\n]*)?:\n    """([\s\S]*?)"""/gm)) {
+        const entry = { name, doc: doc.replace(/^ {4}/gm, ""), members: [] };
+        if (kind === "def") entry.signature = `${name}(${parameters.replace(/\s+/g, " ").replace(/,? *$/, "").trim()})`;
         else {
-            const body = text.slice(text.indexOf(whole) + whole.length).split(/\n(?=[^\s#)])/)[0];
-            for (const [, property, member, arguments_, result, said] of body.matchAll(/^    (@property\n    )?def ([a-z]\w*)\(([\s\S]*?)\)(?: -> ([^\n]*))?:\n        """([\s\S]*?)"""/gm)) {
-                const taken = arguments_.replace(/\s+/g, " ").replace(/^ ?(self|cls)(, )?/, "").replace(/,? *$/, "");
-                own.members.push(line(property ? `${member}: ${result}` : `${member}(${taken})${result ? ` -> ${result}` : ""}`, said));
+            const body = text.slice(text.indexOf(declaration) + declaration.length).split(/\n(?=[^\s#)])/)[0];
+            for (const [, property, member, arguments_, result, memberDoc] of body.matchAll(/^    (@property\n    )?def ([a-z]\w*)\(([\s\S]*?)\)(?: -> ([^\n]*))?:\n        """([\s\S]*?)"""/gm)) {
+                const memberParameters = arguments_.replace(/\s+/g, " ").replace(/^ ?(self|cls)(, )?/, "").replace(/,? *$/, "");
+                entry.members.push(line(property ? `${member}: ${result}` : `${member}(${memberParameters})${result ? ` -> ${result}` : ""}`, memberDoc));
             }
         }
-        found.push(own);
+        entries.push(entry);
     }
-    return found;
+    return entries;
 }
 
 /** Exported names of a module. */
@@ -140,10 +140,10 @@ export function pythonReference() {
         const names = exported(exports);
         const all = [...ofStub(stub, words), ...files.flatMap(ofFile)].filter(({ name }) => names.has(name));
         text.push(`## ${module}`, "");
-        for (const own of all.sort((a, b) => (a.name < b.name ? -1 : 1))) {
-            text.push(`### ${module}.${own.name}`, "");
-            if (own.signature) text.push(...block(own.signature));
-            text.push(plain(own.told), "", ...own.members, "");
+        for (const entry of all.sort((a, b) => (a.name < b.name ? -1 : 1))) {
+            text.push(`### ${module}.${entry.name}`, "");
+            if (entry.signature) text.push(...block(entry.signature));
+            text.push(plain(entry.doc), "", ...entry.members, "");
         }
     }
     return text.join("\n");

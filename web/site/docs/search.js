@@ -66,7 +66,7 @@ function weight(term, heading, text, names) {
 export function ranked(sections, query) {
     const words = query.split(/\s+/).filter(Boolean).map(plain);
     if (words.length === 0) return [];
-    const found = [];
+    const results = [];
     for (const [page, heading, address, text] of sections) {
         const [above, below] = [plain(`${heading} ${page}`), plain(text)];
         const names = new Set(below.match(/[\p{L}\d]+/gu));
@@ -76,8 +76,8 @@ export function ranked(sections, query) {
         });
         if (weights.includes(0)) continue;
         const exact = plain(heading) === words.join(" ") ? 5 : 0;
-        const score = weights.reduce((sum, own) => sum + own, exact + preference(address));
-        found.push({ page, heading, address, score });
+        const score = weights.reduce((sum, weight) => sum + weight, exact + preference(address));
+        results.push({ page, heading, address, score });
     }
-    return found.sort((a, b) => b.score - a.score);
+    return results.sort((a, b) => b.score - a.score);
 }

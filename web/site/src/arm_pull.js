@@ -6,7 +6,7 @@ import { MARGIN } from "./body_pull.js";
  * Initial offset of a joint from the middle of its limits, relative to its range and in radians at most: straight arms
  * are singular.
  */
-const [ASIDE, BENT] = [0.15, 0.6];
+const [RANGE_FRACTION, MAX_OFFSET] = [0.15, 0.6];
 
 export class ArmPull {
     constructor(robot, base, tip, joints, surroundings) {
@@ -21,31 +21,31 @@ export class ArmPull {
      * The robot's configuration with this arm at its start: by default bent to alternating sides of the middle of its
      * limits.
      */
-    bent(whole, start) {
+    bent(robotConfiguration, start) {
         const { lower, upper } = this.arm;
-        const begins = lower.map((low, k) => {
+        const startAngles = lower.map((low, k) => {
             const middle = Number.isFinite(low + upper[k]) ? 0.5 * (low + upper[k]) : 0;
-            const aside = Math.min(BENT, ASIDE * (upper[k] - low));
-            return k === 0 ? middle : middle + (k % 2 === 0 ? aside : -aside);
+            const offset = Math.min(MAX_OFFSET, RANGE_FRACTION * (upper[k] - low));
+            return k === 0 ? middle : middle + (k % 2 === 0 ? offset : -offset);
         });
-        return this.arm.configuration(start ?? begins, whole);
+        return this.arm.configuration(start ?? startAngles, robotConfiguration);
     }
 
     /** Continues from a configuration of the robot. */
-    grab(_handle, _pins, whole) {
-        this.whole = whole;
-        this.q = this.arm.jointValues(whole);
+    grab(_handle, _pins, robotConfiguration) {
+        this.robotConfiguration = robotConfiguration;
+        this.q = this.arm.jointValues(robotConfiguration);
         this.follower = this.arm.follower(this.q);
         this.target = this.arm.baseFromTool(this.q);
     }
 
     /** One frame: moves the tool to a position. */
-    advance(place) {
-        this.target.set(place, 12);
+    advance(position) {
+        this.target.set(position, 12);
         const solution = this.follower.advance(this.target);
-        const before = this.q;
+        const previous = this.q;
         this.q = solution.q;
-        this.whole = this.arm.configuration(this.q, this.whole);
-        return { solution, q: this.whole, rests: this.q.every((value, k) => Math.abs(value - before[k]) < 1e-6) };
+        this.robotConfiguration = this.arm.configuration(this.q, this.robotConfiguration);
+        return { solution, q: this.robotConfiguration, rests: this.q.every((value, k) => Math.abs(value - previous[k]) < 1e-6) };
     }
 }

@@ -33,31 +33,31 @@ export class BodyPull {
     grab(handle, pins, q) {
         const frames = [...new Set([...pins, handle])];
         const placed = new ForwardKinematics(this.model, frames).place(q).slice();
-        const at = new Map(frames.map((name, k) => [name, placed.subarray(16 * k, 16 * k + 16)]));
+        const placements = new Map(frames.map((name, k) => [name, placed.subarray(16 * k, 16 * k + 16)]));
         const others = frames.filter((name) => name !== handle);
         this.handle = handle;
-        this.turned = pins.includes(handle) ? at.get(handle) : undefined;
-        const pulled = { name: handle, level: PULLED };
-        const stated = [
-            ...others.map((name) => tasks.pose(name, at.get(name), { name, level: PINNED })),
-            this.turned ? tasks.pose(handle, this.turned, pulled) : tasks.point(handle, at.get(handle).slice(12, 15), pulled),
+        this.turned = pins.includes(handle) ? placements.get(handle) : undefined;
+        const targetOptions = { name: handle, level: PULLED };
+        const taskList = [
+            ...others.map((name) => tasks.pose(name, placements.get(name), { name, level: PINNED })),
+            this.turned ? tasks.pose(handle, this.turned, targetOptions) : tasks.point(handle, placements.get(handle).slice(12, 15), targetOptions),
             tasks.posture(q, { name: "posture", ...(this.stands && { jointWeights: "upright" }) }),
         ];
         const feet = Object.entries(this.soles).filter(([foot]) => others.includes(foot));
-        if (feet.length > 0) stated.push(tasks.supportPolygon([], { on: Object.fromEntries(feet), name: "balance", level: BALANCE }));
+        if (feet.length > 0) taskList.push(tasks.supportPolygon([], { on: Object.fromEntries(feet), name: "balance", level: BALANCE }));
         this.dragging?.free();
-        this.dragging = new Drag(this.#problem(stated), q);
+        this.dragging = new Drag(this.#problem(taskList), q);
     }
 
-    #problem(stated) {
+    #problem(taskList) {
         const { model, surroundings } = this;
-        return surroundings ? Problem.keepingClear(model, stated, surroundings.shapes, surroundings.world, MARGIN) : new Problem(model, stated);
+        return surroundings ? Problem.keepingClear(model, taskList, surroundings.shapes, surroundings.world, MARGIN) : new Problem(model, taskList);
     }
 
     /** One frame: moves the dragged frame to a position. */
-    advance(place) {
-        this.turned?.set(place, 12);
-        const solution = this.dragging.advance({ [this.handle]: this.turned ?? place });
+    advance(position) {
+        this.turned?.set(position, 12);
+        const solution = this.dragging.advance({ [this.handle]: this.turned ?? position });
         return { solution, q: solution.q, rests: this.dragging.isAtRest };
     }
 }

@@ -9,23 +9,23 @@ const LINK = 0xd8d5cd;
 const BOX = 0xb98a5b;
 const GROUND = 0x8f9aa3;
 /** Side length of the ground's squares relative to the size of the scene, and their number. */
-const [SQUARE, SQUARES] = [0.2, 40];
+const [SQUARE_SIDE, SQUARE_COUNT] = [0.2, 40];
 /** Radii of handles relative to the size of the model: of joints, and of the ends of a robot's limbs. */
-const [JOINT, END] = [0.009, 0.018];
+const [JOINT_RADIUS, END_RADIUS] = [0.009, 0.018];
 /** Colour of free handles: dark, because skins, sticks and links are light. */
 const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
-const UNDER_HAND = 0x8fa3b3;
+const HOVERED = 0x8fa3b3;
 const LIMITED = 0xc8442f;
 /** Scale of a grabbed handle, because its colour may be that of a pinned one. */
-const IN_HAND = 1.4;
+const GRABBED_SCALE = 1.4;
 
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
 
 /** Thickness of sticks relative to the size of a figure. */
-const STICK = 0.012;
-const sizeOf = (places) => new THREE.Box3().setFromArray(places).getSize(new THREE.Vector3()).length();
+const STICK_THICKNESS = 0.012;
+const sizeOf = (points) => new THREE.Box3().setFromArray(points).getSize(new THREE.Vector3()).length();
 
 export class BodyView {
     /** `files` are the opened files. */
@@ -45,7 +45,7 @@ export class BodyView {
         stage.frame(extent, opened);
         // A walking subject moves the ground in every frame.
         if (opened.kind !== "movement") {
-            this.grid = this.#ground(SQUARE * stage.size);
+            this.grid = this.#ground(SQUARE_SIDE * stage.size);
             this.grid.position[opened.up] = opened.floor ?? lowest(extent, opened.up);
         }
         this.#handles();
@@ -99,7 +99,7 @@ export class BodyView {
 
     #bones() {
         const size = sizeOf(this.opened.person ?? this.opened.places);
-        this.sticks = new StickFigure(this.opened.parents, STICK * size, solid(BONE));
+        this.sticks = new StickFigure(this.opened.parents, STICK_THICKNESS * size, solid(BONE));
         this.group.add(this.sticks.sticks);
     }
 
@@ -124,7 +124,7 @@ export class BodyView {
         if (meshes.length > 0) this.dressed = this.#fill(meshes);
         const sticks = this.opened.sticks ?? this.#gaps();
         if (sticks) {
-            this.limbs = new StickFigure(sticks, STICK * sizeOf(this.#origins(this.opened.links)), solid(LINK));
+            this.limbs = new StickFigure(sticks, STICK_THICKNESS * sizeOf(this.#origins(this.opened.links)), solid(LINK));
             this.group.add(this.limbs.sticks);
         }
         this.boxes = this.opened.boxes.map(({ size, at }) => {
@@ -147,9 +147,9 @@ export class BodyView {
         const crossed = parents.map(() => -1);
         boxes.forEach((box, k) => {
             if (box.isEmpty()) return;
-            const way = [k];
-            while (parents[way[0]] >= 0 && (way.length === 1 || boxes[way[0]].isEmpty())) way.unshift(parents[way[0]]);
-            const [end, ...between] = way;
+            const chain = [k];
+            while (parents[chain[0]] >= 0 && (chain.length === 1 || boxes[chain[0]].isEmpty())) chain.unshift(parents[chain[0]]);
+            const [end, ...between] = chain;
             if (!boxes[end].isEmpty() && !boxes[end].intersectsBox(box)) for (const body of between) crossed[body] = parents[body];
         });
         return crossed.some((parent) => parent >= 0) ? crossed : undefined;
@@ -173,7 +173,7 @@ export class BodyView {
     }
 
     #handles() {
-        const radius = JOINT * this.stage.size;
+        const radius = JOINT_RADIUS * this.stage.size;
         const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.9 });
         this.balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), material, this.count);
         this.balls.renderOrder = 1;
@@ -190,8 +190,8 @@ export class BodyView {
         const color = new THREE.Color();
         this.opened.handles.forEach((name, k) => {
             const limited = limits.some((joint) => joint === name || joint.startsWith(`${name}/`));
-            const held = name === grabbed;
-            color.set(limited && !held ? LIMITED : pins.has(name) ? PINNED : held ? GRABBED : name === hovered ? UNDER_HAND : FREE);
+            const isGrabbed = name === grabbed;
+            color.set(limited && !isGrabbed ? LIMITED : pins.has(name) ? PINNED : isGrabbed ? GRABBED : name === hovered ? HOVERED : FREE);
             this.balls.setColorAt(k, color);
         });
         if (this.count > 0) this.balls.instanceColor.needsUpdate = true;
@@ -221,11 +221,11 @@ export class BodyView {
     /** Moves the handles to their positions. */
     #spread() {
         const { handles, ends } = this.opened;
-        const places = this.places ?? this.opened.places;
-        const at = new THREE.Matrix4();
+        const positions = this.places ?? this.opened.places;
+        const matrix = new THREE.Matrix4();
         for (let k = 0; k < this.count; k += 1) {
-            const size = (k < ends ? END / JOINT : 1) * (handles[k] === this.grabbed ? IN_HAND : 1);
-            this.balls.setMatrixAt(k, at.makeScale(size, size, size).setPosition(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
+            const size = (k < ends ? END_RADIUS / JOINT_RADIUS : 1) * (handles[k] === this.grabbed ? GRABBED_SCALE : 1);
+            this.balls.setMatrixAt(k, matrix.makeScale(size, size, size).setPosition(positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]));
         }
         this.balls.instanceMatrix.needsUpdate = true;
     }
@@ -240,14 +240,14 @@ export class BodyView {
 
     /** Moves the view with a walking subject, and the ground by whole squares. */
     #walk([x, y]) {
-        const side = SQUARE * this.stage.size;
+        const side = SQUARE_SIDE * this.stage.size;
         this.grid ??= this.#ground(side);
         this.grid.position.set(side * Math.round(x / side), side * Math.round(y / side), 0);
         this.stage.follow(x, y);
     }
 
     #ground(side) {
-        const grid = new THREE.GridHelper(SQUARES * side, SQUARES, GROUND, GROUND);
+        const grid = new THREE.GridHelper(SQUARE_COUNT * side, SQUARE_COUNT, GROUND, GROUND);
         if (this.opened.up === "z") grid.rotateX(Math.PI / 2);
         grid.material.transparent = true;
         grid.material.opacity = 0.35;
@@ -263,11 +263,11 @@ export class BodyView {
     /** The handle nearest to a pixel, within a finger's size. */
     nearest(x, y) {
         let best;
-        let least = 60;
+        let nearestDistance = 60;
         for (const name of this.opened.handles) {
-            const seen = this.stage.toScreen(this.place(name));
-            const away = Math.hypot(seen.x - x, seen.y - y);
-            if (away < least) [best, least] = [name, away];
+            const pixel = this.stage.toScreen(this.place(name));
+            const distance = Math.hypot(pixel.x - x, pixel.y - y);
+            if (distance < nearestDistance) [best, nearestDistance] = [name, distance];
         }
         return best;
     }
@@ -277,9 +277,9 @@ export class BodyView {
         this.stage.scene.remove(this.group);
         this.group.traverse(({ geometry, material }) => {
             geometry?.dispose();
-            for (const own of [material ?? []].flat()) {
-                own.map?.dispose();
-                own.dispose();
+            for (const drawnMaterial of [material ?? []].flat()) {
+                drawnMaterial.map?.dispose();
+                drawnMaterial.dispose();
             }
         });
     }
@@ -287,9 +287,9 @@ export class BodyView {
 
 /** Height of the lowest of these points, three numbers each. */
 function lowest(points, up) {
-    let least = Infinity;
-    for (let k = up === "z" ? 2 : 1; k < points.length; k += 3) least = Math.min(least, points[k]);
-    return least;
+    let minHeight = Infinity;
+    for (let k = up === "z" ? 2 : 1; k < points.length; k += 3) minHeight = Math.min(minHeight, points[k]);
+    return minHeight;
 }
 
 /** Corners of a box, three numbers each. */

@@ -1,10 +1,10 @@
 // Common code of rigs and animation files: bones that are dragged, a skin that follows, a clip that plays.
 import { Drag, tasks } from "kinopt";
-import { Handles, told } from "./handles.js";
+import { Handles, solutionTexts } from "./handles.js";
 import { HeldOverClip } from "./held_over_clip.js";
 
 /** Largest time step of a late frame, seconds. */
-const LATE = 0.1;
+const MAX_STEP = 0.1;
 
 export class CharacterSession {
     held = new HeldOverClip();
@@ -39,7 +39,7 @@ export class CharacterSession {
         const solution = this.dragging.advance({ [this.grabbed]: target });
         this.q = solution.q;
         const solved = performance.now() - begun;
-        return { ...this.show(), ...told(solution, this.model.reach), solved, rests: this.dragging.isAtRest };
+        return { ...this.show(), ...solutionTexts(solution, this.model.reach), solved, rests: this.dragging.isAtRest };
     }
 
     /** Clamps angles to the limits, if there are any. */
@@ -51,20 +51,20 @@ export class CharacterSession {
     play({ seconds, passed, held }) {
         const begun = performance.now();
         const angles = this.clipAngles(seconds);
-        const late = Math.min(passed, LATE);
-        const targets = this.held.targets(held, late, (handle) => this.handles.place(angles, handle));
-        this.q = this.within(this.held.start(angles, late));
+        const step = Math.min(passed, MAX_STEP);
+        const targets = this.held.targets(held, step, (handle) => this.handles.place(angles, handle));
+        this.q = this.within(this.held.start(angles, step));
         let words = { reached: true, limits: [], words: "" };
         if (targets.size > 0) {
             const handles = [...targets.keys()];
             const still = this.stillBut(handles);
             const dragging = this.draggingOver(handles, [...still, ...handles]);
             dragging.setConfiguration(this.q);
-            const places = still.map((name) => [name, this.handles.place(angles, name)]);
-            const solution = dragging.advance(Object.fromEntries([...places, ...targets]));
+            const clipPositions = still.map((name) => [name, this.handles.place(angles, name)]);
+            const solution = dragging.advance(Object.fromEntries([...clipPositions, ...targets]));
             this.q = solution.q;
             this.held.ended(angles, this.q);
-            words = told(solution, this.model.reach);
+            words = solutionTexts(solution, this.model.reach);
         }
         const solved = performance.now() - begun;
         return { ...this.show(), ...words, solved };

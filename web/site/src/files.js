@@ -14,8 +14,8 @@ export async function bytesOf(list) {
 export async function dropped({ items, files }) {
     const entries = [...items].map((item) => item.webkitGetAsEntry?.());
     if (!entries.some((entry) => entry?.isDirectory)) return [...files];
-    const found = await Promise.all(entries.filter(Boolean).map(within));
-    return found.flat();
+    const lists = await Promise.all(entries.filter(Boolean).map(within));
+    return lists.flat();
 }
 
 async function within(entry) {
@@ -24,9 +24,9 @@ async function within(entry) {
     const all = [];
     // A reader returns at most a hundred entries at a time.
     for (;;) {
-        const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-        if (some.length === 0) break;
-        all.push(...some);
+        const batch = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+        if (batch.length === 0) break;
+        all.push(...batch);
     }
     return (await Promise.all(all.map(within))).flat();
 }
@@ -36,11 +36,11 @@ const isCapture = (name) => extension(name) === "bvh";
 const without = (files, left) => Object.fromEntries(Object.entries(files).filter(([name]) => !left(name)));
 
 /** Files of a motion on a robot if only one of the two is new: the other one stays. */
-export function besideNew(before, files) {
+export function mergeFiles(previous, files) {
     const names = Object.keys(files);
-    if (names.some(isCapture) && !names.some(isRobot)) return { ...without(before, isCapture), ...files };
+    if (names.some(isCapture) && !names.some(isRobot)) return { ...without(previous, isCapture), ...files };
     if (names.some(isRobot) && !names.some(isCapture)) {
-        const captures = Object.entries(before).filter(([name]) => isCapture(name));
+        const captures = Object.entries(previous).filter(([name]) => isCapture(name));
         return { ...files, ...Object.fromEntries(captures) };
     }
     return files;

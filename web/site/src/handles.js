@@ -11,10 +11,10 @@ export class Handles {
 
     /** Positions of the handles, three numbers each. */
     places(q) {
-        const placed = this.kinematics.place(q);
-        const places = new Float32Array(3 * this.names.length);
-        for (let k = 0; k < this.names.length; k += 1) places.set(placed.subarray(16 * k + 12, 16 * k + 15), 3 * k);
-        return places;
+        const placements = this.kinematics.place(q);
+        const positions = new Float32Array(3 * this.names.length);
+        for (let k = 0; k < this.names.length; k += 1) positions.set(placements.subarray(16 * k + 12, 16 * k + 15), 3 * k);
+        return positions;
     }
 
     /** Position of one handle, in double precision. */
@@ -33,15 +33,15 @@ const PART = /`([^`]+)\/(?:twist|bend)\d*`/g;
 function shortly(solution) {
     const [, ...all] = solution.explain().split("\n").map((line) => line.trim());
     // The page offers no other starts.
-    const heard = all.filter((line) => !/attempt|More time/.test(line));
+    const relevantLines = all.filter((line) => !/attempt|More time/.test(line));
     // Users know pinned frames, but no numbers of priority levels.
-    const lines = heard.map((line) => (/^Levels? \d/.test(line) ? "Pinned joints or the balance prevent it." : line.replace(PART, "`$1`")));
-    const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
-    return [...far, ...lines].slice(0, far.length || 3).join(" ");
+    const lines = relevantLines.map((line) => (/^Levels? \d/.test(line) ? "Pinned joints or the balance prevent it." : line.replace(PART, "`$1`")));
+    const unreachableLines = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
+    return [...unreachableLines, ...lines].slice(0, unreachableLines.length || 3).join(" ");
 }
 
 /** Texts of a solution for the page; an invisible miss needs none. */
-export const told = (solution, reach) => ({
+export const solutionTexts = (solution, reach) => ({
     reached: solution.reached,
     limits: solution.activeLimits.map(({ joint }) => joint),
     words: solution.reached || solution.positionError < 0.005 * reach ? "" : shortly(solution),

@@ -2,8 +2,8 @@
 
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 /** Rotation of the view for an arrow key, radians, and zoom factor of a key. */
-const [TURN, NEARER] = [0.1, 1.1];
-const ZOOMS = { "+": NEARER, "=": NEARER, "-": 1 / NEARER };
+const [TURN_ANGLE, ZOOM_FACTOR] = [0.1, 1.1];
+const ZOOMS = { "+": ZOOM_FACTOR, "=": ZOOM_FACTOR, "-": 1 / ZOOM_FACTOR };
 const BUTTONS = { p: "pin", s: "skin", " ": "play", r: "rest", w: "whole" };
 
 /** Adds the event listeners to the page's canvas. */
@@ -18,7 +18,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         if (page.kept.has(page.grabbed)) page.kept.set(page.grabbed, target);
     }
 
-    const near = ({ clientX, clientY }) => (page.opening ? undefined : page.view?.nearest(clientX, clientY));
+    const handleNear = ({ clientX, clientY }) => (page.opening ? undefined : page.view?.nearest(clientX, clientY));
 
     /** Highlights the handle that is or would be grabbed. */
     function point(name) {
@@ -35,7 +35,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
     canvas.addEventListener("pointerdown", (event) => {
         // A second pointer does not affect the first one's drag.
         if (page.held) return event.stopImmediatePropagation();
-        const name = event.isPrimary && event.button === 0 ? near(event) : undefined;
+        const name = event.isPrimary && event.button === 0 ? handleNear(event) : undefined;
         stage.orbit.enabled = !name;
         if (!name) return undefined;
         canvas.setPointerCapture(event.pointerId);
@@ -45,7 +45,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         return grab(name);
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
-        if (!page.held && event.buttons === 0) point(near(event));
+        if (!page.held && event.buttons === 0) point(handleNear(event));
         if (!page.held || event.pointerId !== pointer) return;
         aim(stage.under(event.clientX, event.clientY, page.view.place(page.grabbed)) ?? page.target);
     });
@@ -65,13 +65,13 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         const { handles } = page.opened;
         const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
         if (key === "j" && handles.length > 0) {
-            const at = handles.indexOf(page.grabbed) + (event.shiftKey ? -1 : 1);
-            const name = handles.at(at % handles.length);
+            const index = handles.indexOf(page.grabbed) + (event.shiftKey ? -1 : 1);
+            const name = handles.at(index % handles.length);
             grab(name).then(() => say(name));
         } else if (key in ZOOMS) {
             stage.nearer(ZOOMS[key]);
         } else if (key in NUDGES && !page.grabbed) {
-            stage.turn(...NUDGES[key].map((way) => TURN * way));
+            stage.turn(...NUDGES[key].map((direction) => TURN_ANGLE * direction));
         } else if (key in NUDGES) {
             const [right, up] = NUDGES[key];
             const { elements } = stage.camera.matrixWorld;

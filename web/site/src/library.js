@@ -17,12 +17,12 @@ export class Library {
         this.#worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
         let begun;
         this.#ready = new Promise((resolve) => (begun = resolve));
-        this.#worker.onmessage = ({ data: { ready, id, told, error, progress } }) => {
+        this.#worker.onmessage = ({ data: { ready, id, result, error, progress } }) => {
             if (ready) return begun();
             const { resolve, reject, hear } = this.#waiting.get(id);
             if (progress) return hear?.(progress);
             this.#waiting.delete(id);
-            return error === undefined ? resolve(told) : reject(new Error(error));
+            return error === undefined ? resolve(result) : reject(new Error(error));
         };
         this.#worker.onerror = ({ message }) => {
             const unfetched = !message || /fetch/i.test(message);

@@ -2,9 +2,9 @@
 import { ForwardKinematics } from "kinopt";
 
 /** Frames nearer to each other than this share one handle, relative to the robot's size. */
-const APART = 0.05;
+const MIN_HANDLE_DISTANCE = 0.05;
 /** Feet are nearly level with the lowest end of a limb, and far below the body, relative to the robot's height. */
-const [LEVEL, BELOW] = [0.05, 0.25];
+const [LEVEL_TOLERANCE, MIN_BODY_HEIGHT] = [0.05, 0.25];
 
 /**
  * Frames at the ends of limbs, one for each joint chain that is not part of another. A flange is the only end of its
@@ -19,9 +19,9 @@ function ends({ model, tips }, chainOf, linkOf) {
     }
     const goesOn = (chain) => [...byChain.keys()].some((other) => other.startsWith(`${chain}\n`));
     // If several tips are on one link, such as toes on a foot, the link is the end of the limb.
-    const found = [...byChain].filter(([chain]) => !goesOn(chain)).map(([, own]) => (own.length > 1 ? linkOf(own[0]) : own[0]));
+    const limbEnds = [...byChain].filter(([chain]) => !goesOn(chain)).map(([, tipsOfChain]) => (tipsOfChain.length > 1 ? linkOf(tipsOfChain[0]) : tipsOfChain[0]));
     // The library reports robots without joints.
-    return found.length > 0 ? found : tips.slice(0, 1);
+    return limbEnds.length > 0 ? limbEnds : tips.slice(0, 1);
 }
 
 export class Limbs {
@@ -31,42 +31,42 @@ export class Limbs {
         const names = robot.model.frameNames;
         this.base = names[0];
         this.places = new ForwardKinematics(robot.model).place(robot.model.neutral()).slice();
-        const at = new Map(names.map((name, k) => [name, this.places.subarray(16 * k + 12, 16 * k + 15)]));
-        const axis = (k) => [...at.values()].map((place) => place[k]);
+        const positions = new Map(names.map((name, k) => [name, this.places.subarray(16 * k + 12, 16 * k + 15)]));
+        const axis = (k) => [...positions.values()].map((position) => position[k]);
         const length = (values) => Math.max(...values) - Math.min(...values);
         this.height = length(axis(2));
-        const apart = APART * Math.hypot(length(axis(0)), length(axis(1)), this.height);
-        const away = (one, other) => Math.hypot(...at.get(one).map((value, k) => value - at.get(other)[k]));
+        const minDistance = MIN_HANDLE_DISTANCE * Math.hypot(length(axis(0)), length(axis(1)), this.height);
+        const distance = (one, other) => Math.hypot(...positions.get(one).map((value, k) => value - positions.get(other)[k]));
 
         for (const name of names) this.#chains.set(name, robot.chain(this.base, name));
         const rigid = (one, other) => this.chain(one).join() === this.chain(other).join();
         /** Of the frames that are fixed to each other, one with shapes, else the first. */
         const link = (name) => {
-            const own = names.filter((other) => rigid(name, other));
-            return own.find((other) => robot.shapes(other).length > 0) ?? own[0];
+            const rigidFrames = names.filter((other) => rigid(name, other));
+            return rigidFrames.find((other) => robot.shapes(other).length > 0) ?? rigidFrames[0];
         };
         const tips = ends(robot, (name) => this.chain(name), link);
         /** Ends of limbs first, then the joints between, one at each position. */
         this.handles = [];
         for (const name of new Set([...tips, ...names.map(link)])) {
-            const seen = this.handles.some((other) => rigid(name, other) || away(name, other) < apart);
-            if ((this.chain(name).length > 0 && !seen) || name === tips[0]) this.handles.push(name);
+            const isCovered = this.handles.some((other) => rigid(name, other) || distance(name, other) < minDistance);
+            if ((this.chain(name).length > 0 && !isCovered) || name === tips[0]) this.handles.push(name);
         }
         this.tips = this.handles.filter((name) => tips.includes(name));
-        const high = (name) => at.get(name)[2];
+        const high = (name) => positions.get(name)[2];
         const lowest = Math.min(...this.tips.map(high));
-        const low = this.tips.filter((name) => high(name) < lowest + LEVEL * this.height);
+        const low = this.tips.filter((name) => high(name) < lowest + LEVEL_TOLERANCE * this.height);
         /** Feet, for robots with at least two: the lowest ends of limbs, far below the body. */
-        this.feet = low.length > 1 && this.#body(robot, at) > lowest + BELOW * this.height ? low : [];
+        this.feet = low.length > 1 && this.#body(robot, positions) > lowest + MIN_BODY_HEIGHT * this.height ? low : [];
     }
 
     /**
      * Height of the body that carries the limbs: the file's first frame, or the first moving one below MuJoCo's world.
      */
-    #body(robot, at) {
+    #body(robot, positions) {
         const [first, second] = robot.model.frameNames;
         const name = first === "world" ? second : first;
-        return at.get(name)?.[2] ?? 0;
+        return positions.get(name)?.[2] ?? 0;
     }
 
     /** Joints from the base to a frame. */

@@ -1,7 +1,7 @@
 // The page: the opened model, the grabbed handle, playback, and the frame loop.
 import { BodyView } from "./body_view.js";
 import { dropping } from "./dropping.js";
-import { besideNew, bytesOf } from "./files.js";
+import { bytesOf, mergeFiles } from "./files.js";
 import { hands } from "./hands.js";
 import { hints } from "./hints.js";
 import { Library, STOPPED } from "./library.js";
@@ -54,7 +54,7 @@ globalThis.kinoptPage = page;
 const { playback } = page;
 
 /** Separator of notes. */
-const BETWEEN = " · ";
+const NOTE_SEPARATOR = " · ";
 
 function say(words, bad = false) {
     element("status").textContent = words;
@@ -67,23 +67,23 @@ const isBad = () => element("status").classList.contains("bad");
 const begins = ({ kind }) => kind === "movement" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 /** Opens a model. After an error the page shows the library's message and keeps its model. */
-async function open(wanted, name) {
+async function open(modelRequest, name) {
     page.opening = true;
     say(`Opening ${name}…`);
     const patience = setTimeout(() => (element("stop").hidden = false), 300);
     try {
-        const asked = { ...(await wanted), skinning: page.method };
-        const opened = await library.ask("open", asked);
+        const request = { ...(await modelRequest), skinning: page.method };
+        const opened = await library.ask("open", request);
         release();
         forget();
         whole.stop();
-        page.asked = asked;
+        page.asked = request;
         page.whole = page.hovered = undefined;
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
         page.limits = [];
-        page.view = new BodyView(stage, opened, asked.files);
+        page.view = new BodyView(stage, opened, request.files);
         page.frames.length = 0;
         playback.begin(begins(opened));
         element("clip").replaceChildren(...(opened.clips ?? []).map((clip) => new Option(clip)));
@@ -93,12 +93,12 @@ async function open(wanted, name) {
             button.setAttribute("aria-pressed", String(button.dataset.open === name));
         }
         // Notes about the page's own models are not shown.
-        say(name in MODELS ? "" : opened.notes.join(BETWEEN));
+        say(name in MODELS ? "" : opened.notes.join(NOTE_SEPARATOR));
         const { view } = page;
-        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(BETWEEN)));
+        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(NOTE_SEPARATOR)));
     } catch (error) {
         say(/not given/.test(error.message) ? `${error.message}. Drop this file too.` : error.message, true);
-        if (page.asked && error.message === STOPPED) await anew();
+        if (page.asked && error.message === STOPPED) await reopen();
     } finally {
         page.opening = false;
         clearTimeout(patience);
@@ -108,7 +108,7 @@ async function open(wanted, name) {
 }
 
 /** A restarted library has no model: the model is opened again, at rest. */
-async function anew() {
+async function reopen() {
     release();
     forget();
     page.limits = [];
@@ -145,9 +145,9 @@ async function shown(ask, what) {
     page.busy = true;
     try {
         const view = page.view;
-        const told = await library.ask(ask, what);
-        if (told.places && view === page.view) view.show(told);
-        return told;
+        const result = await library.ask(ask, what);
+        if (result.places && view === page.view) view.show(result);
+        return result;
     } catch (error) {
         say(error.message, true);
         release();
@@ -188,7 +188,7 @@ const mark = () => page.view.mark({ ...page, pins: playback.running ? page.kept 
 
 /** Held and pinned handles during playback, with their targets. */
 function heldOverClip() {
-    const held = new Map([...page.kept].map(([name, place]) => [name, place.toArray()]));
+    const held = new Map([...page.kept].map(([name, position]) => [name, position.toArray()]));
     if (page.grabbed && (page.held || page.nudged)) held.set(page.grabbed, page.target.toArray());
     return [...held];
 }
@@ -199,23 +199,23 @@ async function step() {
     else if (page.target && page.moved) {
         // Targets that change meanwhile apply in the next frame.
         page.moved = false;
-        const told = await shown("drag", { target: page.target.toArray() });
-        if (!told) return;
-        page.moved ||= page.held || !told.rests;
-        follow(told);
+        const result = await shown("drag", { target: page.target.toArray() });
+        if (!result) return;
+        page.moved ||= page.held || !result.rests;
+        follow(result);
     }
 }
 
 /** Shows the messages of a frame. */
-function follow(told) {
-    if (!told) return;
-    page.frames.push({ solved: told.solved, posed: told.posed, steps: told.steps });
+function follow(result) {
+    if (!result) return;
+    page.frames.push({ solved: result.solved, posed: result.posed, steps: result.steps });
     // Bounds the memory of long sessions.
     if (page.frames.length > 100_000) page.frames.splice(0, 50_000);
     if (page.opened.handles.length === 0) return;
-    page.limits = told.limits;
+    page.limits = result.limits;
     mark();
-    if (!isBad()) say(told.words || page.note);
+    if (!isBad()) say(result.words || page.note);
 }
 (function loop() {
     step();
@@ -261,10 +261,10 @@ element("clip").onchange = async ({ target }) => {
     // A restarted library opens the model with this clip.
     page.asked.clip = clip;
     const { view } = page;
-    const told = await shown("choose", { clip });
-    if (!told || view !== page.view) return;
-    page.opened.seconds = told.seconds;
-    playback.begin(told.seconds > 0);
+    const result = await shown("choose", { clip });
+    if (!result || view !== page.view) return;
+    page.opened.seconds = result.seconds;
+    playback.begin(result.seconds > 0);
     say("");
     mark();
     tools();
@@ -314,10 +314,10 @@ for (const button of document.querySelectorAll("[data-open]")) {
 async function openFiles(list) {
     const files = [...(await list)];
     if (files.length === 0) return;
-    const wanted = bytesOf(files).then((own) => ({
-        files: page.opened?.kind === "movement" ? besideNew(page.asked.files, own) : own,
+    const modelRequest = bytesOf(files).then((openedFiles) => ({
+        files: page.opened?.kind === "movement" ? mergeFiles(page.asked.files, openedFiles) : openedFiles,
     }));
-    await open(wanted, files[0].name);
+    await open(modelRequest, files[0].name);
 }
 dropping(openFiles);
 

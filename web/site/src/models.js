@@ -13,15 +13,15 @@ const FLOOR = -0.011;
 /**
  * Start configuration of the Panda, radians: its shoulder is bent too, so that its elbow swings while the tool stays.
  */
-const BENT = [0, -0.4, 0, -2, 0, 1.6, 0.8];
+const START_ANGLES = [0, -0.4, 0, -2, 0, 1.6, 0.8];
 
 async function fetched(...names) {
     const files = names.map(async (name) => {
-        const answer = await fetch(new URL(`./models/${name}`, import.meta.url)).catch(() => {
+        const response = await fetch(new URL(`./models/${name}`, import.meta.url)).catch(() => {
             throw new Error(`${name} cannot be fetched: check that the server is running`);
         });
-        if (!answer.ok) throw new Error(`${name}: ${answer.status}`);
-        return [name, new Uint8Array(await answer.arrayBuffer())];
+        if (!response.ok) throw new Error(`${name}: ${response.status}`);
+        return [name, new Uint8Array(await response.arrayBuffer())];
     });
     return Object.fromEntries(await Promise.all(files));
 }
@@ -29,5 +29,5 @@ async function fetched(...names) {
 export const MODELS = {
     humanoid: async () => ({ files: await fetched("humanoid.json", "humanoid.ply", "humanoid.dmat") }),
     capture: async () => ({ files: await fetched("steps.bvh", "aldebaran_nao.urdf") }),
-    panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES, floor: FLOOR, start: BENT }),
+    panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES, floor: FLOOR, start: START_ANGLES }),
 };

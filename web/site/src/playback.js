@@ -1,7 +1,7 @@
 // Playback time.
 
 /** Largest time step of a late frame, seconds: a hidden page continues from its last time. */
-const LATE = 0.25;
+const MAX_FRAME_TIME = 0.25;
 
 export class Playback {
     running = false;
@@ -24,7 +24,7 @@ export class Playback {
     /** Advances the time of a clip of this duration; returns the time and the step. */
     advance(length) {
         const now = performance.now();
-        const passed = Math.min((now - this.#last) / 1000, LATE);
+        const passed = Math.min((now - this.#last) / 1000, MAX_FRAME_TIME);
         this.#last = now;
         this.seconds = (this.seconds + passed) % length;
         return { seconds: this.seconds, passed };

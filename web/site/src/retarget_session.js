@@ -5,9 +5,9 @@ import { shapesOf } from "./robot_shapes.js";
 /** Frames per second. */
 const FPS = 30;
 /** Largest number of frames that one request processes; earlier ones are skipped. */
-const BEHIND = 15;
+const MAX_CATCH_UP_FRAMES = 15;
 /** Height of a subject, metres, and the speed below which its feet are in contact, m/s. */
-const [TALL, STANDS] = [1.75, 0.25];
+const [REFERENCE_HEIGHT, CONTACT_SPEED] = [1.75, 0.25];
 
 export class RetargetSession {
     constructor(robot, names, capture) {
@@ -18,10 +18,10 @@ export class RetargetSession {
         this.frames = Math.floor(this.clip.duration * FPS + 0.5) + 1;
         this.kinematics = new ForwardKinematics(robot.model);
         const { stride, up } = new RetargetFollower(robot, this.clip, undefined, { fps: FPS });
-        const heights = this.#places(0).filter((_, k) => k % 3 === (up === "y" ? 1 : 2));
+        const heights = this.#jointPositions(0).filter((_, k) => k % 3 === (up === "y" ? 1 : 2));
         /** Height of the subject at the robot's scale, metres; the feet of a small robot are slower while walking. */
         const tall = stride * (Math.max(...heights) - Math.min(...heights));
-        this.options = { fps: FPS, contactSpeed: (STANDS * tall) / TALL };
+        this.options = { fps: FPS, contactSpeed: (CONTACT_SPEED * tall) / REFERENCE_HEIGHT };
         this.follower = new RetargetFollower(robot, this.clip, undefined, this.options);
         /** Offset of the drawn subject, next to the robot and at the robot's scale. */
         this.aside = -tall;
@@ -33,7 +33,7 @@ export class RetargetSession {
         return {
             kind: "movement",
             up: "z",
-            room: 1.6,
+            distanceFactor: 1.6,
             from: [0.1, -1, 0.18],
             handles: [],
             pins: [],
@@ -52,19 +52,19 @@ export class RetargetSession {
         const frame = Math.min(Math.floor(seconds * FPS), this.frames - 1);
         const begun = performance.now();
         const ahead = (frame - this.frame + this.frames) % this.frames;
-        const steps = this.movement ? Math.min(ahead, 1) : Math.min(ahead, BEHIND);
+        const steps = this.movement ? Math.min(ahead, 1) : Math.min(ahead, MAX_CATCH_UP_FRAMES);
         for (let left = steps - 1; left >= 0; left -= 1) this.#step((frame - left + this.frames) % this.frames);
         const solved = performance.now() - begun;
         return { ...this.show(), solved, steps, reached: true, limits: [], words: "" };
     }
 
-    #places(frame) {
+    #jointPositions(frame) {
         return this.capture.armature.places(this.clip.sample(this.clip.start + frame / FPS, "hold"));
     }
 
     #step(frame) {
         this.frame = frame;
-        this.person = this.#places(frame);
+        this.person = this.#jointPositions(frame);
         const { movement } = this;
         const width = this.robot.model.configurationLen;
         this.q = movement ? movement.subarray(frame * width, (frame + 1) * width) : this.follower.step(this.person);
@@ -78,10 +78,10 @@ export class RetargetSession {
     }
 
     /** Solves the whole motion; `tell` receives the number of finished frames. */
-    whole(tell) {
-        const options = { ...this.options, whole: true, progress: (done, total) => tell({ done, total }) };
-        const found = retarget(this.robot, this.clip, undefined, options);
-        return { movement: found.q.slice(), meanError: found.meanError, slip: found.slip };
+    whole(report) {
+        const options = { ...this.options, whole: true, progress: (done, total) => report({ done, total }) };
+        const retargeted = retarget(this.robot, this.clip, undefined, options);
+        return { movement: retargeted.q.slice(), meanError: retargeted.meanError, slip: retargeted.slip };
     }
 
     rest() {

@@ -2,7 +2,7 @@
 import { CollisionModel, ForwardKinematics, World } from "kinopt";
 import { ArmPull } from "./arm_pull.js";
 import { BodyPull } from "./body_pull.js";
-import { told } from "./handles.js";
+import { solutionTexts } from "./handles.js";
 import { Limbs } from "./limbs.js";
 import { shapesOf } from "./robot_shapes.js";
 
@@ -84,14 +84,14 @@ export class RobotSession {
         const { solution, q, rests } = this.pull.advance(target);
         this.q = q;
         const solved = performance.now() - begun;
-        const { limits, ...more } = told(solution, this.robot.model.reach);
+        const { limits, ...more } = solutionTexts(solution, this.robot.model.reach);
         return { ...this.show(), ...more, limits: limits.map((joint) => this.limbs.handleOf(joint) ?? joint), solved, rests };
     }
 
     show() {
         const links = Float32Array.from(this.kinematics.place(this.q));
-        const places = this.frames.flatMap((frame) => [...links.subarray(16 * frame + 12, 16 * frame + 15)]);
-        return { links, places: Float32Array.from(places), posed: 0 };
+        const positions = this.frames.flatMap((frame) => [...links.subarray(16 * frame + 12, 16 * frame + 15)]);
+        return { links, places: Float32Array.from(positions), posed: 0 };
     }
 }
 

@@ -1,6 +1,6 @@
 // Shapes of a robot: its meshes if their files exist, else its primitive shapes.
 
-const DRAWN = ["stl", "dae", "obj"];
+const MESH_EXTENSIONS = ["stl", "dae", "obj"];
 
 /** Name of a file without its folders. */
 const bare = (file) => file.split(/[\\/]/).pop();
@@ -11,7 +11,7 @@ const bare = (file) => file.split(/[\\/]/).pop();
  */
 export function shapesOf(robot, names) {
     const missing = new Set();
-    const drawable = (name) => names.includes(name) && DRAWN.includes(name.slice(name.lastIndexOf(".") + 1).toLowerCase());
+    const drawable = (name) => names.includes(name) && MESH_EXTENSIONS.includes(name.slice(name.lastIndexOf(".") + 1).toLowerCase());
     const shapes = robot.model.frameNames.map((link) => {
         const shown = robot.shapes(link).map((shape) => (shape.file ? { ...shape, file: bare(shape.file) } : shape));
         const meshes = shown.filter(({ kind }) => kind === "mesh");
@@ -23,10 +23,10 @@ export function shapesOf(robot, names) {
         const solid = plain(robot.shapes(link, true));
         return solid.length > 0 ? solid : plain(shown);
     });
-    const some = [...missing].slice(0, 3).join(", ");
-    const note = `${missing.size} meshes are missing or have an unsupported format: ${some}${missing.size > 3 ? ", …" : ""}.`;
+    const examples = [...missing].slice(0, 3).join(", ");
+    const note = `${missing.size} meshes are missing or have an unsupported format: ${examples}${missing.size > 3 ? ", …" : ""}.`;
     if (missing.size > 0) return { shapes, notes: [note], sticks: parents(robot) };
-    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["The robot has no shapes: sticks represent its links."], sticks: parents(robot) };
+    if (shapes.every((linkShapes) => linkShapes.length === 0)) return { shapes, notes: ["The robot has no shapes: sticks represent its links."], sticks: parents(robot) };
     return { shapes, notes: [], gaps: shapes.flat().some(({ kind }) => kind === "mesh") ? undefined : tree(robot) };
 }
 
@@ -37,7 +37,7 @@ const parents = (robot) => tree(robot).parents;
 function tree(robot) {
     const names = robot.model.frameNames;
     const chains = names.map((name) => robot.chain(names[0], name));
-    const known = new Map(chains.map((chain, k) => [chain.join(), k]).reverse());
-    const bodies = chains.map((chain) => known.get(chain.join()));
-    return { bodies, parents: chains.map((chain) => (chain.length === 0 ? -1 : known.get(chain.slice(0, -1).join()) ?? -1)) };
+    const firstIndex = new Map(chains.map((chain, k) => [chain.join(), k]).reverse());
+    const bodies = chains.map((chain) => firstIndex.get(chain.join()));
+    return { bodies, parents: chains.map((chain) => (chain.length === 0 ? -1 : firstIndex.get(chain.slice(0, -1).join()) ?? -1)) };
 }

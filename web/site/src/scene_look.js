@@ -7,7 +7,7 @@ const TRIANGLES = 4;
 
 /** Materials of a scene with this number of vertices and corners; undefined if parts of the file cannot be matched. */
 export async function sceneLook(files, vertices, corners) {
-    const name = Object.keys(files).find((own) => ["glb", "gltf"].includes(extension(own)));
+    const name = Object.keys(files).find((file) => ["glb", "gltf"].includes(extension(file)));
     if (!name) return undefined;
     const { manager, forget } = managerOf(files);
     try {
@@ -44,25 +44,25 @@ async function look(parser, vertices, corners) {
         for (const { attributes, indices, material, mode = TRIANGLES } of mesh === undefined ? [] : meshes[mesh].primitives) {
             if (mode !== TRIANGLES) return undefined;
             const count = accessors[attributes.POSITION].count;
-            const of = indices === undefined ? count : accessors[indices].count;
-            const own = material ?? -1;
-            if (!materials.has(own)) {
-                const made = await (own < 0 ? undefined : parser.getDependency("material", own));
-                materials.set(own, { made, index: materials.size });
+            const cornerCount = indices === undefined ? count : accessors[indices].count;
+            const materialKey = material ?? -1;
+            if (!materials.has(materialKey)) {
+                const loaded = await (materialKey < 0 ? undefined : parser.getDependency("material", materialKey));
+                materials.set(materialKey, { loaded, index: materials.size });
             }
-            groups.push({ start: corner, count: of, materialIndex: materials.get(own).index });
-            corner += of;
+            groups.push({ start: corner, count: cornerCount, materialIndex: materials.get(materialKey).index });
+            corner += cornerCount;
             // Parts of one mesh may share their vertices.
             const key = JSON.stringify(attributes);
             if (blocks.has(key)) continue;
             blocks.add(key);
             if (attributes.TEXCOORD_0 !== undefined) {
-                const own = await parser.getDependency("accessor", attributes.TEXCOORD_0);
-                for (let k = 0; k < count && vertex + k < vertices; k += 1) uv.set([own.getX(k), own.getY(k)], 2 * (vertex + k));
+                const textureCoordinates = await parser.getDependency("accessor", attributes.TEXCOORD_0);
+                for (let k = 0; k < count && vertex + k < vertices; k += 1) uv.set([textureCoordinates.getX(k), textureCoordinates.getY(k)], 2 * (vertex + k));
             }
             vertex += count;
         }
     }
     if (vertex !== vertices || corner !== corners) return undefined;
-    return { uv, groups, materials: [...materials.values()].map(({ made }) => made) };
+    return { uv, groups, materials: [...materials.values()].map(({ loaded }) => loaded) };
 }

@@ -11,8 +11,8 @@ const KINDS = ["urdf", "xml", "glb", "gltf", "bvh", "json"];
 /** Opens files `{ name: bytes }`. */
 export function openSession(files, options) {
     const names = Object.keys(files);
-    const of = (kind) => names.find((own) => extension(own) === kind);
-    const name = KINDS.map(of).find(Boolean);
+    const fileOfKind = (kind) => names.find((candidate) => extension(candidate) === kind);
+    const name = KINDS.map(fileOfKind).find(Boolean);
     if (!name) throw new Error(`${names.join(", ")}: no model, expected a .urdf, .xml (MJCF), .glb, .gltf, .bvh or .json (rig) file`);
     // Files are dropped without their folders.
     const open = (file) => files[decodeURIComponent(file).split("/").pop()];
@@ -20,9 +20,9 @@ export function openSession(files, options) {
     switch (extension(name)) {
         case "urdf":
         case "xml": {
-            const moves = of("bvh");
-            if (!moves) return new RobotSession((base) => robot(name, bytes, base), names, options);
-            const capture = MotionCapture.fromBytes(files[moves], moves);
+            const captureName = fileOfKind("bvh");
+            if (!captureName) return new RobotSession((base) => robot(name, bytes, base), names, options);
+            const capture = MotionCapture.fromBytes(files[captureName], captureName);
             return new RetargetSession(robot(name, bytes, { baseJoint: "free" }), names, capture);
         }
         case "bvh":

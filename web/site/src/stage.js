@@ -3,7 +3,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 /** Fraction of the distance by which the view follows in a frame. */
-const FOLLOW = 0.05;
+const FOLLOW_FRACTION = 0.05;
 
 export class Stage {
     constructor(canvas) {
@@ -24,9 +24,9 @@ export class Stage {
 
     /** Requests a new picture. */
     touch() {
-        if (this.asked) return;
-        this.asked = requestAnimationFrame(() => {
-            this.asked = undefined;
+        if (this.renderRequest) return;
+        this.renderRequest = requestAnimationFrame(() => {
+            this.renderRequest = undefined;
             this.renderer.render(this.scene, this.camera);
         });
     }
@@ -44,13 +44,13 @@ export class Stage {
      * Moves the camera to show all points, three numbers each, from a direction in front of the figure. A factor
      * enlarges the distance; it is smaller on an upright screen, which is narrow.
      */
-    frame(points, { up, from, room = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
+    frame(points, { up, from, distanceFactor = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
         const centre = box.getCenter(new THREE.Vector3());
         const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);
         this.camera.up.set(0, up === "z" ? 0 : 1, up === "z" ? 1 : 0);
         const back = new THREE.Vector3(...from).normalize();
-        this.camera.position.copy(centre).addScaledVector(back, room * this.#away(points, centre, back));
+        this.camera.position.copy(centre).addScaledVector(back, distanceFactor * this.#fitDistance(points, centre, back));
         this.camera.near = 0.01 * size;
         this.camera.far = 30 * size;
         this.camera.updateProjectionMatrix();
@@ -61,24 +61,24 @@ export class Stage {
     }
 
     /** Distance from `centre` at which all points are visible. */
-    #away(points, centre, back) {
+    #fitDistance(points, centre, back) {
         const high = Math.tan(0.5 * THREE.MathUtils.degToRad(this.camera.fov));
         const wide = high * this.camera.aspect;
         const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
         const above = new THREE.Vector3().crossVectors(back, right);
         const point = new THREE.Vector3();
-        let away = 1e-3;
+        let distance = 1e-3;
         for (let k = 0; k < points.length; k += 3) {
             point.fromArray(points, k).sub(centre);
-            const aside = Math.max(Math.abs(point.dot(right)) / wide, Math.abs(point.dot(above)) / high);
-            away = Math.max(away, point.dot(back) + aside);
+            const offset = Math.max(Math.abs(point.dot(right)) / wide, Math.abs(point.dot(above)) / high);
+            distance = Math.max(distance, point.dot(back) + offset);
         }
-        return away;
+        return distance;
     }
 
     /** Follows a walking subject at x and y smoothly. */
     follow(x, y) {
-        const step = new THREE.Vector3(x - this.orbit.target.x, y - this.orbit.target.y, 0).multiplyScalar(FOLLOW);
+        const step = new THREE.Vector3(x - this.orbit.target.x, y - this.orbit.target.y, 0).multiplyScalar(FOLLOW_FRACTION);
         this.orbit.target.add(step);
         this.camera.position.add(step);
         this.orbit.update();
@@ -87,9 +87,9 @@ export class Stage {
     /** Rotates the view about its target, radians: to the right and up, not over the top. */
     turn(right, up) {
         const back = this.camera.position.clone().sub(this.orbit.target).applyAxisAngle(this.camera.up, right);
-        const aside = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+        const axis = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
         const from = back.angleTo(this.camera.up);
-        back.applyAxisAngle(aside, THREE.MathUtils.clamp(from - up, 0.05, Math.PI - 0.05) - from);
+        back.applyAxisAngle(axis, THREE.MathUtils.clamp(from - up, 0.05, Math.PI - 0.05) - from);
         this.#stand(back);
     }
 
@@ -105,18 +105,18 @@ export class Stage {
     }
 
     /** Position on the page, in pixels. */
-    toScreen(place) {
+    toScreen(position) {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
-        const seen = place.clone().project(this.camera);
-        return { x: left + 0.5 * (seen.x + 1) * width, y: top + 0.5 * (1 - seen.y) * height };
+        const projected = position.clone().project(this.camera);
+        return { x: left + 0.5 * (projected.x + 1) * width, y: top + 0.5 * (1 - projected.y) * height };
     }
 
     /** Position under the pointer at the depth of another position. */
     under(x, y, depthOf) {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
-        const at = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
+        const pointer = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
         const ray = new THREE.Raycaster();
-        ray.setFromCamera(at, this.camera);
+        ray.setFromCamera(pointer, this.camera);
         const facing = this.camera.getWorldDirection(new THREE.Vector3());
         const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, depthOf);
         return ray.ray.intersectPlane(plane, new THREE.Vector3());

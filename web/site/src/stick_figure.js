@@ -10,12 +10,12 @@ export class StickFigure {
     }
 
     /** `places` has three numbers for each joint. */
-    show(places) {
+    show(positions) {
         const [from, to, along, turned, matrix] = [...Array(3)].map(() => new THREE.Vector3()).concat(new THREE.Quaternion(), new THREE.Matrix4());
         const up = new THREE.Vector3(0, 1, 0);
         this.pairs.forEach(([parent, bone], k) => {
-            from.fromArray(places, 3 * parent);
-            along.subVectors(to.fromArray(places, 3 * bone), from);
+            from.fromArray(positions, 3 * parent);
+            along.subVectors(to.fromArray(positions, 3 * bone), from);
             const length = along.length();
             turned.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
             // The capsule has a length of three, with half a sphere at either end.

@@ -3,7 +3,7 @@ import { openSession } from "./session.js";
 
 let session;
 
-const answers = {
+const handlers = {
     open({ files, ...options }) {
         session = openSession(files, options);
         return { ...session.describe(), ...session.show() };
@@ -21,9 +21,9 @@ const answers = {
 
 onmessage = ({ data: { id, ask, ...what } }) => {
     try {
-        const told = answers[ask](what, (progress) => postMessage({ id, progress }));
-        const buffers = Object.values(told).filter(ArrayBuffer.isView).map(({ buffer }) => buffer);
-        postMessage({ id, told }, { transfer: buffers });
+        const result = handlers[ask](what, (progress) => postMessage({ id, progress }));
+        const buffers = Object.values(result).filter(ArrayBuffer.isView).map(({ buffer }) => buffer);
+        postMessage({ id, result }, { transfer: buffers });
     } catch (error) {
         postMessage({ id, error: error.message });
     }

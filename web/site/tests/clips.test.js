@@ -10,7 +10,7 @@ after(end);
 
 /** Two bones, one of which turns in one clip, and rises in another that has no name and is twice as long. */
 function twoClips() {
-    const numbers = [[0, 1], [0, 2], [0, 0, 0, 1, 0, 0, 1, 0], [0, 1, 0, 0, 3, 0]].map((own) => new Float32Array(own));
+    const numbers = [[0, 1], [0, 2], [0, 0, 0, 1, 0, 0, 1, 0], [0, 1, 0, 0, 3, 0]].map((values) => new Float32Array(values));
     let byteOffset = 0;
     const bufferViews = numbers.map(({ byteLength }) => {
         byteOffset += byteLength;
@@ -30,7 +30,7 @@ function twoClips() {
 }
 
 test("each clip of a file is selected and plays at once", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const clip = page.locator("#clip");
     assert.ok(await clip.isHidden(), "a rig has one clip");
     await page.locator("#file").setInputFiles([file("two.gltf", twoClips())]);
@@ -46,6 +46,6 @@ test("each clip of a file is selected and plays at once", { skip }, async () => 
     await page.waitForFunction(() => kinoptPage.view.place("end").y === 1);
     await clip.selectOption("turn");
     await page.waitForFunction(() => kinoptPage.playback.running && kinoptPage.view.place("end").x < 0.9);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

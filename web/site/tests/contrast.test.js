@@ -17,11 +17,11 @@ function contrast(one, other) {
     return (bright + 0.05) / (dim + 0.05);
 }
 
-for (const [name, own] of Object.entries({ light, dark })) {
+for (const [name, scheme] of Object.entries({ light, dark })) {
     test(`contrast of text and code, ${name}`, () => {
         for (const back of ["back", "code"]) {
             for (const word of ["text", "mark", "bad", "soft", "key", "text-of", "number", "comment", "type"]) {
-                assert.ok(contrast(own[word], own[back]) >= 4.5, `${word} on ${back}: ${contrast(own[word], own[back]).toFixed(2)}`);
+                assert.ok(contrast(scheme[word], scheme[back]) >= 4.5, `${word} on ${back}: ${contrast(scheme[word], scheme[back]).toFixed(2)}`);
             }
         }
     });

@@ -17,21 +17,21 @@ after(() => site?.close());
 async function opened(address, options = {}) {
     const context = await site.browser.newContext({ viewport: { width: 1300, height: 800 }, ...options });
     const page = await context.newPage();
-    const said = [];
-    page.on("console", (message) => said.push(message.text()));
-    page.on("pageerror", (error) => said.push(String(error)));
+    const consoleMessages = [];
+    page.on("console", (message) => consoleMessages.push(message.text()));
+    page.on("pageerror", (error) => consoleMessages.push(String(error)));
     await page.goto(site.address + address);
-    return { page, said, context };
+    return { page, consoleMessages, context };
 }
 
 test("pages fit a small screen without console messages", { skip }, async () => {
-    const { page, said, context } = await opened("docs/index.html", PHONE);
+    const { page, consoleMessages, context } = await opened("docs/index.html", PHONE);
     for (const { address } of pages(contents()).values()) {
         await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
         const wide = await page.evaluate(() => document.documentElement.scrollWidth);
         assert.ok(wide <= 360, `${address} is ${wide} wide`);
     }
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await context.close();
 });
 
@@ -39,14 +39,14 @@ test("every table fits a desktop screen", { skip }, async () => {
     const { page, context } = await opened("docs/index.html", { viewport: { width: 1280, height: 800 } });
     for (const { address } of pages(contents()).values()) {
         await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
-        const wide = await page.locator(".table").evaluateAll((tables) => tables.filter((own) => own.scrollWidth > own.clientWidth + 1).map((own) => own.innerText.slice(0, 60)));
+        const wide = await page.locator(".table").evaluateAll((tables) => tables.filter((table) => table.scrollWidth > table.clientWidth + 1).map((table) => table.innerText.slice(0, 60)));
         assert.deepEqual(wide, [], address);
     }
     await context.close();
 });
 
 test("a language is selected for all groups", { skip }, async () => {
-    const { page, said, context } = await opened("docs/guide/arms.html");
+    const { page, consoleMessages, context } = await opened("docs/guide/arms.html");
     const shown = () => page.locator(".languages section:visible").evaluateAll((parts) => parts.map((part) => part.dataset.language));
     assert.deepEqual(new Set(await shown()), new Set(["Rust"]));
     await page.locator('[role="tab"]', { hasText: "Python" }).first().click();
@@ -55,18 +55,18 @@ test("a language is selected for all groups", { skip }, async () => {
     assert.deepEqual(new Set(await shown()), new Set(["JavaScript"]));
     await page.goto(`${site.address}docs/guide/servo.html`);
     assert.ok((await shown()).includes("JavaScript"));
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await context.close();
 });
 
 test("the search finds a section", { skip }, async () => {
-    const { page, said, context } = await opened("docs/index.html");
+    const { page, consoleMessages, context } = await opened("docs/index.html");
     await page.keyboard.press("/");
     await page.keyboard.type("priority levels");
     await page.locator("#results a").first().waitFor();
     await page.keyboard.press("Enter");
     await page.waitForURL(/priorities\.html/);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await context.close();
 });
 

@@ -11,7 +11,7 @@ before(begin);
 after(end);
 
 test("invalid files show the library's error", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const choose = async (...files) => page.locator("#file").setInputFiles(files);
     const panda = await readFile(join(models, "franka_panda.urdf"), "utf8");
     await choose(file("odd.urdf", panda.replace('type="revolute"', 'type="rotating"')));
@@ -37,6 +37,6 @@ test("invalid files show the library's error", { skip }, async () => {
     await settled(page);
     const moved = await seen(page, "foot");
     assert.ok(Math.hypot(moved.x - foot.x, moved.y - foot.y) > 10);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

@@ -25,17 +25,17 @@ const beyond = (page) =>
         const { stage, view } = kinoptPage;
         const { left, top, right, bottom } = stage.canvas.getBoundingClientRect();
         view.group.updateMatrixWorld(true);
-        let most = 0;
+        let largestExcess = 0;
         view.group.traverse((part) => {
             if (!part.isMesh || part.isInstancedMesh) return;
             const { position } = part.geometry.attributes;
             for (let k = 0; k < position.count; k += 1) {
                 const corner = stage.camera.position.clone().fromBufferAttribute(position, k).applyMatrix4(part.matrixWorld);
                 const { x, y } = stage.toScreen(corner);
-                most = Math.max(most, left - x, x - right, top - y, y - bottom);
+                largestExcess = Math.max(largestExcess, left - x, x - right, top - y, y - bottom);
             }
         });
-        return most;
+        return largestExcess;
     });
 
 for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["a telephone's", { width: 390, height: 844 }], ["a telephone's on its side", { width: 844, height: 390 }]]) {
@@ -45,7 +45,7 @@ for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["
         assert.equal(await beyond(page), 0, "the humanoid");
         const [lowest, ground] = await page.evaluate(() => {
             const { positions } = kinoptPage.opened;
-            return [positions.filter((_, k) => k % 3 === 2).reduce((least, z) => Math.min(least, z)), kinoptPage.view.grid.position.z];
+            return [positions.filter((_, k) => k % 3 === 2).reduce((lowestSoFar, z) => Math.min(lowestSoFar, z)), kinoptPage.view.grid.position.z];
         });
         assert.equal(lowest, ground, "it is on the ground");
         assert.match(await page.locator("#hint").innerText(), /Drag any joint/);

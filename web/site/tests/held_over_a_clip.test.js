@@ -10,7 +10,7 @@ before(begin);
 after(end);
 
 test("a hand is dragged and pinned during playback, then returns", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
     const hand = await seen(page, "left_hand");
@@ -32,7 +32,7 @@ test("a hand is dragged and pinned during playback, then returns", { skip }, asy
         waving.push(await at("right_hand"));
         await page.waitForTimeout(150);
     }
-    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip continues");
+    assert.ok(Math.max(...waving.map((position) => away(position, waving[0]))) > 0.03, "the clip continues");
     await page.locator("#stage").focus();
     assert.equal(await colour(page, "left_hand"), ORANGE);
     await page.keyboard.press("p");
@@ -50,12 +50,12 @@ test("a hand is dragged and pinned during playback, then returns", { skip }, asy
     await page.keyboard.press("Escape");
     assert.equal(await page.evaluate(() => kinoptPage.grabbed), undefined);
     await page.locator("#play").click();
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 
 test("playback reports the pose that it replaces", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const hand = await seen(page, "left_hand");
     await page.mouse.click(hand.x, hand.y);
     await settled(page);
@@ -74,6 +74,6 @@ test("playback reports the pose that it replaces", { skip }, async () => {
     // Until a handle is grabbed, or playback stops.
     await page.locator("#play").click();
     assert.equal(await status(page), "");
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

@@ -9,7 +9,7 @@ before(begin);
 after(end);
 
 test("joints, pins, keys, skinning and clip", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const canvas = page.locator("#stage");
     await canvas.focus();
@@ -42,6 +42,6 @@ test("joints, pins, keys, skinning and clip", { skip }, async () => {
     assert.ok(played.some((value, k) => Math.abs(value - dual[k]) > 1e-3));
     await page.locator("#rest").click();
     await settled(page);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

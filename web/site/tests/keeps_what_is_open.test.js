@@ -13,7 +13,7 @@ const at = (page, name) => page.evaluate((name) => kinoptPage.view.place(name).t
 const bad = file("odd.urdf", "<robot");
 
 test("an invalid file keeps pose, grabbed handle and playback", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const hand = await seen(page, "left_hand");
     const rest = await at(page, "left_hand");
     await page.mouse.move(hand.x, hand.y);
@@ -34,7 +34,7 @@ test("an invalid file keeps pose, grabbed handle and playback", { skip }, async 
     assert.ok(await page.evaluate(() => kinoptPage.playback.running));
     await page.locator("#file").setInputFiles([file("rig.json", "{}")]);
     await page.waitForFunction(() => /rig\.json/.test(document.querySelector("#status").textContent));
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 
@@ -52,8 +52,8 @@ test("a file's error stays until a handle is grabbed", { skip }, async () => {
     await page.waitForFunction((frames) => kinoptPage.frames.length > frames + 5, frames);
     assert.match(await status(page), /odd\.urdf/);
     await page.mouse.up();
-    const there = await seen(page, "left_hand");
-    await page.mouse.move(there.x, there.y);
+    const handle = await seen(page, "left_hand");
+    await page.mouse.move(handle.x, handle.y);
     await page.mouse.down();
     await page.mouse.up();
     await settled(page);
@@ -99,7 +99,7 @@ test("gaps between plain shapes are filled by sticks", { skip }, async () => {
 });
 
 test("keys select a file and joints, and move the view", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     // The file chooser belongs to the browser.
     await page.evaluate(() => {
         window.asked = 0;
@@ -118,7 +118,7 @@ test("keys select a file and joints, and move the view", { skip }, async () => {
     const turned = await camera();
     assert.ok(Math.hypot(...turned.map((value, k) => value - from[k])) > 0.05, "an arrow key rotates the view");
     await page.keyboard.press("+");
-    const away = (place) => page.evaluate((place) => kinoptPage.stage.orbit.target.distanceTo({ x: place[0], y: place[1], z: place[2] }), place);
+    const away = (position) => page.evaluate((position) => kinoptPage.stage.orbit.target.distanceTo({ x: position[0], y: position[1], z: position[2] }), position);
     assert.ok((await away(await camera())) < 0.95 * (await away(turned)), "plus zooms in");
     await page.keyboard.press("j");
     const first = await page.evaluate(() => kinoptPage.grabbed);
@@ -130,7 +130,7 @@ test("keys select a file and joints, and move the view", { skip }, async () => {
     assert.equal(await page.evaluate(() => kinoptPage.method), "dqs");
     await page.keyboard.press("Tab");
     assert.equal(await page.evaluate(() => document.activeElement.id), "pin");
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 

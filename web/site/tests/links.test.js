@@ -21,8 +21,8 @@ test("every link of the site has a target", () => {
 test("contents and demo page link to every page of docs/", () => {
     const all = pages(contents());
     const folders = ["docs", "docs/guide", "docs/reference"];
-    const own = folders.flatMap((folder) => readdirSync(new URL(`${folder}/`, root)).filter((name) => name.endsWith(".md")).map((name) => `${folder}/${name}`));
-    assert.deepEqual(own.filter((path) => !all.has(path)), []);
+    const markdownFiles = folders.flatMap((folder) => readdirSync(new URL(`${folder}/`, root)).filter((name) => name.endsWith(".md")).map((name) => `${folder}/${name}`));
+    assert.deepEqual(markdownFiles.filter((path) => !all.has(path)), []);
     assert.ok(checked(dist).from.get("index.html").has("docs/index.html"));
     assert.ok(checked(dist).from.get("docs/index.html").has("index.html"));
 });

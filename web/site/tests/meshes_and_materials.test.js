@@ -10,7 +10,7 @@ before(begin);
 after(end);
 
 test("dropped meshes and scene materials are drawn", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     const corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]];
     const stl = `solid s\nfacet normal 0 0 1\nouter loop\n${corners.map((at) => `vertex ${at.join(" ")}`).join("\n")}\nendloop\nendfacet\nendsolid s\n`;
     const obj = `${corners.map((at) => `v ${at.join(" ")}`).join("\n")}\nf 1 2 3\n`;
@@ -64,6 +64,6 @@ test("dropped meshes and scene materials are drawn", { skip }, async () => {
     [0.2, 0.4, 0.6].forEach((value, k) => assert.ok(Math.abs(look.color[k] - value) < 1e-6));
     assert.equal(look.pixels, 1);
     assert.deepEqual(look.uv, [0, 0, 1, 0, 0, 1]);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

@@ -9,16 +9,16 @@ import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { skip, started } from "./browser.js";
 
-const own = new URL("../../", import.meta.url);
+const packageFolder = new URL("../../", import.meta.url);
 const project = mkdtempSync(join(tmpdir(), "kinopt-page-"));
-const readme = readFileSync(new URL("README.md", own), "utf8");
+const readme = readFileSync(new URL("README.md", packageFolder), "utf8");
 const block = (language) => readme.match(new RegExp(`\`\`\`${language}\\n(.*?)\`\`\``, "s"))[1];
 let site;
 
 before(async () => {
     if (skip) return;
-    cpSync(fileURLToPath(new URL("dist", own)), join(project, "node_modules/kinopt/dist"), { recursive: true });
-    cpSync(fileURLToPath(new URL("../models/humanoid", own)), join(project, "humanoid"), { recursive: true });
+    cpSync(fileURLToPath(new URL("dist", packageFolder)), join(project, "node_modules/kinopt/dist"), { recursive: true });
+    cpSync(fileURLToPath(new URL("../models/humanoid", packageFolder)), join(project, "humanoid"), { recursive: true });
     site = await started({ folder: `${project}/` });
 });
 after(async () => {
@@ -27,7 +27,7 @@ after(async () => {
 });
 
 /** Text of a page with this script once it matches. */
-async function said(name, script, last) {
+async function pageText(name, script, last) {
     writeFileSync(join(project, name), `<!doctype html><link rel="icon" href="data:,">${block("html")}<script type="module">\n${script}</script>`);
     const page = await site.browser.newPage();
     const words = [];
@@ -40,7 +40,7 @@ async function said(name, script, last) {
 }
 
 test("the README's first example runs in a page", { skip }, async () => {
-    const [word, ...more] = await said("ten.html", block("js"), /./);
+    const [word, ...more] = await pageText("ten.html", block("js"), /./);
     assert.match(word, /^true Float64Array\(7\)/);
     assert.deepEqual(more, []);
 });
@@ -54,9 +54,9 @@ test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
         const rest = rig.model.neutral();
         const tips = rig.constrained.map((bone) => rig.skeleton.tip(bone));
         const at = new ForwardKinematics(rig.model, tips).place(rest).slice();
-        const place = (k) => [...at.slice(16 * k + 12, 16 * k + 15)];
-        const pins = rig.constrained.map((name, k) => tasks.point(tips[k], place(k), { name }));
-        const [x, y, z] = place(rig.constrained.indexOf("left_hand"));
+        const positionOf = (k) => [...at.slice(16 * k + 12, 16 * k + 15)];
+        const pins = rig.constrained.map((name, k) => tasks.point(tips[k], positionOf(k), { name }));
+        const [x, y, z] = positionOf(rig.constrained.indexOf("left_hand"));
         const crowd = Array.from({ length: 100 }, () => new Drag(new Problem(rig.model, pins), rest));
         const times = [];
         let reached = 0;
@@ -73,7 +73,7 @@ test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
         }
         times.sort((a, b) => a - b);
         console.log(JSON.stringify({ median: times[150], late: times[285], reached }));`;
-    const [word, ...more] = await said("hundred.html", script, /./);
+    const [word, ...more] = await pageText("hundred.html", script, /./);
     assert.deepEqual(more, []);
     const { median, late, reached } = JSON.parse(word);
     console.log(`a hundred humanoids, a frame of each: ${median.toFixed(1)} ms in the median, ${late.toFixed(1)} at the 95th percentile`);
@@ -81,7 +81,7 @@ test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
 });
 
 test("the command of the project's README serves the site", async () => {
-    const root = fileURLToPath(new URL("../", own));
+    const root = fileURLToPath(new URL("../", packageFolder));
     const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/<!-- until its page answers -->\n```sh\n(.*)\n```/);
     const [build, serve] = line.split(" && ");
     // The build under test is the result of this command.
@@ -92,12 +92,12 @@ test("the command of the project's README serves the site", async () => {
     try {
         // The output arrives in pieces of any size.
         let printed = "";
-        const port = await new Promise((told) =>
+        const port = await new Promise((resolve) =>
             server.stdout.on("data", (text) => {
                 printed += text;
-                const said = /port (\d+)\b./.exec(printed);
-                if (said) {
-                    told(said[1]);
+                const match = /port (\d+)\b./.exec(printed);
+                if (match) {
+                    resolve(match[1]);
                 }
             }),
         );

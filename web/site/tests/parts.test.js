@@ -1,7 +1,7 @@
 // Parts of the page without a browser: dropped folders, files that stay, handles held during playback.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { besideNew, dropped } from "../src/files.js";
+import { dropped, mergeFiles } from "../src/files.js";
 import { HeldOverClip } from "../src/held_over_clip.js";
 import { Playback } from "../src/playback.js";
 
@@ -25,9 +25,9 @@ test("a folder is dropped with its contents", async () => {
 
 test("a new capture keeps the robot, a new robot the capture", () => {
     const before = { "nao.urdf": 1, "torso.stl": 2, "steps.bvh": 3 };
-    assert.deepEqual(besideNew(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
-    assert.deepEqual(besideNew(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
-    assert.deepEqual(besideNew(before, { "fox.glb": 6 }), { "fox.glb": 6 });
+    assert.deepEqual(mergeFiles(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
+    assert.deepEqual(mergeFiles(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
+    assert.deepEqual(mergeFiles(before, { "fox.glb": 6 }), { "fox.glb": 6 });
 });
 
 test("a released handle returns to the clip without a jump", () => {
@@ -37,19 +37,19 @@ test("a released handle returns to the clip without a jump", () => {
     assert.ok(!held.active);
     assert.deepEqual(held.targets([["hand", [1, 0, 0]]], frame, () => home).get("hand"), [1, 0, 0]);
     held.ended([0, 0], [0.3, -0.2]);
-    let place = 1;
-    let away = 0.3;
+    let position = 1;
+    let angleLeft = 0.3;
     let frames = 0;
     for (; held.active && frames < 1000; frames += 1) {
         const targets = held.targets([], frame, () => home);
         const next = targets.get("hand")?.[0] ?? 0;
-        assert.ok(next <= place && place - next < 0.08, `from ${place} to ${next}`);
-        place = next;
+        assert.ok(next <= position && position - next < 0.08, `from ${position} to ${next}`);
+        position = next;
         const [angle] = held.start([0, 0], frame);
-        assert.ok(angle <= away && away - angle < 0.03, `from ${away} to ${angle}`);
-        away = angle;
+        assert.ok(angle <= angleLeft && angleLeft - angle < 0.03, `from ${angleLeft} to ${angle}`);
+        angleLeft = angle;
     }
-    assert.ok(place === 0 && away < 1e-3 && frames > 24 && frames < 240, `${frames} frames`);
+    assert.ok(position === 0 && angleLeft < 1e-3 && frames > 24 && frames < 240, `${frames} frames`);
     // A handle that is held again is no longer released.
     held.targets([["hand", [1, 0, 0]]], frame, () => home);
     held.targets([], frame, () => home);
@@ -60,8 +60,8 @@ test("joints return slower than a drag moves back", () => {
     const held = new HeldOverClip();
     held.targets([["hand", [1, 0, 0]]], 0.1, () => [0, 0, 0]);
     held.ended([0, 0], [1.5, 0.2]);
-    const [most] = held.start([0, 0], 0.1);
-    assert.ok(1.5 - most <= 0.0500001 && most < 1.5);
+    const [angle] = held.start([0, 0], 0.1);
+    assert.ok(1.5 - angle <= 0.0500001 && angle < 1.5);
 });
 
 test("playback stays in the clip and continues from its time", async () => {

@@ -11,7 +11,7 @@ before(begin);
 after(end);
 
 test("a robot follows a subject live and as a whole", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     await page.locator('[data-open="capture"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "movement" && kinoptPage.frames.length > 20, undefined, { timeout: 60_000 });
     const state = () => page.evaluate(() => ({
@@ -66,11 +66,11 @@ test("a robot follows a subject live and as a whole", { skip }, async () => {
     // A capture without a body is an error, and the previous motion continues.
     await page.locator("#file").setInputFiles([file("rope.bvh", "HIERARCHY\nROOT a {\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site {\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n")]);
     await page.waitForFunction(() => document.querySelector("#status.bad"));
-    const told = await status(page);
-    assert.match(told, /body/);
+    const statusText = await status(page);
+    assert.match(statusText, /body/);
     const shown = await page.evaluate(() => kinoptPage.frames.length);
     await page.waitForFunction((shown) => kinoptPage.frames.length > shown + 5, shown);
-    assert.equal(await status(page), told, "the error stays");
-    assert.deepEqual(said, []);
+    assert.equal(await status(page), statusText, "the error stays");
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

@@ -11,12 +11,12 @@ after(end);
 
 /** The page with a robot of these files. */
 async function robot(files, options) {
-    const { page, said } = await opened(options);
+    const { page, consoleMessages } = await opened(options);
     await page.locator("#file").setInputFiles(files);
     await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
     // The view changes until the robot is drawn.
     await settled(page);
-    return { page, said };
+    return { page, consoleMessages };
 }
 
 async function pull(page, name, right, down) {
@@ -42,7 +42,7 @@ const away = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
 const [RED, BLUE] = [0xc8442f, 0x1f6fb2];
 
 test("a legged robot keeps its feet during any drag", { skip }, async () => {
-    const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
+    const { page, consoleMessages } = await robot(join(models, "aldebaran_nao.urdf"));
     const feet = ["left_sole", "right_sole"];
     assert.deepEqual(await page.evaluate(() => [...kinoptPage.pins]), feet);
     assert.equal(await colour(page, "left_sole"), BLUE);
@@ -65,12 +65,12 @@ test("a legged robot keeps its feet during any drag", { skip }, async () => {
     await pull(page, "left_sole", 200, -300);
     assert.match(await status(page), /Pinned joints or the balance prevent it/);
     assert.doesNotMatch(await status(page), /[Ll]evels?\b/);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 
 test("any frame of a robot is pinned and unpinned", { skip }, async () => {
-    const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
+    const { page, consoleMessages } = await robot(join(models, "aldebaran_nao.urdf"));
     const hand = await seen(page, "right_hand");
     await page.mouse.click(hand.x, hand.y);
     await page.locator("#pin").click();
@@ -88,12 +88,12 @@ test("any frame of a robot is pinned and unpinned", { skip }, async () => {
     const [lifted, stood] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));
     assert.ok(lifted[14] > left[14] + 0.02 && away(lifted.slice(0, 12), left.slice(0, 12)) < 0.05);
     assert.ok(away(stood, right) < 1e-3);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 
 test("an elbow is dragged while the pinned tool stays", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });
     const tool = await seen(page, "flange");
@@ -104,7 +104,7 @@ test("an elbow is dragged while the pinned tool stays", { skip }, async () => {
     await pull(page, "link4", -60, 30);
     assert.ok(away(await page.evaluate(() => kinoptPage.view.place("link4").toArray()), elbow) > 0.02, "the elbow swings");
     assert.ok(away(await placed(page, "flange"), before) < 1e-3, "the tool stays");
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });
 
@@ -114,12 +114,12 @@ test("a joint at an active limit is red", { skip }, async () => {
         <axis xyz="0 1 0"/><limit lower="-0.4" upper="0.4" effort="1" velocity="1"/></joint>`;
     const fixed = `<joint name="end" type="fixed"><parent link="c"/><child link="tip"/><origin xyz="0.5 0 0"/></joint>`;
     const urdf = `<robot name="two">${link("a")}${link("b")}${link("c")}<link name="tip"/>${joint("a", "b", 0.5)}${joint("b", "c", 0.5)}${fixed}</robot>`;
-    const { page, said } = await robot(file("two.urdf", urdf));
+    const { page, consoleMessages } = await robot(file("two.urdf", urdf));
     assert.deepEqual(await page.evaluate(() => kinoptPage.opened.handles), ["tip", "b"]);
     await pull(page, "tip", -150, -250);
     assert.ok((await page.evaluate(() => kinoptPage.limits)).includes("b"));
     assert.equal(await colour(page, "b"), RED);
     assert.match(await status(page), /limit/);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

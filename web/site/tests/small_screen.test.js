@@ -9,7 +9,7 @@ before(begin);
 after(end);
 
 test("a finger drags on a small screen", { skip }, async () => {
-    const { page, said } = await opened({ viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true });
+    const { page, consoleMessages } = await opened({ viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true });
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 360));
     const hand = await seen(page, "left_hand");
     const touch = await page.context().newCDPSession(page);
@@ -21,6 +21,6 @@ test("a finger drags on a small screen", { skip }, async () => {
     const moved = await seen(page, "left_hand");
     assert.ok(Math.hypot(moved.x - hand.x, moved.y - hand.y) > 20, `${moved.x - hand.x}, ${moved.y - hand.y}`);
     await pictured(page, "web-small.png");
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

@@ -10,7 +10,7 @@ before(begin);
 after(end);
 
 test("a long request is stopped and the model kept", { skip }, async () => {
-    const { page, said } = await opened();
+    const { page, consoleMessages } = await opened();
     await page.evaluate(() => {
         const joints = Array.from({ length: 60 }, (_, k) => `JOINT j${k} {\nOFFSET 0 1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n`);
         const head = `HIERARCHY\nROOT r {\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n${joints.join("")}End Site {\nOFFSET 0 1 0\n}\n`;
@@ -31,6 +31,6 @@ test("a long request is stopped and the model kept", { skip }, async () => {
     await settled(page);
     const moved = await seen(page, "left_hand");
     assert.ok(Math.hypot(moved.x - hand.x, moved.y - hand.y) > 20);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
     await page.close();
 });

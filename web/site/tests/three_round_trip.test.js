@@ -9,7 +9,7 @@ import { Recording, Scene, SceneFile } from "../../dist/node.js";
 import { skip, started } from "./browser.js";
 
 let site, page;
-const said = [];
+const consoleMessages = [];
 
 before(async () => {
     if (skip) return;
@@ -17,7 +17,7 @@ before(async () => {
     const { outputFiles } = await build({ entryPoints, bundle: true, write: false, format: "iife", globalName: "threeScene" });
     site = await started();
     page = await site.browser.newPage();
-    page.on("console", (message) => message.type() === "error" && said.push(message.text()));
+    page.on("console", (message) => message.type() === "error" && consoleMessages.push(message.text()));
     await page.route("**/blank.html", (route) => route.fulfill({ contentType: "text/html", body: "<!doctype html><title>three</title>" }));
     await page.goto(`${site.address}blank.html`);
     await page.addScriptTag({ content: outputFiles[0].text });
@@ -118,7 +118,7 @@ test("three.js draws an equal picture, and a bent one", { skip }, async () => {
     assert.ok(drawn(pictures[0]) > 500, `${drawn(pictures[0])} of the picture is drawn`);
     assert.deepEqual(pictures[1], pictures[0]);
     assert.notDeepEqual(pictures[2], pictures[0]);
-    assert.deepEqual(said, []);
+    assert.deepEqual(consoleMessages, []);
 });
 
 test("three.js plays the clip equally and writes it back", { skip }, async () => {
@@ -129,12 +129,12 @@ test("three.js plays the clip equally and writes it back", { skip }, async () =>
     const back = Scene.fromBytes(exported, "exported.glb");
     const scene = Scene.fromBytes(amended, "amended.gltf");
     for (const seconds of [0, 0.33, 1]) {
-        const theirs = await three("places", amended, "bend", seconds);
-        for (const own of [scene, back]) {
-            const [clip] = own.clips;
-            const placed = own.armature.localToModel(clip.sample(seconds));
+        const theirs = await three("placements", amended, "bend", seconds);
+        for (const someScene of [scene, back]) {
+            const [clip] = someScene.clips;
+            const placed = someScene.armature.localToModel(clip.sample(seconds));
             for (const bone of ["low", "high", "end"]) {
-                const at = own.armature.names.indexOf(bone);
+                const at = someScene.armature.names.indexOf(bone);
                 assert.ok(close(placed.slice(16 * at, 16 * at + 16), theirs[bone], 2e-6), `${bone} at ${seconds} s`);
             }
         }

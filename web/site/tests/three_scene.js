@@ -16,7 +16,7 @@ async function posed(bytes, clip, seconds) {
 }
 
 /** Placements of nodes by name, sixteen numbers each. */
-export async function places(bytes, clip, seconds) {
+export async function placements(bytes, clip, seconds) {
     const { scene } = await posed(bytes, clip, seconds);
     const found = {};
     scene.traverse((node) => (found[node.name] = [...node.matrixWorld.elements]));

@@ -21,13 +21,13 @@ export function visiting() {
             const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", ...options });
             // Long, for machines with other load: no test measures time.
             page.setDefaultTimeout(300_000);
-            const said = [];
+            const consoleMessages = [];
             // Messages of software rendering and about Collada versions are not the page's.
-            page.on("console", (message) => /GPU stall|GL Driver|ColladaLoader: File version/.test(message.text()) || said.push(message.text()));
-            page.on("pageerror", (error) => said.push(String(error)));
+            page.on("console", (message) => /GPU stall|GL Driver|ColladaLoader: File version/.test(message.text()) || consoleMessages.push(message.text()));
+            page.on("pageerror", (error) => consoleMessages.push(String(error)));
             await page.goto(site.address);
             await page.waitForFunction(() => globalThis.kinoptPage?.view);
-            return { page, said };
+            return { page, consoleMessages };
         },
     };
 }

@@ -88,8 +88,8 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
     ) -> Result<Vec<f64>, JsError> {
-        let place = self.inner.base_from_tool(q).map_err(raise)?;
-        Ok(columns(&place).to_vec())
+        let placement = self.inner.base_from_tool(q).map_err(raise)?;
+        Ok(columns(&placement).to_vec())
     }
 
     /// Solves for one target from one start, by default `defaultStart`. A target that is not reached is no exception:
@@ -245,7 +245,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
     ) -> Result<crate::solution::Collisions, JsError> {
-        let found = self.inner.collisions(q).map_err(raise)?;
-        Ok(crate::solution::collisions(&found))
+        let collisions = self.inner.collisions(q).map_err(raise)?;
+        Ok(crate::solution::collisions(&collisions))
     }
 }

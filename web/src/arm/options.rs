@@ -4,8 +4,8 @@ use kinopt::arm::{ArmBuilder, Base, PoseBounds, Search};
 use kinopt::model::UnknownName;
 use wasm_bindgen::prelude::*;
 
+use crate::arguments::NamedArguments;
 use crate::clock;
-use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 
@@ -91,10 +91,10 @@ fn apply<'m>(
     neutral: Vec<f64>,
 ) -> Result<ArmBuilder<'m>, JsError> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-    let given = Given::new(options, "option of an arm", &KNOWN)?;
+    let options = NamedArguments::new(options, "option of an arm", &KNOWN)?;
     macro_rules! set {
         ($($read:ident $name:literal $with:ident $(& $by_reference:tt)?;)*) => {$(
-            if let Some(value) = given.$read($name)? {
+            if let Some(value) = options.$read($name)? {
                 builder = builder.$with(set!(@ value $($by_reference)?));
             }
         )*};
@@ -115,23 +115,23 @@ fn apply<'m>(
         numbers "posture" with_posture &slice;
         placement "tool" with_tool;
     }
-    if let Some(seed) = given.whole("seed")? {
+    if let Some(seed) = options.whole("seed")? {
         builder = builder.with_seed(seed.into());
     }
-    if let Some(limit) = clock::time_limit(&given)? {
+    if let Some(limit) = clock::time_limit(&options)? {
         builder = builder.with_time_limit(limit);
     }
-    if let Some(name) = given.text("search")? {
+    if let Some(name) = options.text("search")? {
         builder = builder.with_search(search(&name)?);
     }
-    if let Some(value) = given.get("goal") {
+    if let Some(value) = options.get("goal") {
         builder = builder.with_goal(goal(&value)?);
     }
-    for (joint, value) in given.by_name("locked")? {
+    for (joint, value) in options.by_name("locked")? {
         builder = builder.with_locked(&joint, value);
     }
-    if let Some(joints) = given.texts("only")? {
-        builder = builder.with_only(&joints, &given.numbers("held")?.unwrap_or(neutral));
+    if let Some(joints) = options.texts("only")? {
+        builder = builder.with_only(&joints, &options.numbers("held")?.unwrap_or(neutral));
     }
     Ok(builder)
 }
@@ -156,7 +156,7 @@ pub(crate) fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
             Err(raise(UnknownName::new("goal", other, names)))
         }
         None => {
-            let widths = crate::given::vector::<6>(value, "goal")?;
+            let widths = crate::arguments::vector::<6>(value, "goal")?;
             match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
                 None => Ok(PoseBounds::within(widths)),
                 Some(width) => Err(JsError::new(&format!(

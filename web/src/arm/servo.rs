@@ -5,7 +5,7 @@ use std::rc::Rc;
 use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
-use crate::given::Given;
+use crate::arguments::NamedArguments;
 use crate::placement::read;
 use crate::raise;
 
@@ -65,7 +65,7 @@ impl Servo {
             "damping",
         ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a servo", &KNOWN)?;
+        let options = NamedArguments::new(options, "option of a servo", &KNOWN)?;
         let damping = options.number("damping")?;
         let straight = options.switch("straightLine")?.unwrap_or(false);
         let limits = options.numbers("velocityLimits")?;
@@ -164,12 +164,12 @@ impl Servo {
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
     ) -> Result<Vec<f64>, JsError> {
         let target = read(target, "target")?;
-        let told = self.cell.with_dependent_mut(|_, servo| {
+        let result = self.cell.with_dependent_mut(|_, servo| {
             let step = servo.step(target)?;
             let errors = [step.position_error, step.orientation_error];
             Ok::<_, kinopt::arm::QueryError>((step.reached(), errors))
         });
-        (self.reached, self.errors) = told.map_err(raise)?;
+        (self.reached, self.errors) = result.map_err(raise)?;
         Ok(self.q())
     }
 }

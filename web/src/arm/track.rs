@@ -102,13 +102,13 @@ impl Track {
             q: track
                 .solutions
                 .iter()
-                .flat_map(|one| &one.q)
+                .flat_map(|solution| &solution.q)
                 .copied()
                 .collect(),
             reached: track
                 .solutions
                 .iter()
-                .map(|one| one.reached.into())
+                .map(|solution| solution.reached.into())
                 .collect(),
         }
     }

@@ -4,9 +4,9 @@ use kinopt::motion::retarget::{LiveFollower, UpAxis};
 use kinopt::spatial::Vector3;
 use wasm_bindgen::prelude::*;
 
-use super::{ClearFollowerOptions, FollowerOptions, Mapped, OF_BOTH};
+use super::{ClearFollowerOptions, FOLLOWER_OPTIONS, FollowerOptions, Mapped};
+use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 use crate::world::{CollisionModel, World};
@@ -38,7 +38,7 @@ impl RetargetFollower {
         options: Option<FollowerOptions>,
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a follower", &OF_BOTH)?;
+        let options = NamedArguments::new(options, "option of a follower", &FOLLOWER_OPTIONS)?;
         Self::of(robot, Mapped::new(robot, measured, map, &options)?)
     }
 
@@ -52,8 +52,8 @@ impl RetargetFollower {
         options: Option<ClearFollowerOptions>,
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let known: Vec<&str> = OF_BOTH.into_iter().chain(["margin"]).collect();
-        let options = Given::new(options, "option of a follower", &known)?;
+        let known: Vec<&str> = FOLLOWER_OPTIONS.into_iter().chain(["margin"]).collect();
+        let options = NamedArguments::new(options, "option of a follower", &known)?;
         let mut mapped = Mapped::new(robot, measured, map, &options)?;
         mapped.clear = Some(shapes.checker(world, options.number("margin")?)?);
         Self::of(robot, mapped)
@@ -65,10 +65,10 @@ impl RetargetFollower {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] places: &[f64],
     ) -> Result<Vec<f64>, JsError> {
-        let (count, asked) = (places.len(), 3 * self.inner.joints());
-        if count != asked {
+        let (count, expected) = (places.len(), 3 * self.inner.joints());
+        if count != expected {
             return Err(JsError::new(&format!(
-                "places has {count} numbers, expected {asked}"
+                "places has {count} numbers, expected {expected}"
             )));
         }
         let places = places.chunks_exact(3);

@@ -8,8 +8,8 @@ use kinopt::model::UnknownName;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
 use wasm_bindgen::prelude::*;
 
+use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 
@@ -66,7 +66,7 @@ extern "C" {
 }
 
 /// Common options of both.
-const OF_BOTH: [&str; 4] = ["fps", "up", "contactSpeed", "contactHeight"];
+const FOLLOWER_OPTIONS: [&str; 4] = ["fps", "up", "contactSpeed", "contactHeight"];
 
 /// Capture of a clip, and its map to a robot.
 struct Mapped {
@@ -84,9 +84,9 @@ impl Mapped {
         robot: &Robot,
         clip: &Clip,
         map: Option<String>,
-        options: &Given,
+        options: &NamedArguments,
     ) -> Result<Self, JsError> {
-        let told = match options.text("up")?.as_deref() {
+        let given_up_axis = match options.text("up")?.as_deref() {
             None => None,
             Some("y") => Some(UpAxis::Y),
             Some("z") => Some(UpAxis::Z),
@@ -98,21 +98,21 @@ impl Mapped {
         let guess = match map {
             Some(map) => {
                 let map = BodyMap::from_json(&map, robot.inner.name());
-                let wrong = |error| raise(format_args!("the map: {error}"));
-                map.map_err(wrong)?.completed(&capture, model)
+                let map_error = |error| raise(format_args!("the map: {error}"));
+                map.map_err(map_error)?.completed(&capture, model)
             }
             None => BodyMap::guess(&capture, model),
         };
         let guess = guess.map_err(raise)?;
-        let up = told.or(capture.up_axis()).unwrap_or(UpAxis::Y);
-        let mut how = RetargetOptions::default().with_up(up);
-        let contacts = &mut how.contacts;
+        let up = given_up_axis.or(capture.up_axis()).unwrap_or(UpAxis::Y);
+        let mut retarget_options = RetargetOptions::default().with_up(up);
+        let contacts = &mut retarget_options.contacts;
         contacts.speed = options.number("contactSpeed")?.unwrap_or(contacts.speed);
         contacts.height = options.number("contactHeight")?.unwrap_or(contacts.height);
         Ok(Self {
             capture,
             map: guess.map,
-            options: how,
+            options: retarget_options,
             notes: guess.notes,
             clear: None,
         })

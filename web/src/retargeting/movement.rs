@@ -4,9 +4,9 @@ use js_sys::Function;
 use kinopt::motion::retarget;
 use wasm_bindgen::prelude::*;
 
-use super::{ClearRetargetingOptions, Mapped, OF_BOTH, RetargetingOptions};
+use super::{ClearRetargetingOptions, FOLLOWER_OPTIONS, Mapped, RetargetingOptions};
+use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 use crate::view;
@@ -53,16 +53,20 @@ pub fn retarget_clear(
 fn solve(
     robot: &Robot,
     clip: &Clip,
-    around: Option<(&CollisionModel, &World)>,
+    obstacles: Option<(&CollisionModel, &World)>,
     map: Option<String>,
     options: JsValue,
 ) -> Result<Retargeted, JsValue> {
-    let own = ["whole", "acceleration", "progress"];
-    let of_clear = around.is_some().then_some("margin");
-    let known: Vec<&str> = OF_BOTH.into_iter().chain(own).chain(of_clear).collect();
-    let options = Given::new(options, "option of a retargeting", &known)?;
+    let own_options = ["whole", "acceleration", "progress"];
+    let clear_options = obstacles.is_some().then_some("margin");
+    let known: Vec<&str> = FOLLOWER_OPTIONS
+        .into_iter()
+        .chain(own_options)
+        .chain(clear_options)
+        .collect();
+    let options = NamedArguments::new(options, "option of a retargeting", &known)?;
     let mut mapped = Mapped::new(robot, clip, map, &options)?;
-    if let Some((shapes, world)) = around {
+    if let Some((shapes, world)) = obstacles {
         mapped.clear = Some(shapes.checker(world, options.number("margin")?)?);
     }
     if let Some(acceleration) = options.number("acceleration")? {
@@ -71,19 +75,19 @@ fn solve(
     let progress = match options.get("progress") {
         None => None,
         Some(progress) => {
-            let no = |_| JsError::new("progress must be a function of (done, total)");
-            Some(progress.dyn_into::<Function>().map_err(no)?)
+            let not_a_function = |_| JsError::new("progress must be a function of (done, total)");
+            Some(progress.dyn_into::<Function>().map_err(not_a_function)?)
         }
     };
     let retargeting = mapped.fitted(robot)?;
     let (total, stride) = (retargeting.frames(), retargeting.stride());
     let mut raised = None;
-    let found = match options.switch("whole")?.unwrap_or(false) {
+    let result = match options.switch("whole")?.unwrap_or(false) {
         false => retargeting.per_frame(),
         true => retargeting.whole_with_progress(&mut |done| {
             let Some(progress) = &progress else { return };
-            let heard = progress.call2(&JsValue::UNDEFINED, &done.into(), &total.into());
-            if let Err(error) = heard {
+            let report = progress.call2(&JsValue::UNDEFINED, &done.into(), &total.into());
+            if let Err(error) = report {
                 raised.get_or_insert(error);
             }
         }),
@@ -91,7 +95,7 @@ fn solve(
     match raised {
         Some(error) => Err(error),
         None => Ok(Retargeted {
-            inner: found.map_err(raise)?,
+            inner: result.map_err(raise)?,
             stride,
             map: mapped.map.to_json(),
             notes: mapped.notes,
@@ -129,7 +133,7 @@ impl Retargeted {
     #[wasm_bindgen(getter)]
     pub fn touching(&self) -> Vec<u32> {
         let touching = self.inner.touching.iter();
-        touching.map(|own| own.frame as u32).collect()
+        touching.map(|contact| contact.frame as u32).collect()
     }
 
     /// The map in use, as JSON.
@@ -161,7 +165,9 @@ impl Retargeted {
     #[wasm_bindgen(getter)]
     pub fn contacts(&self) -> Vec<u8> {
         let contacts = self.inner.contacts.iter();
-        contacts.map(|&stands| stands.into()).collect()
+        contacts
+            .map(|&is_in_contact| is_in_contact.into())
+            .collect()
     }
 
     /// Distance of the driven points from their targets, mean over all frames, metres.

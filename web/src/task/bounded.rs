@@ -5,8 +5,8 @@ use kinopt::task::Bounded;
 use wasm_bindgen::prelude::*;
 
 use super::target::Target;
-use super::{About, Adding, BoxedTask, Visit, known, residual};
-use crate::given::Given;
+use super::{Adding, BoxedTask, CommonOptions, Visit, known, residual};
+use crate::arguments::NamedArguments;
 use crate::model::Model;
 
 /// Adds the inner task with its interval.
@@ -15,39 +15,39 @@ pub(super) fn add(
     model: &Model,
     builder: &mut ProblemBuilder<'_>,
 ) -> Result<BoxedTask, JsError> {
-    let around = Given::new(task, "part of a task", &known(&["task", "lower", "upper"]))?;
-    let inner = around.get("task").unwrap_or(JsValue::UNDEFINED);
+    let outer = NamedArguments::new(task, "part of a task", &known(&["task", "lower", "upper"]))?;
+    let inner = outer.get("task").unwrap_or(JsValue::UNDEFINED);
     let kind = super::kind(&inner)?;
     if kind == "bounded" {
         let message = "nested `bounded`: use one interval instead";
         return Err(JsError::new(message));
     }
-    let given = residual::given(inner, &kind)?;
-    let room = Room {
-        lower: around.number("lower")?.unwrap_or(f64::NEG_INFINITY),
-        upper: around.number("upper")?.unwrap_or(f64::INFINITY),
+    let options = residual::task_options(inner, &kind)?;
+    let bounded = BoundedVisitor {
+        lower: outer.number("lower")?.unwrap_or(f64::NEG_INFINITY),
+        upper: outer.number("upper")?.unwrap_or(f64::INFINITY),
         adding: Adding {
             builder,
-            about: About::of(&around)?.or(About::of(&given)?),
+            common: CommonOptions::of(&outer)?.or(CommonOptions::of(&options)?),
         },
     };
-    residual::read(&given, model, &kind, room)
+    residual::read(&options, model, &kind, bounded)
 }
 
-struct Room<'a, 'm> {
+struct BoundedVisitor<'a, 'm> {
     lower: f64,
     upper: f64,
     adding: Adding<'a, 'm>,
 }
 
-impl Visit for Room<'_, '_> {
+impl Visit for BoundedVisitor<'_, '_> {
     fn visit<R: Target>(self, residual: R) -> Result<BoxedTask, JsError> {
-        let room = Bounded::between(residual, self.lower, self.upper);
-        self.adding.visit(room)
+        let bounded = Bounded::between(residual, self.lower, self.upper);
+        self.adding.visit(bounded)
     }
 }
 
-impl About {
+impl CommonOptions {
     /// Fills missing options from another struct.
     fn or(self, other: Self) -> Self {
         Self {

@@ -13,14 +13,14 @@ use kinopt::problem::{ProblemBuilder, TaskId};
 use kinopt::task::{Residual, Task};
 use wasm_bindgen::prelude::*;
 
-use crate::given::Given;
+use crate::arguments::NamedArguments;
 use crate::model::Model;
 use crate::raise;
 use target::Target;
-pub(crate) use target::{Aimed, Stated};
+pub(crate) use target::{AimableTask, Aimed};
 
 /// Common keys of all tasks.
-const OF_ALL: [&str; 7] = [
+const COMMON_OPTIONS: [&str; 7] = [
     "kind",
     "name",
     "weight",
@@ -31,7 +31,7 @@ const OF_ALL: [&str; 7] = [
 ];
 
 /// A task of a problem, with a target that can be moved.
-pub(crate) type BoxedTask = Box<dyn Stated>;
+pub(crate) type BoxedTask = Box<dyn AimableTask>;
 
 /// Adds a task to a problem.
 pub(crate) fn add(
@@ -44,12 +44,12 @@ pub(crate) fn add(
     if kind == "bounded" {
         return bounded::add(task, model, builder);
     }
-    let given = residual::given(task, &kind)?;
+    let options = residual::task_options(task, &kind)?;
     let adding = Adding {
         builder,
-        about: About::of(&given)?,
+        common: CommonOptions::of(&options)?,
     };
-    residual::read(&given, model, &kind, adding)
+    residual::read(&options, model, &kind, adding)
 }
 
 fn kind(task: &JsValue) -> Result<String, JsError> {
@@ -59,8 +59,8 @@ fn kind(task: &JsValue) -> Result<String, JsError> {
 }
 
 /// Common keys, and those of one kind.
-fn known<'a>(own: &[&'a str]) -> Vec<&'a str> {
-    OF_ALL.iter().chain(own).copied().collect()
+fn known<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    COMMON_OPTIONS.iter().chain(names).copied().collect()
 }
 
 /// Generic function of a residual.
@@ -70,12 +70,12 @@ trait Visit {
 
 struct Adding<'a, 'm> {
     builder: &'a mut ProblemBuilder<'m>,
-    about: About,
+    common: CommonOptions,
 }
 
 impl Visit for Adding<'_, '_> {
     fn visit<R: Target>(self, residual: R) -> Result<BoxedTask, JsError> {
-        let task = self.about.task(residual)?;
+        let task = self.common.task(residual)?;
         let id: TaskId<R> = self.builder.add(task);
         Ok(Box::new(id))
     }
@@ -83,7 +83,7 @@ impl Visit for Adding<'_, '_> {
 
 /// Common options of a task.
 #[derive(Default)]
-struct About {
+struct CommonOptions {
     name: Option<String>,
     weight: Option<f64>,
     scale: Option<f64>,
@@ -92,15 +92,15 @@ struct About {
     level: Option<u32>,
 }
 
-impl About {
-    fn of(given: &Given) -> Result<Self, JsError> {
+impl CommonOptions {
+    fn of(options: &NamedArguments) -> Result<Self, JsError> {
         Ok(Self {
-            name: given.text("name")?,
-            weight: given.number("weight")?,
-            scale: given.number("scale")?,
-            tolerance: given.number("tolerance")?,
-            role: given.text("role")?,
-            level: given.whole("level")?,
+            name: options.text("name")?,
+            weight: options.number("weight")?,
+            scale: options.number("scale")?,
+            tolerance: options.number("tolerance")?,
+            role: options.text("role")?,
+            level: options.whole("level")?,
         })
     }
 

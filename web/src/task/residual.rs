@@ -7,7 +7,7 @@ use kinopt::task::{
 use wasm_bindgen::prelude::*;
 
 use super::{BoxedTask, Visit, known, posture};
-use crate::given::Given;
+use crate::arguments::NamedArguments;
 use crate::model::Model;
 use crate::{placement, raise};
 
@@ -42,94 +42,100 @@ const KINDS: [(&str, &[&str]); 17] = [
 ];
 
 /// Reads the keys of a task of a kind.
-pub(super) fn given(task: JsValue, kind: &str) -> Result<Given, JsError> {
-    let Some((_, own)) = KINDS.iter().find(|(known, _)| *known == kind) else {
+pub(super) fn task_options(task: JsValue, kind: &str) -> Result<NamedArguments, JsError> {
+    let Some((_, names)) = KINDS.iter().find(|(known, _)| *known == kind) else {
         let kinds = KINDS.iter().map(|(known, _)| *known).chain(["bounded"]);
         return Err(raise(UnknownName::new("kind of task", kind, kinds)));
     };
-    Given::new(task, "part of a task", &known(own))
+    NamedArguments::new(task, "part of a task", &known(names))
 }
 
 /// Converts the residual of a task that wraps no other task.
 pub(super) fn read(
-    given: &Given,
+    options: &NamedArguments,
     model: &Model,
     kind: &str,
     visitor: impl Visit,
 ) -> Result<BoxedTask, JsError> {
-    let frame = |name: &str| frame(model, &given.name(name)?);
+    let frame = |name: &str| frame(model, &options.name(name)?);
     match kind {
         "point" => {
-            let mut point = Point::new(frame("frame")?, given.vector::<3>("target")?);
-            if given.get("at").is_some() {
-                point = point.at(given.vector::<3>("at")?);
+            let mut point = Point::new(frame("frame")?, options.vector::<3>("target")?);
+            if options.get("at").is_some() {
+                point = point.at(options.vector::<3>("at")?);
             }
-            visitor.visit(match base(given, model)? {
+            visitor.visit(match base(options, model)? {
                 Some(base) => point.relative_to(base),
                 None => point,
             })
         }
         "pose" => {
-            let mut pose = Pose::new(frame("frame")?, placed(given, "target")?);
-            if let Some(tool) = given.placement("tool")? {
+            let mut pose = Pose::new(frame("frame")?, placed(options, "target")?);
+            if let Some(tool) = options.placement("tool")? {
                 pose = pose.with_tool(tool);
             }
-            if let Some(goal) = given.get("goal") {
+            if let Some(goal) = options.get("goal") {
                 pose = pose.with_goal(crate::arm::goal(&goal)?);
             }
-            visitor.visit(match base(given, model)? {
+            visitor.visit(match base(options, model)? {
                 Some(base) => pose.relative_to(base),
                 None => pose,
             })
         }
         "orientation" => {
-            let own = Orientation::new(frame("frame")?, placed(given, "target")?.rotation);
-            visitor.visit(match base(given, model)? {
-                Some(base) => own.relative_to(base),
-                None => own,
+            let orientation =
+                Orientation::new(frame("frame")?, placed(options, "target")?.rotation);
+            visitor.visit(match base(options, model)? {
+                Some(base) => orientation.relative_to(base),
+                None => orientation,
             })
         }
         "lookAt" => {
-            let axis = given.vector::<3>("axis")?;
-            let target = given.vector::<3>("target")?;
+            let axis = options.vector::<3>("axis")?;
+            let target = options.vector::<3>("target")?;
             visitor.visit(LookAt::new(frame("frame")?, axis, target))
         }
         "gaze" => {
-            let (frame, axis) = (frame("frame")?, given.vector::<3>("axis")?);
-            let half_angle = given.needed("halfAngle")?;
-            visitor.visit(match (given.get("target"), given.get("direction")) {
+            let (frame, axis) = (frame("frame")?, options.vector::<3>("axis")?);
+            let half_angle = options.needed("halfAngle")?;
+            visitor.visit(match (options.get("target"), options.get("direction")) {
                 (None, Some(_)) => {
-                    Gaze::along(frame, axis, given.vector::<3>("direction")?, half_angle)
+                    Gaze::along(frame, axis, options.vector::<3>("direction")?, half_angle)
                 }
-                (Some(_), None) => Gaze::at(frame, axis, given.vector::<3>("target")?, half_angle),
+                (Some(_), None) => {
+                    Gaze::at(frame, axis, options.vector::<3>("target")?, half_angle)
+                }
                 _ => return Err(JsError::new("gaze takes a target or a direction")),
             })
         }
         "distance" => {
-            let distance = given.needed("distance")?;
+            let distance = options.needed("distance")?;
             visitor.visit(Distance::new(frame("a")?, frame("b")?, distance))
         }
         "plane" => {
-            let (point, normal) = (given.vector::<3>("point")?, given.vector::<3>("normal")?);
+            let (point, normal) = (
+                options.vector::<3>("point")?,
+                options.vector::<3>("normal")?,
+            );
             visitor.visit(Plane::new(frame("frame")?, point, normal))
         }
         "ray" => {
-            let (eye, through) = (given.vector::<3>("eye")?, given.vector::<3>("through")?);
+            let (eye, through) = (options.vector::<3>("eye")?, options.vector::<3>("through")?);
             visitor.visit(Ray::new(frame("frame")?, eye, through))
         }
         "pixel" => {
-            let [a, b, c, d, e, f, g, h, i, j, k, l] = given.vector::<12>("camera")?;
+            let [a, b, c, d, e, f, g, h, i, j, k, l] = options.vector::<12>("camera")?;
             let camera = Camera {
                 pixel_from_world: [[a, b, c, d], [e, f, g, h], [i, j, k, l]],
             };
-            let target = given.vector::<2>("target")?;
+            let target = options.vector::<2>("target")?;
             visitor.visit(Pixel::new(frame("frame")?, camera, target))
         }
-        "posture" => posture::posture(given, model, visitor),
-        "smoothness" => posture::smoothness(given, model, visitor),
+        "posture" => posture::posture(options, model, visitor),
+        "smoothness" => posture::smoothness(options, model, visitor),
         "limitCentring" => visitor.visit(LimitCentring::new(&model.inner)),
         #[cfg(feature = "bodies")]
-        kind => super::body_tasks::read(given, model, kind, visitor),
+        kind => super::body_tasks::read(options, model, kind, visitor),
         #[cfg(not(feature = "bodies"))]
         kind => Err(JsError::new(&format!(
             "tasks of kind {kind} need a build with the feature `bodies`"
@@ -142,15 +148,15 @@ pub(super) fn frame(model: &Model, name: &str) -> Result<FrameId, JsError> {
 }
 
 /// Reference frame of a target; `None` for the world.
-pub(super) fn base(given: &Given, model: &Model) -> Result<Option<FrameId>, JsError> {
-    let base = given.text("base")?;
+pub(super) fn base(options: &NamedArguments, model: &Model) -> Result<Option<FrameId>, JsError> {
+    let base = options.text("base")?;
     base.map(|base| frame(model, &base)).transpose()
 }
 
 /// Reads a required placement.
 pub(super) fn placed(
-    given: &Given,
+    options: &NamedArguments,
     name: &str,
 ) -> Result<kinopt::spatial::Placement<f64>, JsError> {
-    placement::of(&given.required(name)?, name)
+    placement::of(&options.required(name)?, name)
 }

@@ -12,7 +12,7 @@ use kinopt::task::{
 };
 use wasm_bindgen::prelude::*;
 
-use crate::{given, placement, raise};
+use crate::{arguments, placement, raise};
 
 /// Object whose targets move.
 pub(crate) enum Aimed<'a> {
@@ -30,20 +30,20 @@ impl Aimed<'_> {
 }
 
 /// A task of a problem.
-pub(crate) trait Stated {
+pub(crate) trait AimableTask {
     /// Moves its target; `what` names it in messages. Numbers that are not finite and matrices that are not rotations
     /// leave it unchanged.
     fn aim(&self, aimed: &mut Aimed<'_>, value: &JsValue, what: &str) -> Result<(), JsError>;
 }
 
-impl<R: Target> Stated for TaskId<R> {
+impl<R: Target> AimableTask for TaskId<R> {
     fn aim(&self, aimed: &mut Aimed<'_>, value: &JsValue, what: &str) -> Result<(), JsError> {
-        let own = aimed.residual(*self).map_err(raise)?;
-        let mut moved = own.clone();
+        let current = aimed.residual(*self).map_err(raise)?;
+        let mut moved = current.clone();
         moved.aim(value, what)?;
         let checked = moved.validate();
         checked.map_err(|error| JsError::new(&format!("{what}: {error}")))?;
-        *own = moved;
+        *current = moved;
         Ok(())
     }
 }
@@ -56,10 +56,10 @@ pub(crate) trait Target: Residual {
 
 /// Implements targets by a conversion function and a setter.
 macro_rules! targets {
-    ($($residual:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
+    ($($residual:ty, $read:path, |$task:ident, $target:pat_param| $set:expr;)*) => {$(
         impl Target for $residual {
             fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
-                let $own = self;
+                let $task = self;
                 let $target = $read(value, what)?;
                 $set;
                 Ok(())
@@ -69,28 +69,28 @@ macro_rules! targets {
 }
 
 targets! {
-    Point, given::vector::<3>, |own, target| own.set_target(target);
-    Pose, placement::of, |own, target| own.set_target(target);
-    Orientation, placement::of, |own, target| own.set_target(target.rotation);
-    LookAt, given::vector::<3>, |own, target| own.set_target(target);
-    Distance, given::number, |own, distance| own.set_distance(distance);
-    Plane, two, |own, [point, normal]| own.set_plane(point, normal);
-    Ray, two, |own, [eye, through]| own.set_line(eye, through);
-    Pixel, given::vector::<2>, |own, pixel| own.set_target(pixel);
-    Gaze, given::vector::<3>, |own, target| own.set_target(target);
+    Point, arguments::vector::<3>, |task, target| task.set_target(target);
+    Pose, placement::of, |task, target| task.set_target(target);
+    Orientation, placement::of, |task, target| task.set_target(target.rotation);
+    LookAt, arguments::vector::<3>, |task, target| task.set_target(target);
+    Distance, arguments::number, |task, distance| task.set_distance(distance);
+    Plane, two, |task, [point, normal]| task.set_plane(point, normal);
+    Ray, two, |task, [eye, through]| task.set_line(eye, through);
+    Pixel, arguments::vector::<2>, |task, pixel| task.set_target(pixel);
+    Gaze, arguments::vector::<3>, |task, target| task.set_target(target);
 }
 
 #[cfg(feature = "bodies")]
 targets! {
-    CentreOfMass, given::vector::<3>, |own, target| own.set_target(target);
-    FrameVelocity, placement::of, |own, previous| own.set_previous(previous);
-    JointCoupling, given::number, |own, offset| own.set_offset(offset);
-    Manipulability, given::number, |own, least| own.set_least(least);
+    CentreOfMass, arguments::vector::<3>, |task, target| task.set_target(target);
+    FrameVelocity, placement::of, |task, previous| task.set_previous(previous);
+    JointCoupling, arguments::number, |task, offset| task.set_offset(offset);
+    Manipulability, arguments::number, |task, least| task.set_least(least);
 }
 
 /// Reads two positions in one list.
 fn two(value: &JsValue, what: &str) -> Result<[[f64; 3]; 2], JsError> {
-    let [a, b, c, d, e, f] = given::vector::<6>(value, what)?;
+    let [a, b, c, d, e, f] = arguments::vector::<6>(value, what)?;
     Ok([[a, b, c], [d, e, f]])
 }
 
@@ -111,20 +111,20 @@ untargeted!(SupportPolygon);
 
 /// Error for an array of another length than the task's joints.
 fn other_count(what: &str, error: &kinopt::SizeMismatch) -> JsError {
-    let (count, asked) = (error.given, error.expected);
-    JsError::new(&format!("{what} has {count} numbers, expected {asked}"))
+    let (count, expected) = (error.given, error.expected);
+    JsError::new(&format!("{what} has {count} numbers, expected {expected}"))
 }
 
 impl Target for Posture {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
-        let set = self.set_reference(&given::numbers(value, what)?);
+        let set = self.set_reference(&arguments::numbers(value, what)?);
         set.map_err(|error| other_count(what, &error))
     }
 }
 
 impl Target for Smoothness {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
-        let set = self.set_previous(&given::numbers(value, what)?);
+        let set = self.set_previous(&arguments::numbers(value, what)?);
         set.map_err(|error| other_count(what, &error))
     }
 }

@@ -9,8 +9,8 @@ use std::time::Instant;
 use ik_geo::inverse_kinematics::auxiliary::Kinematics;
 use ik_geo::inverse_kinematics::three_parallel_two_intersecting;
 use ik_geo::nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use kinopt::simd_ik::{Chain, JointKind};
 use kinopt::robot::Robot;
+use kinopt::simd_ik::{Chain, JointKind};
 use kinopt::spatial;
 
 type Failure = Box<dyn std::error::Error>;
@@ -49,8 +49,8 @@ fn kinematics(chain: &Chain) -> Result<(Kinematics<6, 7>, Matrix3<f64>), Failure
     let axis = |i: usize| arm.h.column(i).into_owned();
     let parallel = |a: usize, b: usize| axis(a).cross(&axis(b)).norm() < 1e-9;
     let offset = arm.p.column(5).into_owned();
-    let apart = offset.dot(&axis(4).cross(&axis(5))).abs();
-    if !(parallel(1, 2) && parallel(2, 3)) || parallel(4, 5) || apart > 1e-9 {
+    let axis_distance = offset.dot(&axis(4).cross(&axis(5))).abs();
+    if !(parallel(1, 2) && parallel(2, 3)) || parallel(4, 5) || axis_distance > 1e-9 {
         return Err("no arm with three parallel and two intersecting axes".into());
     }
     let r = tip.rotation;
@@ -59,7 +59,7 @@ fn kinematics(chain: &Chain) -> Result<(Kinematics<6, 7>, Matrix3<f64>), Failure
 }
 
 /// Shifts angles by full turns into each joint's range; false if a joint has no such angle.
-fn within(chain: &Chain, q: &mut [f64]) -> bool {
+fn shift_into_limits(chain: &Chain, q: &mut [f64]) -> bool {
     chain.joints().iter().zip(q).all(|(joint, q)| {
         let turns = ((joint.lower - *q) / std::f64::consts::TAU).ceil().max(0.0)
             - ((*q - joint.upper) / std::f64::consts::TAU).ceil().max(0.0);
@@ -74,7 +74,7 @@ fn within(chain: &Chain, q: &mut [f64]) -> bool {
 fn serve(chain: &Chain) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let (arm, tip_at_zero) = match kinematics(chain) {
-        Ok(found) => found,
+        Ok(kinematics) => kinematics,
         Err(failure) => {
             writeln!(out, "{failure}")?;
             return Ok(());
@@ -92,19 +92,20 @@ fn serve(chain: &Chain) -> Result<(), Failure> {
             return Err("seven numbers of a pose are needed".into());
         };
         let rotation = UnitQuaternion::from_quaternion(Quaternion::new(qw, qx, qy, qz));
-        let begun = Instant::now();
-        let turn = rotation.to_rotation_matrix().into_inner() * tip_at_zero.transpose();
-        let (found, approximate) =
-            three_parallel_two_intersecting(&turn, &Vector3::new(x, y, z), &arm);
+        let started = Instant::now();
+        let rotation_from_zero =
+            rotation.to_rotation_matrix().into_inner() * tip_at_zero.transpose();
+        let (candidates, approximate) =
+            three_parallel_two_intersecting(&rotation_from_zero, &Vector3::new(x, y, z), &arm);
         let mut solutions = Vec::new();
-        for (q, approximate) in found.iter().zip(approximate) {
+        for (q, approximate) in candidates.iter().zip(approximate) {
             let mut q = *q;
-            if !approximate && within(chain, q.as_mut_slice()) {
+            if !approximate && shift_into_limits(chain, q.as_mut_slice()) {
                 solutions.extend_from_slice(q.as_slice());
             }
         }
-        let took = begun.elapsed().as_nanos();
-        write!(out, "{took}")?;
+        let nanoseconds = started.elapsed().as_nanos();
+        write!(out, "{nanoseconds}")?;
         for value in solutions {
             write!(out, " {value:e}")?;
         }

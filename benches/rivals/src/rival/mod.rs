@@ -33,10 +33,10 @@ pub trait Rival {
 
 /// Times a call in this process.
 pub(crate) fn timed(call: impl FnOnce() -> Option<Vec<f64>>) -> Answer {
-    let begun = Instant::now();
+    let started = Instant::now();
     let solution = call();
     Answer {
-        took: begun.elapsed(),
+        took: started.elapsed(),
         solutions: solution.into_iter().collect(),
     }
 }

@@ -59,9 +59,9 @@ impl Rival for Local<'_> {
                 .and(solver.set_vector_storage(Some(MEMORY)));
             debug_assert!(set.is_ok());
             until_deadline(chain, &query.start, deadline, |q| {
-                let left = deadline.saturating_duration_since(Instant::now());
+                let remaining = deadline.saturating_duration_since(Instant::now());
                 // NLopt treats 0 as no limit.
-                let limited = solver.set_maxtime(left.as_secs_f64().max(1e-6));
+                let limited = solver.set_maxtime(remaining.as_secs_f64().max(1e-6));
                 let value = match solver.optimize(q) {
                     Ok((_, value)) | Err((_, value)) => value,
                 };

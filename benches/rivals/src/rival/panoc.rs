@@ -10,11 +10,11 @@ use super::{Answer, Rival, timed};
 use crate::{Failure, Limits, Objective, Query, Workload, until_deadline};
 
 /// Tolerance on the projected gradient step, radians: small enough that a converged attempt has reached the goal.
-const STEP: f64 = 1e-8;
+const DIFFERENCE_STEP: f64 = 1e-8;
 /// Number of past steps, as in its examples.
 const MEMORY: usize = 10;
 /// Largest number of iterations of one attempt.
-const ITERATIONS: usize = 200;
+const MAX_ITERATIONS: usize = 200;
 
 struct Panoc<'a> {
     workload: &'a Workload,
@@ -28,7 +28,7 @@ pub fn new(workload: &Workload, limit: Duration) -> Box<dyn Rival + '_> {
     Box::new(Panoc {
         workload,
         limits: Limits::of(&workload.chain),
-        cache: PANOCCache::new(workload.chain.joints().len(), STEP, MEMORY),
+        cache: PANOCCache::new(workload.chain.joints().len(), DIFFERENCE_STEP, MEMORY),
         limit,
     })
 }
@@ -57,10 +57,10 @@ impl Rival for Panoc<'_> {
                         Ok(())
                     },
                 );
-                let left = deadline.saturating_duration_since(Instant::now());
+                let remaining = deadline.saturating_duration_since(Instant::now());
                 let mut solver = PANOCOptimizer::new(problem, cache)
-                    .with_max_iter(ITERATIONS)
-                    .with_max_duration(left);
+                    .with_max_iter(MAX_ITERATIONS)
+                    .with_max_duration(remaining);
                 let solved = solver.solve(q);
                 solved.is_ok() && objective.at(q, None) <= Objective::GOAL
             })

@@ -44,11 +44,11 @@ impl Rival for Slsqp<'_> {
                     ..StopTols::default()
                 };
                 let bounds = &self.bounds;
-                let ended = minimize(evaluate, q, bounds, &unconstrained, (), 200, Some(stop));
-                let (found, value) = match ended {
-                    Ok((_, found, value)) | Err((_, found, value)) => (found, value),
+                let result = minimize(evaluate, q, bounds, &unconstrained, (), 200, Some(stop));
+                let (solution, value) = match result {
+                    Ok((_, solution, value)) | Err((_, solution, value)) => (solution, value),
                 };
-                q.copy_from_slice(&found);
+                q.copy_from_slice(&solution);
                 value <= Objective::GOAL
             })
         }))

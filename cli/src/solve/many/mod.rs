@@ -34,8 +34,10 @@ fn answer<'b>(
 ) -> Outcome<Outcomes<'b>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     // At most one thread for each target and core.
-    let most = cores.min(queries.len()).max(1);
-    let threads = arguments.threads.map(|threads| most.min(threads.into()));
+    let max_threads = cores.min(queries.len()).max(1);
+    let threads = arguments
+        .threads
+        .map(|threads| max_threads.min(threads.into()));
     let pool = threads.map(|threads| {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         builder.build()

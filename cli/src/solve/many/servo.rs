@@ -154,13 +154,15 @@ impl Document<'_> {
         }
         let joints = self.arm_joints.iter().zip(&self.velocity_limits);
         for ((joint, limit), top) in joints.zip(&summary.top_speeds) {
-            let (top, of) = (six_digits(*top), limit.map(six_digits));
-            let of = of.as_deref().unwrap_or("no limit");
-            text.push_str(&format!("top speed {joint}: {top} of {of} per second\n"));
+            let (top, max_speed) = (six_digits(*top), limit.map(six_digits));
+            let max_speed = max_speed.as_deref().unwrap_or("no limit");
+            text.push_str(&format!(
+                "top speed {joint}: {top} of {max_speed} per second\n"
+            ));
         }
-        if let (Some(one), Some(p99)) = (summary.micros_median, summary.micros_p99) {
-            let [one, p99] = [one, p99].map(time);
-            text.push_str(&format!("time      median {one}, 99 % within {p99}\n"));
+        if let (Some(median), Some(p99)) = (summary.micros_median, summary.micros_p99) {
+            let [median, p99] = [median, p99].map(time);
+            text.push_str(&format!("time      median {median}, 99 % within {p99}\n"));
         }
         text
     }

@@ -9,7 +9,7 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
 
 /// Largest number of unreached targets and jumps that the text explains.
-const EXPLAINED: usize = 3;
+const MAX_EXPLAINED: usize = 3;
 
 /// Solutions in the order of the targets.
 pub(super) struct Outcomes<'b> {
@@ -70,13 +70,13 @@ impl Outcomes<'_> {
         let total = self.answers.len();
         let mut micros: Vec<f64> = self.answers.iter().filter_map(|a| a.micros).collect();
         micros.sort_by(f64::total_cmp);
-        let all = self.batch_micros.unwrap_or_else(|| micros.iter().sum());
+        let total_micros = self.batch_micros.unwrap_or_else(|| micros.iter().sum());
         Summary {
             solved: self.answers.iter().filter(|a| a.solution.reached).count(),
             total,
             micros_median: median(&micros),
             micros_p99: percentile(&micros, 99),
-            micros_mean: all / total.max(1) as f64,
+            micros_mean: total_micros / total.max(1) as f64,
             jumps: self.jumps.as_deref(),
         }
     }
@@ -84,10 +84,10 @@ impl Outcomes<'_> {
     /// Counts, times, largest errors of reached targets, and the first targets that are not reached.
     pub(super) fn text(&self, loaded: &LoadedModel) -> String {
         let summary = self.summary();
-        let [one, mean] = [summary.micros_median, Some(summary.micros_mean)]
+        let [median, mean] = [summary.micros_median, Some(summary.micros_mean)]
             .map(|micros| micros.map_or_else(String::new, time));
         let time = match summary.micros_p99 {
-            Some(p99) => format!("median {one}, 99 % within {}, mean {mean}", time(p99)),
+            Some(p99) => format!("median {median}, 99 % within {}, mean {mean}", time(p99)),
             None => format!("mean {mean} (solved together)"),
         };
         let mut text = format!(
@@ -102,7 +102,7 @@ impl Outcomes<'_> {
         let misses = misses.filter(|(_, answer)| !answer.solution.reached);
         let count = summary.total - summary.solved;
         if count > 0 {
-            let shown = count.min(EXPLAINED);
+            let shown = count.min(MAX_EXPLAINED);
             let which = match count {
                 1 => "The target that is not reached".to_owned(),
                 _ if shown == count => format!("The {count} targets that are not reached"),
@@ -129,10 +129,10 @@ impl Outcomes<'_> {
                 format!("jumps     {count} {steps} in which a joint moves more than 0.2 rad\n")
             }
         };
-        for jump in jumps.iter().take(EXPLAINED) {
+        for jump in jumps.iter().take(MAX_EXPLAINED) {
             text.push_str(&format!("          {}\n", jump.text()));
         }
-        if jumps.len() > EXPLAINED {
+        if jumps.len() > MAX_EXPLAINED {
             text.push_str("          … (all with --json)\n");
         }
         text
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranks() {
+    fn percentile_and_median_by_rank() {
         let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
         assert_eq!(percentile(&hundred, 99), Some(99.0));
         assert_eq!(percentile(&[4.0], 99), Some(4.0));

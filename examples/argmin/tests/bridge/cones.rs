@@ -14,13 +14,13 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use nalgebra::DVector;
 
-const HALF: f64 = 0.5;
+const HALF_ANGLE: f64 = 0.5;
 
 /// Rod of 1 m on a shoulder; it starts along the cone's axis.
 fn shoulder() -> Model {
     let mut builder = Model::builder("shoulder");
     let z = Vector3::UNITS[2];
-    let cone = BallLimits::cone(HALF, Limits::new(-0.3, 0.3));
+    let cone = BallLimits::cone(HALF_ANGLE, Limits::new(-0.3, 0.3));
     let ball = builder.ball("ball", None, Placement::identity(), z, Some(cone));
     builder.frame("hand", Some(ball), Placement::translation(z));
     builder.build().unwrap()
@@ -38,14 +38,14 @@ fn both_swings_at_their_ends_are_on_the_cone() {
     let problem = reaching(&model, [0.3, -0.9, 0.4]);
     let unbounded = UnboundedProblem::new(&problem);
     for signs in [[1.0, 1.0], [-1.0, 1.0], [1.0, -0.5]] {
-        let end = HALF * FRAC_PI_2;
+        let end = HALF_ANGLE * FRAC_PI_2;
         let y = DVector::from_vec(vec![signs[0] * end, signs[1] * end, 0.1]);
         let x = unbounded.variables_at(&y);
         let swing = x[0].hypot(x[1]);
-        assert!((swing - HALF).abs() < 1e-12, "{x:?}");
-        let there = BoundedProblem::new(&problem).cost(&DVector::from_vec(x));
-        let apart = unbounded.cost(&y).unwrap() - there.unwrap();
-        assert!(apart.abs() < 1e-14, "{apart}");
+        assert!((swing - HALF_ANGLE).abs() < 1e-12, "{x:?}");
+        let bounded_cost = BoundedProblem::new(&problem).cost(&DVector::from_vec(x));
+        let difference = unbounded.cost(&y).unwrap() - bounded_cost.unwrap();
+        assert!(difference.abs() < 1e-14, "{difference}");
     }
 }
 

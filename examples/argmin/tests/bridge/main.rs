@@ -2,6 +2,6 @@
 
 mod bent_arm;
 mod cones;
-mod in_the_way;
+mod obstacles;
 mod promises;
 mod runs;

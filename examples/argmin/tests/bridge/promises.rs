@@ -67,7 +67,7 @@ where
         let start = bounded.start(&START).unwrap();
 
         let mut memory = SolverState::default();
-        let alone = minimise(
+        let direct = minimise(
             &mut bounded,
             &method,
             start.as_slice(),
@@ -85,12 +85,17 @@ where
         let solution = bounded.solution(&run).unwrap();
         assert_eq!(solution.q, memory.x(), "{}", method.name());
         assert_eq!(solution.cost, memory.cost(), "{}", method.name());
-        assert_eq!(solution.iterations, alone.iterations, "{}", method.name());
-        assert_eq!(solution.termination, alone.termination, "{}", method.name());
+        assert_eq!(solution.iterations, direct.iterations, "{}", method.name());
+        assert_eq!(
+            solution.termination,
+            direct.termination,
+            "{}",
+            method.name()
+        );
         assert!(within_limits(&problem, &solution.q));
 
         // Halfway, and before its last step.
-        let interrupted = [alone.iterations / 2, alone.iterations - 1];
+        let interrupted = [direct.iterations / 2, direct.iterations - 1];
         for at in interrupted.into_iter().filter(|at| *at > 0) {
             let resumed = interrupted_and_resumed(&bounded, &solver, &start, at);
             assert_eq!(resumed.q, solution.q, "{}", method.name());
@@ -207,7 +212,7 @@ where
             .run()
             .unwrap();
         let solution = bounded.solution(&run).unwrap();
-        let largest = solution.q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        let largest = solution.q.iter().fold(1.0_f64, |max, q| max.max(q.abs()));
         let steps = steps.0.lock().unwrap();
         let (last, before) = steps.split_last().unwrap();
         let name = method.name();
@@ -357,7 +362,7 @@ fn derivative_free_solvers_come_close_within_limits() {
 }
 
 #[test]
-fn outside_the_limits_the_cost_is_that_of_the_limit() {
+fn cost_outside_limits_is_that_of_the_limit() {
     let problem = held_by_limits();
     let bounded = BoundedProblem::new(&problem);
     for x in configurations(&problem, 12) {
@@ -432,7 +437,7 @@ fn derivatives_by_changed_variables_are_exact() {
 }
 
 #[test]
-fn the_hessian_is_exact_where_the_residual_vanishes() {
+fn hessian_is_exact_at_zero_residual() {
     let problem = reachable();
     let unbounded = UnboundedProblem::new(&problem);
     let ours = Solver::default().solve_once(&problem, &START).unwrap();
@@ -555,7 +560,7 @@ fn failed_run_at_a_stationary_point_is_a_solution() {
 }
 
 #[test]
-fn failures_that_are_no_optimum_are_passed_on() {
+fn failures_away_from_an_optimum_are_errors() {
     let problem = reachable();
     let unbounded = UnboundedProblem::new(&problem);
     let y = unbounded.start(&START).unwrap();
@@ -588,18 +593,18 @@ fn failures_that_are_no_optimum_are_passed_on() {
 }
 
 #[test]
-fn one_problem_serves_many_threads() {
+fn problem_serves_many_threads() {
     let problem = two_tips();
     let unbounded = UnboundedProblem::new(&problem);
     let points: Vec<DVector<f64>> = configurations(&problem, 40)
         .iter()
         .map(|q| unbounded.start(q).unwrap())
         .collect();
-    let alone: Vec<DVector<f64>> = points
+    let sequential: Vec<DVector<f64>> = points
         .iter()
         .map(|y| unbounded.gradient(y).unwrap())
         .collect();
-    let together = std::thread::scope(|scope| {
+    let parallel = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..4)
             .map(|_| {
                 scope.spawn(|| {
@@ -616,6 +621,6 @@ fn one_problem_serves_many_threads() {
             .collect();
         results
     });
-    assert!(together.iter().all(|gradients| *gradients == alone));
+    assert!(parallel.iter().all(|gradients| *gradients == sequential));
     assert_eq!(arm().degrees_of_freedom(), problem.variables());
 }

@@ -30,7 +30,7 @@ fn with_second_joint(
 }
 
 #[test]
-fn a_method_that_has_run_runs_again() {
+fn used_method_repeats_its_run() {
     let problem = reachable();
     let bounded = BoundedProblem::new(&problem);
     let run = |solver: ExecutorMethod<LevenbergMarquardt>, start: &[f64]| {
@@ -52,7 +52,7 @@ fn a_method_that_has_run_runs_again() {
 }
 
 #[test]
-fn a_run_of_another_problem_is_no_solution() {
+fn run_of_another_problem_is_rejected() {
     let (problem, other) = (
         reachable(),
         with_second_joint(|map, joint| map.with_locked(joint, 0.1)),
@@ -70,7 +70,7 @@ fn a_run_of_another_problem_is_no_solution() {
 
 /// Gradients for argmin's observers and convergence tests.
 #[test]
-fn a_state_has_the_gradient_of_its_own_place() {
+fn state_has_the_gradient_at_its_parameters() {
     let problem = reachable();
     let bounded = BoundedProblem::new(&problem);
     let start = bounded.start(&START).unwrap();
@@ -81,11 +81,11 @@ fn a_state_has_the_gradient_of_its_own_place() {
             .run()
             .unwrap();
         let state = run.state();
-        let (at, mut own) = (state.get_param().unwrap(), bounded.clone());
-        let mut residual = DVector::zeros(own.rows());
-        let mut jacobian = DMatrix::zeros(own.rows(), at.len());
-        own.residual(at.as_slice(), residual.as_mut_slice());
-        own.jacobian(at.as_slice(), &mut jacobian);
+        let (param, mut copy) = (state.get_param().unwrap(), bounded.clone());
+        let mut residual = DVector::zeros(copy.rows());
+        let mut jacobian = DMatrix::zeros(copy.rows(), param.len());
+        copy.residual(param.as_slice(), residual.as_mut_slice());
+        copy.jacobian(param.as_slice(), &mut jacobian);
         let off = jacobian.tr_mul(&residual) - state.get_gradient().unwrap();
         assert!(off.amax() < 1e-12, "{off}");
     }
@@ -93,7 +93,7 @@ fn a_state_has_the_gradient_of_its_own_place() {
 
 /// The floor of the Hessian is a fraction of its largest entry.
 #[test]
-fn a_hessian_goes_with_the_squares_of_the_weights() {
+fn hessian_scales_with_squared_weights() {
     let model = arm();
     let hessian = |weight: f64| {
         let mut builder = Problem::builder(&model);
@@ -104,17 +104,17 @@ fn a_hessian_goes_with_the_squares_of_the_weights() {
         let y = unbounded.start(&START).unwrap();
         unbounded.hessian(&y).unwrap() / (weight * weight)
     };
-    let whole = hessian(1.0);
+    let reference = hessian(1.0);
     for weight in [1e-6, 1e3] {
-        let off = (hessian(weight) - &whole).amax();
-        assert!(off < 1e-13 * whole.amax(), "{weight}: {off:e}");
+        let off = (hessian(weight) - &reference).amax();
+        assert!(off < 1e-13 * reference.amax(), "{weight}: {off:e}");
     }
 }
 
 #[test]
-fn a_checkpoint_of_another_problem_is_refused() {
+fn checkpoint_of_another_problem_is_rejected() {
     let folder = std::env::temp_dir().join(format!("kinopt-other-{}", std::process::id()));
-    let kept = || {
+    let checkpoint = || {
         let path = folder.to_str().unwrap();
         FileCheckpoint::new(path, "search", CheckpointingFrequency::Always)
     };
@@ -123,7 +123,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
     let start = bounded.start(&START).unwrap();
     let stopped = Executor::new(bounded, ExecutorMethod::new(GaussNewton::default()))
         .configure(|state| state.param(start))
-        .checkpointing(kept())
+        .checkpointing(checkpoint())
         .add_observer(Interruption(1), ObserverMode::Always)
         .run();
     assert!(stopped.is_err());
@@ -137,7 +137,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
         let start = other.start(&START).unwrap();
         let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
             .configure(|state| state.param(start))
-            .checkpointing(kept())
+            .checkpointing(checkpoint())
             .run();
         let error = resumed.err().unwrap().to_string();
         assert!(error.contains("of another problem"), "{error}");
@@ -146,7 +146,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
 }
 
 #[test]
-fn numbers_that_are_none_end_a_run_where_it_begins() {
+fn non_finite_numbers_end_a_run_at_its_start() {
     let model = arm();
     let mut builder = Problem::builder(&model);
     // The square of this number overflows.
@@ -207,6 +207,6 @@ fn solution_counts_all_evaluations() {
         .run()
         .unwrap();
     let counts = unbounded.solution(&run).unwrap().counts;
-    let own = (counts.residuals, counts.jacobians, counts.gradients);
-    assert_eq!(own, (2 * (1 + 2), 2 * (3 + 4), 2 * 5));
+    let evaluations = (counts.residuals, counts.jacobians, counts.gradients);
+    assert_eq!(evaluations, (2 * (1 + 2), 2 * (3 + 4), 2 * 5));
 }

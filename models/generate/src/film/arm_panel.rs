@@ -30,13 +30,13 @@ const KEYS: [([f64; 3], [f64; 2], bool); 6] = [
     ([0.48, 0.1, 0.68], [0.0, 10.0], false),
 ];
 /// Points of the path from key to key.
-const STEPS: usize = 40;
+const POINTS_PER_KEY: usize = 40;
 /// Smallest distance of links from obstacles and other links, metres.
 const MARGIN: f64 = 0.01;
 /// Acceleration limit of each joint, rad/s².
 const ACCELERATION: f64 = 5.0;
 /// Number of frames in which the tool rests at the first pose.
-const REST: usize = 4;
+const REST_FRAMES: usize = 4;
 /// Start configuration for the first pose, radians.
 const START: [f64; 7] = [0.6, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8];
 
@@ -44,11 +44,11 @@ const START: [f64; 7] = [0.6, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8];
 fn pose([x, y, z]: [f64; 3], degrees: [f64; 2]) -> Placement<f64> {
     let [(sin_azimuth, cos_azimuth), (sin_tilt, cos_tilt)] =
         degrees.map(|angle| angle.to_radians().sin_cos());
-    let along = DVec3::new(sin_tilt * cos_azimuth, sin_tilt * sin_azimuth, -cos_tilt);
-    let aside = DVec3::new(sin_azimuth, -cos_azimuth, 0.0);
-    let axes = [aside.cross(along), aside, along].map(|axis| Vector3::from(axis.to_array()));
-    let [ahead, aside, along] = axes;
-    let rotation = Matrix3::from_columns(ahead, aside, along);
+    let tool_axis = DVec3::new(sin_tilt * cos_azimuth, sin_tilt * sin_azimuth, -cos_tilt);
+    let side = DVec3::new(sin_azimuth, -cos_azimuth, 0.0);
+    let axes = [side.cross(tool_axis), side, tool_axis].map(|axis| Vector3::from(axis.to_array()));
+    let [forward, side, tool_axis] = axes;
+    let rotation = Matrix3::from_columns(forward, side, tool_axis);
     Placement::new(rotation, Vector3::new(x, y, z))
 }
 
@@ -57,7 +57,7 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     let mut keys: Vec<Placement<f64>> = KEYS.iter().map(|key| pose(key.0, key.1)).collect();
     let first = keys[0];
     keys.push(first);
-    let path = CartesianPath::spline(keys, None, STEPS)?;
+    let path = CartesianPath::spline(keys, None, POINTS_PER_KEY)?;
     let start = arm.solve(first, &START)?;
     let start = match start.reached {
         true => start.q,
@@ -75,7 +75,7 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     let accelerations = vec![ACCELERATION; arm.joint_count()];
     let limits = TimingLimits::of(arm).with_acceleration_limits(&accelerations);
     let trajectory = solution.trajectory(&limits)?;
-    let seconds = (FRAMES - REST) as f64 / FRAMES_PER_SECOND as f64;
+    let seconds = (FRAMES - REST_FRAMES) as f64 / FRAMES_PER_SECOND as f64;
     let speed = trajectory.duration() / seconds;
     if speed > 1.0 {
         return Err(format!("the motion of the arm takes longer than {seconds} s").into());

@@ -20,18 +20,18 @@ use crate::render::{View, linear};
 /// Capture frames for each frame of the film.
 const STEPS: usize = 3;
 /// Metres per unit of the capture.
-const UNIT: f64 = 0.01;
+const METRES_PER_UNIT: f64 = 0.01;
 /// Positions of the person and the robot in the scene, metres.
-const PLACES: [DVec3; 2] = [DVec3::new(-0.42, 0.0, 0.0), DVec3::new(0.78, 0.0, 0.0)];
+const SCENE_POSITIONS: [DVec3; 2] = [DVec3::new(-0.42, 0.0, 0.0), DVec3::new(0.78, 0.0, 0.0)];
 
 /// Repeats a capture that ends as it starts three times. The second repetition has neighbours on both sides.
-fn repeated(once: &Capture) -> Result<Capture, Failure> {
-    let frames = (0..FRAMES * STEPS).filter_map(|frame| once.frame(frame));
-    let numbers = frames.flatten().flat_map(|at| at.to_array());
+fn repeated(capture: &Capture) -> Result<Capture, Failure> {
+    let frames = (0..FRAMES * STEPS).filter_map(|frame| capture.frame(frame));
+    let numbers = frames.flatten().flat_map(|position| position.to_array());
     let numbers: Vec<f64> = numbers.collect();
-    let rate = once.frame_rate();
+    let rate = capture.frame_rate();
     Ok(Capture::new(
-        once.names().to_vec(),
+        capture.names().to_vec(),
         &numbers.repeat(3),
         rate,
     )?)
@@ -61,7 +61,7 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
     let person = PersonMesh::new(&recorded.armature, &capture)?;
     let nao = RobotMesh::new(&CollisionModel::of(&robot)?)?;
     let upright = DAffine3::from_mat3(UpAxis::Y.turned_to_z().into());
-    let metres = DAffine3::from_scale(DVec3::splat(UNIT)) * upright;
+    let metres = DAffine3::from_scale(DVec3::splat(METRES_PER_UNIT)) * upright;
     let mut kinematics = ForwardKinematics::new(robot.model());
     let configurations = movement.q.chunks(movement.configuration_len);
     let mut poses = Vec::new();
@@ -82,10 +82,11 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
     let [low, high] = heights(&person_alone);
     let [nao_low, nao_high] = heights(&nao_alone);
     let size = (high - low) / (nao_high - nao_low);
-    let moved = |place: DVec3, low: f64| DAffine3::from_translation(place - DVec3::Z * low);
-    let scene_from_capture = moved(PLACES[0], low) * metres;
+    let on_ground =
+        |position: DVec3, low: f64| DAffine3::from_translation(position - DVec3::Z * low);
+    let scene_from_capture = on_ground(SCENE_POSITIONS[0], low) * metres;
     let scene_from_nao =
-        moved(PLACES[1], size * nao_low) * DAffine3::from_scale(DVec3::splat(size));
+        on_ground(SCENE_POSITIONS[1], size * nao_low) * DAffine3::from_scale(DVec3::splat(size));
 
     let mut frames = Vec::new();
     for (number, placements) in poses.iter().enumerate() {

@@ -9,7 +9,7 @@ use kinopt::spatial::Vector3;
 use super::FRAMES;
 use super::panel::{Panel, PanelFrame};
 use crate::Failure;
-use crate::crouching::{Crouch, SEEN_FROM, body};
+use crate::crouching::{Crouch, EYE_OFFSET, body};
 use crate::picture::POSED;
 use crate::render::{View, linear};
 use crate::skin::add_placed;
@@ -25,10 +25,10 @@ const ROUNDS: usize = 3;
 fn target(start: Vector3<f64>, share: f64) -> Vector3<f64> {
     let [down, ahead, up] = KEYS.map(Vector3::from);
     let keys = [start, down, ahead, up, start];
-    let along = share * (keys.len() - 1) as f64;
-    let key = (along as usize).min(keys.len() - 2);
-    let part = along - key as f64;
-    let eased = part * part * (3.0 - 2.0 * part);
+    let progress = share * (keys.len() - 1) as f64;
+    let key = (progress as usize).min(keys.len() - 2);
+    let fraction = progress - key as f64;
+    let eased = fraction * fraction * (3.0 - 2.0 * fraction);
     keys[key] + (keys[key + 1] - keys[key]) * eased
 }
 
@@ -42,7 +42,7 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
     for round in 0..ROUNDS {
         for step in 0..FRAMES * STEPS {
             let target = target(start, step as f64 / (FRAMES * STEPS) as f64);
-            crouch.lead(target)?;
+            crouch.advance(target)?;
             if round + 1 < ROUNDS || step % STEPS > 0 {
                 continue;
             }
@@ -61,7 +61,7 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
     }
     let centre = DVec3::new(0.2, 0.0, 0.92);
     Ok(Panel::new(
-        View::new(centre + SEEN_FROM, centre, 2.05),
+        View::new(centre + EYE_OFFSET, centre, 2.05),
         frames,
     ))
 }

@@ -28,18 +28,18 @@ pub(super) fn write(
     let mut encoder = Encoder::new(file, width, height, &palette.bytes())?;
     encoder.set_repeat(Repeat::Infinite)?;
     let mut nearest = HashMap::new();
-    let mut shown: Option<Vec<u8>> = None;
+    let mut displayed: Option<Vec<u8>> = None;
     for (number, pixels) in frames.iter().enumerate() {
         let mut indices = Vec::with_capacity(pixels.len());
         for pixel in pixels {
             let find = || palette.nearest(pixel.map(f64::from)) as u8;
             indices.push(*nearest.entry(*pixel).or_insert_with(find));
         }
-        let buffer = match &mut shown {
-            Some(shown) => changes(shown, &indices, pixels, &palette),
+        let buffer = match &mut displayed {
+            Some(displayed) => changes(displayed, &indices, pixels, &palette),
             None => indices.clone(),
         };
-        shown.get_or_insert(indices);
+        displayed.get_or_insert(indices);
         // The format counts hundredths of a second.
         let end = |number: usize| (number * 100 + frames_per_second / 2) / frames_per_second;
         encoder.write_frame(&Frame {
@@ -56,14 +56,14 @@ pub(super) fn write(
 }
 
 /// Updates the shown indices, and returns those that changed.
-fn changes(shown: &mut [u8], wanted: &[u8], pixels: &[[u8; 3]], palette: &Palette) -> Vec<u8> {
-    let mut changes = Vec::with_capacity(shown.len());
-    for ((shown, &wanted), pixel) in shown.iter_mut().zip(wanted).zip(pixels) {
-        let error = palette.squared_error(usize::from(*shown), pixel.map(f64::from));
+fn changes(displayed: &mut [u8], next: &[u8], pixels: &[[u8; 3]], palette: &Palette) -> Vec<u8> {
+    let mut changes = Vec::with_capacity(displayed.len());
+    for ((displayed, &next), pixel) in displayed.iter_mut().zip(next).zip(pixels) {
+        let error = palette.squared_error(usize::from(*displayed), pixel.map(f64::from));
         changes.push(match error > TOLERANCE * TOLERANCE {
             true => {
-                *shown = wanted;
-                wanted
+                *displayed = next;
+                next
             }
             false => TRANSPARENT,
         });

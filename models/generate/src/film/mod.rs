@@ -39,19 +39,19 @@ pub(crate) fn film(root: &Path, path: &Path) -> Result<(), Failure> {
 /// Returns the pixels of all frames, with the panels next to each other.
 fn render_all(panels: &[Panel]) -> Result<Vec<Vec<[u8; 3]>>, Failure> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let every = |first: usize| -> Vec<_> {
-        let own = (first..FRAMES).step_by(threads);
-        own.map(|frame| side_by_side(panels, frame)).collect()
+    let render_every = |first: usize| -> Vec<_> {
+        let frames = (first..FRAMES).step_by(threads);
+        frames.map(|frame| side_by_side(panels, frame)).collect()
     };
     let mut frames = vec![Vec::new(); FRAMES];
     thread::scope(|scope| {
         let renderers: Vec<_> = (0..threads)
-            .map(|first| scope.spawn(move || every(first)))
+            .map(|first| scope.spawn(move || render_every(first)))
             .collect();
         for (first, renderer) in renderers.into_iter().enumerate() {
             let rendered = renderer.join().map_err(|_| "a thread panicked")?;
-            for (place, pixels) in frames.iter_mut().skip(first).step_by(threads).zip(rendered) {
-                *place = pixels;
+            for (frame, pixels) in frames.iter_mut().skip(first).step_by(threads).zip(rendered) {
+                *frame = pixels;
             }
         }
         Ok(frames)

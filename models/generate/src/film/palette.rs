@@ -24,13 +24,13 @@ impl Palette {
         // Square roots of the counts keep the background from taking most colours.
         let weighted =
             |(colour, count): (&[u8; 3], &u32)| (colour.map(f64::from), f64::from(*count).sqrt());
-        let all: Vec<Weighted> = counts.iter().map(weighted).collect();
-        let cells = Cell::new(all.clone()).cut();
+        let colours: Vec<Weighted> = counts.iter().map(weighted).collect();
+        let cells = Cell::new(colours.clone()).cut();
         let mut palette = Self {
             colours: cells.iter().map(|cell| cell.mean).collect(),
         };
         for _ in 0..ROUNDS {
-            palette.move_to_means(&all);
+            palette.move_to_means(&colours);
         }
         for colour in &mut palette.colours {
             *colour = colour.map(f64::round);
@@ -39,9 +39,9 @@ impl Palette {
     }
 
     /// One round of k-means.
-    fn move_to_means(&mut self, all: &[Weighted]) {
+    fn move_to_means(&mut self, colours: &[Weighted]) {
         let mut sums = vec![([0.0; 3], 0.0); self.colours.len()];
-        for (colour, weight) in all {
+        for (colour, weight) in colours {
             let (sum, total) = &mut sums[self.nearest(*colour)];
             for (sum, value) in sum.iter_mut().zip(colour) {
                 *sum += weight * value;
@@ -58,8 +58,8 @@ impl Palette {
     /// Index of the nearest colour.
     pub(super) fn nearest(&self, colour: [f64; 3]) -> usize {
         let mut best = (0, f64::INFINITY);
-        for (index, own) in self.colours.iter().enumerate() {
-            let distance = squared_distance(*own, colour);
+        for (index, entry) in self.colours.iter().enumerate() {
+            let distance = squared_distance(*entry, colour);
             if distance < best.1 {
                 best = (index, distance);
             }
@@ -128,7 +128,7 @@ impl Cell {
                 break;
             }
             let (channel, middle) = (cell.channel, cell.mean[cell.channel]);
-            let is_below = |own: &Weighted| own.0[channel] < middle;
+            let is_below = |colour: &Weighted| colour.0[channel] < middle;
             let (below, above) = cell.colours.into_iter().partition(is_below);
             cells.extend([below, above].map(Self::new));
         }

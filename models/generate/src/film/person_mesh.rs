@@ -50,8 +50,8 @@ impl PersonMesh {
             let ends = [parent.index(), index];
             let [from, to] = ends.map(|end| DVec3::from(positions[end]));
             let name = &armature.names()[parent.index()];
-            let found = RADII.iter().find(|(word, _)| name.contains(word));
-            let radius = found.map_or(OTHER_RADIUS, |(_, radius)| *radius);
+            let entry = RADII.iter().find(|(word, _)| name.contains(word));
+            let radius = entry.map_or(OTHER_RADIUS, |(_, radius)| *radius);
             let shape = Shape::capsule(radius, from.distance(to))?;
             let mesh = ShapeMesh::new(&shape)?;
             bones.push(Bone { ends, mesh });

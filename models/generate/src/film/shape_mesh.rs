@@ -9,9 +9,9 @@ use crate::Failure;
 use crate::render::Scene;
 
 /// Number of segments around the axis.
-const AROUND: usize = 28;
+const AXIS_SEGMENTS: usize = 28;
 /// Number of segments from pole to equator.
-const QUARTER: usize = 7;
+const QUARTER_SEGMENTS: usize = 7;
 
 /// Mesh of a shape about the shape's origin, metres.
 #[derive(Clone, Debug, Default)]
@@ -43,20 +43,20 @@ impl ShapeMesh {
     /// Revolves a profile about z.
     fn revolved(profile: &[ProfilePoint]) -> Self {
         let mut mesh = Self::default();
-        for corner in 0..AROUND {
-            let (sin, cos) = (corner as f64 / AROUND as f64 * TAU).sin_cos();
-            let turned = |radial: f64, height: f64| DVec3::new(radial * cos, radial * sin, height);
+        for corner in 0..AXIS_SEGMENTS {
+            let (sin, cos) = (corner as f64 / AXIS_SEGMENTS as f64 * TAU).sin_cos();
+            let rotated = |radial: f64, height: f64| DVec3::new(radial * cos, radial * sin, height);
             for &[radius, height, radial, along] in profile {
-                mesh.positions.push(turned(radius, height));
-                mesh.normals.push(turned(radial, along));
+                mesh.positions.push(rotated(radius, height));
+                mesh.normals.push(rotated(radial, along));
             }
         }
         let rows = profile.len() as u32;
-        for corner in 0..AROUND as u32 {
-            let here = corner * rows;
-            let next = (corner + 1) % AROUND as u32 * rows;
+        for corner in 0..AXIS_SEGMENTS as u32 {
+            let current = corner * rows;
+            let next = (corner + 1) % AXIS_SEGMENTS as u32 * rows;
             for row in 0..rows - 1 {
-                let [a, b] = [here + row, next + row];
+                let [a, b] = [current + row, next + row];
                 mesh.triangles.extend([[a, b, a + 1], [b, b + 1, a + 1]]);
             }
         }
@@ -94,8 +94,8 @@ impl ShapeMesh {
 /// Profile of a capsule with this half length of its cylinder, from pole to pole.
 fn round_ends(radius: f64, half: f64) -> Vec<ProfilePoint> {
     let arc = |centre: f64, first: f64| {
-        (0..=QUARTER).map(move |step| {
-            let (sin, cos) = (first + step as f64 / QUARTER as f64 * FRAC_PI_2).sin_cos();
+        (0..=QUARTER_SEGMENTS).map(move |step| {
+            let (sin, cos) = (first + step as f64 / QUARTER_SEGMENTS as f64 * FRAC_PI_2).sin_cos();
             [radius * cos, centre + radius * sin, cos, sin]
         })
     };

@@ -145,7 +145,7 @@ pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Qual
     let mut receivers = Vec::new();
     let mut on_paper = vec![None; coarse[0] * coarse[1]];
     // Receiver of each sample; `None` if its ray misses the scene and the paper.
-    let mut seen = Vec::with_capacity(hits.len());
+    let mut receiver_of_sample = Vec::with_capacity(hits.len());
     for (index, hit) in hits.iter().enumerate() {
         let at = [index % fine[0] / step, index / fine[0] / step];
         let paper = &mut on_paper[at[1] * coarse[0] + at[0]];
@@ -156,7 +156,7 @@ pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Qual
                 on_paper: false,
             }),
             None if paper.is_some() => {
-                seen.push(*paper);
+                receiver_of_sample.push(*paper);
                 continue;
             }
             None => {
@@ -173,12 +173,14 @@ pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Qual
             *paper = number;
         }
         receivers.extend(receiver);
-        seen.push(number);
+        receiver_of_sample.push(number);
     }
     let lights = lights(scene, &receivers, quality);
     let mut image = Image::new(fine, scene.paper);
-    for ((hit, seen), pixel) in hits.iter().zip(seen).zip(&mut image.pixels) {
-        let light = seen.map_or(DVec3::ONE, |receiver| lights[receiver]);
+    for ((hit, receiver_of_sample), pixel) in
+        hits.iter().zip(receiver_of_sample).zip(&mut image.pixels)
+    {
+        let light = receiver_of_sample.map_or(DVec3::ONE, |receiver| lights[receiver]);
         *pixel = match hit {
             Some(hit) => {
                 // Faint rim light that separates overlapping forms.

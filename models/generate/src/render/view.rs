@@ -76,17 +76,17 @@ impl View {
             let corners = triangle.map(|v| flat[v as usize]);
             fill(corners, size, |index, shares| {
                 let weights: [f64; 3] = std::array::from_fn(|k| shares[k] * corners[k].z);
-                let near: f64 = weights.iter().sum();
-                if near > nearest[index] {
-                    nearest[index] = near;
-                    let mix = |of: &[DVec3]| -> DVec3 {
+                let depth: f64 = weights.iter().sum();
+                if depth > nearest[index] {
+                    nearest[index] = depth;
+                    let interpolate = |values: &[DVec3]| -> DVec3 {
                         (0..3)
-                            .map(|k| of[triangle[k] as usize] * (weights[k] / near))
+                            .map(|k| values[triangle[k] as usize] * (weights[k] / depth))
                             .sum()
                     };
                     hits[index] = Some(Hit {
-                        position: mix(&scene.positions),
-                        normal: mix(&scene.normals).normalize_or_zero(),
+                        position: interpolate(&scene.positions),
+                        normal: interpolate(&scene.normals).normalize_or_zero(),
                         colour: *colour,
                     });
                 }

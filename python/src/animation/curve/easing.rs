@@ -5,7 +5,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::TIMES_AT_A_TIME;
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 
 /// Eased fraction for fractions `t` of the time, within [0, 1]; float64 of the shape of `t`, () or (N,).
@@ -22,11 +22,11 @@ pub(crate) fn easing<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = how.py();
     let easing = read_easing(how)?;
-    let shares = Questions::numbers(t, "t")?;
-    let array = arrays::room_of::<f64>(py, None, &shares.shape(&[]))?;
-    arrays::fill(&array, |room| {
-        shares.each(py, room, TIMES_AT_A_TIME, |t, room| {
-            room[0] = easing.at(t[0]);
+    let fractions = Queries::numbers(t, "t")?;
+    let array = arrays::output_array::<f64>(py, None, &fractions.shape(&[]))?;
+    arrays::fill(&array, |buffer| {
+        fractions.each(py, buffer, TIMES_AT_A_TIME, |t, buffer| {
+            buffer[0] = easing.at(t[0]);
             Ok(())
         })
     })?;

@@ -10,7 +10,7 @@ use super::keyed::{KeyedCurve, Values};
 use super::sampled;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{Order, given, quaternion};
+use crate::transforms::{Order, quaternion, quaternion_argument};
 
 /// A rotation before * R(angles), with angles along a curve; for motion authored in angles, which may exceed whole
 /// turns.
@@ -30,8 +30,8 @@ impl EulerCurve {
         times: &Bound<'py, PyAny>,
         order: Order,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        sampled(times, &[4], |time, room| {
-            room.copy_from_slice(&order.to_array(self.inner.at(time)));
+        sampled(times, &[4], |time, buffer| {
+            buffer.copy_from_slice(&order.to_array(self.inner.at(time)));
         })
     }
 }
@@ -46,15 +46,15 @@ impl EulerCurve {
         before_xyzw: Option<&Bound<'_, PyAny>>,
         before_wxyz: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let names = EulerOrder::ALL.map(|own| format!("{own:?}").to_lowercase());
-        let found = names.iter().position(|own| own == order);
-        let found = found.map(|index| EulerOrder::ALL[index]).ok_or_else(|| {
+        let names = EulerOrder::ALL.map(|name| format!("{name:?}").to_lowercase());
+        let index = names.iter().position(|name| name == order);
+        let euler_order = index.map(|index| EulerOrder::ALL[index]).ok_or_else(|| {
             kinopt::model::UnknownName::new("order", order, names.iter().map(String::as_str))
         });
         let Values::Vectors(angles) = &angles.get().inner else {
             return Err(invalid("angles must be a curve of vectors"));
         };
-        let before = match given(before_xyzw, before_wxyz, "rotations")? {
+        let before = match quaternion_argument(before_xyzw, before_wxyz, "rotations")? {
             Some((q, order)) => quaternion(q, order)?.as_dquat().normalize().as_quat(),
             None => Quat::IDENTITY,
         };
@@ -65,7 +65,7 @@ impl EulerCurve {
         }
         Ok(Self {
             inner: Angles {
-                order: found.or_raise()?,
+                order: euler_order.or_raise()?,
                 before,
                 angles: angles.clone(),
             },

@@ -43,11 +43,11 @@ enum Keys {
 /// Reads values of shape (K,) or (K, 3); with pairs for each key, of (K, 2) or (K, 2, 3).
 fn keys(value: &Bound<'_, PyAny>, what: &str, pairs: bool) -> PyResult<Keys> {
     let numbers: Numbers<'_, IxDyn, f32> = arrays::numbers(value, what, "(K,) or (K, 3)")?;
-    let before = if pairs { 2 } else { 1 };
+    let axes = if pairs { 2 } else { 1 };
     let vectors = match numbers.shape() {
         shape if pairs && shape.get(1) != Some(&2) => None,
-        shape if shape.len() == before => Some(false),
-        shape if shape.len() == before + 1 && shape[before] == 3 => Some(true),
+        shape if shape.len() == axes => Some(false),
+        shape if shape.len() == axes + 1 && shape[axes] == 3 => Some(true),
         _ => None,
     };
     match vectors {
@@ -97,10 +97,10 @@ impl KeyedCurve {
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         match &self.inner {
             Values::Numbers(curve) => {
-                sampled(times, &[], |time, room| room[0] = number(curve, time))
+                sampled(times, &[], |time, buffer| buffer[0] = number(curve, time))
             }
-            Values::Vectors(curve) => sampled(times, &[3], |time, room| {
-                room.copy_from_slice(&vector(curve, time).to_array());
+            Values::Vectors(curve) => sampled(times, &[3], |time, buffer| {
+                buffer.copy_from_slice(&vector(curve, time).to_array());
             }),
         }
     }
@@ -168,11 +168,11 @@ impl KeyedCurve {
         tangents: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let times = times_of(times)?;
-        let read = (
+        let keys_and_tangents = (
             keys(values, "values", false)?,
             keys(tangents, "tangents", true)?,
         );
-        let inner = match read {
+        let inner = match keys_and_tangents {
             (Keys::Numbers(values), Keys::Numbers(tangents)) => {
                 Values::Numbers(Curve::cubic(times, values, pairs(&tangents)).or_raise()?)
             }
@@ -246,11 +246,11 @@ impl KeyedCurve {
         let Keys::Numbers(at) = keys(handle_times, "handle_times", true)? else {
             return Err(invalid("handle_times must have shape (K, 2)"));
         };
-        let read = (
+        let keys_and_handles = (
             keys(values, "values", false)?,
             keys(handle_values, "handle_values", true)?,
         );
-        let inner = match read {
+        let inner = match keys_and_handles {
             (Keys::Numbers(values), Keys::Numbers(to)) => {
                 Values::Numbers(Curve::bezier(times, values, handles(&at, &to)?).or_raise()?)
             }
@@ -313,11 +313,11 @@ impl KeyedCurve {
     }
 
     fn __repr__(&self) -> String {
-        let (keys, of) = match &self.inner {
+        let (keys, kind) = match &self.inner {
             Values::Numbers(curve) => (curve.times().len(), "numbers"),
             Values::Vectors(curve) => (curve.times().len(), "vectors"),
         };
-        format!("KeyedCurve({keys} keys of {of})")
+        format!("KeyedCurve({keys} keys of {kind})")
     }
 }
 
@@ -332,9 +332,9 @@ where
             to.len()
         )));
     }
-    let all = at.iter().zip(to);
-    let all: Vec<_> = all
+    let bezier_handles = at.iter().zip(to);
+    let bezier_handles: Vec<_> = bezier_handles
         .map(|(&time, &value)| BezierHandle { time, value })
         .collect();
-    Ok(pairs(&all))
+    Ok(pairs(&bezier_handles))
 }

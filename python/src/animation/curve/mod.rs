@@ -8,7 +8,7 @@ mod rotation;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Questions};
+use crate::arrays::{self, Queries};
 use crate::transforms::numbers;
 pub(crate) use euler::EulerCurve;
 pub(crate) use keyed::{KeyedCurve, Values};
@@ -29,11 +29,11 @@ fn sampled<'py>(
     at: impl Fn(f32, &mut [f32]) + Sync,
 ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     let py = times.py();
-    let times = Questions::numbers(times, "times")?;
-    let array = arrays::room_of::<f32>(py, None, &times.shape(each))?;
-    arrays::fill(&array, |room| {
-        times.each(py, room, TIMES_AT_A_TIME, |time, room| {
-            at(arrays::finite(time[0], "times")? as f32, room);
+    let times = Queries::numbers(times, "times")?;
+    let array = arrays::output_array::<f32>(py, None, &times.shape(each))?;
+    arrays::fill(&array, |buffer| {
+        times.each(py, buffer, TIMES_AT_A_TIME, |time, buffer| {
+            at(arrays::finite(time[0], "times")? as f32, buffer);
             Ok(())
         })
     })?;

@@ -10,7 +10,7 @@ use super::easing::read_easings;
 use super::{sampled, times_of};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{Order, given, quaternion_rates, quaternions, shaped};
+use crate::transforms::{Order, quaternion_argument, quaternion_rates, quaternions, shaped};
 
 /// A curve through rotations at key times. `step`, `slerp`, `eased`, `squad`, `smooth` and `cubic` create it from
 /// `times`, shape (K,), seconds, ascending, and quaternions, shape (K, 4), given as `xyzw` or as `wxyz`, of any length
@@ -27,7 +27,7 @@ impl RotationCurve {
         wxyz: Option<&Bound<'_, PyAny>>,
         make: impl FnOnce(Vec<f32>, Vec<Quat>, Order) -> PyResult<Rotations>,
     ) -> PyResult<Self> {
-        let (rotations, order) = given(xyzw, wxyz, "rotations")?
+        let (rotations, order) = quaternion_argument(xyzw, wxyz, "rotations")?
             .ok_or_else(|| invalid("rotations are given as xyzw or as wxyz"))?;
         let inner = make(times_of(times)?, quaternions(rotations, order)?, order)?;
         Ok(Self { inner })
@@ -44,8 +44,8 @@ impl RotationCurve {
         times: &Bound<'py, PyAny>,
         order: Order,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        sampled(times, &[4], |time, room| {
-            room.copy_from_slice(&order.to_array(self.inner.at(time)));
+        sampled(times, &[4], |time, buffer| {
+            buffer.copy_from_slice(&order.to_array(self.inner.at(time)));
         })
     }
 }

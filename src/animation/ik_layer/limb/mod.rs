@@ -41,7 +41,7 @@ use crate::skeleton::BoneId;
 /// let mut model = vec![Affine3A::IDENTITY; 3];
 /// armature.local_to_model(&pose, &mut model)?;
 /// assert!(model[2].translation.abs_diff_eq(Vec3A::Y * 0.3, 1e-6));
-/// The positive rotation about the hinge moves the knee forwards, along +z.
+/// // A positive rotation about the hinge moves the knee forwards, along +z.
 /// assert!(model[1].translation.z > 0.3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

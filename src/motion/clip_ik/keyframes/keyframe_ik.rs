@@ -136,7 +136,7 @@ impl<'a> KeyframeIk<'a> {
             *change = value - original(key);
         }
         let misses = cost.misses(&changes)?;
-        let led = self.reaches.iter().enumerate().map(|(k, reach)| {
+        let results = self.reaches.iter().enumerate().map(|(k, reach)| {
             let errors = misses.iter().zip(&times);
             let errors = errors.filter_map(|(miss, time)| Some((miss[k]?, *time)));
             let worst = errors.max_by(|one, other| one.0.total_cmp(&other.0));
@@ -164,7 +164,7 @@ impl<'a> KeyframeIk<'a> {
             .interpolated(|track| clip.interpolation(track.bone).clone())?;
         Ok(EditedKeys {
             clip,
-            led: led.collect(),
+            led: results.collect(),
             keys_changed,
             beyond: BeyondLimit::all(&rows, &changes),
         })

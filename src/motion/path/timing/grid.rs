@@ -35,11 +35,11 @@ impl Grid {
                 row.iter().map(|bend| bend * bend).sum::<f64>().sqrt()
             });
             let direction_change = length * bend[0].max(bend[1]);
-            let bent =
+            let direction_cells =
                 ((direction_change / MAX_DIRECTION_CHANGE).ceil() as usize).min(MAX_BEND_CELLS);
             let count = ((length / longest).ceil() as usize)
                 .max(MIN_CELLS)
-                .max(bent);
+                .max(direction_cells);
             for k in 0..count {
                 grid.push(curve, piece, pair[0] + length * (k as f64 / count as f64));
             }

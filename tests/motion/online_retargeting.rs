@@ -23,9 +23,9 @@ fn nao() -> Robot {
 }
 
 /// Hips that sway over two feet, and jump sideways at a frame.
-fn sway(frames: usize, leap: usize) -> Capture {
+fn sway(frames: usize, jump_frame: usize) -> Capture {
     let places = (0..frames).flat_map(|frame| {
-        let leapt = if frame < leap { 0.0 } else { 0.3 };
+        let leapt = if frame < jump_frame { 0.0 } else { 0.3 };
         let aside = leapt + 0.05 * (frame as f64 * 0.2).sin();
         [0.0, aside, 0.9, 0.0, 0.15, 0.0, 0.0, -0.15, 0.0]
     });
@@ -45,13 +45,16 @@ fn online_retargeter_locks_contacts_of_the_subject() {
     let torso = model.frame("torso").unwrap();
     let mut kinematics = ForwardKinematics::new(model);
     let mut anchor: Option<[Vector3<f64>; 2]> = None;
-    let most = robot.moves_within(1.0 / 30.0);
+    let max_moves = robot.moves_within(1.0 / 30.0);
     let mut before: Option<Vec<f64>> = None;
     for frame in 0..capture.frames() {
         let q = live.step(capture.frame(frame).unwrap()).unwrap().to_vec();
         assert!(model.is_within_limits(&q));
         for (k, (now, then)) in q.iter().zip(before.iter().flatten()).enumerate() {
-            assert!((now - then).abs() <= most[k], "number {k} of frame {frame}");
+            assert!(
+                (now - then).abs() <= max_moves[k],
+                "number {k} of frame {frame}"
+            );
         }
         let placed = kinematics.place(&q).unwrap();
         let at = soles.map(|sole| placed[sole.index()].translation);
@@ -86,19 +89,19 @@ fn frame_with_missing_positions_changes_nothing() {
         let mut follower = retargeting.follower().unwrap();
         for frame in 0..capture.frames() {
             let places = retargeting.targets(frame).unwrap();
-            let stands = [4..10, 8..13].map(|span| f64::from(u8::from(span.contains(&frame))));
-            let stands = [0.0, stands[0], stands[1]];
+            let in_contact = [4..10, 8..13].map(|span| f64::from(u8::from(span.contains(&frame))));
+            let in_contact = [0.0, in_contact[0], in_contact[1]];
             let mut interrupted = follower.clone();
             for k in 0..3 {
                 let mut lost = places.to_vec();
                 lost[k].y = f64::NAN;
-                let kept = interrupted.advance(&lost, &stands).unwrap();
-                assert_eq!(kept, follower.q(), "frame {frame}");
+                let held_q = interrupted.advance(&lost, &in_contact).unwrap();
+                assert_eq!(held_q, follower.q(), "frame {frame}");
             }
-            let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
-            assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
-            let uninterrupted = follower.advance(places, &stands).unwrap();
-            let after = interrupted.advance(places, &stands).unwrap();
+            let held_q = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
+            assert_eq!(held_q.unwrap(), follower.q(), "frame {frame}");
+            let uninterrupted = follower.advance(places, &in_contact).unwrap();
+            let after = interrupted.advance(places, &in_contact).unwrap();
             assert_eq!(uninterrupted, after, "frame {frame}");
         }
     }
@@ -115,13 +118,13 @@ fn contact_firmness_is_clamped() {
         let mut follower = retargeting.follower().unwrap();
         let mut rows = Vec::new();
         for frame in 0..capture.frames() {
-            let stands = if frame < 10 {
+            let in_contact = if frame < 10 {
                 [none, none, all]
             } else {
                 [none, all, none]
             };
             let places = retargeting.targets(frame).unwrap();
-            rows.extend_from_slice(follower.advance(places, &stands).unwrap());
+            rows.extend_from_slice(follower.advance(places, &in_contact).unwrap());
         }
         rows
     };
@@ -152,7 +155,7 @@ fn limits_and_errors_are_reported_correctly() {
     assert!((mean - found.mean_error).abs() < 1e-12);
     let met = retargeting.active_limits(&found);
     let model = robot.model();
-    let most = robot.moves_within(1.0 / 30.0);
+    let max_moves = robot.moves_within(1.0 / 30.0);
     assert!(
         met.iter()
             .any(|met| met.bound == MotionBound::Speed && met.frames.contains(&10))
@@ -162,8 +165,8 @@ fn limits_and_errors_are_reported_correctly() {
         let at = model.coordinate(id).unwrap();
         let value = |frame: usize| found.q[frame * found.configuration_len + at];
         for frame in met.frames {
-            let off = match met.bound {
-                MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - most[at],
+            let deviation = match met.bound {
+                MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - max_moves[at],
                 _ => {
                     let limits = model.joints()[id.index()].limits;
                     (value(frame) - limits.lower)
@@ -171,7 +174,11 @@ fn limits_and_errors_are_reported_correctly() {
                         .min((value(frame) - limits.upper).abs())
                 }
             };
-            assert!(off.abs() < 1e-8, "{} in frame {frame}: {off}", met.joint);
+            assert!(
+                deviation.abs() < 1e-8,
+                "{} in frame {frame}: {deviation}",
+                met.joint
+            );
         }
     }
 }
@@ -287,7 +294,7 @@ fn limb_without_length_pulls_at_nothing() {
         "drives": {"hips": "torso", "hand": "hand", "fingers": "fingers"}}"#;
     let places = (0..20).flat_map(|frame| {
         let (sin, cos) = (0.05 * f64::from(frame)).sin_cos();
-        let at = |far: f64| [far * cos, far * sin, 0.9];
+        let at = |distance: f64| [distance * cos, distance * sin, 0.9];
         [[0.0, 0.0, 0.9], at(0.5), at(0.7)].concat()
     });
     assert_follows(&robot, map, &places.collect::<Vec<f64>>());
@@ -320,8 +327,8 @@ fn limb_on_a_mimic_joint_follows_equally() {
     let alone = hands(None);
     for ratio in [0.05, -0.5, 2.0, -20.0] {
         for (frame, (actual, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
-            let off = (*actual - *alone).norm();
-            assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
+            let deviation = (*actual - *alone).norm();
+            assert!(deviation < 2e-8, "{ratio}, frame {frame}: {deviation}");
         }
     }
 }
@@ -341,20 +348,24 @@ fn reported_slip_is_the_largest() {
         .map(|name| model.frame(name).unwrap())
         .collect();
     let mut stood: Vec<Option<Vector3<f64>>> = vec![None; feet.len()];
-    let mut most = 0.0_f64;
+    let mut largest = 0.0_f64;
     for frame in 0..found.frames() {
         let q = &found.q[frame * found.configuration_len..][..found.configuration_len];
         let placed = kinematics.place(q).unwrap();
         for (k, foot) in feet.iter().enumerate() {
             let at = placed[foot.index()].translation;
             match found.contacts[frame * feet.len() + k] {
-                true => most = most.max((at - *stood[k].get_or_insert(at)).norm()),
+                true => largest = largest.max((at - *stood[k].get_or_insert(at)).norm()),
                 false => stood[k] = None,
             }
         }
     }
-    assert!(found.lost_contacts.is_empty() && most > 0.0);
-    assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
+    assert!(found.lost_contacts.is_empty() && largest > 0.0);
+    assert!(
+        (found.slip - largest).abs() <= 1e-9,
+        "{} {largest}",
+        found.slip
+    );
 }
 
 /// Driving joints and driven frames are reported, and y is rotated to z as the up axis.

@@ -48,9 +48,9 @@ fn nao() -> Robot {
 }
 
 /// The reported differences between a request and the one with which the folder was begun.
-fn differs(folders: &Folders, begun: &FolderQuestion<'_>, asked: &FolderQuestion<'_>) -> String {
+fn differs(folders: &Folders, begun: &FolderQuestion<'_>, query: &FolderQuestion<'_>) -> String {
     folders.find().begin(begun, true).unwrap();
-    match folders.find().begin(asked, false) {
+    match folders.find().begin(query, false) {
         Ok(_) => String::new(),
         Err(FolderError::OtherQuestion { differs, .. }) => differs.join(", "),
         Err(error) => panic!("{error}"),
@@ -61,8 +61,8 @@ fn differs(folders: &Folders, begun: &FolderQuestion<'_>, asked: &FolderQuestion
 fn finished_files_are_kept_and_partial_ones_removed() {
     let folders = Folders::new("folder-done");
     let robot = nao();
-    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
-    let begun = folders.find().begin(&asked, false).unwrap();
+    let query = FolderQuestion::new(&robot, RetargetOptions::default());
+    let begun = folders.find().begin(&query, false).unwrap();
     let outs = begun
         .iter()
         .map(|movement| movement.out.strip_prefix(folders.out()).unwrap());
@@ -71,7 +71,7 @@ fn finished_files_are_kept_and_partial_ones_removed() {
     fs::write(&begun[0].out, "whole").unwrap();
     fs::write(unfinished(&begun[1].out), "half").unwrap();
     let done = |again: bool| {
-        let begun = folders.find().begin(&asked, again).unwrap();
+        let begun = folders.find().begin(&query, again).unwrap();
         begun
             .iter()
             .map(|movement| movement.done_before)
@@ -104,9 +104,9 @@ fn equal_requests_are_equal_however_stated() {
     let joints = ["hips", "foot"].map(str::to_owned);
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
     let by_map = plain.clone().with_map(&all);
-    let beside = plain.clone().with_map(&alone).with_joints(&joints[..]);
-    let beside = beside.with_frame_rate(30.0).with_up(UpAxis::Y);
-    assert_eq!(differs(&folders, &by_map, &beside), "");
+    let changed = plain.clone().with_map(&alone).with_joints(&joints[..]);
+    let changed = changed.with_frame_rate(30.0).with_up(UpAxis::Y);
+    assert_eq!(differs(&folders, &by_map, &changed), "");
     assert_eq!(differs(&folders, &by_map, &plain), "fps, joints, map, up");
 }
 
@@ -167,13 +167,13 @@ fn differences_between_requests_are_named() {
 fn folder_without_a_valid_request_is_rejected() {
     let folders = Folders::new("folder-lost");
     let robot = nao();
-    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+    let query = FolderQuestion::new(&robot, RetargetOptions::default());
     fs::create_dir_all(folders.out()).unwrap();
     for text in ["", "[1]", "{\"kinopt\": "] {
         fs::write(folders.out().join("retarget.json"), text).unwrap();
         let half = folders.out().join(".part.one.npz");
         fs::write(&half, "half").unwrap();
-        let refused = folders.find().begin(&asked, false).unwrap_err();
+        let refused = folders.find().begin(&query, false).unwrap_err();
         assert!(
             refused
                 .to_string()
@@ -197,9 +197,9 @@ fn written_files_are_never_read_as_motions() {
     // A subfolder: existing files in it are no motions of the folder.
     let into = from.join("deeper");
     let robot = nao();
-    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+    let query = FolderQuestion::new(&robot, RetargetOptions::default());
     let found = MovementFolder::find(&from, &into, "bvh").unwrap();
-    let begun = found.begin(&asked, false).unwrap();
+    let begun = found.begin(&query, false).unwrap();
     assert_eq!(begun.len(), 1);
     assert_eq!(begun[0].out, into.join("one.bvh"));
 }
@@ -211,7 +211,7 @@ fn builder_methods_set_their_fields() {
     let robot = nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
     let request = || plain.clone();
-    for (name, said) in [
+    for (name, changed_query) in [
         ("clip", request().with_clip("Walk")),
         ("skeleton", request().with_skeleton("cmu")),
         ("keep_clear", request().with_keep_clear(0.01)),
@@ -220,6 +220,6 @@ fn builder_methods_set_their_fields() {
         ("fps", request().with_frame_rate(30.0)),
         ("up", request().with_up(UpAxis::Y)),
     ] {
-        assert_eq!(differs(&folders, &plain, &said), name);
+        assert_eq!(differs(&folders, &plain, &changed_query), name);
     }
 }

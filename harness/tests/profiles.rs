@@ -3,7 +3,7 @@
 use kinopt_harness::profile::{median, performance_profile, share_within};
 
 #[test]
-fn three_solvers_and_four_problems() {
+fn profile_of_three_solvers_matches_hand_count() {
     let times = vec![
         // Fastest on the first, twice the fastest on the second, never on the third.
         vec![Some(1.0), Some(4.0), None, None],
@@ -22,13 +22,13 @@ fn three_solvers_and_four_problems() {
 }
 
 #[test]
-fn nobody_and_nothing() {
+fn profile_without_solutions_is_empty() {
     assert_eq!(performance_profile(&[]), Vec::<Vec<(f64, f64)>>::new());
     assert_eq!(performance_profile(&[vec![None, None]]), [vec![]]);
 }
 
 #[test]
-fn shares_and_medians() {
+fn share_and_median_match_hand_count() {
     let times = [5.0, 1.0, 5.0];
     assert_eq!(
         share_within(times.into_iter(), 4),

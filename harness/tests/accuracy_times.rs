@@ -22,11 +22,11 @@ impl Adapter for Approaches {
         "approaches"
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
-        let mut q = question.start.to_vec();
+    fn solve(&mut self, instance: &ProblemInstance<'_>, trace: &Trace) -> Answer {
+        let mut q = instance.start.to_vec();
         for step in 0..4 {
-            let begun = Instant::now();
-            while begun.elapsed() < PAUSE {
+            let started = Instant::now();
+            while started.elapsed() < PAUSE {
                 std::hint::spin_loop();
             }
             q = vec![1.0, 0.15 * 0.1_f64.powi(step)];
@@ -37,7 +37,7 @@ impl Adapter for Approaches {
 }
 
 #[test]
-fn each_mark_counts_from_where_it_stands() {
+fn accuracy_counts_from_the_time_of_its_mark() {
     let (model, tip) = two_links();
     let set = ProblemSet::builder(&model)
         .point(tip)
@@ -66,7 +66,7 @@ fn each_mark_counts_from_where_it_stands() {
 }
 
 #[test]
-fn every_contender_keeps_the_order() {
+fn accuracy_times_are_ordered_for_every_solver() {
     let set = points(4);
     let mut bench = Bench::new(&set, patient(3));
     bench.extend(contenders::all());

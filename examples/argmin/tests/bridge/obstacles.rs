@@ -15,7 +15,7 @@ use kinopt::task::{Pose, Quantity, Residual, RowBlock, Task};
 use crate::bent_arm::{arm, world_from_tip};
 
 const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
-const THERE: [f64; 7] = [0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12];
+const TARGET: [f64; 7] = [0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12];
 
 /// Wall that only counts in checks and has no gradient for a solver.
 #[derive(Clone, Debug)]
@@ -81,13 +81,13 @@ fn beside_a_wall(first: f64) -> Problem {
     let model = arm();
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(tip, world_from_tip(&model, &THERE)));
+    builder.add(Pose::new(tip, world_from_tip(&model, &TARGET)));
     builder.keep_clear(&Wall { tip, first });
     builder.build().unwrap()
 }
 
 #[test]
-fn a_run_that_ends_in_a_wall_has_not_reached_its_goal() {
+fn run_that_ends_in_a_wall_is_not_reached() {
     for (first, free) in [(3.0, true), (-3.0, false)] {
         let problem = beside_a_wall(first);
         let unbounded = UnboundedProblem::new(&problem);
@@ -100,11 +100,11 @@ fn a_run_that_ends_in_a_wall_has_not_reached_its_goal() {
         let solution = unbounded.solution(&run).unwrap();
         assert!(solution.goals_reached(), "{}", solution.explain());
         assert_eq!(solution.reached, free, "{:?}", solution.collisions());
-        let told: Vec<&str> = solution
+        let names: Vec<&str> = solution
             .collisions()
             .iter()
             .map(|met| met.second.as_str())
             .collect();
-        assert_eq!(told, if free { vec![] } else { vec!["wall"] });
+        assert_eq!(names, if free { vec![] } else { vec!["wall"] });
     }
 }

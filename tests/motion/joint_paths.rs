@@ -61,16 +61,16 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         assert_eq!(rows.len(), joint_path.len());
         for (q, expected) in rows.iter().zip(&joint_path) {
             assert!(within_limits(&arm, q));
-            let [at, wanted] =
+            let [at, expected] =
                 [q, expected.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
-            let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
+            let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(expected));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
         let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
-            let far = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
-            far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
+            let is_jump = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
+            is_jump && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
         assert_eq!(untold, None, "{name} {case}: {reported:?}");
         // A reported step exceeds the maximum step of a branch.
@@ -210,8 +210,11 @@ fn chains_with_mimic_joints_are_solved() {
         for (row, (q, point)) in reported.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q), "{number}");
             let missed = reported.missed.iter().any(|missed| missed.index == row);
-            let off = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
-            assert!(missed || off < 1.1e-6, "chain {number}, row {row}: {off} m");
+            let deviation = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
+            assert!(
+                missed || deviation < 1.1e-6,
+                "chain {number}, row {row}: {deviation} m"
+            );
         }
     }
     assert!(tried > 6 && whole == tried, "{whole} of {tried}");

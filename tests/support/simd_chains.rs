@@ -115,8 +115,8 @@ pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -
                     r.within(-1.0, 1.0),
                 )
             };
-            let turn = vector(&mut random) * 1.5;
-            let way = vector(&mut random) * length + nalgebra::Vector3::z() * length;
+            let rotation = vector(&mut random) * 1.5;
+            let translation = vector(&mut random) * length + nalgebra::Vector3::z() * length;
             let axis: [f64; 3] = (vector(&mut random) * 2.0).into();
             let slides = i % 3 == 1 && i / 3 < slides;
             let (lower, upper) = if slides {
@@ -127,7 +127,7 @@ pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -
                 (random.within(-3.0, -1.5), random.within(1.5, 3.0))
             };
             ChainJoint {
-                parent_from_joint: placement(Isometry3::new(way, turn)),
+                parent_from_joint: placement(Isometry3::new(translation, rotation)),
                 axis: axis.into(),
                 kind: if slides {
                     JointKind::Prismatic
@@ -186,8 +186,8 @@ pub fn target(chain: &Chain, q: &[f64]) -> Placement<f64> {
 pub fn errors(chain: &Chain, q: &[f64], target: &Placement<f64>) -> (f64, f64) {
     let tip = tip(chain, q);
     let distance = (tip.translation.vector - nalgebra::Vector3::from(target.translation)).norm();
-    let wanted = Rotation3::from_matrix_unchecked(target.rotation.into());
-    let relative = wanted.inverse() * tip.rotation.to_rotation_matrix();
+    let target_rotation = Rotation3::from_matrix_unchecked(target.rotation.into());
+    let relative = target_rotation.inverse() * tip.rotation.to_rotation_matrix();
     let m = relative.matrix();
     let skew = nalgebra::Vector3::new(
         m[(2, 1)] - m[(1, 2)],

@@ -4,7 +4,7 @@
 use kinopt_charts::{Axis, Chart, ChartError, Figure};
 
 #[test]
-fn values_off_the_scale() {
+fn chart_rejects_values_off_the_scale() {
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
         let chart = Chart::new("c")
             .y(Axis::log("cost"))
@@ -17,7 +17,7 @@ fn values_off_the_scale() {
 }
 
 #[test]
-fn a_set_range_has_an_edge_for_what_is_beyond() {
+fn set_range_draws_outliers_at_its_edge() {
     let chart = |y| {
         Chart::new("c")
             .y(Axis::log("cost").range(1e-6, 1.0))
@@ -30,7 +30,7 @@ fn a_set_range_has_an_edge_for_what_is_beyond() {
 }
 
 #[test]
-fn empty_charts_and_ranges() {
+fn chart_rejects_empty_data_and_ranges() {
     assert!(matches!(
         Chart::new("none").series("s", []).to_svg(),
         Err(ChartError::Empty { .. })
@@ -52,7 +52,7 @@ fn empty_charts_and_ranges() {
 }
 
 #[test]
-fn names_are_escaped() {
+fn svg_escapes_names() {
     let svg = Chart::new("a < b & c")
         .series("<s>", [(0.0, 1.0)])
         .to_svg()

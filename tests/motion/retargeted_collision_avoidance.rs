@@ -38,17 +38,17 @@ fn clasp(robot: &Robot, share: f64) -> Capture {
     ];
     let mut places = Vec::new();
     for frame in 0..FRAMES {
-        let there = share * (std::f64::consts::PI * frame as f64 / FRAMES as f64).sin();
+        let phase = share * (std::f64::consts::PI * frame as f64 / FRAMES as f64).sin();
         for link in links {
             let hand = link.ends_with("hand");
-            let way = at("torso") - at(link);
+            let displacement = at("torso") - at(link);
             let apart = match link {
                 "left_sole" => Vector3::new(0.0, 0.03, 0.0),
                 "right_sole" => Vector3::new(0.0, -0.03, 0.0),
                 _ => Vector3::zero(),
             };
-            let way = if hand { way * there } else { apart };
-            places.extend((at(link) + way).to_array());
+            let displacement = if hand { displacement * phase } else { apart };
+            places.extend((at(link) + displacement).to_array());
         }
     }
     Capture::new(links_of_map(), &places, RATE).unwrap()
@@ -64,7 +64,12 @@ fn both_ways(robot: &Robot, checker: &Checker, share: f64) -> ([Retargeted; 2], 
     let capture = clasp(robot, share);
     let fitted = Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let clear = fitted.clone().keep_clear(checker);
-    let solve = |own: &Retargeting<'_>| [own.per_frame().unwrap(), own.whole().unwrap()];
+    let solve = |retargeting: &Retargeting<'_>| {
+        [
+            retargeting.per_frame().unwrap(),
+            retargeting.whole().unwrap(),
+        ]
+    };
     (solve(&fitted), solve(&clear))
 }
 

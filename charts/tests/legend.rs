@@ -20,25 +20,25 @@ fn last_x(line: &str) -> Option<f64> {
     let points = rest.split_once('"')?.0.split_whitespace();
     points
         .filter_map(|p| p.split_once(',')?.0.parse().ok())
-        .fold(None, |most, x: f64| {
-            Some(most.map_or(x, |most: f64| most.max(x)))
+        .fold(None, |max, x: f64| {
+            Some(max.map_or(x, |max: f64| max.max(x)))
         })
 }
 
 /// The x of the text elements with one of the names.
 fn legend_texts(svg: &str, names: &[&str]) -> Vec<f64> {
-    let mut found = Vec::new();
+    let mut positions = Vec::new();
     let mut lines = svg.lines().peekable();
     while let Some(line) = lines.next() {
         if line.starts_with("<text") && names.contains(lines.peek().unwrap_or(&"")) {
-            found.push(attribute(line, "x").unwrap());
+            positions.push(attribute(line, "x").unwrap());
         }
     }
-    found
+    positions
 }
 
 #[test]
-fn names_stand_beyond_the_axes() {
+fn legend_is_beyond_the_axes() {
     let names = ["a", "a much longer name than most series have"];
     let chart = Chart::new("t")
         .x(Axis::log("time, µs"))
@@ -62,7 +62,7 @@ fn names_stand_beyond_the_axes() {
 }
 
 #[test]
-fn a_hundred_series_have_a_hundred_entries() {
+fn legend_lists_a_hundred_series() {
     let names: Vec<String> = (0..100).map(|k| format!("series-{k}")).collect();
     let add = |chart: Chart, (k, name): (usize, &String)| {
         chart.with(Series::line(name, [(0.0, k as f64)]).style(Style::nth(k)))

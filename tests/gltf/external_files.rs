@@ -99,10 +99,10 @@ fn fox_with_three_clips_equals_the_reference() {
             .position(|clip| clip.name() == name)
             .unwrap();
         let positions = posed(&fox, &at(&fox, clip, time));
-        for (vertex, wanted) in [0, 500, 1000, 1727].into_iter().zip(vertices) {
+        for (vertex, expected) in [0, 500, 1000, 1727].into_iter().zip(vertices) {
             let found = positions[vertex];
             assert!(
-                found.distance(Vec3::from(wanted)) < 2e-4,
+                found.distance(Vec3::from(expected)) < 2e-4,
                 "{name}, {vertex}: {found}"
             );
         }
@@ -120,14 +120,14 @@ fn simple_skin_bends_as_specified() {
     // Both joints are at (0, 1, 0) and were bound at (0.5, 1, 0). After a second the upper one has rotated by a quarter
     // turn about z.
     let positions = posed(&scene, &at(&scene, 0, 1.0));
-    for (vertex, wanted) in [
+    for (vertex, expected) in [
         (0, [-0.5, 0.0, 0.0]),
         (7, [-0.25, 1.5, 0.0]),
         (9, [-1.0, 1.5, 0.0]),
     ] {
         let found = positions[vertex];
         assert!(
-            found.distance(Vec3::from(wanted)) < 1e-6,
+            found.distance(Vec3::from(expected)) < 1e-6,
             "{vertex}: {found}"
         );
     }
@@ -143,7 +143,7 @@ fn step_linear_and_cubic_clips_are_sampled() {
         let clip = scene
             .clips
             .iter()
-            .position(|own| own.name() == clip)
+            .position(|candidate| candidate.name() == clip)
             .unwrap();
         let bone = scene.armature.bone(node).unwrap();
         at(&scene, clip, time).local(bone).unwrap().translation.y

@@ -51,20 +51,22 @@ impl Options {
             (Some(_), Some(_)) => Err(invalid(
                 "keep_clear and margin are both the smallest distance of links: give one of them",
             )),
-            (own, margin) => Ok(own.or(margin).or(self.world.is_some().then_some(0.0))),
+            (keep_clear, margin) => Ok(keep_clear
+                .or(margin)
+                .or(self.world.is_some().then_some(0.0))),
         }
     }
 
     /// Obstacles, copied at this moment.
     pub(super) fn world(&self, py: Python<'_>) -> PyResult<Option<collision::World>> {
-        let Some(given) = &self.world else {
+        let Some(value) = &self.world else {
             return Ok(None);
         };
-        let given = given.bind(py);
-        match given.cast::<World>() {
+        let value = value.bind(py);
+        match value.cast::<World>() {
             Ok(world) => Ok(Some(world.get().snapshot())),
             Err(_) => Err(invalid(format!(
-                "world must be a kinopt.World, not {given}"
+                "world must be a kinopt.World, not {value}"
             ))),
         }
     }
@@ -118,7 +120,7 @@ pub(super) fn raised(error: RetargetError) -> PyErr {
 }
 
 /// A capture, a target, the map between them and the options.
-pub(super) struct Question {
+pub(super) struct RetargetRequest {
     pub(super) capture: Arc<retarget::Capture>,
     robot: Arc<Robot>,
     map: BodyMap,
@@ -126,21 +128,21 @@ pub(super) struct Question {
     checker: Option<Checker>,
 }
 
-impl Question {
+impl RetargetRequest {
     /// Reads a problem with a map in JSON.
     pub(super) fn read(
         capture: &Bound<'_, Capture>,
         target: &Bound<'_, PyAny>,
         map: &str,
-        given: &Options,
+        requested: &Options,
     ) -> PyResult<Self> {
         let robot = target_of(target)?;
-        let mut options = given.read(capture.get().up);
+        let mut options = requested.read(capture.get().up);
         options.shapes = foot_shapes_of(target);
         Ok(Self {
             capture: Arc::clone(&capture.get().inner),
             map: read_map(map, &robot)?,
-            checker: checker_of(target, given)?,
+            checker: checker_of(target, requested)?,
             robot,
             options,
         })

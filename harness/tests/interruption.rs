@@ -9,7 +9,7 @@ use kinopt_harness::{Bench, contenders};
 use two_links::{patient, points};
 
 #[test]
-fn all_solvers_keep_the_same_problems() {
+fn interrupted_bench_keeps_equal_problems() {
     let set = points(6);
     let mut bench = Bench::new(&set, patient(1));
     bench.extend(contenders::all());

@@ -6,19 +6,19 @@ use crate::seeded_robot::{Seeded, seven, typed};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 /// Placement of the tool in target coordinates.
-fn in_target(panda: &Seeded, q: &[f64], wanted: &Placement<f64>) -> Placement<f64> {
-    wanted.inverse() * panda.base_from("tool", q)
+fn in_target(panda: &Seeded, q: &[f64], target: &Placement<f64>) -> Placement<f64> {
+    target.inverse() * panda.base_from("tool", q)
 }
 
 #[test]
 fn goal_bounds_of_an_arm_are_used() {
     let panda = Seeded::panda();
     let q = panda.configuration(11);
-    let wanted = panda.base_from("tool", &q);
+    let expected = panda.base_from("tool", &q);
     let start = commas(&q);
     // An offset of 2 cm along the target's x is within the bounds; −3 cm is not.
     for (offset, within) in [(0.02, true), (-0.03, false)] {
-        let shifted = wanted * Placement::translation(Vector3::new(-offset, 0.0, 0.0));
+        let shifted = expected * Placement::translation(Vector3::new(-offset, 0.0, 0.0));
         let target = typed("tool", &seven(&shifted));
         let solution = answer!("solve {panda} {target} --start={start} --interval=x=-0.01..0.03");
         assert_eq!(solution["reached"], true);
@@ -30,10 +30,10 @@ fn goal_bounds_of_an_arm_are_used() {
     }
     // Rotation bounds, in degrees.
     let target = typed("tool", &panda.pose(&q));
-    let apart = |room: &str| {
-        let solution = answer!("solve {panda} {target} --interval={room}");
+    let apart = |bounds: &str| {
+        let solution = answer!("solve {panda} {target} --interval={bounds}");
         assert_eq!(solution["reached"], true);
-        in_target(&panda, &numbers(&solution["q"]), &wanted)
+        in_target(&panda, &numbers(&solution["q"]), &expected)
     };
     let free = apart("rz=free,y=0.02");
     assert!((free.rotation.z.z - 1.0).abs() < 1e-9);
@@ -69,15 +69,15 @@ fn goal_bounds_of_other_models_are_used() {
     }
     // Bounds apply to every target; rotation bounds to those with an orientation.
     let two = format!("{turned} --target=bone/4=3.1,0,0");
-    for (room, reached) in [
+    for (bounds, reached) in [
         ("", [false, false]),
         ("--interval=x=-0.2..0.2", [false, true]),
         ("--free-axis=x", [true, false]),
         ("--free-axis=x --interval=x=-0.2..0.2", [true, true]),
     ] {
-        let solution = answer!("solve {rig} {two} {room}");
+        let solution = answer!("solve {rig} {two} {bounds}");
         let tasks = [0, 1].map(|task| solution["tasks"][task]["reached"] == true);
-        assert_eq!(tasks, reached, "{room}");
+        assert_eq!(tasks, reached, "{bounds}");
     }
     let points = "--target=bone/2=-2.5,0.5,0 --target=bone/4=2.5,0.5,0";
     refused!("solve {rig} {points} --interval=rz=1" => 2, "orientation");
@@ -91,8 +91,8 @@ fn goal_bounds_of_other_models_are_used() {
     let solver = "--solver=levenberg-marquardt";
     let solution = answer!("solve {panda} {target} {solver} --interval=rz=free,y=0.01..0.02");
     assert_eq!(solution["reached"], true);
-    let wanted = panda.base_from("tool", &q);
-    let apart = in_target(&panda, &numbers(&solution["q"]), &wanted);
+    let expected = panda.base_from("tool", &q);
+    let apart = in_target(&panda, &numbers(&solution["q"]), &expected);
     assert!((0.01 - 2e-6..=0.02 + 2e-6).contains(&apart.translation.y));
     assert!((apart.rotation.z.z - 1.0).abs() < 1e-9);
 }
@@ -132,9 +132,9 @@ fn joint_weights_select_the_nearest_solution() {
     assert!(heavy < even, "{heavy} {even}");
     refused!("solve {panda} {target} --joint-weights=1,2" => 2, "--joint-weights");
     // The unit weight decides between position and orientation error of an unreachable pose.
-    let far = "--target=tool=1.5,0,0.5,1,0,0,0";
+    let unreachable = "--target=tool=1.5,0,0.5,1,0,0,0";
     let angle = |metres: f64| {
-        let solution = answer!("solve {panda} {far} --metres-per-radian={metres}");
+        let solution = answer!("solve {panda} {unreachable} --metres-per-radian={metres}");
         number(&solution["tasks"][0]["orientation_error"])
     };
     assert!(angle(10.0) < angle(0.01));
@@ -146,22 +146,26 @@ fn fail_on_miss_sets_the_exit_code() {
     let folder = Folder::new("misses");
     let content = r#"{"targets": [[2, 0, 0.2], [0.4, 0.1, 0.2]], "tip_link": "flange"}"#;
     let targets = folder.text("targets.json", content);
-    let far = "--target=flange=2,0,0.2";
+    let unreachable = "--target=flange=2,0,0.2";
     let near = "--target=flange=0.4,0.1,0.2";
     for (line, code, message) in [
-        (far.to_owned(), 0, ""),
-        (format!("{far} --fail-on-miss"), 3, "target was not reached"),
+        (unreachable.to_owned(), 0, ""),
+        (
+            format!("{unreachable} --fail-on-miss"),
+            3,
+            "target was not reached",
+        ),
         (format!("{near} --fail-on-miss"), 0, ""),
         (format!("--targets {targets}"), 0, ""),
         (format!("--targets {targets} --fail-on-miss"), 3, "1 of 2"),
     ] {
         for format in ["", "--json"] {
             let output = kinopt!("solve {scara} {line} {format}");
-            let told = stderr(&output);
-            assert_eq!(output.status.code(), Some(code), "{line}: {told}");
+            let messages = stderr(&output);
+            assert_eq!(output.status.code(), Some(code), "{line}: {messages}");
             // The result is printed in any case.
             assert!(!stdout(&output).is_empty());
-            says!(told => message);
+            says!(messages => message);
         }
     }
 }

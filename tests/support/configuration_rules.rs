@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use kinopt::model::Limits;
 
 /// Tolerance of the norm of a unit quaternion.
-const UNIT: f64 = 1e-12;
+const NORM_TOLERANCE: f64 = 1e-12;
 /// Tolerance of a ball's angles, in radians and relative to its cone.
-const ROUNDING: f64 = 1e-10;
+const ANGLE_TOLERANCE: f64 = 1e-10;
 
 /// Limits of a ball joint.
 #[derive(Clone, Debug)]
@@ -52,17 +52,17 @@ pub enum Role {
 pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
     let mut at = 0;
     for (joint, rule) in rules.iter().enumerate() {
-        let own = &q[at..at + rule.coordinates()];
+        let joint_values = &q[at..at + rule.coordinates()];
         let held = |role: &Role| matches!(role, Role::Held(first, _) if *first == at);
         let fault = match rule {
             Rule::Number(limits) => {
-                let within = limits.lower <= own[0] && own[0] <= limits.upper;
-                (!within).then(|| format!("{:?} is outside {limits:?}", own[0]))
+                let within = limits.lower <= joint_values[0] && joint_values[0] <= limits.upper;
+                (!within).then(|| format!("{:?} is outside {limits:?}", joint_values[0]))
             }
             // The limits of a locked ball are not checked.
-            Rule::Ball(cone) => length_fault(own).or_else(|| {
+            Rule::Ball(cone) => length_fault(joint_values).or_else(|| {
                 let cone = cone.as_ref().filter(|_| !roles.iter().any(held));
-                cone.and_then(|cone| cone.fault(own))
+                cone.and_then(|cone| cone.fault(joint_values))
             }),
         };
         if let Some(fault) = fault {
@@ -72,12 +72,14 @@ pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
     }
     assert_eq!(at, q.len());
     roles.iter().find_map(|role| {
-        let (first, wanted) = match role {
+        let (first, expected) = match role {
             Role::Held(first, values) => (*first, values.clone()),
-            Role::Follows(own, master, ratio, offset) => (*own, vec![ratio * q[*master] + offset]),
+            Role::Follows(mimic, source, ratio, offset) => {
+                (*mimic, vec![ratio * q[*source] + offset])
+            }
         };
-        let pairs = wanted.iter().zip(&q[first..]);
-        let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let pairs = expected.iter().zip(&q[first..]);
+        let off = pairs.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()));
         (off > 1e-13).then(|| format!("number {first} is {off:e} from where it is tied to"))
     })
 }
@@ -85,7 +87,8 @@ pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
 fn length_fault(q: &[f64]) -> Option<String> {
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     let off = (length - 1.0).abs();
-    (off.is_nan() || off > UNIT).then(|| format!("a quaternion's length is off by {off:e}"))
+    (off.is_nan() || off > NORM_TOLERANCE)
+        .then(|| format!("a quaternion's length is off by {off:e}"))
 }
 
 impl Cone {
@@ -93,7 +96,7 @@ impl Cone {
     /// the twist is the remaining rotation about the axis.
     pub fn fault(&self, q: &[f64]) -> Option<String> {
         let angle = angle_between(&[1.0, 0.0, 0.0, 0.0], q);
-        if angle > self.angle + ROUNDING {
+        if angle > self.angle + ANGLE_TOLERANCE {
             return Some(format!("turned by {angle:?} of {:?}", self.angle));
         }
         let (axis, about) = (self.axis, self.about);
@@ -112,7 +115,7 @@ impl Cone {
         };
         let swing = [about, cross(axis, about)].map(|along| angle * dot(direction, along));
         let share = (swing[0] / self.swing[0]).hypot(swing[1] / self.swing[1]);
-        if share > 1.0 + ROUNDING + blur {
+        if share > 1.0 + ANGLE_TOLERANCE + blur {
             return Some(format!("swung to {share:?} of its cone"));
         }
         // Rodrigues' rotation of the perpendicular axes, as a frame without and with the twist.
@@ -122,7 +125,7 @@ impl Cone {
         let untwisted = [0, 1, 2].map(|k| c * about[k] + s * side[k] + along * direction[k]);
         let twist = dot(tipped, cross(untwisted, turned)).atan2(dot(untwisted, turned));
         let Limits { lower, upper } = self.twist;
-        let slack = ROUNDING + blur;
+        let slack = ANGLE_TOLERANCE + blur;
         let out = [twist, twist - TAU, twist + TAU]
             .iter()
             .all(|twist| *twist < lower - slack || *twist > upper + slack);
@@ -144,21 +147,22 @@ impl Cone {
     }
 }
 
-/// First joint that moved further between two configurations than `most` allows, by number of the configuration.
-pub fn moved_too_far(rules: &[Rule], most: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
+/// First joint that moved further between two configurations than `max_step` allows, by number of the configuration.
+pub fn moved_too_far(rules: &[Rule], max_step: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
     let mut at = 0;
     rules.iter().enumerate().find_map(|(joint, rule)| {
-        let own = at..at + rule.coordinates();
-        at = own.end;
+        let range = at..at + rule.coordinates();
+        at = range.end;
         let moved = match rule {
-            Rule::Number(_) => (to[own.start] - from[own.start]).abs(),
-            Rule::Ball(_) => angle_between(&from[own.clone()], &to[own.clone()]),
+            Rule::Number(_) => (to[range.start] - from[range.start]).abs(),
+            Rule::Ball(_) => angle_between(&from[range.clone()], &to[range.clone()]),
         };
-        let size = from[own.start].abs().max(1.0);
-        let most = most[own.start];
-        let is_within = moved <= most + 1e-12 * size;
-        (!is_within)
-            .then(|| format!("joint {joint} of the configuration moved by {moved:?}, not {most:?}"))
+        let size = from[range.start].abs().max(1.0);
+        let max_step = max_step[range.start];
+        let is_within = moved <= max_step + 1e-12 * size;
+        (!is_within).then(|| {
+            format!("joint {joint} of the configuration moved by {moved:?}, not {max_step:?}")
+        })
     })
 }
 

@@ -36,7 +36,7 @@ fn results(seed: u64) -> Value {
 }
 
 #[test]
-fn same_seed_same_results() {
+fn equal_seeds_give_equal_results() {
     let first = results(5);
     assert!(first["runs"].as_array().unwrap().len() > 20);
     assert_eq!(first, results(5));

@@ -35,8 +35,8 @@ fn arm_solution_is_free_or_names_collisions() {
     assert!(number(&pairs[0]["distance"]) < 0.0);
     // The pose is reachable, but only in collision. A target out of reach is not.
     assert_eq!(inside["goals_reached"], true);
-    let far = with("flange=3,0,0.18,0,1,0,0", "");
-    has!(far, {"reached": false, "goals_reached": false});
+    let unreachable = with("flange=3,0,0.18,0,1,0,0", "");
+    has!(unreachable, {"reached": false, "goals_reached": false});
     let text = inside["explanation"].as_str().unwrap();
     says!(text => "`table`");
     // No configuration has this margin.
@@ -70,8 +70,8 @@ fn body_solution_is_free_or_names_collisions() {
     let text = inside["explanation"].as_str().unwrap();
     says!(text => "all required tasks are met | `board`");
     assert!(!text.ends_with('\n'));
-    let far = ask("3,0,1");
-    has!(far, {"reached": false, "goals_reached": false});
+    let unreachable = ask("3,0,1");
+    has!(unreachable, {"reached": false, "goals_reached": false});
     // Allowed collisions with the board are ignored.
     let names = pairs.iter().filter(|pair| pair["second"] == "board");
     let may: Vec<String> = names
@@ -124,7 +124,7 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
         "floor.json",
         r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05]}]}"#,
     );
-    let kept = folder.text(
+    let floor_world = folder.text(
         "kept.json",
         r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "may_touch": ["base"]}]}"#,
     );
@@ -132,7 +132,7 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     let touching = kinopt!("check {panda} {q} --world {floor}");
     assert_eq!(touching.status.code(), Some(1));
     says!(stderr(&touching) => "1 pair is in contact");
-    for world in [format!("{floor} --allow-collision floor=base"), kept] {
+    for world in [format!("{floor} --allow-collision floor=base"), floor_world] {
         has!(answer!("check {panda} {q} --world {world}"), {"free": true});
     }
 }
@@ -173,11 +173,15 @@ fn sphere_model_file_changes_no_result() {
             &format!("--sphere-model {file}"),
         );
         has!(inside, {"reached": false, "goals_reached": true});
-        let told = kinopt!(
+        let output = kinopt!(
             "solve {panda} --base base --target {POSE} --world {table} --sphere-model {file}"
         );
-        let told = stderr(&told);
-        assert_eq!(told.contains("of the shapes uncovered"), note, "{told}");
+        let messages = stderr(&output);
+        assert_eq!(
+            messages.contains("of the shapes uncovered"),
+            note,
+            "{messages}"
+        );
     }
     let humanoid = model("humanoid/humanoid.json");
     refused!("solve {humanoid} --target left_hand=0.3,0.4,1.5 --sphere-model {out}" => 2, "--sphere-model is for robots");

@@ -13,13 +13,13 @@ use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
 /// A straight segment of at most 35 cm with a rotation of at most 1.5 rad, from a random pose.
-struct StraightWay {
+struct StraightSegment {
     begin: Placement<f64>,
-    by: Vector3<f64>,
+    displacement: Vector3<f64>,
     turn: Vector3<f64>,
 }
 
-impl StraightWay {
+impl StraightSegment {
     fn random(arm: &Arm, random: &mut Random) -> Self {
         let q = random.configuration(arm);
         let q: Vec<f64> = q.iter().map(|q| 0.6 * q).collect();
@@ -29,7 +29,7 @@ impl StraightWay {
         };
         Self {
             begin: arm.base_from_tool(&q).unwrap(),
-            by: within(0.35),
+            displacement: within(0.35),
             turn: within(1.5),
         }
     }
@@ -38,7 +38,7 @@ impl StraightWay {
         let point = |k: u32| {
             let share = f64::from(k) / f64::from(steps);
             let rotation = rotation_exp(self.turn * share) * self.begin.rotation;
-            Placement::new(rotation, self.begin.translation + self.by * share)
+            Placement::new(rotation, self.begin.translation + self.displacement * share)
         };
         (0..=steps).map(point).collect()
     }
@@ -66,9 +66,9 @@ fn arm(name: &str) -> Arm {
 }
 
 /// The random segments with these numbers.
-fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightWay)> {
+fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightSegment)> {
     let mut random = Random(12);
-    let all = (0..cases.end).map(move |case| (case, StraightWay::random(arm, &mut random)));
+    let all = (0..cases.end).map(move |case| (case, StraightSegment::random(arm, &mut random)));
     all.skip(cases.start)
 }
 
@@ -76,17 +76,17 @@ fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, Str
 fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
     let arm = arm(name);
     let (mut within_reach, mut left) = (0, 0);
-    for (case, way) in segments(&arm, cases) {
-        let few = way.solved(&arm, steps);
+    for (case, segment) in segments(&arm, cases) {
+        let few = segment.solved(&arm, steps);
         if !few.missed.is_empty() {
             continue;
         }
         within_reach += 1;
         if !few.reconfigurations.is_empty() {
-            left += usize::from(way.solved(&arm, 210).is_whole());
+            left += usize::from(segment.solved(&arm, 210).is_whole());
         }
         // Every step without a reported reconfiguration is continuous.
-        let (points, rows) = (way.points(steps), few.rows().collect::<Vec<_>>());
+        let (points, rows) = (segment.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
             let reported = few
@@ -129,10 +129,10 @@ fn closed_paths_of_few_points_stay_on_their_branch() {
     for name in ["franka_panda", "universal_ur5e"] {
         let arm = arm(name);
         let mut left = 0;
-        for (_, way) in segments(&arm, &cases) {
-            let few = way.solved_as_ring(&arm, 1);
+        for (_, segment) in segments(&arm, &cases) {
+            let few = segment.solved_as_ring(&arm, 1);
             if few.missed.is_empty() && !few.reconfigurations.is_empty() {
-                left += usize::from(way.solved_as_ring(&arm, 105).is_whole());
+                left += usize::from(segment.solved_as_ring(&arm, 105).is_whole());
             }
         }
         assert!(left * 200 <= cases.len(), "{name}: {left}");

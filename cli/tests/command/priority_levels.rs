@@ -4,7 +4,8 @@ use crate::forked_rig::*;
 use serde_json::{Value, json};
 
 const NAO: &str = "../models/aldebaran_nao.urdf";
-const FAR: &str = "--base-joint free --hold left_sole --hold right_sole --target left_hand=2,0.5,0";
+const UNREACHABLE_OPTIONS: &str =
+    "--base-joint free --hold left_sole --hold right_sole --target left_hand=2,0.5,0";
 
 fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
     let mut tasks = list(&answer["tasks"]).iter();
@@ -21,7 +22,7 @@ fn miss(answer: &Value, name: &str) -> f64 {
 
 #[test]
 fn feet_stay_where_a_hand_is_out_of_reach() {
-    let answer = answer!("solve {NAO} {FAR} --attempts 1");
+    let answer = answer!("solve {NAO} {UNREACHABLE_OPTIONS} --attempts 1");
     assert_eq!(answer["reached"], false);
     for foot in ["hold left_sole", "hold right_sole"] {
         assert_eq!(task(&answer, foot)["reached"], true);
@@ -29,10 +30,12 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     }
     assert_eq!(level(&answer, "target left_hand"), 2);
     assert!(miss(&answer, "target left_hand") > 0.5);
-    let told = text!("solve {NAO} {FAR} --attempts 1");
-    says!(told => "Level 2 gives way");
+    let text = text!("solve {NAO} {UNREACHABLE_OPTIONS} --attempts 1");
+    says!(text => "Level 2 gives way");
 
-    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --no-priorities --attempts 1");
+    let traded = answer!(
+        "solve {NAO} {UNREACHABLE_OPTIONS} --weight left_hand=100 --no-priorities --attempts 1"
+    );
     assert_eq!(level(&traded, "target left_hand"), 0);
     assert!(miss(&traded, "hold left_sole") > 0.1, "{traded}");
 }
@@ -65,7 +68,9 @@ fn levels_are_set_by_target_and_task_names() {
     );
     let levels = ["target left_hand", "target right_hand", "gaze head", "arms"];
     assert_eq!(levels.map(|name| level(&answer, name)), [1, 0, 3, 4]);
-    let held = answer!("solve {NAO} {FAR} --tasks {file} --level left_sole=5 --max-iterations 5");
+    let held = answer!(
+        "solve {NAO} {UNREACHABLE_OPTIONS} --tasks {file} --level left_sole=5 --max-iterations 5"
+    );
     let levels = [
         "target left_hand",
         "hold left_sole",
@@ -78,7 +83,7 @@ fn levels_are_set_by_target_and_task_names() {
 
 #[test]
 fn invalid_levels_are_rejected() {
-    refused!("solve {NAO} {FAR} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
+    refused!("solve {NAO} {UNREACHABLE_OPTIONS} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
     for wrong in [
         "left_hand",
         "left_hand=-1",
@@ -86,7 +91,7 @@ fn invalid_levels_are_rejected() {
         "=1",
         "left_hand=1.5",
     ] {
-        refused!("solve {NAO} {FAR} --level {wrong}" => 2, "--level");
+        refused!("solve {NAO} {UNREACHABLE_OPTIONS} --level {wrong}" => 2, "--level");
     }
 }
 
@@ -100,8 +105,8 @@ fn commands_of_the_page_miss_only_the_far_hand() {
         let words = line.strip_prefix("kinopt ").unwrap();
         let answer = answer!("{}", words.replace("models/", "../models/"));
         for task in list(&answer["tasks"]) {
-            let far = task["name"] == "target left_hand";
-            assert_eq!(task["reached"], !far, "{task}");
+            let is_unreachable = task["name"] == "target left_hand";
+            assert_eq!(task["reached"], !is_unreachable, "{task}");
         }
     }
 }

@@ -17,29 +17,29 @@ impl Adapter for Claims {
         "claims"
     }
 
-    fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+    fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
         Answer {
             reached: true,
             cost: 0.0,
-            ..Answer::at((self.0)(question))
+            ..Answer::at((self.0)(instance))
         }
     }
 }
 
 /// Shoulder and elbow in closed form, by the law of cosines: independent of every solver here.
-fn closed_form(question: &ProblemInstance<'_>) -> Vec<f64> {
-    let [x, y, _] = question.targets[0].translation.to_array();
+fn closed_form(instance: &ProblemInstance<'_>) -> Vec<f64> {
+    let [x, y, _] = instance.targets[0].translation.to_array();
     let elbow = ((x * x + y * y) / 2.0 - 1.0).clamp(-1.0, 1.0).acos();
     let shoulder = |elbow: f64| y.atan2(x) - elbow.sin().atan2(1.0 + elbow.cos());
     let wrapped = |angle: f64| angle.sin().atan2(angle.cos());
     let both = [elbow, -elbow].map(|elbow| vec![wrapped(shoulder(elbow)), elbow]);
-    let within = |q: &&Vec<f64>| q.iter().all(|angle| angle.abs() <= 2.0);
-    both.iter().find(within).unwrap().clone()
+    let is_within = |q: &&Vec<f64>| q.iter().all(|angle| angle.abs() <= 2.0);
+    both.iter().find(is_within).unwrap().clone()
 }
 
 #[test]
-fn a_liar_has_not_solved() {
-    let results = run(&points(20), Claims(|question| question.start.to_vec()));
+fn false_claim_is_not_solved() {
+    let results = run(&points(20), Claims(|instance| instance.start.to_vec()));
     let records = &results.runs[0].records;
     assert_eq!(records.len(), 20);
     assert!(
@@ -52,18 +52,18 @@ fn a_liar_has_not_solved() {
 }
 
 #[test]
-fn the_modest_have_solved() {
-    struct Modest;
-    impl Adapter for Modest {
+fn unclaimed_solution_is_solved() {
+    struct Unclaimed;
+    impl Adapter for Unclaimed {
         fn name(&self) -> &str {
             "modest"
         }
 
-        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
-            Answer::at(closed_form(question))
+        fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+            Answer::at(closed_form(instance))
         }
     }
-    let results = run(&points(20), Modest);
+    let results = run(&points(20), Unclaimed);
     let records = &results.runs[0].records;
     assert!(
         records
@@ -74,19 +74,19 @@ fn the_modest_have_solved() {
 }
 
 #[test]
-fn too_late_does_not_count() {
-    struct Dawdles;
-    impl Adapter for Dawdles {
+fn late_result_does_not_count() {
+    struct Late;
+    impl Adapter for Late {
         fn name(&self) -> &str {
             "dawdles"
         }
 
-        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
-            let begun = std::time::Instant::now();
-            let mut q = closed_form(question);
+        fn solve(&mut self, instance: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
+            let started = std::time::Instant::now();
+            let mut q = closed_form(instance);
             // Continues far beyond the limit on any clock.
-            while begun.elapsed() < Duration::from_millis(400) {
-                q = closed_form(question);
+            while started.elapsed() < Duration::from_millis(400) {
+                q = closed_form(instance);
             }
             Answer::at(q)
         }
@@ -97,7 +97,7 @@ fn too_late_does_not_count() {
         attempts: 1,
     };
     let mut bench = Bench::new(&set, budget);
-    bench.add(Dawdles);
+    bench.add(Late);
     let results = bench.run(&mut |_| ControlFlow::Continue(())).unwrap();
     let record = &results.runs[0].records[0];
     assert!(record.solved && record.late && !record.counts());
@@ -108,10 +108,10 @@ fn too_late_does_not_count() {
 }
 
 #[test]
-fn beyond_a_limit_nothing_is_solved() {
+fn configuration_beyond_a_limit_is_not_solved() {
     // After a full turn the tip is at an equal position.
-    let beyond = |question: &ProblemInstance<'_>| {
-        let mut q = closed_form(question);
+    let beyond = |instance: &ProblemInstance<'_>| {
+        let mut q = closed_form(instance);
         q[0] += std::f64::consts::TAU;
         q
     };
@@ -123,7 +123,7 @@ fn beyond_a_limit_nothing_is_solved() {
 }
 
 #[test]
-fn the_limit_holds_to_the_last_bit() {
+fn limit_is_checked_exactly() {
     let (model, tip) = two_links();
     let set = kinopt_harness::ProblemSet::builder(&model)
         .point(tip)
@@ -140,22 +140,22 @@ fn the_limit_holds_to_the_last_bit() {
     let set = set.with_cases(vec![case]).unwrap();
     let solved =
         |q: fn(&ProblemInstance<'_>) -> Vec<f64>| run(&set, Claims(q)).runs[0].records[0].clone();
-    let on = solved(|_| vec![2.0, 0.5]);
-    assert!(on.solved);
-    assert_eq!(on.active_limits, ["shoulder"]);
+    let on_limit = solved(|_| vec![2.0, 0.5]);
+    assert!(on_limit.solved);
+    assert_eq!(on_limit.active_limits, ["shoulder"]);
     let above = solved(|_| vec![2.0_f64.next_up(), 0.5]);
     assert!(above.error.unwrap() < 1e-12 && !above.solved);
 }
 
 #[test]
-fn nonsense_is_not_solved() {
-    for nonsense in [
+fn invalid_configuration_is_not_solved() {
+    for claims in [
         Claims(|_| Vec::new()),
         Claims(|_| vec![0.0; 3]),
         Claims(|_| vec![f64::NAN; 2]),
         Claims(|_| vec![f64::INFINITY, 0.0]),
     ] {
-        let results = run(&points(1), nonsense);
+        let results = run(&points(1), claims);
         let record = &results.runs[0].records[0];
         assert!(!record.solved && record.error.is_none() && record.cost.is_none());
         // JSON has no infinities.

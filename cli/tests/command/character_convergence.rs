@@ -4,9 +4,9 @@
 use crate::forked_rig::*;
 use serde_json::json;
 
-/// Start from which the joint limits keep the gripper from `PLACE` on the same branch.
-const BENT: &str = "--start=0,0,0,1.8,0,0,0,1.6,0,0,-1.1,0,0,-0.7,0,-0.9,0,0";
-const PLACE: &str = "--target=gripper=-0.09,-0.48,0.14";
+/// Start from which the joint limits keep the gripper from `TARGET` on the same branch.
+const BENT_START: &str = "--start=0,0,0,1.8,0,0,0,1.6,0,0,-1.1,0,0,-0.7,0,-0.9,0,0";
+const TARGET: &str = "--target=gripper=-0.09,-0.48,0.14";
 
 #[test]
 fn figure_settles_where_it_can() {
@@ -24,19 +24,21 @@ fn figure_settles_where_it_can() {
 #[test]
 fn solution_on_another_branch_is_reported() {
     let arm = model("robot-arm/robot-arm.json");
-    let another = answer!("solve {arm} {PLACE} {BENT}");
+    let another = answer!("solve {arm} {TARGET} {BENT_START}");
     has!(another, {"reached": true, "way": "another"});
-    let own = answer!("solve {arm} {PLACE} {BENT} --restarts=0");
-    has!(own, {"reached": false, "way": "own", "attempts": 1});
-    says!(text!("solve {arm} {PLACE} {BENT}") => "branch of the start did not reach");
-    assert!(!text!("solve {arm} {PLACE} {BENT} --restarts=0").contains("branch of the start"));
+    let solution = answer!("solve {arm} {TARGET} {BENT_START} --restarts=0");
+    has!(solution, {"reached": false, "way": "own", "attempts": 1});
+    says!(text!("solve {arm} {TARGET} {BENT_START}") => "branch of the start did not reach");
+    assert!(
+        !text!("solve {arm} {TARGET} {BENT_START} --restarts=0").contains("branch of the start")
+    );
 }
 
 #[test]
 fn missed_target_stays_on_its_branch_by_default() {
     let arm = model("robot-arm/robot-arm.json");
-    let far = "--target=gripper=-0.9,-4.8,0.14";
-    let solve = |more: &str| answer!("solve {arm} {far} {BENT} {more}");
+    let unreachable = "--target=gripper=-0.9,-4.8,0.14";
+    let solve = |more: &str| answer!("solve {arm} {unreachable} {BENT_START} {more}");
     let (alone, default) = (solve("--restarts=0"), solve(""));
     has!(default, {"reached": false, "way": "own", "q": alone["q"]});
     assert!(count(&default["attempts"]) > 1);
@@ -72,9 +74,9 @@ fn path_steps_settle_like_single_targets() {
     let at = |k: f64| [0.0014 * k, 0.7824 - 0.0309 * k, 0.9086 + 0.0275 * k];
     let targets: Vec<_> = (0..5).map(|k| at(f64::from(k))).collect();
     let file = folder.text("targets.json", json!({ "targets": targets }));
-    for way in ["--track", ""] {
-        let all = answer!("solve {humanoid} --tip=left_hand --targets {file} {way}");
-        assert_eq!(all["summary"]["solved"], 5, "{way}");
+    for options in ["--track", ""] {
+        let all = answer!("solve {humanoid} --tip=left_hand --targets {file} {options}");
+        assert_eq!(all["summary"]["solved"], 5, "{options}");
     }
 }
 

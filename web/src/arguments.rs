@@ -8,12 +8,12 @@ use wasm_bindgen::prelude::*;
 use crate::placement;
 
 /// An object with known keys only. `undefined` and `null` count as missing.
-pub(crate) struct Given {
+pub(crate) struct NamedArguments {
     object: JsValue,
     what: &'static str,
 }
 
-impl Given {
+impl NamedArguments {
     /// Reads an object, or an empty one for `undefined`; `what` names a key in messages.
     pub(crate) fn new(
         object: JsValue,
@@ -26,12 +26,12 @@ impl Given {
                 what,
             });
         }
-        let Some(given) = object.dyn_ref::<Object>() else {
+        let Some(fields) = object.dyn_ref::<Object>() else {
             let (part, whole) = what.split_once(' ').unwrap_or((what, ""));
             let message = format!("{part}s {whole} must be an object");
             return Err(JsError::new(&message));
         };
-        for name in Object::keys(given) {
+        for name in Object::keys(fields) {
             let name = name.as_string().unwrap_or_default();
             if !known.contains(&name.as_str()) {
                 return Err(crate::raise(UnknownName::new(
@@ -68,14 +68,16 @@ impl Given {
 
     /// A whole number of at least 0.
     pub(crate) fn whole(&self, name: &str) -> Result<Option<u32>, JsError> {
-        self.number(name)?.map(|one| whole(one, name)).transpose()
+        self.number(name)?
+            .map(|value| whole(value, name))
+            .transpose()
     }
 
     /// A boolean.
     pub(crate) fn switch(&self, name: &str) -> Result<Option<bool>, JsError> {
         let switch = |value: JsValue| {
-            let no = || JsError::new(&format!("{name} must be true or false"));
-            value.as_bool().ok_or_else(no)
+            let not_a_switch = || JsError::new(&format!("{name} must be true or false"));
+            value.as_bool().ok_or_else(not_a_switch)
         };
         self.get(name).map(switch).transpose()
     }
@@ -96,7 +98,7 @@ impl Given {
             return Ok(None);
         };
         let list = list(&value).ok_or_else(|| JsError::new(&format!("{name} must be a list")))?;
-        let texts = list.iter().map(|one| text(&one, name));
+        let texts = list.iter().map(|value| text(&value, name));
         texts.collect::<Result<_, _>>().map(Some)
     }
 
@@ -113,7 +115,7 @@ impl Given {
         let numbers = self.numbers(name)?;
         let each = |list: Vec<f64>| {
             list.into_iter()
-                .map(|one| Ok(whole(one, name)? as usize))
+                .map(|value| Ok(whole(value, name)? as usize))
                 .collect()
         };
         numbers.map(each).transpose()
@@ -182,13 +184,13 @@ fn whole(number: f64, what: &str) -> Result<u32, JsError> {
 
 /// Reads a number; `what` names it in messages.
 pub(crate) fn number(value: &JsValue, what: &str) -> Result<f64, JsError> {
-    let no = || JsError::new(&format!("{what} must be a number"));
-    value.as_f64().ok_or_else(no)
+    let not_a_number = || JsError::new(&format!("{what} must be a number"));
+    value.as_f64().ok_or_else(not_a_number)
 }
 
 fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
-    let no = || JsError::new(&format!("{what} must be a string"));
-    value.as_string().ok_or_else(no)
+    let not_a_string = || JsError::new(&format!("{what} must be a string"));
+    value.as_string().ok_or_else(not_a_string)
 }
 
 /// Content of an array or a typed array. Other objects may have any `length`, so they are not accepted.
@@ -202,9 +204,9 @@ pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> 
     if let Some(array) = value.dyn_ref::<Float64Array>() {
         return Ok(array.to_vec());
     }
-    let no = || JsError::new(&format!("{what} must be a list of numbers"));
-    let list = list(value).ok_or_else(no)?;
-    list.iter().map(|one| number(&one, what)).collect()
+    let not_a_list = || JsError::new(&format!("{what} must be a list of numbers"));
+    let list = list(value).ok_or_else(not_a_list)?;
+    list.iter().map(|item| number(&item, what)).collect()
 }
 
 /// Exactly `N` numbers.

@@ -77,7 +77,7 @@ pub(super) struct KeepClearOptions {
 
 /// Collision checker and world of the collision avoidance.
 #[derive(Clone, Debug)]
-pub(super) struct Clear {
+pub(super) struct CollisionAvoidance {
     checker: Checker,
     /// Obstacles from the file of `--world`.
     world: Option<World>,
@@ -85,7 +85,7 @@ pub(super) struct Clear {
     of_person: bool,
 }
 
-impl Clear {
+impl CollisionAvoidance {
     /// Checker with the obstacles scaled by `stride`, the ratio of the robot's step length to the subject's.
     ///
     /// # Errors
@@ -99,11 +99,11 @@ impl Clear {
     }
 
     /// Adds margin and world to a folder query.
-    pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
-        question.keep_clear = Some(self.checker.margin());
-        question.world = self.world.as_ref().map(World::to_json);
+    pub(super) fn add_to_query(&self, query: &mut FolderQuestion<'_>) {
+        query.keep_clear = Some(self.checker.margin());
+        query.world = self.world.as_ref().map(World::to_json);
         let note = self.of_person.then(|| "world of the person".to_owned());
-        question.more.extend(note);
+        query.more.extend(note);
     }
 }
 
@@ -126,7 +126,7 @@ impl KeepClearOptions {
     ///
     /// # Errors
     /// A figure, a robot without shapes, and a missing or damaged file.
-    pub(super) fn clear(&self, target: &Target) -> Outcome<Option<Clear>> {
+    pub(super) fn avoidance(&self, target: &Target) -> Outcome<Option<CollisionAvoidance>> {
         let Some(option) = self.given() else {
             return Ok(None);
         };
@@ -143,7 +143,7 @@ impl KeepClearOptions {
         }
         let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
         let margin = self.margin.or(self.keep_clear).unwrap_or(0.0);
-        Ok(Some(Clear {
+        Ok(Some(CollisionAvoidance {
             checker: checker.with_world(&world)?.with_margin(margin)?,
             world: self.world.is_some().then_some(world),
             of_person: self.world_scale == Some(WorldScale::Stride),
@@ -152,9 +152,9 @@ impl KeepClearOptions {
 }
 
 /// Reports the frames that remain in contact.
-pub(super) fn tell_touching(file: &str, found: &Retargeted) {
-    if let Some(first) = found.touching.first() {
-        let frames = counted(found.touching.len(), "frame");
+pub(super) fn report_contacts(file: &str, retargeted: &Retargeted) {
+    if let Some(first) = retargeted.touching.first() {
+        let frames = counted(retargeted.touching.len(), "frame");
         let (frame, pair) = (first.frame, &first.pair);
         output::message(&format!(
             "note: {file}: {frames} remain in collision, first frame {frame}: {pair}"

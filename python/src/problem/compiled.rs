@@ -23,14 +23,14 @@ use crate::robot::Robot;
 pub(crate) type Moves = Vec<(usize, Move)>;
 
 /// Snapshot of a problem at the start of a solve.
-pub(crate) struct Stated {
+pub(crate) struct CompiledProblem {
     pub(crate) inner: kinopt::Problem,
     ids: Vec<Box<dyn AnyTask>>,
     model: Arc<kinopt::Model>,
     pub(crate) workspaces: Pool<Workspace>,
 }
 
-impl Stated {
+impl CompiledProblem {
     /// Validates and compiles the tasks, with the options and the collision checker of a `Problem`. Without tasks,
     /// returns the error of the library.
     pub(crate) fn new(
@@ -40,8 +40,8 @@ impl Stated {
         checker: Option<&Checker>,
     ) -> PyResult<Result<Arc<Self>, String>> {
         let option = |name: &str| options.get_item(name);
-        let own = model_of(model)?;
-        let mut builder = kinopt::Problem::builder(&own);
+        let inner_model = model_of(model)?;
+        let mut builder = kinopt::Problem::builder(&inner_model);
         let map = option("parameters")?.filter(|map| !map.is_none());
         match (map, model.cast::<Robot>()) {
             (Some(map), _) => {
@@ -52,11 +52,11 @@ impl Stated {
             }
             (None, Err(_)) => {}
         }
-        let ids = (tasks.iter()).map(|task| task::add(&task, model, &own, &mut builder));
+        let ids = (tasks.iter()).map(|task| task::add(&task, model, &inner_model, &mut builder));
         let ids = ids.collect::<PyResult<Vec<_>>>()?;
         for (joint, limits) in items(option("bounds")?.as_ref(), "bounds")? {
             let joint = arrays::name(&joint, "a joint of bounds")?;
-            let joint = own.joint(&joint).or_raise()?;
+            let joint = inner_model.joint(&joint).or_raise()?;
             builder.bound(joint, parameters::limits(&limits, "bounds")?);
         }
         if let Some(tolerance) = option("tolerance")? {
@@ -81,10 +81,10 @@ impl Stated {
             }
             None => inner,
         };
-        let inner = match origins(option("joint_origins")?.as_ref(), &own)? {
+        let inner = match origins(option("joint_origins")?.as_ref(), &inner_model)? {
             origins if origins.is_empty() => inner,
             origins => {
-                let moved = kinopt::Model::clone(&own);
+                let moved = kinopt::Model::clone(&inner_model);
                 let moved = moved.with_joint_origins(origins).or_raise()?;
                 inner.with_joint_origins(&moved).or_raise()?
             }
@@ -92,7 +92,7 @@ impl Stated {
         Ok(Ok(Arc::new(Self {
             inner,
             ids,
-            model: own,
+            model: inner_model,
             workspaces: Pool::new(Workspace::new()),
         })))
     }
@@ -119,8 +119,11 @@ impl Stated {
             ));
         };
         let names: Vec<&str> = self.task_names().collect();
-        let mut found = names.iter().enumerate().filter(|(_, own)| **own == name);
-        match (found.next(), found.next()) {
+        let mut matches = names
+            .iter()
+            .enumerate()
+            .filter(|(_, task_name)| **task_name == name);
+        match (matches.next(), matches.next()) {
             (Some((index, _)), None) => Ok(index),
             (Some(_), Some(_)) => Err(invalid(format!(
                 "several tasks are named `{name}`: give targets by index"
@@ -172,23 +175,25 @@ impl Stated {
     }
 
     /// Problem instance with these targets.
-    pub(crate) fn question<'a>(&'a self, targets: &'a Targets) -> PyResult<ProblemInstance<'a>> {
+    pub(crate) fn instance<'a>(&'a self, targets: &'a Targets) -> PyResult<ProblemInstance<'a>> {
         self.inner.with_targets(targets).or_raise()
     }
 
     /// Reads variables or a configuration. If both have the same length they are equal: every missing variable is a
     /// locked or mimic coordinate, or the fourth number of a quaternion.
-    fn variables_of(&self, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-        let numbers = arrays::vector(given, "x")?;
-        let (variables, own) = (self.inner.variables(), self.inner.configuration_len());
+    fn variables_of(&self, x: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let numbers = arrays::vector(x, "x")?;
+        let (variables, configuration_len) =
+            (self.inner.variables(), self.inner.configuration_len());
         match numbers.len() {
             length if length == variables => Ok(numbers.to_vec()),
-            length if length == own => self.reduced(&numbers),
-            length if own == variables => Err(invalid(format!(
-                "x has shape ({length},), expected ({own},)"
+            length if length == configuration_len => self.reduced(&numbers),
+            length if configuration_len == variables => Err(invalid(format!(
+                "x has shape ({length},), expected ({configuration_len},)"
             ))),
             length => Err(invalid(format!(
-                "x has shape ({length},), expected variables, ({variables},), or a configuration, ({own},)"
+                "x has shape ({length},), expected variables, ({variables},), \
+                 or a configuration, ({configuration_len},)"
             ))),
         }
     }
@@ -196,26 +201,26 @@ impl Stated {
     /// Variables of a configuration; returns an error if the problem does not allow the configuration.
     fn reduced(&self, q: &[f64]) -> PyResult<Vec<f64>> {
         let map = self.inner.parameters();
-        let (mut x, mut own) = (vec![0.0; map.variables()], vec![0.0; q.len()]);
+        let (mut x, mut projected) = (vec![0.0; map.variables()], vec![0.0; q.len()]);
         let mut unit = q.to_vec();
         self.model.normalise(&mut unit).or_raise()?;
         map.reduce(&unit, &mut x).or_raise()?;
-        map.expand(&x, &mut own).or_raise()?;
-        for (at, &id) in self.model.moving_joints().iter().enumerate() {
+        map.expand(&x, &mut projected).or_raise()?;
+        for (index, &id) in self.model.moving_joints().iter().enumerate() {
             // A quaternion and its negative are equal rotations.
             let sign = match self.model.coordinate(id) {
                 Some(first) if self.model.joints()[id.index()].kind.is_ball() => {
-                    let parts = unit[first..].iter().zip(&own[first..]).take(4);
+                    let parts = unit[first..].iter().zip(&projected[first..]).take(4);
                     parts.map(|(a, b)| a * b).sum::<f64>().signum()
                 }
                 _ => 1.0,
             };
-            let (given, own) = (unit[at], sign * own[at]);
-            if (given - own).abs() > 1e-9 * (1.0 + given.abs()) {
+            let (actual, required) = (unit[index], sign * projected[index]);
+            if (actual - required).abs() > 1e-9 * (1.0 + actual.abs()) {
                 let name = &self.model.joints()[id.index()].name;
                 return Err(invalid(format!(
-                    "x is not a configuration of the problem: `{name}` is at {given}, but locked joints, \
-                     mimic joints and bounds require {own}"
+                    "x is not a configuration of the problem: `{name}` is at {actual}, but locked joints, \
+                     mimic joints and bounds require {required}"
                 )));
             }
         }
@@ -233,10 +238,10 @@ impl Stated {
         let x = self.variables_of(x)?;
         let moves = self.moves(targets)?;
         let targets = self.targets_with(moves.iter().map(|(_, aim)| aim))?;
-        let question = self.question(&targets)?;
+        let instance = self.instance(&targets)?;
         let value = py.detach(|| {
-            let mut scratch = question.scratch();
-            let mut evaluation = Evaluation::new(question, &mut scratch);
+            let mut scratch = instance.scratch();
+            let mut evaluation = Evaluation::new(instance, &mut scratch);
             let value = what(
                 &mut evaluation,
                 &x,
@@ -251,17 +256,18 @@ impl Stated {
 
 /// Reads origins of joints relative to their parents.
 fn origins(
-    given: Option<&Bound<'_, PyAny>>,
+    value: Option<&Bound<'_, PyAny>>,
     model: &kinopt::Model,
 ) -> PyResult<Vec<(JointId, [f64; 3])>> {
-    let own = items(given, "joint_origins")?.into_iter();
-    own.map(|(joint, origin)| {
-        let joint = arrays::name(&joint, "a joint of joint_origins")?;
-        let what = format!("the origin of {joint}");
-        Ok((
-            model.joint(&joint).or_raise()?,
-            arrays::array(&origin, &what)?,
-        ))
-    })
-    .collect()
+    let entries = items(value, "joint_origins")?.into_iter();
+    entries
+        .map(|(joint, origin)| {
+            let joint = arrays::name(&joint, "a joint of joint_origins")?;
+            let what = format!("the origin of {joint}");
+            Ok((
+                model.joint(&joint).or_raise()?,
+                arrays::array(&origin, &what)?,
+            ))
+        })
+        .collect()
 }
