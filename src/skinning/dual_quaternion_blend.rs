@@ -40,7 +40,7 @@ impl<'a> DualQuaternionBlend<'a> {
     ///
     /// # Errors
     /// The number of transforms or pivots differs from the number of bones, or a number is not finite. Also a transform
-    /// that mirrors while those of other bones do not.
+    /// that mirrors, if those of most bones do not.
     pub fn stretched(
         weights: &'a SkinWeights,
         transforms: &[Affine3A],

@@ -38,9 +38,9 @@ pub enum SkinningError {
         /// Index of the bone, from 0.
         bone: usize,
     },
-    /// A transform mirrors and the other bones do not.
+    /// A transform mirrors and those of most bones do not.
     #[error(
-        "bone {bone}: the transform mirrors, but not those of all bones; it must contain a rotation"
+        "bone {bone}: the transform mirrors and those of most bones do not; it must contain a rotation"
     )]
     Mirrored {
         /// Index of the bone, from 0.
