@@ -241,7 +241,7 @@ fn drag_converges_below_strong_shear() {
         let mut skeleton = armature.skeleton("leg", free).unwrap();
         let angles = EulerPoseMap::new(&skeleton);
         let toes = bone(&armature, 3);
-        let rest = places(&armature, armature.rest())[3].translation;
+        let rest = model_transforms(&armature, armature.rest())[3].translation;
         for offset in [[0.0, 0.15, 0.1], [0.1, 0.2, -0.1], [-0.2, 0.3, 0.2]] {
             let target = rest + Vec3A::from_array(offset);
             let goal = target.as_dvec3().to_array();
@@ -256,7 +256,9 @@ fn drag_converges_below_strong_shear() {
                 skeleton = skeleton.standing_in(&pose).unwrap();
                 drag.move_joints(skeleton.model()).unwrap();
             }
-            let off = places(&armature, &pose)[3].translation.distance(target);
+            let off = model_transforms(&armature, &pose)[3]
+                .translation
+                .distance(target);
             assert!(off < 1e-5, "{scale:?} {offset:?}: {off}");
         }
     }
