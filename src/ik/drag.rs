@@ -339,6 +339,7 @@ impl Drag {
         self.may_collide = true;
         self.escape.clear();
         self.depenetration.clear();
+        self.moved_joints.restart();
         self.command_at_rest();
         Ok(())
     }
@@ -347,7 +348,8 @@ impl Drag {
     /// the problem's model, in the same order. The configuration stays, and the next frame starts from it.
     ///
     /// If scales shear the bones of a character, call this after each frame with the model of
-    /// [`Skeleton::standing_in`](crate::skeleton::Skeleton::standing_in) for its pose.
+    /// [`Skeleton::standing_in`](crate::skeleton::Skeleton::standing_in) for its pose. If the placements of successive
+    /// calls oscillate, joints move only part of the way, so that the frames converge.
     ///
     /// # Errors
     /// Returns an error if the joints or frames of `model` differ, or if the problem has collision avoidance.
@@ -371,7 +373,7 @@ impl Drag {
                 model: names.model.clone(),
             });
         }
-        self.moved_joints.copy_placements(&self.problem, model);
+        self.moved_joints.follow_placements(&self.problem, model);
         Ok(())
     }
 

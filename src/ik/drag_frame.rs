@@ -1,5 +1,6 @@
 //! Problem instance of a frame of a drag, and its solve.
 
+use super::placement_relaxation::Relaxation;
 use super::solver::Run;
 use super::{MoveLimits, Solver, Workspace};
 use crate::kinematics::{Tree, TreeWorkspace};
@@ -25,17 +26,36 @@ pub(super) fn frame_instance<'a>(
 
 /// Kinematics of a drag whose joints have moved on their parents.
 #[derive(Clone, Debug, Default)]
-pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
+pub(super) struct MovedJoints(Option<Box<MovedTree>>);
+
+#[derive(Clone, Debug)]
+struct MovedTree {
+    tree: Tree,
+    workspace: TreeWorkspace,
+    relaxation: Relaxation,
+}
 
 impl MovedJoints {
-    /// Copies the placements of joints and frames from a model with the joints of the problem's model.
-    pub(super) fn copy_placements(&mut self, problem: &Problem, model: &Model) {
+    /// Moves joints and frames to their placements in a model with the joints of the problem's model. Moves them part of
+    /// the way if placements oscillate.
+    pub(super) fn follow_placements(&mut self, problem: &Problem, model: &Model) {
         let moved = self.0.get_or_insert_with(|| {
-            let tree = problem.tree().clone();
-            Box::new((tree, TreeWorkspace::default()))
+            Box::new(MovedTree {
+                tree: problem.tree().clone(),
+                workspace: TreeWorkspace::default(),
+                relaxation: Relaxation::default(),
+            })
         });
-        let (tree, memory) = &mut **moved;
-        tree.compile(model, problem.parameters(), memory);
+        let relaxed = moved.relaxation.relaxed(model);
+        let model = relaxed.as_ref().unwrap_or(model);
+        (moved.tree).compile(model, problem.parameters(), &mut moved.workspace);
+    }
+
+    /// Starts a new sequence of placements. The next ones are used as they are.
+    pub(super) fn restart(&mut self) {
+        if let Some(moved) = &mut self.0 {
+            moved.relaxation = Relaxation::default();
+        }
     }
 
     /// Returns whether joints have moved on their parents.
@@ -51,7 +71,7 @@ impl MovedJoints {
     ) -> ProblemInstance<'a> {
         let instance = ProblemInstance::from(problem).with_targets(targets);
         match &self.0 {
-            Some(moved) => instance.with_tree(&moved.0),
+            Some(moved) => instance.with_tree(&moved.tree),
             None => instance,
         }
     }

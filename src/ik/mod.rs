@@ -16,6 +16,7 @@ mod loop_gap;
 mod minimiser;
 mod motion_limits;
 mod nearest_closure;
+mod placement_relaxation;
 mod priority;
 mod solution_derivative;
 mod solver;

@@ -60,7 +60,8 @@ impl BoneMotions {
 
     /// Factors each transform as T = (rigid motion) · (stretch about the bone's pivot c). M = R S is the polar
     /// decomposition of the linear part. The stretch is v → S (v − c) + c, and the rigid motion v → R v + T c − R c.
-    /// These are the two phases of Kavan et al. 2008. A scale that all bones share acts first, about the origin.
+    /// These are the two phases of Kavan et al. 2008. A scale that all bones share acts first, about the origin. A
+    /// singular M has the rotation of [`Polar::of_singular`], so its bone collapses as in linear blending.
     pub(super) fn stretched(
         transforms: &[Affine3A],
         pivots: &[Vec3],
@@ -136,9 +137,13 @@ fn factor_transform(
     if !pivot.is_finite() {
         return Err(|bone| SkinningError::NonFinitePivot { bone });
     }
-    let Some((rotation, stretch)) = polar(&transform.matrix3) else {
-        return Err(|bone| SkinningError::Mirrored { bone });
+    let Some(polar) = polar(&transform.matrix3) else {
+        return Err(|bone| SkinningError::NonFiniteTransform { bone });
     };
+    if polar.thickness < -RANK_TOLERANCE && polar.middle > RANK_TOLERANCE {
+        return Err(|bone| SkinningError::Mirrored { bone });
+    }
+    let [rotation, stretch] = [polar.rotation, polar.stretch].map(single_precision_matrix);
     let pivot = Vec3A::from(pivot);
     let rigid = Affine3A {
         matrix3: rotation,
@@ -152,15 +157,24 @@ fn factor_transform(
     Ok((rigid, stretch))
 }
 
-/// Largest ratio of the smallest to the largest stretch at which a map counts as singular.
+/// Ratio to the largest stretch up to which a stretch is 0 up to rounding in single precision.
+const RANK_TOLERANCE: f64 = 1e-5;
+/// Largest ratio of the smallest to the largest stretch at which the determinant has no reliable sign in double
+/// precision.
 const MIN_STRETCH_RATIO: f64 = 1e-9;
 
-/// M = R S with a rotation R and a symmetric S; `None` for a singular or mirroring map.
-fn polar(matrix: &Mat3A) -> Option<(Mat3A, Mat3A)> {
+/// M = R S with a rotation R. S is symmetric up to rounding. `None` for a matrix that is not finite.
+fn polar(matrix: &Mat3A) -> Option<Polar> {
     let entries = matrix.to_cols_array().map(f64::from);
-    let polar = Polar::new(&na::Matrix3::from_column_slice(&entries))?;
-    let to_single =
-        |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
-    (polar.thickness > MIN_STRETCH_RATIO)
-        .then(|| (to_single(polar.rotation), to_single(polar.stretch)))
+    let matrix = na::Matrix3::from_column_slice(&entries);
+    let polar = Polar::new(&matrix)?;
+    let is_flat = (-RANK_TOLERANCE..=MIN_STRETCH_RATIO).contains(&polar.thickness);
+    match is_flat || polar.middle <= RANK_TOLERANCE {
+        true => Polar::of_singular(&matrix, RANK_TOLERANCE),
+        false => Some(polar),
+    }
+}
+
+fn single_precision_matrix(matrix: na::Matrix3<f64>) -> Mat3A {
+    Mat3A::from(DMat3::from_cols_slice(matrix.as_slice()).as_mat3())
 }

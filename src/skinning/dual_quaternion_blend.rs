@@ -35,11 +35,12 @@ impl<'a> DualQuaternionBlend<'a> {
 
     /// Creates a pose from transforms that may stretch, in two phases. Stretches are blended linearly at rest, each
     /// about its bone's pivot: the tail of the bone at rest, in the model's unit. The remaining rigid motions are
-    /// blended as dual quaternions.
+    /// blended as dual quaternions. A bone of scale 0, or flattened along an axis, collapses its vertices as in linear
+    /// blending.
     ///
     /// # Errors
     /// The number of transforms or pivots differs from the number of bones, or a number is not finite. Also a transform
-    /// that mirrors or is singular.
+    /// that mirrors, if those of most bones do not.
     pub fn stretched(
         weights: &'a SkinWeights,
         transforms: &[Affine3A],

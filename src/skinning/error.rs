@@ -38,8 +38,10 @@ pub enum SkinningError {
         /// Index of the bone, from 0.
         bone: usize,
     },
-    /// A transform is singular, or it mirrors and the other bones do not.
-    #[error("bone {bone}: the transform mirrors or is singular; it must contain a rotation")]
+    /// A transform mirrors and those of most bones do not.
+    #[error(
+        "bone {bone}: the transform mirrors and those of most bones do not; it must contain a rotation"
+    )]
     Mirrored {
         /// Index of the bone, from 0.
         bone: usize,

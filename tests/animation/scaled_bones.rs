@@ -206,6 +206,64 @@ fn drag_brings_the_scaled_armature_there() {
     });
 }
 
+/// Leg of three bones whose first bone has a scale. The bones are along y, as in many rigs.
+fn leg(scale: [f32; 3]) -> Armature {
+    let bone = |name: &str, parent, translation, rotation, scale| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: Vec3A::from_array(translation),
+            rotation,
+            scale: Vec3A::from_array(scale),
+        },
+    };
+    let bend = |angle: f32| Quat::from_rotation_x(angle);
+    let bones = vec![
+        bone("thigh", None, [0.0, 1.0, 0.0], bend(3.0), scale),
+        bone("shin", Some(0), [0.0, 0.45, 0.0], bend(0.2), [1.0; 3]),
+        bone("foot", Some(1), [0.0, 0.45, 0.0], bend(-1.2), [1.0; 3]),
+        bone("toes", Some(2), [0.0, 0.2, 0.0], Quat::IDENTITY, [1.0; 3]),
+    ];
+    Armature::new(bones, Vec::new()).unwrap()
+}
+
+/// Strong shear changes the joints by more than the motion that caused it.
+#[test]
+fn drag_converges_below_strong_shear() {
+    for scale in [
+        [1.0, 1.5, 0.8],
+        [1.0, 2.0, 0.7],
+        [1.0, 1.0, 0.5],
+        [1.0, 2.0, 0.5],
+    ] {
+        let armature = leg(scale);
+        let free = |_| [Limits::UNBOUNDED; 3];
+        let mut skeleton = armature.skeleton("leg", free).unwrap();
+        let angles = EulerPoseMap::new(&skeleton);
+        let toes = bone(&armature, 3);
+        let rest = model_transforms(&armature, armature.rest())[3].translation;
+        for offset in [[0.0, 0.15, 0.1], [0.1, 0.2, -0.1], [-0.2, 0.3, 0.2]] {
+            let target = rest + Vec3A::from_array(offset);
+            let goal = target.as_dvec3().to_array();
+            let mut problem = Problem::builder(skeleton.model());
+            problem.add(Point::new(skeleton.tip(toes), goal));
+            let start = skeleton.model().neutral();
+            let mut drag = Drag::new(problem.build().unwrap(), &start).unwrap();
+            let mut pose = armature.rest().clone();
+            for _ in 0..60 {
+                let q = drag.advance().q.clone();
+                angles.pose_of(&q, &mut pose).unwrap();
+                skeleton = skeleton.standing_in(&pose).unwrap();
+                drag.move_joints(skeleton.model()).unwrap();
+            }
+            let off = model_transforms(&armature, &pose)[3]
+                .translation
+                .distance(target);
+            assert!(off < 1e-5, "{scale:?} {offset:?}: {off}");
+        }
+    }
+}
+
 /// A solution of an unreachable target is that of the armature as well.
 #[test]
 fn reach_layer_that_misses_reports_the_armature() {
@@ -311,6 +369,15 @@ fn clip_ik_brings_the_scaled_armature_there() {
             assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
         }
     });
+}
+
+/// Differences of scales up to 1e-4 are rounding.
+#[test]
+fn rounded_scale_has_no_scale_note() {
+    for (scale, notes) in [(0.999_998, 0), (1.000_05, 0), (0.999, 1)] {
+        let armature = armature([[1.0, 1.0, scale], [1.0; 3]], &mut Random::new(85));
+        assert_eq!(armature.scale_notes().len(), notes, "{scale}");
+    }
 }
 
 #[test]

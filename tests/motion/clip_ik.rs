@@ -395,3 +395,46 @@ fn feet_stay_planted_around_a_hand_target() {
         }
     }
 }
+
+/// Files often have a mesh node beside the hips. It carries no bone, so the node above both is no branch.
+#[test]
+fn mesh_node_beside_the_hips_is_no_branch() {
+    let solved = |with_mesh: bool| {
+        let mut bones = vec![bone("Armature", None, Vec3A::ZERO)];
+        let joints = figure();
+        for (index, name) in joints.names().iter().enumerate() {
+            let id = joints.bone_at(index).unwrap();
+            let parent = joints.parent(id).map_or(0, |parent| parent.index() + 1);
+            let rest = joints.rest().local(id).unwrap();
+            bones.push(bone(name, Some(parent), rest.translation));
+        }
+        if with_mesh {
+            bones.push(bone("mesh", Some(0), Vec3A::ZERO));
+        }
+        let armature = Armature::new(bones, Vec::new()).unwrap();
+        // The feet stay on the ground only if the hips sink.
+        let rise = Clip::through_poses(
+            "rise",
+            &armature,
+            &[0.0, 0.5, 1.0],
+            &[0.8, 0.92, 0.8].map(|height| {
+                let mut pose = armature.rest().clone();
+                let id = |name: &str| armature.bone(name).unwrap();
+                pose.set_translation(id("hips"), Vec3A::new(0.0, height, 0.0))
+                    .unwrap();
+                for side in ["l", "r"] {
+                    let limb = ["thigh", "shin", "foot"].map(|part| id(&format!("{part}.{side}")));
+                    bend(&mut pose, limb, Vec3::new(0.0, -0.8, 0.0));
+                }
+                pose
+            }),
+        );
+        let edited = planted(&armature).solve(&rise.unwrap()).unwrap();
+        let hips = at(&armature, &edited.clip, "hips", 0.5);
+        (hips, at(&armature, &edited.clip, "Armature", 0.5), edited)
+    };
+    let [(hips, _, without_mesh), (beside_mesh, node, edited)] = [false, true].map(solved);
+    assert_eq!((hips, node), (beside_mesh, Vec3A::ZERO));
+    assert_eq!(edited.stances, without_mesh.stances);
+    assert_eq!(edited.root_moved, without_mesh.root_moved);
+}

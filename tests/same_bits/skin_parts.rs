@@ -39,7 +39,7 @@ fn refused() -> Value {
         digest.refused(DualQuaternionBlend::new(&own.many, odd));
         digest.refused(PackedDualQuaternionBlend::new(&packed, odd));
     }
-    for odd in [&short, &nan, &sheared, &mirrored] {
+    for odd in [&short, &nan, &mirrored] {
         digest.refused(DualQuaternionBlend::stretched(&own.many, odd, &own.pivots));
         digest.refused(PackedDualQuaternionBlend::stretched(
             &packed,

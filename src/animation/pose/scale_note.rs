@@ -39,7 +39,7 @@ impl fmt::Display for ScaleNote {
 impl Armature {
     /// Bones with children whose rest scale is uneven or mirrors, in bone order.
     ///
-    /// Scales within 1e-6 of each other count as even.
+    /// Scales within 1e-4 of each other, relative to the largest, count as even.
     #[must_use]
     pub fn scale_notes(&self) -> Vec<ScaleNote> {
         self.scale_notes_of(self.bone_ids())
@@ -62,7 +62,7 @@ impl Armature {
             let note = ScaleNote {
                 bone: self.names().get(bone.index())?.clone(),
                 scale: scale.to_array(),
-                uneven: !Stretch::is_even_scale(scale),
+                uneven: Stretch::is_noted(scale),
                 mirrored: scale.min_element() < 0.0,
             };
             (note.uneven || note.mirrored).then_some(note)

@@ -6,6 +6,9 @@ use super::Mirror;
 
 /// Largest relative difference of the scales along a bone's axes that counts as rounding.
 const EVENNESS_TOLERANCE: f64 = 1e-6;
+/// Largest relative difference of a rest pose's scales that needs no note. Exporters round by this much. Inverse
+/// kinematics corrects such shear all the same.
+const NOTED_UNEVENNESS: f64 = 1e-4;
 
 /// Q⁻¹ A of a bone, with the linear part A of its model transform and its rotation Q in the model without scales.
 ///
@@ -52,6 +55,11 @@ impl Stretch {
         is_even(scale.as_dvec3())
     }
 
+    /// Returns true if the absolute scales of the axes differ by more than exporters round.
+    pub(crate) fn is_noted(scale: Vec3A) -> bool {
+        unevenness(scale.as_dvec3()) > NOTED_UNEVENNESS
+    }
+
     /// Returns true if bones that rotate below this one keep their lengths.
     pub(crate) fn is_even(&self) -> bool {
         matches!(self, Self::Diagonal(scale) if is_even(*scale))
@@ -69,4 +77,10 @@ impl Stretch {
 fn is_even(scale: DVec3) -> bool {
     let sizes = scale.abs();
     sizes.max_element() - sizes.min_element() <= EVENNESS_TOLERANCE * sizes.max_element()
+}
+
+/// Largest relative difference of the absolute scales; 0 for a scale of 0.
+fn unevenness(scale: DVec3) -> f64 {
+    let sizes = scale.abs();
+    (sizes.max_element() - sizes.min_element()) / sizes.max_element().max(f64::MIN_POSITIVE)
 }

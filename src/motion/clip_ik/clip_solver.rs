@@ -129,8 +129,9 @@ impl<'a> ClipIk<'a> {
         pub fn with_planted(mut self, bone: BoneId) { self.planted.push(bone) }
         /// Sets the root: the bone that is translated if a limb is too short. Only bones below it rotate.
         ///
-        /// Default: the topmost bone that carries all requested bones and has more than one child. If no bone does, all
-        /// bones rotate.
+        /// Default: the topmost bone that carries all requested bones and has more than one child. Children without
+        /// children of their own, such as mesh nodes, count only if the clip moves them. If no bone has several such
+        /// children, all children count. If no bone has several children, all bones rotate.
         pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
         /// Sets the up axis in the model. Default: y, as in glTF.
         pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) { self.up = single(axis) }
@@ -219,7 +220,10 @@ impl<'a> ClipIk<'a> {
         for &bone in bones.iter().chain(&self.root) {
             self.name(bone)?;
         }
-        let root = self.root.or_else(|| branching_above(self.armature, &bones));
+        let root = match self.root {
+            Some(root) => Some(root),
+            None => self.default_root(clip, &bones)?,
+        };
         for (&bone, &root) in bones
             .iter()
             .flat_map(|bone| root.iter().map(move |root| (bone, root)))
@@ -243,6 +247,18 @@ impl<'a> ClipIk<'a> {
             span,
             up: Vector3::from(up.as_dvec3().to_array()),
         })
+    }
+
+    /// Returns the topmost branch of the armature above some bones.
+    fn default_root(&self, clip: &Clip, bones: &[BoneId]) -> Result<Option<BoneId>, ClipIkError> {
+        let jointed = self.skeleton.map_or(0, |skeleton| skeleton.bones().len());
+        let mut is_bone: Vec<bool> = (0..self.armature.bones()).map(|k| k < jointed).collect();
+        for (bone, _) in clip.channels(self.armature)? {
+            is_bone[bone.index()] = true;
+        }
+        Ok(branching_above(self.armature, bones, |bone| {
+            is_bone[bone.index()]
+        }))
     }
 
     fn duplicate_target(&self, bone: BoneId) -> Result<ClipIkError, ClipIkError> {

@@ -210,7 +210,9 @@ impl<'a> KeyframeIk<'a> {
         span: [f64; 2],
     ) -> Result<Vec<KeyAngle>, ClipIkError> {
         let tips: Vec<BoneId> = self.reaches.iter().map(|reach| reach.bone).collect();
-        let root = self.root.or_else(|| branching_above(armature, &tips));
+        let root = self
+            .root
+            .or_else(|| branching_above(armature, &tips, |_| true));
         let carries = |bone: BoneId, reach: &Reach| {
             let mut chain = vec![reach.bone];
             chain.extend(ancestors(armature, reach.bone));
