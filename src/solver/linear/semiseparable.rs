@@ -199,7 +199,7 @@ impl SemiseparableNormal {
             self.side.extend(products);
             let pivot = diagonal - dot(&self.side, jacobian_column);
             // True for NaN.
-            let is_lost = !(pivot > NEGLIGIBLE * largest);
+            let is_lost = pivot.is_nan() || pivot <= NEGLIGIBLE * largest;
             if is_lost {
                 return false;
             }
