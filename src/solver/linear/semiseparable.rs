@@ -5,6 +5,8 @@
 //! semiseparable: products and factorisations take O(n m²) operations for m rows and n variables (Vandebril, Van Barel
 //! & Mastronardi 2008, "Matrix Computations and Semiseparable Matrices", volume 1, chapter 4).
 
+use std::cmp::Ordering;
+
 use nalgebra::DMatrix;
 
 use super::cholesky;
@@ -199,7 +201,7 @@ impl SemiseparableNormal {
             self.side.extend(products);
             let pivot = diagonal - dot(&self.side, jacobian_column);
             // True for NaN.
-            let is_lost = pivot.is_nan() || pivot <= NEGLIGIBLE * largest;
+            let is_lost = pivot.partial_cmp(&(NEGLIGIBLE * largest)) != Some(Ordering::Greater);
             if is_lost {
                 return false;
             }

@@ -2,9 +2,9 @@
 //! Numbers are little-endian f64 on standard input and output.
 //!
 //! - `answers arm FILE.urdf BASE TIP`: each query is a target as a row-major 4 × 4 matrix and a start configuration.
-//! The result is the joint values.
+//!   The result is the joint values.
 //! - `answers rig FILE.json BONE...`: each query is three coordinates per bone, the target of its tip. Each query
-//! starts at the rest pose.
+//!   starts at the rest pose.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::io::{Read, Write};
