@@ -78,7 +78,7 @@ fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
 
 fn bad_last_row(what: &str, m: &[f64; 16]) -> PyErr {
     invalid(format!(
-        "{what} is no placement: the last row of its matrix is {:?}, not [0, 0, 0, 1]",
+        "{what} is not a placement: the last row of its matrix is {:?}, not [0, 0, 0, 1]",
         &m[12..]
     ))
 }

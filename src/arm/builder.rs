@@ -188,7 +188,8 @@ impl ArmBuilder<'_> {
         /// Sets the largest number of attempts of one query, at least 1.
         ///
         /// A failing query makes all of them, unless [`with_iterations`](Self::with_iterations) or a time limit ends it
-        /// first. Default: 200, and no attempt begins after 2 600 iterations.
+        /// first. With a [checker](Arm::with_checker) it makes up to twice as many. Default: 200, and no attempt begins
+        /// after 2 600 iterations.
         pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) {
             let attempts = attempts.into();
             self.options.attempts = attempts.unwrap_or(ATTEMPTS);

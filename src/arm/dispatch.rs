@@ -19,7 +19,7 @@ use crate::task::Quantity;
 /// The damping by gain ratio of the general solver passes narrow valleys in which the SIMD solver stalls.
 pub(super) const QUICK_ATTEMPT_ITERATIONS: u32 = 600;
 
-/// A query that is checked already.
+/// A query with validated target and start.
 #[derive(Clone, Copy)]
 pub(super) struct Query<'a> {
     pub(super) target: &'a Placement<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// Returns true if less than this time is left.
+    /// Returns true if less than `needed` is left until the deadline.
     #[cfg(feature = "collision")]
     pub(super) fn is_late_by(&self, needed: std::time::Duration) -> bool {
         let earlier = |at: Instant| at.checked_sub(needed).unwrap_or(at);
@@ -41,7 +41,7 @@ impl Query<'_> {
 }
 
 impl Arm {
-    /// Query whose time limit begins now.
+    /// Builds a query. Its time limit begins now.
     pub(super) fn query<'a>(&self, target: &'a Placement<f64>, start: &'a [f64]) -> Query<'a> {
         Query {
             target,
@@ -50,7 +50,7 @@ impl Arm {
         }
     }
 
-    /// Returns true if a solution of the SIMD solver is the arm's, without refinement or comparison.
+    /// Returns true if a reached solution of the SIMD solver is final, without refinement or comparison.
     pub(super) fn is_plain(&self) -> bool {
         let options = &self.options;
         options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
@@ -58,7 +58,8 @@ impl Arm {
 
     /// Returns true if only the attempt from the start matters: the target is proven unreachable.
     ///
-    /// It is false if the options ask for more attempts or for the best result of all.
+    /// It is false for goal bounds of the position, if a number of attempts was given, and if a search returns the best of
+    /// all attempts.
     pub(super) fn needs_only_first_attempt(&self, target: &Placement<f64>) -> bool {
         let options = &self.options;
         if options.attempts_given
@@ -82,7 +83,7 @@ impl Arm {
         }
     }
 
-    /// SIMD solver, with narrower bounds if motions are bounded.
+    /// The SIMD solver; with the option `max_move`, the one with the bounds of the query.
     pub(super) fn simd_solver_within<'a>(
         &'a self,
         bounded_solver: &'a Option<PoseSolver>,
@@ -93,7 +94,7 @@ impl Arm {
         }
     }
 
-    /// Query of the SIMD solver for the attempts from the first to before the last.
+    /// Query of the SIMD solver for the attempts of the half-open range `attempts`, within `budget` iterations.
     pub(super) fn simd_query<'a>(
         &self,
         query: &Query<'a>,
@@ -176,7 +177,7 @@ impl Arm {
         })
     }
 
-    /// Solves a query that needs a workspace: bounded motions, comparing searches, postures, mimic joints.
+    /// Solves a query with a workspace: for `max_move`, comparing searches, postures and mimic joints.
     fn solve_with_workspace(
         &self,
         workspace: &mut ArmWorkspace,
@@ -218,7 +219,7 @@ impl Arm {
             ..
         } = workspace;
         let mut first = self.first_attempts(query);
-        // Within bounded motions the attempt from the start is finished before others begin.
+        // With `max_move` the attempt from the start ends before others begin.
         let first_alone = self.options.max_move.is_some();
         if first_alone {
             first.attempts.1 = 1;
@@ -243,7 +244,7 @@ impl Arm {
         }
     }
 
-    /// Search result of the SIMD solver's attempts. Those that fail have stalled.
+    /// Search result of the SIMD solver's attempts. An unreached one has the termination `Stalled`.
     pub(super) fn result_of(&self, outcome: &PoseOutcome) -> SearchResult {
         SearchResult {
             termination: match outcome.reached {
@@ -265,9 +266,9 @@ impl Arm {
         (result.cost, result.reached) = (self.cost(errors), errors.reached);
     }
 
-    /// Half the squared errors, in metres squared; radians convert by the arm's weight.
+    /// Half the sum of the squared errors, m²; radians convert by `metres_per_radian`.
     pub(super) fn cost(&self, errors: Errors) -> f64 {
-        // Goals with bounds are solved in chords.
+        // For goals with bounds, the cost has the chord of the angle.
         let chord = match self.options.goal.is_full_pose() {
             true => errors.orientation,
             false => 2.0 * elementary::sin(0.5 * errors.orientation),
@@ -276,7 +277,7 @@ impl Arm {
         0.5 * (errors.position * errors.position + chord * chord)
     }
 
-    /// Records all results but `q` and the active limits of a failure.
+    /// Records the search result and the errors, without `q` and active limits.
     pub(super) fn record(&self, result: &SearchResult, errors: Errors, solution: &mut Solution) {
         let options = &self.options;
         let metres = RowBlockReport::of_goal(
@@ -304,7 +305,7 @@ impl Arm {
         });
     }
 
-    /// Records all results at the workspace's configuration, with the active limits of a failure.
+    /// Records all results at the workspace's configuration; of an unreached one also the active limits.
     pub(super) fn record_configuration(
         &self,
         result: &SearchResult,

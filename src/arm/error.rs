@@ -50,7 +50,7 @@ pub enum ArmError {
     Option(#[from] BadOption),
     /// An option with one number per joint has another number of them.
     #[error(
-        "option {option} has {given} numbers, the arm has {} free joints: {}",
+        "option {option} has {given} numbers, expected {}, one for each free joint: {}",
         joints.len(), joints.join(", ")
     )]
     JointCount {
@@ -137,7 +137,7 @@ pub enum QueryError {
         value: f64,
     },
     /// The arm has no [checker](super::Arm::with_checker), so its collisions are unknown.
-    #[error("collisions are unknown: the arm was built without a world and a margin")]
+    #[error("collisions are unknown: the arm was built without a world or a margin")]
     NothingToKeepClearOf,
     /// The time step of a servo is not a positive number of seconds.
     #[error("the time step is {0} s, expected a positive finite number")]

@@ -39,8 +39,8 @@ pub struct Jump {
     pub distance: f64,
     /// True if small steps along the straight line between the two poses lead there: a fast motion or a coarse path.
     ///
-    /// If false, the branch ended and this is a reconfiguration, which must be
-    /// [enabled](super::ArmBuilder::with_global_search_on_miss).
+    /// If false, this is a reconfiguration. A follower makes one only if that is
+    /// [enabled](super::ArmBuilder::with_global_search_on_miss), a track also on the way to a distant first target.
     pub continuous: bool,
 }
 

@@ -458,7 +458,7 @@ fn option_out_of_range_is_named() {
         let error = invalid.build().unwrap_err().to_string();
         assert!(error.contains(name), "{name}: {error}");
         // Errors of joint counts list the joints.
-        let listed = !error.contains("numbers, the arm") || error.contains("joint1, joint2");
+        let listed = !error.contains("for each free joint") || error.contains("joint1, joint2");
         assert!(listed, "{error}");
     }
 }

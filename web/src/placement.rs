@@ -19,7 +19,7 @@ pub(crate) fn read(numbers: &[f64], what: &str) -> Result<Placement<f64>, JsErro
     if !last.iter().all(|value| value.abs() <= LAST_ROW) {
         let row = [m[3], m[7], m[11], m[15]];
         return Err(JsError::new(&format!(
-            "{what} is no placement: the last row of its matrix is {row:?}, not [0, 0, 0, 1]"
+            "{what} is not a placement: the last row of its matrix is {row:?}, not [0, 0, 0, 1]"
         )));
     }
     let column = |k: usize| Vector3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);

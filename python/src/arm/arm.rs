@@ -49,7 +49,8 @@ use crate::world::World;
 /// max_move: largest displacement of each joint from its start, shape (dof,), radians or metres; a hard bound. Default:
 ///     inf.
 /// posture: nominal posture of a redundant arm, shape (dof,), radians or metres. Default: none.
-/// attempts: largest number of attempts for a query, at least 1. Default: 200.
+/// attempts: largest number of attempts for a query, at least 1; with `world` or `margin` up to twice as many. Default:
+///     200.
 /// iterations: no attempt begins once all attempts together have used this many, at least 1. Default: 2600, or none if
 ///     `attempts` is given.
 /// global_search_on_miss: on a miss, return the best of all attempts on any branch. Default: False, the closest pose on
@@ -428,8 +429,9 @@ impl Arm {
         batch::solve(slf, targets, &starts, threads, out, progress)
     }
 
-    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch as far as possible. The
-    /// `Track` lists every step in which a joint moves farther than 0.2 rad.
+    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch. A first target far from the
+    /// start is solved as by `solve`, and can be on another branch. The `Track` lists every step in which a joint moves
+    /// farther than 0.2 rad as a jump.
     ///
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
@@ -447,7 +449,8 @@ impl Arm {
         Track::new(py, &self.inner, track)
     }
 
-    /// A `Follower` at `start`, for a path whose targets come one at a time.
+    /// A `Follower` at `start`, for a path whose targets come one at a time. It stays on the branch of the start, unless
+    /// `global_search_on_miss` is set, and reports jumps.
     ///
     /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]
@@ -461,10 +464,13 @@ impl Arm {
     /// inf for none. Default: those of the robot's files. They hold in every cycle for the differences of the commanded
     /// positions.
     /// `velocity`, `acceleration`: shape (dof,), the motion at the start; default at rest.
-    /// `straight_line`: moves the tool on the straight line to its target, and reduces its speed rather than leave the
-    /// line.
-    /// `damping`: a tool motion that requires this many radians of joint motion for each radian runs at half of its
-    /// speed; default 0.01.
+    /// `straight_line`: keeps the tool on the straight line to its target, at reduced speed if necessary. The tool leaves
+    /// the line near singular configurations and position limits, and while it brakes for a collision.
+    /// `damping`: the tool motion, in radians for each radian of joint motion, that runs at half of its speed; default
+    /// 0.01. More damping makes joints slower near singular configurations.
+    ///
+    /// A target out of reach ends at rest at the closest pose, with status "nearest". A collision ahead ends at rest
+    /// before it, with status "blocked".
     ///
     /// Raises `InvalidValueError` for a start of another length or not finite, a time step that is not a positive
     /// number, limits or a damping out of range, and a joint whose motion violates a limit or which cannot brake before

@@ -22,7 +22,7 @@ self_cell!(
     }
 );
 
-/// Follows targets that come at a fixed rate; made by `Arm.servo`.
+/// Servo: one joint position command in each control cycle; made by `Arm.servo`.
 ///
 /// Every cycle satisfies the position, velocity, acceleration and jerk limits of the joints for any targets.
 #[pyclass(frozen, module = "kinopt")]
@@ -183,10 +183,15 @@ pub(crate) struct ServoStep {
     q: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// "on_target", "speed_limited" (moving, a velocity, acceleration or jerk limit is active), "settling" (moving, no
-    /// limit is active: slowed by damping or by the plan of a straight line), "nearest" (at rest at the closest pose),
-    /// "blocked" (brakes before a collision), "touching" (a pair in contact at the start of the servo is still in
-    /// contact), "stopping" or "stopped" (by `Servo.stop`).
+    /// State of the servo:
+    ///
+    /// - "on_target": the tool is within its tolerances.
+    /// - "speed_limited": moving; a velocity, acceleration or jerk limit is active.
+    /// - "settling": moving; no limit is active: damping or a straight line slows the motion.
+    /// - "nearest": at rest at the closest pose to a target out of reach.
+    /// - "blocked": brakes or rests before a collision.
+    /// - "touching": a pair in contact at the start of the servo is still in contact.
+    /// - "stopping", "stopped": braking and at rest after `Servo.stop`.
     #[pyo3(get)]
     status: &'static str,
     /// True if the tool is within the tolerances of its target, and no pair is in contact. The arm may still move: see

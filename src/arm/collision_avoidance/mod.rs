@@ -129,7 +129,7 @@ impl Arm {
     ) -> Result<Self, ArmError> {
         let Some(avoidance) = &self.collisions else {
             return Err(ArmError::Conflict(
-                "the arm was built without a world and a margin: they cannot be replaced",
+                "the arm was built without a world or a margin, so its world cannot be replaced",
             ));
         };
         let margin = margin.into().unwrap_or(avoidance.checker.margin());

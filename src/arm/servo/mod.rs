@@ -50,28 +50,29 @@ const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;
 const NULL_SPACE_ACCELERATION: f64 = 0.1;
 /// Time in which null-space motion gains its full speed without acceleration limits, seconds.
 const NULL_SPACE_RISE: f64 = 0.05;
-/// Largest offset of the goal configuration to the side of a stretched arm, radians.
+/// Largest offset of the goal configuration of a stretched arm to the side of its branch, radians.
 ///
-/// The singular configuration can move by 2e-3 rad per cycle. A prediction of that motion makes the joints reverse.
+/// The singular configuration can move by 2e-3 rad per cycle, and the offset exceeds that. A prediction of that motion
+/// instead of an offset makes the joints reverse.
 const MAX_SIDE_OFFSET: f64 = 4e-3;
-/// Largest offset to that side, radians per radian of the last error.
+/// Largest offset to the side of the branch, radians per radian of the last error.
 ///
-/// Lag of a target within reach is also an error, but a small one.
+/// A target within reach has a small error, from lag, and so a small offset.
 const SIDE_OFFSET_PER_ERROR: f64 = 20.0;
-/// Distance of a target from the last one beyond which it is approached in steps, radians.
+/// Distance from the last target beyond which a target is distant and approached in steps, radians.
 const LEAD: f64 = 0.1;
-/// Largest number of those steps in a cycle.
+/// Largest number of steps towards a distant target in a cycle.
 const MAX_LEADS: usize = 4;
 /// Speed above which a joint comes to rest for a cycle before it reverses, rad/s.
 const REVERSAL_SPEED: f64 = 0.1;
 
-/// Largest distance beyond a position limit at which a start state may come to rest, radians or metres: rounding.
+/// Tolerance of rounding for a position limit at the rest position of a start state, radians or metres.
 const BRAKING_TOLERANCE: f64 = 1e-9;
 
-/// Largest relative excess of a start state over a velocity limit: rounding.
+/// Relative tolerance of rounding for a velocity limit at a start state.
 const RATE_TOLERANCE: f64 = 1e-9;
 
-/// Follower of targets that arrive at a fixed rate, within all limits of the joints: see [`Arm::servo`].
+/// Servo: one joint position command per control cycle, within all joint limits; from [`Arm::servo`].
 #[derive(Clone, Debug)]
 pub struct Servo<'a> {
     arm: &'a Arm,
@@ -84,21 +85,21 @@ pub struct Servo<'a> {
     /// Jerk limits, rad/s³ or m/s³; infinite for none.
     jerk_limits: Vec<f64>,
     limits: Vec<CycleLimits>,
-    /// Damping, m² per rad².
+    /// Square of the damping after its conversion to metres per radian, m² per rad².
     damping: f64,
-    /// Fraction of the damping that is left.
+    /// Fraction of the damping that is left for a resting target, 0 to 1.
     fading: f64,
     target: Option<Placement<f64>>,
-    /// Target of the goal configuration, which approaches a target that jumps in steps.
+    /// Intermediate target of the goal configuration. It approaches a distant target in steps.
     approached: Placement<f64>,
-    /// Motion of that target along a straight line, if enabled.
+    /// Motion of the intermediate target along a straight line, if enabled.
     line: Option<StraightLine>,
     branch: Branch,
     goal: Vec<f64>,
-    /// Error of the goal configuration, radians; metres convert by their weight.
+    /// Error of the goal configuration, radians; metres convert by `metres_per_radian`.
     goal_error: f64,
     history: GoalHistory,
-    /// True while the arm moves to a target that jumped.
+    /// True while the arm moves to a distant target.
     catches_up: bool,
     /// Largest null-space motion of the last cycle, radians.
     null_space_step: f64,
@@ -114,13 +115,19 @@ pub struct Servo<'a> {
 impl Arm {
     /// Starts a servo at rest at `start`, which takes a target every `time_step` seconds.
     ///
-    /// The velocity, acceleration and jerk limits of the robot's files hold in every cycle, or
-    /// [others](Servo::with_velocity_limits). A joint without a velocity limit moves by at most 0.1 rad per cycle (a
+    /// Velocity, acceleration and jerk limits hold in every cycle. They come from the robot's files, or from
+    /// [`with_velocity_limits`](Servo::with_velocity_limits),
+    /// [`with_acceleration_limits`](Servo::with_acceleration_limits) and
+    /// [`with_jerk_limits`](Servo::with_jerk_limits). A joint without a velocity limit moves by at most 0.1 rad per cycle (a
     /// prismatic joint by the metres that weigh as much). A joint faster than 0.1 rad/s comes to rest for a cycle
     /// before it reverses.
     ///
-    /// Within reach the arm keeps its branch. It converges to the closest pose to a target out of reach, where its
-    /// branches meet. After about 1 % of lines out of reach it returns on another branch.
+    /// Within reach the arm keeps its branch. For a target out of reach it comes to rest at the closest pose, with status
+    /// [`Nearest`](ServoStatus::Nearest). Branches meet there: on about 1 % of lines out of reach and back, the arm
+    /// returns on another branch.
+    ///
+    /// An arm with a [checker](Self::with_checker) brakes before a collision, with status
+    /// [`Blocked`](ServoStatus::Blocked). It does not go round the obstacle.
     ///
     /// The null space of a redundant arm goes to the posture of the start, or to a
     /// [given one](super::ArmBuilder::with_posture). It uses half of the velocity limits while the target moves. A joint
@@ -242,9 +249,9 @@ impl Servo<'_> {
 
     /// Sets the damping, radians; at least 0. Default 0.01.
     ///
-    /// A tool motion that needs this many radians of joint motion per radian is made at half of its speed. Metres
-    /// convert by the arm's weight. Easier motions are damped less. More damping is calmer near singular
-    /// configurations, and lags there.
+    /// It is the tool motion, in radians for each radian of joint motion, that runs at half of its speed. Metres convert
+    /// by [`with_metres_per_radian`](super::ArmBuilder::with_metres_per_radian). Faster motions of the tool are damped
+    /// less. More damping makes joints slower near singular configurations, and the tool lags there.
     ///
     /// # Errors
     /// Returns an error for a number that is negative or not finite.
@@ -331,9 +338,9 @@ impl Servo<'_> {
 
     /// Keeps the tool on the straight line to its target: position straight, rotation about one axis. Default false.
     ///
-    /// The tool then moves slower rather than off the line. Otherwise each joint takes the shortest time, and the
-    /// tool's path to a target that jumps is bent. Near singular configurations the tool leaves the line if the joint
-    /// limits demand it.
+    /// The tool slows down to stay on the line. Without this option each joint takes the shortest time, and the tool's
+    /// path to a distant target is curved. The tool leaves the line near singular configurations and position limits,
+    /// and while it brakes for a collision or a [stop](Self::stop).
     #[must_use]
     pub fn with_straight_line(mut self, straight: bool) -> Self {
         self.line = straight.then(|| StraightLine::at_rest(self.q.len()));
@@ -345,7 +352,7 @@ impl Servo<'_> {
         self.damping = metres * metres;
     }
 
-    /// Sets the limits per cycle, less what rounding of positions adds to their differences.
+    /// Sets the limits per cycle, reduced by the rounding of positions.
     fn set_cycle_limits(&mut self) {
         let map = &self.arm.serial.map;
         for (i, limits) in self.limits.iter_mut().enumerate() {
@@ -376,12 +383,13 @@ impl Servo<'_> {
         pub fn acceleration(&self) -> &[f64] = &self.acceleration;
     }
 
-    /// Runs one control cycle towards a target. Allocates nothing, unless there is a collision.
+    /// Runs one control cycle towards a target, a placement from tool to base coordinates, and returns the command.
+    ///
+    /// Send [`q`](ServoStep::q) to the robot. [`stop`](Self::stop) brings a moving arm to rest. Allocates nothing, unless
+    /// there is a collision.
     ///
     /// # Errors
     /// Returns an error for a target that is not a rigid motion; the state is then unchanged.
-    ///
-    /// [`stop`](Self::stop) brings a moving arm to rest.
     pub fn step(
         &mut self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -532,7 +540,7 @@ impl Servo<'_> {
         ended
     }
 
-    /// Takes over the free parts of a target at once, so that only the rest is approached.
+    /// Sets the free components of the intermediate target to those of the target, so that only the others approach it.
     fn drop_free_parts(&mut self, target: &Placement<f64>) {
         let goal = &self.arm.options.goal;
         if !goal.is_full_pose() {
@@ -543,7 +551,7 @@ impl Servo<'_> {
         }
     }
 
-    /// Sets the bounds of the goal configuration in a cycle: the position limits, and no motion long enough for a jump.
+    /// Sets the bounds of the goal configuration in a cycle: the position limits and a largest displacement.
     fn bound_goal(&mut self) {
         let map = &self.arm.serial.map;
         let question = &mut self.workspace.question;
@@ -650,7 +658,7 @@ impl Servo<'_> {
         limited
     }
 
-    /// Replaces the cycle by one of a stop if the arm could not come to rest before a collision after it.
+    /// Replaces the cycle by a braking cycle if the arm could not come to rest before a collision after it.
     ///
     /// Returns the status if there is a collision ahead or a contact.
     #[cfg(feature = "collision")]

@@ -16,7 +16,7 @@ pub enum ServoStatus {
     Settling,
     /// At rest at the closest pose of the current branch; the target is out of reach there.
     Nearest,
-    /// Braking before a collision that the arm [avoids](crate::arm::Arm::with_checker); nothing is in contact.
+    /// Braking or at rest before a collision that the arm [avoids](crate::arm::Arm::with_checker); nothing is in contact.
     Blocked,
     /// A pair that was in contact at the start of the servo still is.
     ///
@@ -50,9 +50,9 @@ pub enum HeldBy {
 pub struct ServoStep<'s> {
     /// Commanded joint positions, radians or metres, exactly within the position limits unless the servo began outside.
     pub q: &'s [f64],
-    /// Difference of `q` to the last cycle by the time step, rad/s or m/s.
+    /// Difference of `q` to the last cycle, divided by the time step, rad/s or m/s.
     pub velocity: &'s [f64],
-    /// Difference of `velocity` to the last cycle by the time step, rad/s² or m/s².
+    /// Difference of `velocity` to the last cycle, divided by the time step, rad/s² or m/s².
     pub acceleration: &'s [f64],
     /// State of the servo.
     pub status: ServoStatus,

@@ -39,11 +39,12 @@ use parts::{Pair, Scene};
 ///
 /// - each part and each fixed obstacle;
 /// - the [enabled pairs](CollisionModel::pairs) of links;
-/// - an attached obstacle and each part that cannot hold it. Parts of its body can hold it, and so can the bodies that
-///   this body carries (a hand's fingers). A body that carries it next to other bodies can as well (a finger's hand).
+/// - an attached obstacle and each part, except the body that holds it and the children of that body, such as the
+///   fingers of a hand. The parent of that body is also excluded if it has several children, such as the hand of a
+///   finger that holds the obstacle.
 ///
-/// [Allowed collisions](World::allow_collision) are excluded. A pair may fall short of the margin by 1e-9 m, so that
-/// rounding does not decide about shapes that touch exactly.
+/// [Allowed collisions](World::allow_collision) are excluded. A pair counts as in contact only if its distance is more
+/// than 1e-9 m below the margin, so that rounding does not decide about shapes in exact contact.
 ///
 /// A checker is immutable. The copies that its methods return share unchanged data.
 ///
@@ -67,7 +68,7 @@ pub struct Checker {
     spheres: Option<Arc<SphereModel>>,
     world: World,
     margin: f64,
-    /// Distance beyond the margin that moving pairs keep in motions, metres.
+    /// Distance added to the margin in motions, for pairs that move relative to each other, metres.
     stand_off: f64,
     scene: Arc<Scene>,
     /// Pairs of links whose sphere covers nearly always overlap, as link indices of the model.
@@ -189,7 +190,7 @@ impl Checker {
         Ok(collisions)
     }
 
-    /// True if all pairs are at least the margin apart at a configuration.
+    /// Returns true if a configuration is collision-free: no pair is nearer than the margin.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -208,7 +209,7 @@ impl Checker {
         Ok(free)
     }
 
-    /// The closest pair at a configuration and its distance, if that is at most `max_distance` metres.
+    /// The closest pair at a configuration with its distance, or `None` if it is farther apart than `max_distance`, metres.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -234,7 +235,7 @@ impl Checker {
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
     }
 
-    /// Sorted numbers of the fixed solids that a link may touch: planes of the model, and obstacles of the world.
+    /// Sorted numbers of the fixed solids whose collision with a link is allowed: planes of the model, and obstacles.
     pub(crate) fn passes_of(&self, link: FrameId) -> Vec<u64> {
         match self.model.links().binary_search(&link) {
             Ok(part) => self.scene.allowed_obstacles(part).to_vec(),
@@ -243,14 +244,15 @@ impl Checker {
         }
     }
 
-    /// The checker whose moving pairs keep an additional distance in motions, metres, so that a stopped motion can
-    /// depart again.
+    /// The checker with a distance added to the margin in motions, metres.
+    ///
+    /// A motion that stops there can depart again.
     pub(crate) fn with_stand_off(mut self, metres: f64) -> Self {
         self.stand_off = metres;
         self
     }
 
-    /// Smallest distance that counts as keeping the margin, metres.
+    /// Smallest distance of a pair that is not in contact, metres: the margin less rounding.
     fn min_distance(&self) -> f64 {
         self.margin - ROUNDING
     }

@@ -64,7 +64,7 @@ pub enum PathError {
     #[error(transparent)]
     Option(#[from] BadOption),
     /// An option with one number per joint has the wrong length.
-    #[error("option {option} has {given} numbers, the arm has {} free joints: {}", joints.len(), joints.join(", "))]
+    #[error("option {option} has {given} numbers, expected {}, one for each free joint: {}", joints.len(), joints.join(", "))]
     JointCount {
         /// Name of the option.
         option: &'static str,
