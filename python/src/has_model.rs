@@ -19,7 +19,8 @@ pub(crate) fn model_of(value: &Bound<'_, PyAny>) -> PyResult<Arc<kinopt::Model>>
     match value.getattr_opt("model")? {
         Some(model) if !model.is(value) => model_of(&model),
         _ => Err(invalid(format!(
-            "expected a model, a robot, a skeleton or a rig, not {}",
+            "expected a model, a robot, a skeleton or a rig, not {}; \
+             `Armature.skeleton` returns the skeleton of a scene's armature",
             value.get_type().name()?
         ))),
     }

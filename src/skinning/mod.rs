@@ -2,9 +2,10 @@
 //!
 //! - Bones: [`SkinWeights`] and one transform per bone, with [`LinearBlend`] or [`DualQuaternionBlend`]; both implement
 //!   [`Deformation`]. [`AutomaticWeights`], or `HeatWeights` with feature `heat`, compute weights.
+//! - Scaled bones: [`LinearBlend`], or [`DualQuaternionBlend::stretched`] with the pivots of the bones.
 //! - At most four influences per vertex: [`PackedWeights`], [`PackedLinearBlend`] and [`PackedDualQuaternionBlend`] are
-//!   faster. [`MeshWeights`] use them if possible.
-//! - Points: [`PointHandle`]s, whose transforms deform skin as those of bones do.
+//!   faster. [`MeshWeights`] selects them if possible.
+//! - Points: [`PointHandle`]s. Their transforms deform the skin in place of bone transforms.
 //! - Cages: [`CageBinding`] by mean-value coordinates.
 //! - Shapes: [`MorphTargets`] change the mesh at rest, before skinning. [`BlendShapes`] are whole shapes, blended with
 //!   weights that sum to 1.

@@ -82,7 +82,8 @@ def retarget(
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
     ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
-    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a skeleton. A
+    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A robot that
+    walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in ``Retargeted.notes``. A
     skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene, a
     ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
     .xml, .glb, .gltf, .bvh or rig's .json file. ``Retargeted.clip`` converts the motion of a skeleton to a clip.
@@ -92,8 +93,8 @@ def retarget(
     the maps of several robots, by the names of their files; drives that it lacks for this robot are guessed.
 
     Limbs are scaled by their lengths, the ground is detected, feet are locked during contacts. By default frames are
-    solved one by one, without knowledge of later frames. With ``whole`` all are solved as one problem, with smooth
-    motion and equally firm foot locks (``slip`` is the drift). ``contact_speed`` (m/s) and ``contact_height`` (metres
+    solved one by one, without knowledge of later frames. With ``whole`` all are solved as one problem: the motion is
+    smoother, and contacts hold as well (``slip`` is the drift). ``contact_speed`` (m/s) and ``contact_height`` (metres
     over the ground) are the thresholds of foot contacts. ``acceleration`` is the cost of 1 rad/s² with ``whole``, as a
     position error in metres. ``keep_clear``: smallest distance between links of a ``Robot`` in every frame, metres, by
     the exact distances of its collision shapes. ``touching`` lists frames that violate it. ``world``: a ``World`` to

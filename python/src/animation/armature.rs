@@ -171,7 +171,7 @@ impl Armature {
         Bones::clone(&self.inner).without_scale().into()
     }
 
-    /// The inverse of where each bone is at rest: model -> the bone at rest, shape (bones, 4, 4), float32.
+    /// Inverse model transforms of the bones at rest: from the model to each bone, shape (bones, 4, 4), float32.
     #[getter]
     fn rest_from_model<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         to_array(py, self.inner.rest_from_model())
@@ -342,13 +342,14 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// The skeleton of these bones and their rest pose, for problems and `ReachLayer`. `limits`, shape (bones, 3, 2),
-    /// are the ranges of first twist, bend and second twist about the bone's own x, z and x, radians (None: no limits).
-    /// Bones have length zero, with the tip at the tail.
+    /// The skeleton of these bones and their rest pose, for problems and `ReachLayer`. `EulerPoseMap(skeleton,
+    /// armature)` converts its configurations to poses. `limits`, shape (bones, 3, 2), are the ranges of first twist,
+    /// bend and second twist about the bone's own x, z and x, radians (None: no limits). Bones have length zero: the
+    /// tip of a bone is at its tail, the origin of its node.
     ///
     /// Scales of the rest pose are part of the bones' lengths, and mirrored bones rotate as the armature's do. Below a
     /// bone with an uneven scale the armature shears and the skeleton does not. `scale_notes` names those bones,
-    /// `ReachLayer` and `ClipIk` solve for the joints of the armature, and `without_scale` drops the scales.
+    /// `ReachLayer` and `Clip.with_ik` solve for the joints of the armature, and `without_scale` drops the scales.
     ///
     /// Raises `InvalidValueError` for limits of another shape or out of order.
     #[pyo3(signature = (name = "armature", limits = None))]

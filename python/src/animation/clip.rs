@@ -290,14 +290,15 @@ impl Clip {
     }
 
     /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that reach points, or follow curves, over
-    /// spans. `plant` are bones, such as feet, that are locked in place while they hardly move. Each sample stays as
-    /// close to the clip as possible. The root `root` moves only if limbs are too short; by default it is the first
-    /// branching bone from the top above all these bones.
+    /// spans. `plant` is a list of bones, such as feet. Each is locked in place while it is slow and low in the clip.
+    /// Each sample stays as close to the clip as possible. The bone `root` moves only if limbs are too short. By
+    /// default it is the topmost bone that carries all these bones and has more than one child.
     ///
     /// `up` is the upward axis. Feet are in contact with the `ground`. It is a `World`, or a function of x, y, z that
-    /// returns its height over the level of the clip's walk. A clip in place travels with the velocity `root_velocity`, in
-    /// units a second; "feet" computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and
-    /// the tips of bones reach and are planted. `keys_per_second` samples are solved and keyed.
+    /// returns its height over the level of the clip's walk. A clip in place has no contacts without `root_velocity`,
+    /// a velocity (3,) in units of length per second; "feet" computes it from the planted bones. For a clip of a rig,
+    /// `skeleton` adds its joint limits, and the tips of bones, not their origins, reach and are planted.
+    /// `keys_per_second` samples are solved and keyed.
     ///
     /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for conflicting
     /// requests. Exceptions of the ground function propagate.

@@ -25,11 +25,11 @@ pub(crate) struct FootPlant {
     bone: String,
     /// First and last time, seconds of the clip.
     span: (f64, f64),
-    /// Contact position in the model.
+    /// Position of the bone during contact, in the model.
     place: (f64, f64, f64),
-    /// Largest distance from the contact position at any key.
+    /// Largest distance from `place` at any key of the new clip.
     slide: f64,
-    /// Largest distance from the contact position between keys.
+    /// Largest distance from `place` between keys.
     stray: f64,
 }
 
@@ -47,9 +47,9 @@ impl FootPlant {
 pub(crate) struct ReachResult {
     /// Name of the bone.
     bone: String,
-    /// Largest distance from the target.
+    /// Largest distance of the bone from its target at any key of the new clip.
     miss: f64,
-    /// Time of that distance, seconds of the clip.
+    /// Time of the largest distance, seconds of the clip.
     at: f64,
 }
 
@@ -63,14 +63,14 @@ impl ReachResult {
     }
 }
 
-/// Result of `Clip.with_ik`.
+/// Result of `Clip.with_ik`. Lengths are in the armature's unit.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 pub(crate) struct EditedClip {
-    /// New clip.
+    /// New clip, with the name of the original.
     clip: Py<Clip>,
-    /// Foot plants, foot by foot.
+    /// Foot plants, foot by foot; empty if no foot is in contact.
     stances: Vec<FootPlant>,
-    /// Results of the bones, planted feet first.
+    /// Errors of the bones with targets, planted feet first.
     led: Vec<ReachResult>,
     /// Largest displacement of the root from the original clip.
     root_moved: f64,

@@ -124,8 +124,8 @@ impl ReachLayer {
 
 /// Conversion between a skeleton's stacked angles and poses of its armature.
 ///
-/// The armature is `Armature.of_skeleton(skeleton)`, or another armature with these bones, from which the skeleton was
-/// made.
+/// For the skeleton of `armature.skeleton()`, such as that of a scene, give this `armature`: its poses have the scales
+/// of the bones, which skinning needs. By default the armature is `Armature.of_skeleton(skeleton)`, whose scales are 1.
 ///
 /// Raises `InvalidValueError` for an armature of another number of bones.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -196,7 +196,7 @@ impl EulerPoseMap {
     }
 
     /// Pose of stacked angles, radians: a `Pose` for shape (3 * bones,), `Poses` for (N, 3 * bones);
-    /// translations and scales are at rest.
+    /// translations and scales are those of the armature's rest pose.
     ///
     /// Raises `InvalidValueError` for another shape and for angles that are not finite.
     fn pose_of<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

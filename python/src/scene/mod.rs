@@ -26,7 +26,8 @@ use crate::skinning::SkinWeights;
 
 /// Scene of a glTF file: an armature, its meshes and its clips.
 ///
-/// Every node of the file is a bone. Lengths are in the file's unit, metres according to glTF.
+/// Every node of the file is a bone. Lengths are in the file's unit, metres according to glTF. Tasks need a skeleton:
+/// `scene.armature.skeleton()`. `SceneFile` adds clips to a file and keeps its materials.
 ///
 /// A scene of an armature, of meshes on its bones and of clips for it.
 ///
@@ -206,7 +207,7 @@ impl Scene {
         Ok(Clip::of(&self.armature, Arc::new(clip.clone())))
     }
 
-    /// Changes and omissions of the reader, one text each.
+    /// Changes and omissions of the reader, one text each. `SceneFile` keeps the omitted content in the file.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()

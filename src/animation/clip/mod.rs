@@ -139,7 +139,6 @@ impl Clip {
     ///
     /// # Errors
     /// The pose is of another armature's size.
-    /// The pose is of another armature's size.
     pub fn sample(
         &self,
         time: f64,

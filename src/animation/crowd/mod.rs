@@ -58,7 +58,6 @@ impl Crowd {
     ///
     /// # Errors
     /// A clip is of another armature's size.
-    /// A clip is of another armature's size.
     pub fn add(&mut self, clips: Vec<PlayingClip>) -> Result<&mut Character, SizeMismatch> {
         for playing in &clips {
             playing.check(&self.armature)?;

@@ -18,7 +18,6 @@ impl Skeleton {
     ///
     /// # Errors
     /// The pose has fewer bones.
-    /// The pose has fewer bones.
     pub fn standing_in(&self, pose: &Pose) -> Result<Self, SizeMismatch> {
         has_bones(pose, self.bones().len())?;
         let bones: Vec<BoneId> = self.bone_ids().collect();

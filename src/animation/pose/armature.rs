@@ -24,7 +24,9 @@ pub struct ArmatureBone {
 }
 
 /// Tree of bones, parents before children, with rest pose and morph target names, in single precision.
-/// [`of_skeleton`](Self::of_skeleton) converts a [`Skeleton`] with the same bone ids.
+///
+/// Clips and skins use an armature, tasks use a [`Skeleton`]. [`skeleton`](Self::skeleton) converts an armature to a
+/// skeleton, and [`of_skeleton`](Self::of_skeleton) a skeleton to an armature. Both keep the bone ids.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -131,7 +133,6 @@ impl Armature {
     ///
     /// # Errors
     /// The pose is not of this armature's size.
-    /// The pose is not of this armature's size.
     pub fn at_rest_in(mut self, pose: &Pose) -> Result<Self, SizeMismatch> {
         self.rest.check_same_size(pose)?;
         self.rest.copy_from(pose);
@@ -210,7 +211,8 @@ impl Armature {
         pub fn morph_targets(&self) -> &[String] = &self.morph_targets;
         /// Rest pose; morph weights are zero unless [set](Self::with_rest_morph_weights).
         pub fn rest(&self) -> &Pose = &self.rest;
-        /// Transforms from the model to each bone at rest (inverse bind matrices).
+        /// Inverse model transforms of the bones at rest: from the model to each bone. The inverse bind matrices of a
+        /// glTF skin belong to the skin and can differ.
         pub fn rest_from_model(&self) -> &[Affine3A] = &self.rest_from_model;
     }
 

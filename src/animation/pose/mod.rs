@@ -1,4 +1,7 @@
 //! Poses and armatures: local transforms of bones and their model transforms.
+//!
+//! An [`Armature`] is a tree of bones with a rest pose. A [`Pose`] has a [`LocalTransform`] for each bone: scale, then
+//! rotation, then translation in the parent.
 
 mod armature;
 mod local_transform;

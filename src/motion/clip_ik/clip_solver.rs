@@ -31,7 +31,7 @@ pub(super) fn single(vector: impl Into<Vector3<f64>>) -> Vec3 {
 ///
 /// - A bone [reaches](Self::with_reach) for a point, or follows a curve, over a span of the clip.
 /// - [Planted](Self::with_planted) feet are locked while the clip has them in contact with the ground.
-/// - All other joints keep as close to the clip as these tasks allow.
+/// - All other joints stay as near to the clip as these tasks allow.
 /// - The root moves only as far as needed to bring a target within the length of its limb. On an uneven
 ///   [ground](Self::with_ground) it follows the height of the feet.
 ///
@@ -124,8 +124,8 @@ impl<'a> ClipIk<'a> {
         pub fn with_joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
         /// Adds a reach.
         pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
-        /// Adds a planted bone, most often a foot or its toes. Its origin is locked while it hardly moves in the clip.
-        /// It keeps its orientation in the model.
+        /// Adds a planted bone, most often a foot or its toes. Its origin is locked while the bone is in contact by the
+        /// [criteria](Self::with_detection). The bone keeps its orientation of the clip in the model.
         pub fn with_planted(mut self, bone: BoneId) { self.planted.push(bone) }
         /// Sets the root: the bone that is translated if a limb is too short. Only bones below it rotate.
         ///
@@ -146,14 +146,14 @@ impl<'a> ClipIk<'a> {
         /// - The height above the foot's lowest position is at most L/8.
         /// - The contact lasts at least 0.1 s.
         pub fn with_detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
-        /// Sets the displacement per second of a character whose clip walks on the spot, in the armature's unit of
-        /// length. The root moves by it, and foot contacts are detected along the displaced motion.
-        /// [`ground_speed`](super::ground_speed) measures it from the feet.
+        /// Sets the velocity of the root, in the armature's unit of length per second, for a clip that walks in place.
+        /// The root moves with it, and foot contacts are detected along the displaced motion. Without it the feet of
+        /// such a clip slide, so no contact is detected. [`ground_speed`](super::ground_speed) measures it.
         pub fn with_root_velocity(mut self, per_second: impl Into<Vector3<f64>>) {
             self.root_velocity = single(per_second);
         }
-        /// Sets the height of the ground at a position, for a clip that walks on ground of height 0. Feet in contact
-        /// are on this ground, and the root follows it.
+        /// Sets the height of the ground as a function of position, for a clip that walks on ground of height 0. Feet
+        /// in contact are on this ground, and the root follows its height.
         pub fn with_ground(mut self, height: impl Fn(Vector3<f64>) -> f64 + Send + Sync + 'static) {
             self.ground = Some(Arc::new(height));
         }
@@ -165,7 +165,7 @@ impl<'a> ClipIk<'a> {
     /// Returns an error for:
     /// - no reach and no planted bone,
     /// - a bone of another armature, a bone with two tasks at one time, or a bone that is not below the root,
-    /// - a span or fade that is not within the clip,
+    /// - a span that does not overlap the clip or is shorter than its two fades,
     /// - options out of range.
     ///
     /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.

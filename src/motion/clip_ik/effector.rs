@@ -83,7 +83,7 @@ impl Reach {
         side(time - from, from <= clip[0]) * side(to - time, to >= clip[1])
     }
 
-    /// Checks that span and fade are within a clip.
+    /// Checks that the span overlaps a clip and is not shorter than its two fades.
     pub(super) fn check(&self, clip: [f64; 2]) -> Result<(), ClipIkError> {
         let [from, to] = self.span(clip);
         let fade = self.fade_s(clip);

@@ -55,7 +55,7 @@ pub enum ClipIkError {
         /// Bone with two tasks.
         bone: String,
     },
-    /// A span is not within the clip, or is shorter than its fades.
+    /// A span does not overlap the clip, or is shorter than its two fades.
     #[error(
         "span from {from} s to {to} s with fades of {fade} s: must be within {} s to {} s, with both fades inside",
         clip[0], clip[1]

@@ -67,7 +67,6 @@ impl Limb {
     ///
     /// # Errors
     /// A [`LimbError`].
-    /// A [`LimbError`].
     pub fn new(
         armature: &Armature,
         upper: BoneId,
@@ -84,7 +83,6 @@ impl Limb {
     /// rotation of that bone.
     ///
     /// # Errors
-    /// A [`LimbError`].
     /// A [`LimbError`].
     pub fn to_bone(
         armature: &Armature,
