@@ -2,7 +2,7 @@
 
 /// Two objects whose sizes do not match: an armature and a pose, weights and a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{given} {what} where there must be {expected}")]
+#[error("{given} {what} given, expected {expected}")]
 #[non_exhaustive]
 pub struct SizeMismatch {
     /// Name of the elements: bones, rest positions, …

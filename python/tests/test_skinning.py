@@ -110,7 +110,7 @@ def test_out_receives_the_result(rig):
     for wrong in (posed[:, :-1], posed[..., :3], np.full_like(posed, np.nan)):
         with pytest.raises(kinopt.InvalidValueError):
             weights.positions("lbs", wrong, rest)
-    with pytest.raises(kinopt.InvalidValueError, match="rest positions where there must be"):
+    with pytest.raises(kinopt.InvalidValueError, match="rest positions given, expected"):
         weights.positions("lbs", posed, rest[1:])
     with pytest.raises(kinopt.UnknownNameError):
         weights.positions("ribs", posed, rest)

@@ -105,7 +105,7 @@ fn invalid_parts_are_rejected_by_name() {
         }
     );
     let few = invalid(positions.clone(), vec![Vec3::X], vec![]).to_string();
-    assert_eq!(few, "1 normals where there must be 3");
+    assert_eq!(few, "1 normals given, expected 3");
     // The first of several is named.
     let nan = Vec3::new(0.0, f32::NAN, 0.0);
     let nans = vec![Vec3::X, nan, nan];
@@ -119,5 +119,5 @@ fn invalid_parts_are_rejected_by_name() {
     );
     let mesh = TriangleMesh::new(positions, vec![], vec![[0, 1, 2]]).unwrap();
     let few = mesh.with_vertices(vec![Vec3::ZERO], vec![]).unwrap_err();
-    assert_eq!(few.to_string(), "1 positions where there must be 3");
+    assert_eq!(few.to_string(), "1 positions given, expected 3");
 }

@@ -223,6 +223,6 @@ fn invalid_cages_and_points_are_rejected() {
     let few = binding
         .positions(&[Vec3::ZERO; 7], &mut [Vec3::ZERO])
         .unwrap_err();
-    assert_eq!(few.to_string(), "7 cage corners where there must be 8");
+    assert_eq!(few.to_string(), "7 cage corners given, expected 8");
     assert!(binding.positions(cage.positions(), &mut []).is_err());
 }

@@ -259,7 +259,7 @@ fn non_rigid_transforms_are_rejected_by_name() {
     let still = with(Affine3A::IDENTITY);
     let message = DualQuaternionBlend::stretched(&weights, &still, &pivots[..1]);
     let message = message.unwrap_err().to_string();
-    assert_eq!(message, "1 pivots where there must be 2");
+    assert_eq!(message, "1 pivots given, expected 2");
     assert_eq!(
         DualQuaternionBlend::stretched(&weights, &still, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
         SkinningError::NonFinitePivot { bone: 1 }

@@ -235,12 +235,12 @@ fn size_errors_name_the_buffer() {
     let weights = weights(&mut numbers, 9, 3, 2);
     let three = [Affine3A::IDENTITY; 3];
     let few = LinearBlend::new(&weights, &three[..2]).unwrap_err();
-    assert_eq!(few.to_string(), "2 bone transforms where there must be 3");
+    assert_eq!(few.to_string(), "2 bone transforms given, expected 3");
     let blend = LinearBlend::new(&weights, &three).unwrap();
     let (nine, eight) = ([Vec3::ONE; 9], [Vec3::ONE; 8]);
     let refused = |result: Result<(), SkinningError>, what: &str| {
         let error = result.unwrap_err().to_string();
-        assert_eq!(error, format!("8 {what} where there must be 9"));
+        assert_eq!(error, format!("8 {what} given, expected 9"));
     };
     refused(blend.positions(&eight, &mut nine.clone()), "rest positions");
     refused(

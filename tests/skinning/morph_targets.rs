@@ -237,6 +237,6 @@ fn invalid_targets_are_rejected_by_name() {
     let error = targets
         .apply(&[1.0], &mut positions, &mut [Vec3::X; 4], &mut [])
         .unwrap_err();
-    assert_eq!(text(error), "4 normals where there must be 5");
+    assert_eq!(text(error), "4 normals given, expected 5");
     assert_eq!(positions, [Vec3::ONE; 5]);
 }

@@ -179,7 +179,7 @@ fn excess_influences_and_bad_poses_are_rejected() {
 
     let still = vec![Affine3A::IDENTITY; BONES];
     let mut blend = PackedLinearBlend::new(&packed, &still).unwrap();
-    let expected = format!("2 bone transforms where there must be {BONES}");
+    let expected = format!("2 bone transforms given, expected {BONES}");
     let error = blend.set_transforms(&still[..2]).unwrap_err();
     assert_eq!(error.to_string(), expected);
     let mut broken = still.clone();

@@ -61,5 +61,5 @@ fn wrong_sizes_are_errors_in_parallel() {
     let mut posed = rest.clone();
     let error = blend.deform_parallel(rest.rest(), posed.posed());
     let error = error.unwrap_err().to_string();
-    assert_eq!(error, "11 rest positions where there must be 10");
+    assert_eq!(error, "11 rest positions given, expected 10");
 }

@@ -50,14 +50,14 @@ pub enum ClipIkError {
         root_velocity: [f32; 3],
     },
     /// A bone has two tasks at one time.
-    #[error("bone `{bone}` is given twice at the same time: only one target is allowed")]
+    #[error("bone `{bone}`: two targets at the same time; only one is allowed")]
     Twice {
         /// Bone with two tasks.
         bone: String,
     },
     /// A span does not overlap the clip, or is shorter than its two fades.
     #[error(
-        "span from {from} s to {to} s with fades of {fade} s: must be within {} s to {} s, with both fades inside",
+        "span from {from} s to {to} s with fades of {fade} s: it must overlap the clip, {} s to {} s, and be no shorter than two fades",
         clip[0], clip[1]
     )]
     BadSpan {
