@@ -16,14 +16,20 @@ use crate::task::{self, Aimed, BoxedTask};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Common options of all tasks; see the Python package's `kinopt.tasks`. */
+/** Common options of all tasks. */
 export interface TaskOptions {
-    /** Name in reports and targets; default: the kind and frame. */
+    /** Name in reports and targets; default: the kind and frame, such as "point tool". */
     name?: string;
+    /** Weight of each row; default: 1 per metre, a quarter of the model's reach per radian. */
     weight?: number;
+    /** Factor of all weights, given or default; default 1. */
     scale?: number;
-    /** Error within which the task counts as reached. */
+    /** Error within which the task counts as reached, metres or radians; default: that of the problem. */
     tolerance?: number;
+    /**
+     * "goal" is a required task. "preference" is a soft task, solved in the null space of the required ones. Default:
+     * "goal", but "preference" for postures and similar tasks.
+     */
     role?: "goal" | "preference";
     /** Strict priority level: level 0 comes first. */
     level?: number;
@@ -85,6 +91,7 @@ export interface ProblemOptions {
     bounds?: Readonly<Record<string, readonly [number, number]>>;
     /** Tolerance of tasks that set none, metres and radians. */
     tolerance?: number;
+    /** Soft tasks in the null space of the required ones ("within_goals", the default), or weighted against them. */
     preferences?: "within_goals" | "traded";
 }
 "#;
@@ -191,7 +198,7 @@ impl Problem {
     }
 
     /// Creates a problem of a skeleton without limits, for a drag of the tips of the bones `dragged` from the angles
-    /// `q`. The trunk does not rotate, and the back hardly bends.
+    /// `q`, radians. The trunk is locked at `q`, and the spine bends by at most 0.7 rad in all.
     #[wasm_bindgen(js_name = holding)]
     pub fn holding(
         skeleton: &Skeleton,
