@@ -2,7 +2,7 @@
 
 /// An option whose value is out of its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("option {option} is {value}: {allowed}")]
+#[error("option {option} is {value}, expected {allowed}")]
 #[non_exhaustive]
 pub struct BadOption {
     /// The name of the option.

@@ -18,7 +18,10 @@ use crate::task::{self, Aimed, BoxedTask};
 const TYPES: &str = r#"
 /** Common options of all tasks. */
 export interface TaskOptions {
-    /** Name in reports and targets; default: the kind and frame, such as "point tool". */
+    /**
+     * Name in reports, and key of `Targets`. Tasks with moving targets need different names. Default: the kind and
+     * frame, with backticks: "point of `tool`".
+     */
     name?: string;
     /** Weight of each row; default: 1 per metre, a quarter of the model's reach per radian. */
     weight?: number;

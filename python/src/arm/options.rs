@@ -107,7 +107,7 @@ fn seconds(value: &Bound<'_, PyAny>) -> PyResult<Duration> {
     let seconds = number(value, "time_limit")?;
     Duration::try_from_secs_f64(seconds).map_err(|_| {
         invalid(format!(
-            "time_limit is {seconds} s: a finite number of at least 0"
+            "time_limit is {seconds} s, expected a finite number of at least 0"
         ))
     })
 }
