@@ -32,7 +32,7 @@ pub enum KinematicsError {
         model_coordinates: usize,
     },
     /// A slice of wrong length.
-    #[error("{given} numbers, expected {expected} for the frames of `{model}`")]
+    #[error("q has {given} numbers, expected {expected} for `{model}`")]
     Length {
         /// Name of the model.
         model: String,

@@ -1,4 +1,7 @@
 import type { Numbers } from "./kinopt.js";
 
-/** A placement of a place and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
+/**
+ * Placement from a position and a quaternion: a 4 x 4 matrix by columns. The quaternion, `wxyz` or `xyzw`, is normalised.
+ * Defaults: the origin, no rotation.
+ */
 export function placement(position?: Numbers, rotation?: { wxyz?: Numbers; xyzw?: Numbers }): Float64Array;

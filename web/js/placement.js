@@ -1,6 +1,8 @@
 // Placements from positions and rotations in several representations.
 
-/** A placement of a position and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
+/**
+ * Placement from a position and a quaternion: a 4 x 4 matrix by columns. The quaternion, `wxyz` or `xyzw`, is normalised.
+ */
 export function placement(position = [0, 0, 0], { wxyz, xyzw } = {}) {
     for (const k of [0, 1, 2]) {
         if (!Number.isFinite(position[k])) throw new TypeError(`position[${k}] is ${position[k]}: expected three finite numbers`);

@@ -3,28 +3,31 @@ import type { Numbers, Placement, Task, TaskOptions } from "./kinopt.js";
 type Of<Kind extends Task["kind"]> = Extract<Task, { kind: Kind }>;
 type Own<Kind extends Task["kind"], Named extends string> = Omit<Of<Kind>, "kind" | Named>;
 
-/** Brings a frame's origin, or the place `at` in it, to a target. */
+/** Position of a frame's origin, or of the point `at` in its coordinates: three numbers, in the world or in the frame `base`. */
 export function point(frame: string, target: Numbers, options?: Own<"point", "frame" | "target">): Of<"point">;
-/** Brings a frame, or a tool on it, to a placement. */
+/** Pose of a frame, or of a tool on it: a placement in the world or in the frame `base`. */
 export function pose(frame: string, target: Placement, options?: Own<"pose", "frame" | "target">): Of<"pose">;
-/** Brings a frame to a placement in another frame, whichever of the two moves. */
+/** Pose of a frame relative to the frame `base`; both frames may move. */
 export function relativePose(
     frame: string,
     base: string,
     target: Placement,
     options?: Own<"pose", "frame" | "base" | "target">,
 ): Of<"pose">;
-/** Turns a frame as a placement is turned. */
+/** Orientation of a frame: the rotation of a placement, whose translation is ignored. */
 export function orientation(
     frame: string,
     target: Placement,
     options?: Own<"orientation", "frame" | "target">,
 ): Of<"orientation">;
-/** Points an axis of a frame at a place. */
+/** Points an axis of a frame, in its coordinates, at a position in the world. */
 export function lookAt(frame: string, axis: Numbers, target: Numbers, options?: TaskOptions): Of<"lookAt">;
-/** Points an axis of a frame into a cone about the line of sight to a place; half its angle in radians. Outside alone costs. */
+/**
+ * Keeps an axis of a frame within a cone about the line of sight from the frame to a position in the world. `halfAngle`
+ * is in radians. The error is the angle outside the cone.
+ */
 export function gaze(frame: string, axis: Numbers, halfAngle: number, target: Numbers, options?: TaskOptions): Of<"gaze">;
-/** Points an axis of a frame into a cone about a direction of the world. */
+/** Keeps an axis of a frame within a cone about a direction in the world; `halfAngle` in radians. */
 export function gazeAlong(
     frame: string,
     axis: Numbers,
@@ -32,52 +35,71 @@ export function gazeAlong(
     direction: Numbers,
     options?: TaskOptions,
 ): Of<"gaze">;
-/** Keeps the origins of two frames so far apart. */
+/** Distance between the origins of two frames, metres. */
 export function distance(a: string, b: string, metres: number, options?: TaskOptions): Of<"distance">;
-/** Keeps a frame's origin on the plane through a point across a normal. */
+/** Keeps a frame's origin on a plane, given by a point and a normal in the world. */
 export function plane(frame: string, point: Numbers, normal: Numbers, options?: TaskOptions): Of<"plane">;
-/** Keeps a frame's origin on the line from an eye through a place, as under a mouse. */
+/** Keeps a frame's origin on the line through two points of the world: the eye, and a point under the mouse. */
 export function ray(frame: string, eye: Numbers, through: Numbers, options?: TaskOptions): Of<"ray">;
-/** Has a camera see a frame's origin at a pixel (u, v). The camera is P by rows, twelve numbers: (u w, v w, w) = P (x, y, z, 1). */
+/**
+ * Pixel (u, v) at which a camera sees a frame's origin. `camera` has the twelve numbers of a 3 x 4 matrix P by rows:
+ * (u w, v w, w) = P (x, y, z, 1).
+ */
 export function pixel(frame: string, camera: Numbers, target: Numbers, options?: TaskOptions): Of<"pixel">;
-/** Stays near a configuration, or near some joints' values by their names; a preference unless told otherwise. */
+/**
+ * Nominal posture: a configuration, or values of some joints by name, radians or metres. Default role: "preference".
+ */
 export function posture(
     reference: Of<"posture">["reference"],
     options?: Own<"posture", "reference">,
 ): Of<"posture">;
-/** Moves slowly from where the joints stood so many seconds ago; a preference unless told otherwise. */
+/**
+ * Slow motion of the joints from `previous`, their configuration `timeStep` seconds ago. Default role: "preference".
+ */
 export function smoothness(
     previous: Numbers,
     timeStep: number,
     options?: Own<"smoothness", "previous" | "timeStep">,
 ): Of<"smoothness">;
-/** Stays in the middle of the limits; a preference unless told otherwise. */
+/** Keeps joints near the middle of their limits. Default role: "preference". */
 export function limitCentring(options?: TaskOptions): Of<"limitCentring">;
-/** Brings the centre of mass to a place, or to one of two numbers at any height; `free` axes such as "z" do not count. */
+/**
+ * Position of the centre of mass: three numbers, or x and y at any height. `free` lists axes without a target, such as
+ * "z" or "xy".
+ */
 export function centerOfMass(target: Numbers, options?: Own<"centerOfMass", "target">): Of<"centerOfMass">;
-/** Keeps the centre of mass, seen from above, within the hull of points of the world, and `on` frames. */
+/**
+ * Keeps the vertical projection of the centre of mass within the convex hull of support points. `points` are in the
+ * world; `on` has points by frame, in the frame's coordinates.
+ */
 export function supportPolygon(
     points?: readonly Numbers[],
     options?: Own<"supportPolygon", "points">,
 ): Of<"supportPolygon">;
-/** Moves a frame at a velocity (`linear`, `angular`; still without them) since it stood at a placement so many seconds ago. */
+/**
+ * Velocity of a frame since its placement `previous`, `timeStep` seconds ago. `linear` (m/s) and `angular` (rad/s) are
+ * in world axes. Default: zero.
+ */
 export function frameVelocity(
     frame: string,
     previous: Placement,
     timeStep: number,
     options?: Own<"frameVelocity", "frame" | "previous" | "timeStep">,
 ): Of<"frameVelocity">;
-/** Keeps a linear relation of joints: the sum of coefficients times values is `offset`. */
+/** Linear relation of joints: the sum of coefficients times joint values is `offset`. Default offset: 0. */
 export function jointCoupling(
     coefficients: Readonly<Record<string, number>>,
     offset?: number,
     options?: TaskOptions,
 ): Of<"jointCoupling">;
-/** Keeps Yoshikawa's measure of a frame at `least` or above; a preference unless told otherwise. */
+/** Keeps Yoshikawa's manipulability measure of a frame at `least` or above. Default role: "preference". */
 export function manipulability(
     frame: string,
     least: number,
     options?: Own<"manipulability", "frame" | "least">,
 ): Of<"manipulability">;
-/** Has another task cost only what lies beyond an interval, `{ lower, upper }`: a room, a floor, a least distance. */
+/**
+ * Interval of another task: only the error outside `{ lower, upper }` has a cost. An example is a floor: a `plane` with
+ * the interval `{ lower: 0 }`.
+ */
 export function bounded(task: Task, options?: Own<"bounded", "task">): Of<"bounded">;

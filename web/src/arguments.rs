@@ -97,7 +97,8 @@ impl NamedArguments {
         let Some(value) = self.get(name) else {
             return Ok(None);
         };
-        let list = list(&value).ok_or_else(|| JsError::new(&format!("{name} must be a list")))?;
+        let list = list(&value)
+            .ok_or_else(|| JsError::new(&format!("{name} must be a list of strings")))?;
         let texts = list.iter().map(|value| text(&value, name));
         texts.collect::<Result<_, _>>().map(Some)
     }

@@ -9,7 +9,7 @@ use crate::solution::Solution;
 use crate::task::Aimed;
 
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse. Each frame continues from the
-/// last in a bounded number of iterations. No joint moves farther in a frame than `maxMove`, by default 0.15 rad.
+/// last on the same branch, in a bounded number of iterations. No joint moves farther in a frame than `maxMove`.
 #[wasm_bindgen]
 pub struct Drag {
     problem: Problem,
@@ -18,7 +18,8 @@ pub struct Drag {
 
 #[wasm_bindgen]
 impl Drag {
-    /// Starts a drag at the configuration `start`, clamped into the limits; `max_move` is in radians for each frame.
+    /// Starts a drag of `problem` at the configuration `start` of its model, clamped into the limits. `maxMove` is the
+    /// largest displacement of a joint per frame, radians; default 0.15. Prismatic joints have an equivalent length.
     #[wasm_bindgen(constructor)]
     pub fn new(
         problem: &Problem,
@@ -35,8 +36,9 @@ impl Drag {
         })
     }
 
-    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart. Each has one number
-    /// for each number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
+    /// Enables motion limits in every frame; frames are `timeStep` seconds apart. The limits of velocity (rad/s or
+    /// m/s), acceleration (rad/s² or m/s²) and jerk (rad/s³ or m/s³) are lists. Each has one number for each number of
+    /// a configuration. `undefined` is no limit. The drag then starts at rest.
     #[wasm_bindgen(js_name = limitMotion)]
     pub fn limit_motion(
         &mut self,
@@ -61,22 +63,22 @@ impl Drag {
         Ok(())
     }
 
-    /// Moves targets by the tasks' names, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
+    /// Moves targets without computing a frame. Keys are names of tasks, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
     #[wasm_bindgen(js_name = setTargets)]
     pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), JsError> {
         let mut aimed = Aimed::Drag(&mut self.inner);
         self.problem.aim(&mut aimed, Some(targets))
     }
 
-    /// Computes one frame, after moving the given targets.
+    /// Computes one frame, after moving the given targets as in `setTargets`. Other targets stay.
     pub fn advance(&mut self, targets: Option<TargetsByName>) -> Result<Solution, JsError> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
         Ok(self.inner.advance().clone().into())
     }
 
-    /// Computes at most `frames` frames, until the targets are reached and no joint is limited by `maxMove`, or the
-    /// drag is at rest.
+    /// Computes frames until the targets are reached and no joint is limited by `maxMove`, or until the drag is at
+    /// rest. The largest number of frames is `frames`, by default 1000.
     pub fn follow(
         &mut self,
         targets: Option<TargetsByName>,
@@ -88,7 +90,8 @@ impl Drag {
         Ok(self.inner.follow(frames).clone().into())
     }
 
-    /// Converges from the current configuration on the current branch, for distant targets.
+    /// Moves to the targets until the drag is at rest on its branch, for a single pose or distant targets. It takes at
+    /// most `frames` frames per motion, by default 1000.
     pub fn settle(
         &mut self,
         targets: Option<TargetsByName>,
@@ -100,7 +103,7 @@ impl Drag {
         Ok(self.inner.settle(frames).clone().into())
     }
 
-    /// Continues from another configuration.
+    /// Continues from another configuration, clamped into the limits.
     #[wasm_bindgen(js_name = setConfiguration)]
     pub fn set_configuration(
         &mut self,
@@ -109,28 +112,28 @@ impl Drag {
         self.inner.set_configuration(q).map_err(raise)
     }
 
-    /// Moves joints and frames on their parents to their placements in `model`, which has the joints of the problem's
-    /// model. The configuration stays. For a character whose scales shear its bones, use
-    /// `skeleton.standingIn(pose).model` of its pose after each frame.
+    /// Replaces the placements of joints and frames on their parents by those of `model`, which has the joints and
+    /// frames of the problem's model. The configuration stays. For a character whose scales shear its bones, call it
+    /// after each frame with `skeleton.standingIn(pose).model`.
     #[wasm_bindgen(js_name = moveJoints)]
     pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
         self.inner.move_joints(&model.inner).map_err(raise)
     }
 
-    /// Current configuration.
+    /// Current configuration of the problem's model, radians and metres.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()
     }
 
-    /// True if a joint moved by its limit for a frame; the next frames continue.
+    /// True if a joint moved as far as a frame allows, and has not arrived. The next frames continue the motion.
     #[wasm_bindgen(getter, js_name = isSpeedLimited)]
     pub fn is_speed_limited(&self) -> bool {
         self.inner.is_speed_limited()
     }
 
     /// True if the next frame would change nothing.
-    #[wasm_bindgen(getter)]
+    #[wasm_bindgen(getter, js_name = isAtRest)]
     pub fn is_at_rest(&self) -> bool {
         self.inner.is_at_rest()
     }

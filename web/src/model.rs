@@ -37,33 +37,35 @@ impl Model {
         self.inner.name().to_owned()
     }
 
-    /// Names of the joints, parents before children.
+    /// Names of the joints, parents before children. Fixed joints are included, although a configuration has no numbers
+    /// for them: use `Arm.jointNames` to label the numbers of an arm.
     #[wasm_bindgen(getter, js_name = jointNames)]
     pub fn joint_names(&self) -> Vec<String> {
         let joints = self.inner.joints().iter();
         joints.map(|joint| joint.name.clone()).collect()
     }
 
-    /// Names of the frames.
+    /// Names of the frames, which tasks and arms use.
     #[wasm_bindgen(getter, js_name = frameNames)]
     pub fn frame_names(&self) -> Vec<String> {
         let frames = self.inner.frames().iter();
         frames.map(|frame| frame.name.clone()).collect()
     }
 
-    /// Length of a configuration.
+    /// Number of values in a configuration: one for each revolute or prismatic joint, four for a ball joint, none for a
+    /// fixed joint.
     #[wasm_bindgen(getter, js_name = configurationLen)]
     pub fn configuration_len(&self) -> usize {
         self.inner.configuration_len()
     }
 
-    /// Lower limits, radians and metres.
+    /// Lower position limits, one number for each number of a configuration, radians and metres.
     #[wasm_bindgen(getter)]
     pub fn lower(&self) -> Vec<f64> {
         self.limits(|limits| limits.lower)
     }
 
-    /// Upper limits, radians and metres.
+    /// Upper position limits, one number for each number of a configuration, radians and metres.
     #[wasm_bindgen(getter)]
     pub fn upper(&self) -> Vec<f64> {
         self.limits(|limits| limits.upper)

@@ -16,14 +16,23 @@ use crate::task::{self, Aimed, BoxedTask};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Common options of all tasks; see the Python package's `kinopt.tasks`. */
+/** Common options of all tasks. */
 export interface TaskOptions {
-    /** Name in reports and targets; default: the kind and frame. */
+    /**
+     * Name in reports, and key of `Targets`. Tasks with moving targets need different names. Default: the kind and
+     * frame, with backticks: "point of `tool`".
+     */
     name?: string;
+    /** Weight of each row; default: 1 per metre, a quarter of the model's reach per radian. */
     weight?: number;
+    /** Factor of all weights, given or default; default 1. */
     scale?: number;
-    /** Error within which the task counts as reached. */
+    /** Error within which the task counts as reached, metres or radians; default: that of the problem. */
     tolerance?: number;
+    /**
+     * "goal" is a required task. "preference" is a soft task, solved in the null space of the required ones. Default:
+     * "goal", but "preference" for postures and similar tasks.
+     */
     role?: "goal" | "preference";
     /** Strict priority level: level 0 comes first. */
     level?: number;
@@ -85,6 +94,7 @@ export interface ProblemOptions {
     bounds?: Readonly<Record<string, readonly [number, number]>>;
     /** Tolerance of tasks that set none, metres and radians. */
     tolerance?: number;
+    /** Soft tasks in the null space of the required ones ("within_goals", the default), or weighted against them. */
     preferences?: "within_goals" | "traded";
 }
 "#;
@@ -120,16 +130,20 @@ struct ProblemRequest<'a> {
 
 impl ProblemRequest<'_> {
     fn problem(self, keep_clear: Option<&AddAvoidance<'_>>) -> Result<Problem, JsError> {
-        const KNOWN: [&str; 6] = [
-            "tolerance",
-            "preferences",
-            "locked",
-            "only",
-            "held",
-            "bounds",
-        ];
+        // `Problem.holding` chooses the free joints itself.
+        let known: &[&str] = match self.holds {
+            Some(_) => &["tolerance", "preferences", "bounds"],
+            None => &[
+                "tolerance",
+                "preferences",
+                "bounds",
+                "locked",
+                "only",
+                "held",
+            ],
+        };
         let options = self.options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = NamedArguments::new(options, "option of a problem", &KNOWN)?;
+        let options = NamedArguments::new(options, "option of a problem", known)?;
         let mut builder = kinopt::Problem::builder(&self.model.inner);
         let parameters_of_options = parameters(self.model, &options)?;
         if let Some(map) = self.holds.or(parameters_of_options) {
@@ -191,7 +205,7 @@ impl Problem {
     }
 
     /// Creates a problem of a skeleton without limits, for a drag of the tips of the bones `dragged` from the angles
-    /// `q`. The trunk does not rotate, and the back hardly bends.
+    /// `q`, radians. The trunk is locked at `q`, and the spine bends by at most 0.7 rad in all.
     #[wasm_bindgen(js_name = holding)]
     pub fn holding(
         skeleton: &Skeleton,

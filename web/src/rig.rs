@@ -24,8 +24,8 @@ pub struct Rig {
 
 #[wasm_bindgen]
 impl Rig {
-    /// Reads a rig from the bytes of its JSON file; `name` is its name in messages. `open` returns its mesh and weights
-    /// files. Missing normals are computed.
+    /// Reads a rig from the bytes of its JSON file; `name` is its name in messages. `open` returns the bytes of the mesh
+    /// and weights files that the JSON names. Missing normals are computed.
     pub fn parse(json: &[u8], name: Option<String>, open: Option<Open>) -> Result<Self, JsValue> {
         let name = name.as_deref().unwrap_or("rig.json");
         let read = |open: &mut dyn FnMut(&str) -> _| kinopt::io::rig::Rig::parse(json, name, open);
@@ -84,7 +84,8 @@ impl Rig {
             .to_vec()
     }
 
-    /// Workspace for poses of the mesh, by "lbs" (linear blend) or "dqs" (dual quaternions).
+    /// Creates a workspace for the skinned mesh. `method` is "lbs" (linear blend skinning, the default) or "dqs"
+    /// (dual-quaternion skinning).
     pub fn posing(&self, method: Option<String>) -> Result<RigPosing, JsError> {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
@@ -119,7 +120,7 @@ pub struct RigPosing {
 
 #[wasm_bindgen]
 impl RigPosing {
-    /// Computes the mesh at the angles `q`, radians.
+    /// Computes positions and normals of the skinned mesh at the configuration `q`, radians.
     pub fn deform(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
@@ -151,7 +152,7 @@ impl RigPosing {
         view::floats(&self.positions)
     }
 
-    /// Unit normals of the vertices.
+    /// Unit normals of the vertices, three numbers each, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
     pub fn normals(&self) -> js_sys::Float32Array {
         view::floats(&self.normals)

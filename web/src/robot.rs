@@ -71,7 +71,7 @@ pub struct Robot {
 
 #[wasm_bindgen]
 impl Robot {
-    /// Reads a URDF; `name` is its name in messages.
+    /// Reads the text of a URDF file, not its path; `name` is the file's name in messages.
     #[wasm_bindgen(js_name = fromUrdf)]
     pub fn from_urdf(
         text: &str,
@@ -132,7 +132,7 @@ impl Robot {
         self.inner.name().to_owned()
     }
 
-    /// Names of the frames at the ends of its chains.
+    /// Names of the frames at the ends of the robot's chains.
     #[wasm_bindgen(getter)]
     pub fn tips(&self) -> Vec<String> {
         let frames = self.inner.model().frames();
@@ -236,8 +236,8 @@ fn on_base(robot: kinopt::robot::Robot, options: &NamedArguments) -> Result<Robo
 #[cfg(feature = "mjcf")]
 #[wasm_bindgen]
 impl Robot {
-    /// Reads an MJCF (MuJoCo); `name` is its name in messages. A configuration is MuJoCo's `qpos`. Included files must
-    /// already be merged into the text.
+    /// Reads the text of an MJCF file (MuJoCo); `name` is the file's name in messages. A configuration is MuJoCo's
+    /// `qpos`. Included files must already be merged into the text.
     #[wasm_bindgen(js_name = fromMjcf)]
     pub fn from_mjcf(
         text: &str,

@@ -14,20 +14,26 @@ use crate::solution::Solution;
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface SolverOptions {
-    /** Largest number of steps of one attempt. */
+    /** Largest number of steps of one attempt. Default: 200. */
     maxIterations?: number;
+    /** Cosine between residual and Jacobian that counts as stationary. Default: 1e-9. */
     gradientTolerance?: number;
+    /** Relative step that counts as zero. Default: 1e-15. */
     stepTolerance?: number;
-    /** Number of steps in which the cost must halve. */
+    /** Number of steps in which the cost must halve, or the attempt ends. Default: unlimited. */
     patience?: number;
-    /** Seconds for all attempts together. Results then depend on the machine. */
+    /** Time limit of all attempts together, seconds. Results then depend on the machine. Default: none. */
     timeLimit?: number;
-    /** Largest number of attempts from different starts. */
+    /** Largest number of attempts from different starts. Default: 32; 512 for free bases with few free variables. */
     attempts?: number;
+    /** Seed of random starts. Default: 0. */
     seed?: number;
-    /** Number of attempts that agree on a miss before the search ends. */
+    /** Number of attempts that agree on a miss before the search ends. Default: all; 3 with soft tasks. */
     agreeing?: number;
-    /** Number of steps of all attempts together after which only one more attempt is made. */
+    /**
+     * Total number of steps after which no new attempt starts. One continuation of the best attempt may follow.
+     * Default: unlimited.
+     */
     restartSteps?: number;
 }
 "#;
@@ -48,7 +54,7 @@ pub struct Solver {
 
 #[wasm_bindgen]
 impl Solver {
-    /// Creates a solver, by default with the defaults of the library.
+    /// Creates a solver; missing options have their defaults.
     #[wasm_bindgen(constructor)]
     pub fn new(options: Option<SolverOptions>) -> Result<Self, JsError> {
         const KNOWN: [&str; 9] = [
@@ -101,8 +107,8 @@ impl Solver {
         })
     }
 
-    /// Solves from a start, with targets moved by the tasks' names. A target that is not reached is no exception: see
-    /// `reached` and `explain()`.
+    /// Solves a problem from the configuration `start`. `targets` moves targets by the names of tasks. A missed target is
+    /// no exception: see `reached` and `explain()`.
     pub fn solve(
         &mut self,
         problem: &Problem,

@@ -84,7 +84,7 @@ pub enum PathError {
         joints: usize,
     },
     /// A limit of one joint is out of its range.
-    #[error("{option} of {joint} is {value}: {allowed}")]
+    #[error("{option} of {joint} is {value}, expected {allowed}")]
     JointLimit {
         /// Name of the option.
         option: &'static str,

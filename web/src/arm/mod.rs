@@ -33,7 +33,7 @@ impl From<kinopt::Arm> for Arm {
 
 #[wasm_bindgen]
 impl Arm {
-    /// Creates the arm from one frame to another; base `undefined` is the world.
+    /// Creates the arm from the frame `base` to the frame `tip` of a robot; base `undefined` is the world.
     #[wasm_bindgen(constructor)]
     pub fn new(
         robot: &Robot,
@@ -44,25 +44,25 @@ impl Arm {
         Ok(options::build(robot, base, tip, options)?.into())
     }
 
-    /// Names of the joints from base to tip.
+    /// Names of the joints from base to tip: the order of `q`, `lower` and `upper`.
     #[wasm_bindgen(getter, js_name = jointNames)]
     pub fn joint_names(&self) -> Vec<String> {
         self.inner.joints().map(str::to_owned).collect()
     }
 
-    /// Length of a configuration.
+    /// Number of joints, the length of `q`.
     #[wasm_bindgen(getter, js_name = degreesOfFreedom)]
     pub fn degrees_of_freedom(&self) -> usize {
         self.inner.joint_count()
     }
 
-    /// Lower limits, radians and metres.
+    /// Lower position limits of the joints, from base to tip, radians or metres.
     #[wasm_bindgen(getter)]
     pub fn lower(&self) -> Vec<f64> {
         self.inner.limits().map(|limits| limits.lower).collect()
     }
 
-    /// Upper limits, radians and metres.
+    /// Upper position limits of the joints, from base to tip, radians or metres.
     #[wasm_bindgen(getter)]
     pub fn upper(&self) -> Vec<f64> {
         self.inner.limits().map(|limits| limits.upper).collect()
@@ -82,7 +82,8 @@ impl Arm {
         arm.with_srdf(&srdf.inner).into()
     }
 
-    /// Pose of the tool in the base: a 4 x 4 matrix by columns.
+    /// Pose of the tool in the base frame at the joint positions `q`: a 4 x 4 matrix by columns. The tool is the tip
+    /// without the option `tool`.
     #[wasm_bindgen(js_name = baseFromTool)]
     pub fn base_from_tool(
         &self,
@@ -92,8 +93,8 @@ impl Arm {
         Ok(columns(&placement).to_vec())
     }
 
-    /// Solves for one target from one start, by default `defaultStart`. A target that is not reached is no exception:
-    /// see `reached` and `explain()`.
+    /// Solves for one target pose of the tool in the base frame. The search begins at `start`, by default
+    /// `defaultStart`. A missed target is no exception: see `reached` and `explain()`.
     pub fn solve(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
@@ -104,7 +105,8 @@ impl Arm {
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
     }
 
-    /// Solves a batch of targets, sixteen numbers each; `starts` is a common configuration or one for each target.
+    /// Solves a batch of targets: their matrices in one list, sixteen numbers each. `starts` is one common
+    /// configuration, or the configurations of all targets in one list.
     #[wasm_bindgen(js_name = solveBatch)]
     pub fn solve_batch(
         &self,
@@ -123,7 +125,8 @@ impl Arm {
         Ok(batch)
     }
 
-    /// Finds several solutions that differ by at least `distance` radians, the nearest to the start first.
+    /// Finds at most `k` solutions (default 16) that differ by at least `distance` radians (default 0.1). The solution
+    /// nearest to the start comes first.
     pub fn distinct(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
@@ -142,7 +145,8 @@ impl Arm {
         Ok(all.into_iter().map(Solution::from).collect())
     }
 
-    /// Follows a path of targets, sixteen numbers each, on one branch as far as possible.
+    /// Follows a path of targets on one branch as far as possible. `targets` has their matrices in one list, sixteen
+    /// numbers each.
     pub fn track(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
@@ -154,7 +158,7 @@ impl Arm {
         Ok(Track::new(&self.inner, track))
     }
 
-    /// Creates a path follower at a start, for targets that come one at a time.
+    /// Creates a follower at the configuration `start`, for targets that come one at a time.
     pub fn follower(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
@@ -163,7 +167,8 @@ impl Arm {
         Follower::new(Rc::clone(&self.inner), &start)
     }
 
-    /// Creates a servo for targets at a fixed rate, within joint limits; `time_step` in seconds.
+    /// Creates a servo at the configuration `start`. It returns one command each `timeStep` seconds, within limits of
+    /// position, velocity, acceleration and jerk.
     pub fn servo(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
@@ -173,7 +178,7 @@ impl Arm {
         Servo::new(Rc::clone(&self.inner), start, time_step, options)
     }
 
-    /// The arm with another tool on its tip. Fast, because the table of seeds is shared.
+    /// The arm with another tool on its tip. Both arms share the seed atlas, which is the slow part of construction.
     #[wasm_bindgen(js_name = withTool)]
     pub fn with_tool(
         &self,
@@ -184,7 +189,7 @@ impl Arm {
         Ok(self.inner.with_tool(tool).map_err(raise)?.into())
     }
 
-    /// The model's configuration `qModel` with the arm's joints at `q`.
+    /// Copy of the whole robot's configuration `qModel`, with the arm's joints at `q`.
     pub fn configuration(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
@@ -195,7 +200,7 @@ impl Arm {
         Ok(whole)
     }
 
-    /// Values of the arm's joints in the model's configuration `qModel`.
+    /// Values of the arm's joints in the whole robot's configuration `qModel`.
     #[wasm_bindgen(js_name = jointValues)]
     pub fn joint_values(
         &self,
@@ -210,8 +215,8 @@ impl Arm {
 #[cfg(feature = "collision")]
 #[wasm_bindgen]
 impl Arm {
-    /// An arm that avoids collisions with a world and itself, with a distance of at least `margin` metres. `held` is a
-    /// configuration of the model with the values of joints outside the arm.
+    /// Creates an arm that avoids collisions with a world and the robot itself. The required distance is `margin`
+    /// metres. `held` is a configuration of the robot's model, with the values of joints outside the arm.
     #[wasm_bindgen(js_name = keepingClear)]
     #[allow(clippy::too_many_arguments)] // Arguments of the constructor, and the obstacles.
     pub fn keeping_clear(

@@ -11,29 +11,48 @@ use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Options of an arm, under the names of the Python package. */
+/** Options of an arm. Lists have one number for each free joint, from base to tip. */
 export interface ArmOptions {
+    /** Largest number of attempts of a query; default 200. */
     attempts?: number;
+    /** Builds the seed atlas: fewer iterations, for some megabytes and milliseconds at construction. Default: true. */
     atlas?: boolean;
+    /** Returns the closest pose on any branch if the target is missed. Default: false, the branch of the start. */
     globalSearchOnMiss?: boolean;
     /** Goal bounds: "pose" (the default), "position", or half widths along and about the axes, metres and radians. */
     goal?: "pose" | "position" | Numbers;
     /** Configuration of the robot for the joints that `only` omits. Default: the neutral configuration. */
     held?: Numbers;
+    /** Number of iterations after which no attempt begins. Default: 2 600, or none if `attempts` is given. */
     iterations?: number;
+    /** Positive weights of the joints in joint distances. Default: 1 each. */
     jointWeights?: Numbers;
+    /** Strength of joint limit avoidance of `track`, `follower` and `servo`, radians. Default: 4. */
     limitAvoidance?: number;
+    /** Locked joints with their values, radians or metres. */
     locked?: Record<string, number>;
+    /** Largest displacement of each joint from the start, radians or metres. Default: unbounded. */
     maxMove?: Numbers;
+    /** Length that weighs as much as a radian in a missed pose, metres. Default: a quarter of the arm's reach. */
     metresPerRadian?: number;
+    /** Free joints; all others are locked at their values in `held`. */
     only?: readonly string[];
+    /** Largest angle between the tool and its target, radians. Default: 1e-6. */
     orientationTolerance?: number;
+    /** Largest distance of the tool from its target, metres. Default: 1e-6. */
     positionTolerance?: number;
+    /** Nominal posture for the null space, radians or metres. Default: none. */
     posture?: Numbers;
+    /**
+     * Selection among several solutions: one on the branch of the start (the default), the first one found, or the
+     * nearest to the start.
+     */
     search?: "start" | "first" | "nearest";
+    /** Seed of the random generator. Default: 0. */
     seed?: number;
-    /** Seconds for a query. Results then depend on the machine. */
+    /** Time limit of a query, seconds. Results then depend on the machine. Default: none. */
     timeLimit?: number;
+    /** Placement on the tip that is brought to the target. Default: the tip. */
     tool?: Placement;
 }
 "#;

@@ -15,7 +15,11 @@ pub(super) fn add(
     model: &Model,
     builder: &mut ProblemBuilder<'_>,
 ) -> Result<BoxedTask, JsError> {
-    let outer = NamedArguments::new(task, "part of a task", &known(&["task", "lower", "upper"]))?;
+    let outer = NamedArguments::new(
+        task,
+        "option of a task",
+        &known(&["task", "lower", "upper"]),
+    )?;
     let inner = outer.get("task").unwrap_or(JsValue::UNDEFINED);
     let kind = super::kind(&inner)?;
     if kind == "bounded" {

@@ -47,7 +47,7 @@ pub(super) fn task_options(task: JsValue, kind: &str) -> Result<NamedArguments, 
         let kinds = KINDS.iter().map(|(known, _)| *known).chain(["bounded"]);
         return Err(raise(UnknownName::new("kind of task", kind, kinds)));
     };
-    NamedArguments::new(task, "part of a task", &known(names))
+    NamedArguments::new(task, "option of a task", &known(names))
 }
 
 /// Converts the residual of a task that wraps no other task.
@@ -105,7 +105,7 @@ pub(super) fn read(
                 (Some(_), None) => {
                     Gaze::at(frame, axis, options.vector::<3>("target")?, half_angle)
                 }
-                _ => return Err(JsError::new("gaze takes a target or a direction")),
+                _ => return Err(JsError::new("gaze needs either `target` or `direction`")),
             })
         }
         "distance" => {
