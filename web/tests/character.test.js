@@ -78,8 +78,10 @@ test("a capture is played, and dragged from its pose", () => {
     const target = [20, 170, 0];
     const task = tasks.point(skeleton.tip("neck/tip"), target, { name: "head" });
     const problem = Problem.holding(skeleton, ["neck/tip"], [task], q);
-    const solution = new Drag(problem, q).settle();
-    assert.ok(solution.reached, solution.explain());
+    assert.throws(() => Problem.holding(skeleton, ["neck/tip"], [task], q, { only: ["neck"] }), /`only`.*bounds/);
+    const drag = new Drag(problem, q);
+    const solution = drag.settle();
+    assert.ok(solution.reached && drag.isAtRest, solution.explain());
     const reached = capture.armature.localToModel(figure.toPose(solution.q)).slice(60, 63);
     target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
 });
