@@ -289,7 +289,7 @@ fn invalid_clip_ik_is_named() {
     );
     assert!(
         says(ik().with_reach(reach("hand")).with_planted(id("hand")))
-            .contains("`hand` is given twice")
+            .contains("`hand`: two targets")
     );
     assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("twice"));
     assert!(

@@ -233,7 +233,7 @@ fn invalid_keyframe_ik_is_named() {
     let ik = || KeyframeIk::new(&rig.skeleton);
     let says = |ik: KeyframeIk<'_>| ik.solve(&clip).unwrap_err().to_string();
     assert_eq!(ik().solve(&clip).unwrap_err(), ClipIkError::Nothing);
-    assert!(says(ik().with_reach(reach()).with_reach(reach())).contains("twice"));
+    assert!(says(ik().with_reach(reach()).with_reach(reach())).contains("two targets"));
     assert!(says(ik().with_reach(reach().with_span(7.0..=8.0))).contains("from 7 s"));
     let short = || reach().with_span(1.05..=1.15);
     assert!(says(ik().with_reach(short())).contains("no key"));

@@ -176,7 +176,7 @@ fn invalid_shapes_are_rejected_by_name() {
     }
     says(
         shapes.blend(&[0.5, 0.5], &mut [Vec3::ONE; 3]).unwrap_err(),
-        &["3 positions", "must be 2"],
+        &["3 positions", "expected 2"],
     );
     assert_eq!(out, [Vec3::ONE; 2]);
     // A sum of 1 within rounding is accepted.
