@@ -79,7 +79,7 @@ def test_invalid_arguments_are_named(wave: tuple[kinopt.Skeleton, Clip]) -> None
         clip.with_ik(plant=["hoof"])
     with pytest.raises(kinopt.InvalidValueError, match="nothing"):
         clip.with_ik()
-    with pytest.raises(kinopt.InvalidValueError, match="twice"):
+    with pytest.raises(kinopt.InvalidValueError, match="two targets"):
         clip.with_ik([reach], ["left_hand"])
     with pytest.raises(kinopt.InvalidValueError, match="from 5 s"):
         clip.with_ik([Reach("left_hand", (0, 0, 1), span=(5, 6))])

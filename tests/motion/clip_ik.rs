@@ -291,7 +291,7 @@ fn invalid_clip_ik_is_named() {
         says(ik().with_reach(reach("hand")).with_planted(id("hand")))
             .contains("`hand`: two targets")
     );
-    assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("twice"));
+    assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("two targets"));
     assert!(
         says(ik().with_reach(reach("hand").with_span(1.0..=0.5))).contains("from 1 s to 0.5 s")
     );

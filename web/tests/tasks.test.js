@@ -66,7 +66,7 @@ test("tasks: postures, weights, couplings, intervals", () => {
     assert.throws(() => new Problem(model, [tasks.posture(start, { jointWeights: "upright-ish" })]), /by range.*upright/s);
     assert.throws(() => new Problem(model, [{ kind: "hover" }]), /kind of task.*hover.*point/s);
     assert.throws(() => new Problem(model, [tasks.bounded(tasks.bounded(tasks.limitCentring()))]), /nested `bounded`/);
-    assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /target or a direction/);
+    assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /needs either `target` or `direction`/);
 });
 
 test("tasks: centre of mass and support polygon", () => {
