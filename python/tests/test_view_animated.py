@@ -11,7 +11,7 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip
 
 from browser import made  # noqa: E402
 from kinopt.view.opening import open_page  # noqa: E402
-from test_view_page import drag, off  # noqa: E402
+from test_view_page import drag, target_distance  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -60,7 +60,7 @@ def test_scene_is_dragged_from_its_clip_pose(humanoid, opened, tmp_path):
     page.call(lambda: page._grab(hand))
     assert np.abs(page.body.frame(hand) - before[hand]).max() < 1e-6
     drag(page, hand, [0.0, 0.08, 0.05])
-    assert page.answer.solution.reached and off(page, hand) < 1e-4
+    assert page.answer.solution.reached and target_distance(page, hand) < 1e-4
     assert np.abs(page.body.frame(foot) - before[foot]).max() < 1e-4
     # Playback resets it.
     page.call(lambda: page.time.show(1.3))
