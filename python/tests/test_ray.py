@@ -137,7 +137,7 @@ def test_invalid_input_raises_before_workers_start(arm, start, targets):
         kr.SolveArm(arm, start[:3])
     with pytest.raises(kinopt.InvalidValueError, match="no column 'goal'"):
         kr.SolveArm(arm, target="goal")(table)
-    with pytest.raises(kinopt.InvalidValueError, match="'q' would be hidden"):
+    with pytest.raises(kinopt.InvalidValueError, match="column 'q' has the name of a result"):
         kr.SolveArm(arm)(table)
     with pytest.raises(kinopt.InvalidValueError, match="one length"):
         kr.table(target=targets, number=[1, 2])
@@ -363,5 +363,5 @@ def test_missing_folders_are_named(tmp_path, arm):
         kr.solve_files(tmp_path / "nowhere", tmp_path / "answers", kr.SolveArm(arm))
     with pytest.raises(kinopt.FileError, match="no Parquet files"):
         kr.solve_files(tmp_path, tmp_path / "answers", kr.SolveArm(arm))
-    with pytest.raises(kinopt.FileError, match="no folder"):
+    with pytest.raises(kinopt.FileError, match="not a folder"):
         kr.write_blocks(kr.table(number=[1]), "nothing://here")
