@@ -359,7 +359,7 @@ INVALID_TASKS = {
     "weights by words": lambda: [tasks.Posture(np.zeros(9), joint_weights="evenly")],
     "empty interval": lambda: [tasks.Bounded(tasks.Point("tool", [0, 0, 0]), -1.0)],
     "two intervals": lambda: [tasks.Bounded(tasks.Point("tool", [0, 0, 0]), 1.0, lower=0.0)],
-    "room in room": lambda: [tasks.Bounded(tasks.Bounded(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
+    "bounds in bounds": lambda: [tasks.Bounded(tasks.Bounded(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
     "weight": lambda: [tasks.Point("tool", [0, 0, 0], weight=-1.0)],
     "weight of words": lambda: [tasks.Point("tool", [0, 0, 0], weight="much")],
     "weight of what is not there": lambda: [tasks.Point("tool", [0, 0, 0], weight={"radians": 1.0})],

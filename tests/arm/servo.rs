@@ -146,7 +146,7 @@ const BACK: f64 = 1e-3;
 struct End {
     /// True if the arm reached its first target again.
     on_target: bool,
-    /// True if it was near its way out all the way back.
+    /// True if it stayed near its outward path all the way back.
     on_branch: bool,
     /// True if it was at a position limit, or did not leave its reach.
     held: bool,

@@ -396,7 +396,7 @@ fn feet_stay_planted_around_a_hand_target() {
     }
 }
 
-/// Files often have a mesh node beside the hips. It carries no bone, so the node above both is no branch.
+/// Files often have a mesh node next to the hips. It carries no bone, so the node above both is no branch.
 #[test]
 fn mesh_node_beside_the_hips_is_no_branch() {
     let solved = |with_mesh: bool| {

@@ -193,7 +193,7 @@ fn singular_bone_moves_as_in_linear_blending() {
     }
 }
 
-/// Without rotation, the two phases equal linear blending, also beside a bone of scale 0 at its pivot.
+/// Without rotation, the two phases equal linear blending, also next to a bone of scale 0 at its pivot.
 #[test]
 fn vertex_of_a_hidden_bone_blends_linearly() {
     let weights = weights(&[&[0.3, 0.7]]);

@@ -1,5 +1,5 @@
-//! Promise: a search on a long chain whose joints all move the target takes a few gradients per iteration, not one per
-//! joint, and converges to the closest pose of an unreachable target.
+//! Promise: on a long chain whose joints all move the target, an iteration takes a few gradients, not one per joint.
+//! A search for an unreachable target converges to the closest pose.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;

@@ -114,9 +114,9 @@ impl Robot {
 impl Robot {
     /// Reads a URDF file.
     ///
-    /// `base_joint` connects the root to the world: "free" (a configuration begins with x, y, z and the quaternion w,
-    /// x, y, z), "planar" (x, y and a rotation about z), "slide-x", "slide-y" or "slide-z" (translation along an axis),
-    /// or "fixed", the default. `base_bounds` limits its position: a dict of (lower, upper) for "x", "y" and "z" in
+    /// `base_joint` connects the root to the world. It is "fixed", the default, "free", "planar" (x, y and a rotation
+    /// about z), or "slide-x", "slide-y" or "slide-z" (translation along an axis). With a free base a configuration
+    /// begins with x, y, z and the quaternion w, x, y, z. `base_bounds` limits its position: a dict of (lower, upper) for "x", "y" and "z" in
     /// metres and, for a planar base, "yaw" in radians. A free joint of the file at the root serves as the free base.
     ///
     /// With `lenient`, defects that have a unique repair are repaired, and listed in `repairs`. With `soft_limits`,
