@@ -120,6 +120,16 @@ impl Differences {
         }
     }
 
+    /// Resizes the buffers, and evaluates the gradient at the x of a state.
+    ///
+    /// The gradient of the state may be Jᵀr. This one is evaluated like all later ones, so that rounding cancels.
+    fn begin(&mut self, problem: &mut dyn LeastSquares, at: &SolverState) {
+        self.reserve(at.residual.len(), at.x.len());
+        self.x.copy_from_slice(&at.x);
+        self.gradient(problem);
+        std::mem::swap(&mut self.gradient, &mut self.gradient_at_x);
+    }
+
     /// Jᵀr at [`x`](Self::x).
     fn gradient(&mut self, problem: &mut dyn LeastSquares) {
         problem.residual(&self.x, &mut self.residual);
@@ -308,14 +318,10 @@ impl Curvature {
             x, free, jacobian, ..
         } = at;
         let n = x.len();
-        differences.reserve(at.residual.len(), n);
+        differences.begin(problem, at);
         self.pending = false;
         self.in_use = true;
         refill(&mut self.matrix, n * n, 0.0);
-        differences.x.copy_from_slice(x);
-        // Evaluated like all later gradients, so that rounding cancels: the gradient in memory may be Jᵀr.
-        differences.gradient(problem);
-        std::mem::swap(&mut differences.gradient, &mut differences.gradient_at_x);
         let columns = |j: usize| jacobian.column(j);
         for &j in free {
             let unit = at.step_scale.get(j).copied().unwrap_or(1.0);
@@ -352,13 +358,9 @@ impl Curvature {
         normal: &mut SemiseparableNormal,
     ) -> usize {
         let (m, n) = (at.residual.len(), at.x.len());
-        differences.reserve(m, n);
+        differences.begin(problem, at);
         let is_first = self.generators.is_empty();
         refill(&mut self.generators, m * n, 0.0);
-        differences.x.copy_from_slice(&at.x);
-        // Evaluated like the others, so that rounding cancels: the gradient in memory may be Jᵀr.
-        differences.gradient(problem);
-        std::mem::swap(&mut differences.gradient, &mut differences.gradient_at_x);
         differences.weight_variables(problem, at);
         for k in 0..m {
             for &j in &at.free {
