@@ -1,5 +1,5 @@
 // Behaviour of the documentation pages: language tabs, copy buttons, and a contents menu on small screens.
-import { ranked } from "./search.js";
+import { indexed, ranked } from "./search.js";
 
 const LANGUAGE_KEY = "kinopt language";
 const remembered = () => {
@@ -111,7 +111,8 @@ results.setAttribute("aria-live", "polite");
 contents.prepend(search, results);
 const root = new URL("../", import.meta.url);
 let loading;
-const sections = () => (loading ??= fetch(new URL("docs/search.json", root)).then((answer) => answer.json()));
+const load = async () => indexed(await (await fetch(new URL("docs/search.json", root))).json());
+const sections = () => (loading ??= load());
 search.addEventListener("focus", sections);
 search.addEventListener("input", async () => {
     const query = search.value.trim();

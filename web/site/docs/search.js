@@ -9,7 +9,6 @@ const SYNONYMS = {
     seed: ["start"],
     goal: ["target"],
     waypoint: ["path"],
-    waypoints: ["path"],
     teleop: ["servo"],
     teleoperation: ["servo"],
     realtime: ["servo"],
@@ -17,11 +16,9 @@ const SYNONYMS = {
     footskate: ["foot lock", "foot plant"],
     planting: ["foot plant", "planted"],
     nullspace: ["null space", "redundan"],
-    nullspaces: ["null space", "redundan"],
     humanoid: ["whole bod", "whole-bod"],
     acm: ["allowed collision"],
     obstacle: ["world"],
-    obstacles: ["world"],
     timing: ["trajector"],
     toppra: ["trajector"],
     qp: ["bounded", "priority"],
@@ -57,27 +54,37 @@ function weight(term, heading, text, names) {
     return text.includes(term) ? WEIGHTS.text : 0;
 }
 
+/** Sections with the texts that a query is compared with. A section is [page title, heading, address, text]. */
+export function indexed(sections) {
+    return sections.map(([page, heading, address, text]) => {
+        const below = plain(text);
+        const names = new Set(below.match(/[\p{L}\d]+/gu));
+        return { page, heading, address, title: plain(heading), above: plain(`${heading} ${page}`), below, names };
+    });
+}
+
+/** Synonyms of a word, also of its plural. */
+const synonyms = (word) => SYNONYMS[word] ?? SYNONYMS[word.replace(/s$/, "")] ?? [];
+
 /**
- * Sections that contain all words of a query, best first.
+ * Indexed sections that contain all words of a query, best first.
  *
- * A section is [page title, heading, address, text]. Each word may be replaced by a synonym. Guides come before
- * references, and both before the changelog and decision records.
+ * Each word may be replaced by a synonym. Guides come before references, and both before the changelog and decision
+ * records.
  */
-export function ranked(sections, query) {
+export function ranked(index, query) {
     const words = query.split(/\s+/).filter(Boolean).map(plain);
     if (words.length === 0) return [];
-    const results = [];
-    for (const [page, heading, address, text] of sections) {
-        const [above, below] = [plain(`${heading} ${page}`), plain(text)];
-        const names = new Set(below.match(/[\p{L}\d]+/gu));
+    const found = [];
+    for (const { page, heading, address, title, above, below, names } of index) {
         const weights = words.map((word) => {
-            const synonyms = (SYNONYMS[word] ?? []).map((term) => WEIGHTS.synonym * weight(term, above, below, names));
-            return Math.max(weight(word, above, below, names), ...synonyms);
+            const others = synonyms(word).map((term) => WEIGHTS.synonym * weight(term, above, below, names));
+            return Math.max(weight(word, above, below, names), ...others);
         });
         if (weights.includes(0)) continue;
-        const exact = plain(heading) === words.join(" ") ? 5 : 0;
-        const score = weights.reduce((sum, weight) => sum + weight, exact + preference(address));
-        results.push({ page, heading, address, score });
+        const exact = title === words.join(" ") ? 5 : 0;
+        const score = weights.reduce((sum, term) => sum + term, exact + preference(address));
+        found.push({ page, heading, address, score });
     }
-    return results.sort((a, b) => b.score - a.score);
+    return found.sort((a, b) => b.score - a.score);
 }

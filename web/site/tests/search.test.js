@@ -1,7 +1,7 @@
 // The search of the documentation.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { ranked } from "../docs/search.js";
+import { indexed, ranked } from "../docs/search.js";
 
 const SECTIONS = [
     ["Changelog", "0.1.0", "changelog.html#1", "paths: solve_path keeps the start. servo: joint limits."],
@@ -11,7 +11,8 @@ const SECTIONS = [
     ["Servo", "Servoing", "docs/guide/servo.html#1", "A servo follows targets at 1 kHz within limits."],
     ["Arms", "A first pose", "docs/guide/arms.html#1", "Inverse kinematics of an arm."],
 ];
-const addresses = (query) => ranked(SECTIONS, query).map(({ address }) => address);
+const INDEX = indexed(SECTIONS);
+const addresses = (query) => ranked(INDEX, query).map(({ address }) => address);
 
 test("guides come before references, and both before the changelog", () => {
     const found = addresses("solve_path");
