@@ -1,25 +1,4 @@
-//! Macros for one-line functions: getters, setters, trait methods, and delegation of residuals.
-
-/// Getters: `pub fn rows(&self) -> usize = self.rows;`.
-macro_rules! getters {
-    ($($(#[$attribute:meta])* $vis:vis fn $name:ident($($receiver:tt)+) -> $kind:ty = $value:expr;)+) => {
-        $($(#[$attribute])* #[must_use] $vis fn $name($($receiver)+) -> $kind { $value })+
-    };
-}
-
-/// Trait methods of one expression: `fn kind(&self) -> &'static str = "plane";`.
-macro_rules! answers {
-    ($($(#[$attribute:meta])* fn $name:ident($($receiver:tt)*) -> $kind:ty = $value:expr;)+) => {
-        $($(#[$attribute])* fn $name($($receiver)*) -> $kind { $value })+
-    };
-}
-
-/// Builder-style setters: `pub fn with_seed(mut self, seed: u64) { self.seed = seed }`.
-macro_rules! setters {
-    ($($(#[$attribute:meta])* $vis:vis fn $name:ident(mut $receiver:ident $(, $given:ident: $kind:ty)*) $set:block)+) => {
-        $($(#[$attribute])* #[must_use] $vis fn $name(mut $receiver $(, $given: $kind)*) -> Self { $set; $receiver })+
-    };
-}
+//! Macros for residuals: delegation of their methods.
 
 /// Delegates methods of a residual to an inner residual, by the field's name.
 ///

@@ -79,9 +79,10 @@ impl<'m> LoopClosure<'m> {
         Self::new(robot.parameters(), &dependent)
     }
 
-    getters! {
-        /// Joints that close the loops.
-        pub fn dependent(&self) -> &[JointId] = &self.dependent;
+    /// Joints that close the loops.
+    #[must_use]
+    pub fn dependent(&self) -> &[JointId] {
+        &self.dependent
     }
 
     /// Moves the dependent joints of a configuration, and their mimic joints, so that all loops are closed.

@@ -130,11 +130,16 @@ impl<R: Residual> Bounded<R> {
             .max(1)
     }
 
-    getters! {
-        /// The bounded residual.
-        pub fn residual(&self) -> &R = &self.residual;
-        /// The bounded residual, to change its target.
-        pub fn residual_mut(&mut self) -> &mut R = &mut self.residual;
+    /// The bounded residual.
+    #[must_use]
+    pub fn residual(&self) -> &R {
+        &self.residual
+    }
+
+    /// The bounded residual, to change its target.
+    #[must_use]
+    pub fn residual_mut(&mut self) -> &mut R {
+        &mut self.residual
     }
 }
 

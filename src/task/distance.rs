@@ -45,11 +45,20 @@ impl Distance {
 }
 
 impl Residual for Distance {
-    answers! {
-        fn kind(&self) -> &'static str = "distance";
-        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
-        fn target_len(&self) -> usize = 1;
+    fn kind(&self) -> &'static str {
+        "distance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        1
     }
 
     evaluate_by_frames!();

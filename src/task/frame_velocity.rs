@@ -72,11 +72,20 @@ impl FrameVelocity {
 }
 
 impl Residual for FrameVelocity {
-    answers! {
-        fn kind(&self) -> &'static str = "frame velocity";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn target_len(&self) -> usize = 6;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "frame velocity"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn target_len(&self) -> usize {
+        6
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn rows(&self) -> Vec<RowBlock> {

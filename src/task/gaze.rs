@@ -123,12 +123,24 @@ impl Gaze {
 }
 
 impl Residual for Gaze {
-    answers! {
-        fn kind(&self) -> &'static str = "gaze";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 1)];
-        fn target_len(&self) -> usize = 3;
-        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..1, 1)];
+    fn kind(&self) -> &'static str {
+        "gaze"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Radians, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
     }
 
     evaluate_by_frames!();

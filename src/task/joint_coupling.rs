@@ -74,14 +74,32 @@ impl JointCoupling {
 }
 
 impl Residual for JointCoupling {
-    answers! {
-        fn kind(&self) -> &'static str = "joint coupling";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn joint_values(&self) -> Option<usize> = Some(self.coefficients.len());
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(self.quantity, 1)];
-        fn target_len(&self) -> usize = 1;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "joint coupling"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.coefficients.len())
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(self.quantity, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        1
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     evaluate_unmoved!();

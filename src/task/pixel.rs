@@ -103,12 +103,24 @@ impl Pixel {
 }
 
 impl Residual for Pixel {
-    answers! {
-        fn kind(&self) -> &'static str = "pixel";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Pixels, 2)];
-        fn target_len(&self) -> usize = 2;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "pixel"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Pixels, 2)]
+    }
+
+    fn target_len(&self) -> usize {
+        2
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     evaluate_by_frames!();

@@ -28,13 +28,18 @@ impl Smoothness {
         }
     }
 
-    setters! {
-        /// Multiplies the rows of each joint by a weight: see [`Posture::with_weights`].
-        pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) {
-            self.previous = self.previous.with_weights(weights);
-        }
-        /// Weights each joint by the inverse of half its range: see [`Posture::by_range`].
-        pub fn by_range(mut self, model: &Model) { self.previous = self.previous.by_range(model) }
+    /// Multiplies the rows of each joint by a weight: see [`Posture::with_weights`].
+    #[must_use]
+    pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) -> Self {
+        self.previous = self.previous.with_weights(weights);
+        self
+    }
+
+    /// Weights each joint by the inverse of half its range: see [`Posture::by_range`].
+    #[must_use]
+    pub fn by_range(mut self, model: &Model) -> Self {
+        self.previous = self.previous.by_range(model);
+        self
     }
 
     /// Sets the configuration at the start of the next time step.
@@ -51,10 +56,16 @@ impl Residual for Smoothness {
 
     as_inner!(previous: joints, joint_values, target_len);
 
-    answers! {
-        fn kind(&self) -> &'static str = "smoothness";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "smoothness"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -146,16 +146,29 @@ impl RotationCurve {
         })
     }
 
-    getters! {
-        /// Key times in seconds, strictly increasing; at least one.
-        pub fn times(&self) -> &[f32] = &self.times;
-        /// Rotations at the keys, unit quaternions.
-        pub fn rotations(&self) -> &[Quat] = &self.rotations;
-        /// Interpolation between keys.
-        #[cfg(feature = "gltf")]
-        pub(crate) fn between(&self) -> &BetweenRotations = &self.between;
-        /// True if the interpolation is slerp without easing.
-        pub(crate) fn is_slerp(&self) -> bool = self.between == BetweenRotations::Slerp;
+    /// Key times in seconds, strictly increasing; at least one.
+    #[must_use]
+    pub fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// Rotations at the keys, unit quaternions.
+    #[must_use]
+    pub fn rotations(&self) -> &[Quat] {
+        &self.rotations
+    }
+
+    /// Interpolation between keys.
+    #[cfg(feature = "gltf")]
+    #[must_use]
+    pub(crate) fn between(&self) -> &BetweenRotations {
+        &self.between
+    }
+
+    /// True if the interpolation is slerp without easing.
+    #[must_use]
+    pub(crate) fn is_slerp(&self) -> bool {
+        self.between == BetweenRotations::Slerp
     }
 
     /// Rotation at a time in seconds; NaN counts as before the first key.

@@ -65,9 +65,10 @@ impl Clearance {
         }))
     }
 
-    getters! {
-        /// Required distance of all pairs, metres.
-        pub fn distance(&self) -> f64 = self.0.0.distance;
+    /// Required distance of all pairs, metres.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.0.0.distance
     }
 
     /// Sets the required distance of all pairs, metres.
@@ -134,10 +135,16 @@ impl Distances {
 }
 
 impl NumericResidual for Distances {
-    answers! {
-        fn kind(&self) -> &'static str = "clearance";
-        fn frames(&self) -> Vec<FrameId> = self.scene.frames().collect();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, self.scene.frames().len())];
+    fn kind(&self) -> &'static str {
+        "clearance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.scene.frames().collect()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, self.scene.frames().len())]
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {

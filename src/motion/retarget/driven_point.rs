@@ -36,9 +36,12 @@ impl DrivenPoint {
 impl Residual for DrivenPoint {
     as_inner!(point: frames, rows);
 
-    answers! {
-        fn kind(&self) -> &'static str = "driven point";
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "driven point"
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

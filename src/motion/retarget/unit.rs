@@ -95,8 +95,8 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
     type Clearance = ScaledClearance<C::Clearance>;
     type Check = ScaledCheck<C::Check>;
 
-    answers! {
-        fn configuration_len(&self) -> usize = self.inner.configuration_len();
+    fn configuration_len(&self) -> usize {
+        self.inner.configuration_len()
     }
 
     fn clearance(&self) -> Task<Self::Clearance> {

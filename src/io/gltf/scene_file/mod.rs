@@ -120,9 +120,10 @@ impl SceneFile {
         })
     }
 
-    getters! {
-        /// The scene of the file, including added clips.
-        pub fn scene(&self) -> &Scene = &self.scene;
+    /// The scene of the file, including added clips.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// Appends a clip to the file. Its keys are appended to the binary chunk of a `.glb`, or stored in an additional
