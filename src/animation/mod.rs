@@ -50,7 +50,6 @@ mod blend;
 pub(crate) mod clip;
 mod clip_edits;
 mod crowd;
-pub mod curve;
 mod euler_clip;
 mod ik_layer;
 mod pose;
@@ -58,6 +57,7 @@ pub mod rotation;
 mod state_machine;
 
 pub use crate::SizeMismatch;
+pub use crate::curve;
 pub use affine::{
     Decomposition, NotFinite, PlaneDecomposition, interpolate_affine, interpolate_plane_affine,
 };

@@ -3,12 +3,12 @@
 mod base_joint;
 mod chain;
 #[cfg(feature = "mjcf")]
-#[cfg_attr(not(feature = "collision"), allow(dead_code))] // Used by collision models only.
 mod contacts;
 mod drive;
 #[cfg(feature = "yaml")]
 mod joint_limits;
 mod link;
+mod loop_closure;
 mod masses;
 mod mimic;
 #[cfg(feature = "mjcf")]
@@ -196,8 +196,9 @@ impl Robot {
     }
 
     /// Enabled collision pairs of an MJCF file.
-    #[cfg(all(feature = "mjcf", feature = "collision"))]
-    pub(crate) fn contacts(&self) -> Option<&Contacts> {
+    #[cfg(feature = "mjcf")]
+    #[doc(hidden)] // For collision models.
+    pub fn contacts(&self) -> Option<&Contacts> {
         self.contacts.as_ref()
     }
 

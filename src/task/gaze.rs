@@ -143,7 +143,19 @@ impl Residual for Gaze {
         vec![Inequality::new(0..1, 1)]
     }
 
-    evaluate_by_frames!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {

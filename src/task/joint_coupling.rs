@@ -102,7 +102,9 @@ impl Residual for JointCoupling {
         false
     }
 
-    evaluate_unmoved!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn evaluate_moved<S: Scalar>(
         &self,

@@ -235,7 +235,9 @@ impl Residual for Posture {
         false
     }
 
-    evaluate_unmoved!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn target_len(&self) -> usize {
         self.is_ball

@@ -3,7 +3,7 @@
 use super::residual::check_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
-use crate::model::{FrameId, Model};
+use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -54,7 +54,17 @@ impl Smoothness {
 impl Residual for Smoothness {
     const ROLE: Role = Role::Preference;
 
-    as_inner!(previous: joints, joint_values, target_len);
+    fn joints(&self) -> Vec<JointId> {
+        self.previous.joints()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        self.previous.joint_values()
+    }
+
+    fn target_len(&self) -> usize {
+        self.previous.target_len()
+    }
 
     fn kind(&self) -> &'static str {
         "smoothness"
@@ -73,7 +83,9 @@ impl Residual for Smoothness {
         vec![RowBlock::new(Quantity::JointUnitsPerSecond, count)]
     }
 
-    evaluate_unmoved!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn evaluate_moved<S: Scalar>(
         &self,

@@ -2,7 +2,7 @@
 
 use super::Property;
 use crate::SizeMismatch;
-use crate::animation::curve::KeyError;
+use crate::curve::KeyError;
 
 /// Error of a clip or of one of its parts.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

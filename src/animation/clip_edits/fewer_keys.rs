@@ -5,10 +5,10 @@
 use glam::{Quat, Vec3A};
 
 use crate::SizeMismatch;
-use crate::animation::curve::{CurveValue, KeyedCurve, lerp};
 use crate::animation::rotation::exponential::log;
 use crate::animation::rotation::{RotationCurve, nearer, slerp};
 use crate::animation::{Armature, Channel, Clip};
+use crate::curve::{CurveValue, KeyedCurve, lerp};
 
 /// Largest deviation of a reduced channel from the original, at each original key.
 #[derive(Clone, Copy, Debug, PartialEq)]

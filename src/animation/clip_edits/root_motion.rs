@@ -2,9 +2,9 @@
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::{Armature, ChannelError, Clip, Playback, Pose};
+use crate::curve::KeyedCurve;
 use crate::scalar::elementary::single::atan2;
 use crate::skeleton::BoneId;
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{ClipError, EulerClip, EulerTrack};
-use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
+use crate::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
 
 /// Interpolation of one bone's angles between keys. Each angle is interpolated independently.

@@ -8,7 +8,7 @@ pub use sampling::SampleError;
 
 use glam::DVec3;
 
-use crate::animation::curve::{KeyError, KeyedCurve};
+use crate::curve::{KeyError, KeyedCurve};
 use crate::skeleton::BoneId;
 
 /// Angles of one bone at one time.

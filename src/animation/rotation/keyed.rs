@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3, Vec4};
 
 use super::{RotationHermite, mean_rates, nearer, slerp, squad, squad_control};
-use crate::animation::curve::easing::Easing;
-use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
+use crate::curve::easing::Easing;
+use crate::curve::{Hermite, KeyError, check_count, check_times};
 
 /// Curve through unit quaternions at key times. It is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]

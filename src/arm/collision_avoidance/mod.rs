@@ -16,14 +16,12 @@ use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::clock::Instant;
 use crate::clock::deadline::until;
-use crate::collision::simd_spheres::{
-    self, Body, BodyChain, Passed, SolidMoved, Solids, SphereWorkspaces,
-};
 use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, JointId, Model};
 use crate::search::{BodyKind, Collision};
 use crate::simd_ik::Chain;
+use crate::simd_spheres::{self, Body, BodyChain, Passed, SolidMoved, Solids, SphereWorkspaces};
 use crate::spatial::Placement;
 
 /// Additional margin of the SIMD checks, metres: they round placements differently from the exact check.

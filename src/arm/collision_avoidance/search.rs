@@ -6,10 +6,10 @@ use crate::arm::arm::Arm;
 use crate::arm::dispatch::Query;
 use crate::arm::multi_solution::total_iterations;
 use crate::arm::workspace::{ArmWorkspace, Errors};
-use crate::collision::simd_spheres::CHECKED;
 use crate::ik::Solution;
 use crate::search::SearchResult;
 use crate::simd_ik::{self, PoseOutcome};
+use crate::simd_spheres::CHECKED;
 use crate::solver::Termination;
 
 /// Largest number of solutions that are checked by shapes after their spheres collide.

@@ -2,7 +2,7 @@
 
 use crate::arm::arm::Arm;
 use crate::arm::{PoseOutcome, QueryError};
-use crate::collision::simd_spheres::CHECKED;
+use crate::simd_spheres::CHECKED;
 
 impl Arm {
     /// Sets `clear` for each configuration in `q`, in sequence, that is proven collision-free by spheres.

@@ -183,7 +183,21 @@ impl NumericResidual for Distances {
 const ACTIVE_SLACK: f64 = 5e-10;
 
 impl Residual for Clearance {
-    as_inner!(0: kind, frames, rows, validate);
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.frames()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.0.rows()
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.0.validate()
+    }
 
     fn is_of_body(&self) -> bool {
         true

@@ -7,7 +7,6 @@ mod contacts;
 mod descent;
 mod error;
 mod from_robot;
-mod from_skin;
 mod link_shapes;
 mod meshes;
 mod pairs;
@@ -126,7 +125,8 @@ impl CollisionModel {
         Self::assemble(model, map, objects, Vec::new())
     }
 
-    fn assemble(
+    #[doc(hidden)] // Also used for skins.
+    pub fn assemble(
         model: &Model,
         map: ParameterMap,
         objects: Vec<CollisionObject>,

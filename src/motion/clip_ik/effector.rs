@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::ClipIkError;
-use crate::animation::curve::KeyedCurve;
+use crate::curve::KeyedCurve;
 use crate::motion::contact_detection::smooth;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;

@@ -1,9 +1,9 @@
 //! Errors of inverse kinematics over a clip.
 
 use crate::SizeMismatch;
-use crate::animation::curve::KeyError;
 use crate::animation::{ChannelError, ClipError, SampleError};
 use crate::bad_option::BadOption;
+use crate::curve::KeyError;
 use crate::ik::SolveError;
 use crate::kinematics::KinematicsError;
 use crate::model::ModelError;

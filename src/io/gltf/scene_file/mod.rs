@@ -16,8 +16,8 @@ use super::write::{UnwritableScene, WriteOptions, clip_document};
 use super::{Parsed, Scene, parse};
 use crate::animation::{Armature, Clip, LocalTransform, Pose};
 use crate::file_access::{AllowedFiles, below_folder};
-use crate::io::json::parse_by;
 use crate::io::{FileAccess, ReadError, WriteError, write_file};
+use crate::json::parse_by;
 use crate::skeleton::BoneId;
 
 /// A `.glb` or `.gltf` file with its scene. It adds clips to the file and changes the rest pose of its nodes.

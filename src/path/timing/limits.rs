@@ -3,7 +3,7 @@
 use super::tool_motion::ToolLimits;
 use crate::arm::Arm;
 use crate::bad_option::{ABOVE_0, BadOption, NOT_NEGATIVE, Range};
-use crate::motion::path::PathError;
+use crate::path::PathError;
 
 /// Allowed number of grid points.
 const GRID_POINTS: Range = (|v| (2.0..=1e6).contains(&v), "a number from 2 to 1000000");

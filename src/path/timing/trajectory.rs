@@ -18,7 +18,7 @@ pub struct TrajectoryPoint {
 
 /// Trajectory along the rows of a path.
 ///
-/// Created by [`PathSolution::trajectory`](crate::motion::path::PathSolution::trajectory) or
+/// Created by [`PathSolution::trajectory`](crate::path::PathSolution::trajectory) or
 /// [`through`](Self::through).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
