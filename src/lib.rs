@@ -73,70 +73,55 @@
 // On docs.rs every item shows the feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-pub mod animation;
+#[cfg(feature = "animation")]
+#[doc(inline)]
+pub use kinopt_animation::{animation, io, skinning};
 #[cfg(feature = "argmin")]
-pub mod argmin_bridge;
-pub mod arm;
-mod bad_option;
-mod bisection;
-mod buffer;
-pub mod clock;
+#[doc(inline)]
+pub use kinopt_argmin::argmin_bridge;
+#[cfg(feature = "arm")]
+#[doc(hidden)] // For tests and measurements.
+pub use kinopt_arm::simd_ik;
+#[cfg(feature = "arm")]
+#[doc(inline)]
+pub use kinopt_arm::{Arm, arm};
 #[cfg(feature = "collision")]
-pub mod collision;
-pub mod curve;
-pub mod dmat;
-mod file;
-mod file_access;
-mod file_replacement;
-pub mod geometric;
-pub mod ik;
-pub mod interruption;
-pub mod io;
-mod json;
-pub mod kinematics;
-pub mod mesh;
-pub mod model;
-pub mod motion;
-mod motion_limits;
-pub mod obj;
-pub mod path;
-mod plural;
-pub mod ply;
+#[doc(inline)]
+pub use kinopt_collision::collision;
+#[doc(hidden)] // Used by the command line and the Python package.
+pub use kinopt_kinematics::plural::counted;
+#[doc(inline)]
+pub use kinopt_kinematics::{
+    BadOption, Buffer, Model, Scalar, SizeMismatch, Skeleton, clock, interruption, kinematics,
+    model, scalar, skeleton, spatial,
+};
+#[cfg(any(feature = "animation", feature = "collision"))]
+#[doc(inline)]
+pub use kinopt_mesh::mesh;
+#[cfg(feature = "arm")]
+#[doc(inline)]
+pub use kinopt_robot::robot;
+#[doc(inline)]
+pub use kinopt_solver::{
+    Problem, Solution, Solver, Workspace, geometric, ik, problem, solver, task,
+};
+
+/// Motion over time: Cartesian paths, trajectories, clip IK and retargeting.
+#[cfg(any(feature = "arm", feature = "motion"))]
+pub mod motion {
+    #[cfg(feature = "arm")]
+    #[doc(inline)]
+    pub use kinopt_arm::path;
+    #[cfg(feature = "motion")]
+    #[doc(inline)]
+    pub use kinopt_motion::motion::*;
+}
+
 pub mod prelude;
-pub mod problem;
-mod processor;
-mod random;
-pub mod robot;
-pub mod scalar;
-mod scoped_cell;
-mod search;
-pub mod simd_ik;
-#[cfg(feature = "collision")]
-mod simd_spheres;
-mod size_mismatch;
-pub mod skeleton;
-pub mod skinning;
-pub mod solver;
-pub mod spatial;
-pub mod task;
-#[cfg(feature = "yaml")]
-mod yaml;
 
 // These crates' types are part of the interface; another version in a caller's crate would not match.
 pub use glam;
 pub use nalgebra;
-
-pub use arm::Arm;
-pub use bad_option::BadOption;
-pub use buffer::Buffer;
-pub use ik::{Solution, Solver, Workspace};
-pub use model::Model;
-#[doc(hidden)] // Used by the command line and the Python package.
-pub use plural::counted;
-pub use problem::Problem;
-pub use scalar::Scalar;
-pub use size_mismatch::SizeMismatch;
-pub use skeleton::Skeleton;
 
 /// Examples of the guide and the reference, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]

@@ -15,11 +15,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "arm")]
 pub use crate::arm::{Arm, PoseBounds};
 pub use crate::ik::{Drag, Solution, Solver, Workspace};
 pub use crate::kinematics::{ForwardKinematics, frame_jacobian};
 pub use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
 pub use crate::problem::Problem;
+#[cfg(feature = "arm")]
 pub use crate::robot::Robot;
 pub use crate::skeleton::{Bone, BoneId, Skeleton};
 pub use crate::spatial::{Matrix3, Placement, Vector3};

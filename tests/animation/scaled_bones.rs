@@ -192,7 +192,7 @@ fn drag_brings_the_scaled_armature_there() {
         while frames == 0 || !drag.is_at_rest() && frames < 300 {
             let q = drag.advance().q.clone();
             angles.pose_of(&q, &mut pose).unwrap();
-            skeleton = skeleton.standing_in(&pose).unwrap();
+            skeleton = pose.posed_skeleton(&skeleton).unwrap();
             drag.move_joints(skeleton.model()).unwrap();
             frames += 1;
         }
@@ -253,7 +253,7 @@ fn drag_converges_below_strong_shear() {
             for _ in 0..60 {
                 let q = drag.advance().q.clone();
                 angles.pose_of(&q, &mut pose).unwrap();
-                skeleton = skeleton.standing_in(&pose).unwrap();
+                skeleton = pose.posed_skeleton(&skeleton).unwrap();
                 drag.move_joints(skeleton.model()).unwrap();
             }
             let off = model_transforms(&armature, &pose)[3]

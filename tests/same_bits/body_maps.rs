@@ -24,10 +24,10 @@ fn add_guess(digest: &mut Digest, guess: Result<MapGuess, RetargetError>) {
 }
 
 const KNOWN_BODIES: [&str; 4] = [
-    include_str!("../../maps/bodies/g1.json"),
-    include_str!("../../maps/bodies/h1.json"),
-    include_str!("../../maps/bodies/humanoid.json"),
-    include_str!("../../maps/bodies/nao.json"),
+    include_str!("../../crates/kinopt-motion/maps/bodies/g1.json"),
+    include_str!("../../crates/kinopt-motion/maps/bodies/h1.json"),
+    include_str!("../../crates/kinopt-motion/maps/bodies/humanoid.json"),
+    include_str!("../../crates/kinopt-motion/maps/bodies/nao.json"),
 ];
 
 /// The frames that a known body has.

@@ -266,7 +266,6 @@ fn shape_object(shape: &kinopt::robot::Shape) -> JsValue {
             ("file", file.as_str().into()),
             ("scale", list(scale)),
         ],
-        _ => vec![("kind", "mesh".into())],
     };
     let link_from_shape = list(&placement::columns(&shape.link_from_shape));
     let object = object::of([("linkFromShape", link_from_shape)]);

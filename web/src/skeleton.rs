@@ -51,7 +51,7 @@ impl Skeleton {
     /// translations and scales. The meaning of the angles is unchanged.
     #[wasm_bindgen(js_name = standingIn)]
     pub fn standing_in(&self, pose: &Pose) -> Result<Self, JsError> {
-        let standing = self.inner.standing_in(&pose.inner).map_err(raise)?;
+        let standing = pose.inner.posed_skeleton(&self.inner).map_err(raise)?;
         Ok(standing.into())
     }
 

@@ -44,7 +44,6 @@ impl Shape {
             Geometry::Sphere { .. } => "sphere",
             Geometry::Ellipsoid { .. } => "ellipsoid",
             Geometry::Mesh { .. } => "mesh",
-            _ => "other",
         }
     }
 
@@ -67,7 +66,6 @@ impl Shape {
                 measures.set_item("file", file)?;
                 measures.set_item("scale", *scale)?;
             }
-            _ => {}
         }
         Ok(measures)
     }

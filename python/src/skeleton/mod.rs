@@ -249,7 +249,7 @@ impl Skeleton {
     /// Raises `InvalidValueError` for a pose of fewer bones.
     fn standing_in(&self, pose: &Bound<'_, crate::animation::Pose>) -> PyResult<Self> {
         let pose = pose.get().now();
-        self.inner.standing_in(&pose).or_raise().map(Self::from)
+        pose.posed_skeleton(&self.inner).or_raise().map(Self::from)
     }
 
     /// Bone transforms in the model: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and (N,

@@ -33,7 +33,6 @@ impl Obstacle {
             ShapeKind::Mesh(_) => "mesh",
             ShapeKind::HeightField(_) => "height field",
             ShapeKind::Points(_) => "points",
-            _ => "other",
         }
     }
 

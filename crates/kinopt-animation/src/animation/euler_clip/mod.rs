@@ -1,0 +1,234 @@
+//! Keyframes of bone angles.
+
+mod interpolation;
+mod sampling;
+
+pub use interpolation::EulerInterpolation;
+pub use sampling::SampleError;
+
+use glam::DVec3;
+
+use kinopt_kinematics::curve::{KeyError, KeyedCurve};
+use kinopt_kinematics::skeleton::BoneId;
+
+/// Angles of one bone at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EulerKey {
+    /// Time, seconds.
+    pub time: f64,
+    /// Angles (θ₁, θ₂, θ₃) in radians: first twist, bend, second twist. They may be outside the bone's limits.
+    pub angles: [f64; 3],
+}
+
+/// Keys of one bone, strictly increasing in time.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EulerTrack {
+    /// The animated bone.
+    pub bone: BoneId,
+    /// The keys; their times need not be evenly spaced.
+    pub keys: Vec<EulerKey>,
+}
+
+/// Keyframes of a skeleton's bones; a bone without keys has no track.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Tracks", into = "Tracks"))]
+pub struct EulerClip {
+    tracks: Vec<EulerTrack>,
+    /// Interpolation of each track.
+    interpolations: Vec<EulerInterpolation>,
+    /// Sampled curve of each track.
+    curves: Vec<KeyedCurve<DVec3>>,
+    /// Bones whose tracks had no keys.
+    keyless: Vec<BoneId>,
+}
+
+/// Error of Euler keyframes. Tracks and keys are counted from 0 in the given order.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClipError {
+    /// Two tracks for one bone.
+    #[error("bone {bone}: a track exists already; a bone takes one")]
+    DuplicateBone {
+        /// Index of the second track.
+        track: usize,
+        /// Index of the bone.
+        bone: usize,
+    },
+    /// A time is NaN or infinite.
+    #[error("the time {time} s is not finite")]
+    NonFiniteTime {
+        /// Index of the track.
+        track: usize,
+        /// Index of the key.
+        key: usize,
+        /// Time, seconds.
+        time: f64,
+    },
+    /// An angle is NaN or infinite.
+    #[error("the angles {angles:?} rad are not finite")]
+    NonFiniteAngle {
+        /// Index of the track.
+        track: usize,
+        /// Index of the key.
+        key: usize,
+        /// Angles, radians.
+        angles: [f64; 3],
+    },
+    /// A key time is not after the previous one.
+    #[error("the time {time} s is not after the key before it, at {previous} s")]
+    NotIncreasing {
+        /// Index of the track.
+        track: usize,
+        /// Index of the key.
+        key: usize,
+        /// Time, seconds.
+        time: f64,
+        /// Time of the previous key, seconds.
+        previous: f64,
+    },
+    /// The number of Kochanek-Bartels control sets is not the number of keys.
+    #[error(
+        "bone {bone}: {given} sets of controls for {keys} keys; there must be one for each key"
+    )]
+    ControlCount {
+        /// Index of the bone.
+        bone: usize,
+        /// Number of sets given.
+        given: usize,
+        /// Number of keys of the bone.
+        keys: usize,
+    },
+    /// Values too large, or times too close, for a tangent in double precision.
+    #[error("bone {bone}: {problem}")]
+    Curve {
+        /// Index of the bone.
+        bone: usize,
+        /// The error of the curve.
+        problem: KeyError,
+    },
+    /// A tension, continuity or bias is NaN or infinite.
+    #[error("bone {bone}, key {key}: tension, continuity and bias must be finite")]
+    NonFiniteControls {
+        /// Index of the bone.
+        bone: usize,
+        /// Index of the key.
+        key: usize,
+    },
+}
+
+impl EulerClip {
+    /// Clip of tracks in any order, with Catmull-Rom splines. Tracks without keys are omitted;
+    /// [`keyless`](Self::keyless) returns their bones.
+    ///
+    /// # Errors
+    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, key times that do not strictly increase,
+    /// or tangents beyond double precision.
+    pub fn new(tracks: Vec<EulerTrack>) -> Result<Self, ClipError> {
+        let mut bones = std::collections::BTreeSet::new();
+        for (track, EulerTrack { bone, keys }) in tracks.iter().enumerate() {
+            if !bones.insert(*bone) {
+                let bone = bone.index();
+                return Err(ClipError::DuplicateBone { track, bone });
+            }
+            let mut previous = f64::NEG_INFINITY;
+            for (key, &EulerKey { time, angles }) in keys.iter().enumerate() {
+                if !time.is_finite() {
+                    return Err(ClipError::NonFiniteTime { track, key, time });
+                }
+                if angles.iter().any(|angle| !angle.is_finite()) {
+                    return Err(ClipError::NonFiniteAngle { track, key, angles });
+                }
+                if time <= previous {
+                    return Err(ClipError::NotIncreasing {
+                        track,
+                        key,
+                        time,
+                        previous,
+                    });
+                }
+                previous = time;
+            }
+        }
+        let (empty, mut tracks): (Vec<_>, Vec<_>) =
+            tracks.into_iter().partition(|track| track.keys.is_empty());
+        tracks.sort_by_key(|track| track.bone);
+        let interpolations = vec![EulerInterpolation::default(); tracks.len()];
+        let keyless = empty.iter().map(|track| track.bone).collect();
+        Ok(Self {
+            curves: EulerInterpolation::curves(&tracks, &interpolations)?,
+            interpolations,
+            keyless,
+            tracks,
+        })
+    }
+
+    /// Tracks sorted by bone, each with at least one key.
+    #[must_use]
+    pub fn tracks(&self) -> &[EulerTrack] {
+        &self.tracks
+    }
+
+    /// Bones whose tracks had no keys and were omitted.
+    #[must_use]
+    pub fn keyless(&self) -> &[BoneId] {
+        &self.keyless
+    }
+
+    /// Returns true if no bone has keys.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tracks.is_empty()
+    }
+
+    /// Keys of a bone; empty if it has none.
+    #[must_use]
+    pub fn keys(&self, bone: BoneId) -> &[EulerKey] {
+        match self.tracks.binary_search_by_key(&bone, |track| track.bone) {
+            Ok(index) => self.tracks.get(index).map_or(&[], |track| &track.keys),
+            Err(_) => &[],
+        }
+    }
+
+    /// First and last key time in seconds; `None` without keys.
+    #[must_use]
+    pub fn time_span(&self) -> Option<[f64; 2]> {
+        let ends = |track: &EulerTrack| Some([track.keys.first()?.time, track.keys.last()?.time]);
+        let ends = self.tracks.iter().filter_map(ends);
+        ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
+    }
+}
+
+/// Serde form of a clip: each track with its interpolation. It is checked when read.
+#[cfg(feature = "serde")]
+type Tracks = Vec<(EulerTrack, EulerInterpolation)>;
+
+#[cfg(feature = "serde")]
+impl From<EulerClip> for Tracks {
+    fn from(clip: EulerClip) -> Self {
+        let keyless = clip.keyless.into_iter().map(|bone| {
+            let keys = Vec::new();
+            (EulerTrack { bone, keys }, EulerInterpolation::default())
+        });
+        let keyed = clip.tracks.into_iter().zip(clip.interpolations);
+        keyed.chain(keyless).collect()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Tracks> for EulerClip {
+    type Error = ClipError;
+
+    fn try_from(tracks: Tracks) -> Result<Self, ClipError> {
+        let (tracks, interpolations): (Vec<_>, Vec<_>) = tracks.into_iter().unzip();
+        let by_bone: std::collections::BTreeMap<_, _> = tracks
+            .iter()
+            .map(|track| track.bone)
+            .zip(interpolations)
+            .collect();
+        let chosen = |track: &EulerTrack| by_bone.get(&track.bone).cloned().unwrap_or_default();
+        Self::new(tracks)?.interpolated(chosen)
+    }
+}

@@ -1,0 +1,29 @@
+//! File formats: meshes (PLY, OBJ), matrices (DMAT), rigs, animation state machines and joint limits (JSON), motion
+//! capture (BVH), and with feature `gltf` scenes (glTF 2.0).
+//!
+//! Every reader has a function that takes bytes and a name for messages, and a function `read` that takes a path. A
+//! count in a file is checked against the file's length before memory is allocated for it.
+
+pub mod bvh;
+pub mod cones;
+#[cfg(feature = "gltf")]
+pub mod gltf;
+pub mod rig;
+pub mod state_machine;
+
+pub use kinopt_kinematics::file::{Place, ReadError, ReadProblem, WriteError};
+pub use kinopt_kinematics::file_access::FileAccess;
+pub use kinopt_kinematics::file_replacement::write_file;
+pub use kinopt_mesh::dmat;
+pub use kinopt_mesh::obj;
+pub use kinopt_mesh::ply;
+
+use crate::skinning::WeightsError;
+use kinopt_kinematics::file::{MAX_FILE_BYTES, read_with};
+use kinopt_kinematics::file_replacement::write_files;
+
+impl From<WeightsError> for ReadProblem {
+    fn from(error: WeightsError) -> Self {
+        Self::invalid(error)
+    }
+}

@@ -1,0 +1,58 @@
+//! Masses of a rig, from the volume of its mesh.
+
+use super::Rig;
+use crate::skinning::{AutomaticWeights, bone_volumes};
+use kinopt_kinematics::kinematics::{CentreOfMassError, ForwardKinematics, centre_of_mass};
+use kinopt_kinematics::model::{FrameId, MassError, Masses, PointMass};
+use kinopt_kinematics::spatial::Vector3;
+
+impl Rig {
+    /// Masses of the bones: the volume that moves with each bone by its weights ([`bone_volumes`]), times `density`. A
+    /// human body has about 1000 kg/m³, for a rig in metres. A mesh without weights gets automatic ones.
+    ///
+    /// # Errors
+    /// No mesh, or a mesh that does not enclose a volume. Also a density that is negative, 0 or not finite.
+    pub fn masses(&self, density: f64) -> Result<Masses, MassError> {
+        let no_volume = |reason: &dyn std::fmt::Display| MassError::NoVolume(reason.to_string());
+        let mesh = self.mesh.as_ref();
+        let mesh = mesh.ok_or_else(|| no_volume(&"the rig has no mesh"))?;
+        let computed;
+        let weights = match &self.weights {
+            Some(weights) => weights,
+            None => {
+                let automatic = AutomaticWeights::default().for_skeleton(mesh, &self.skeleton);
+                computed = automatic.map_err(|error| no_volume(&error))?;
+                &computed
+            }
+        };
+        let volumes = bone_volumes(mesh, weights).map_err(|error| no_volume(&error))?;
+        let model = self.skeleton.model();
+        let tails: Vec<FrameId> = (self.skeleton.bone_ids())
+            .map(|bone| self.skeleton.tail(bone))
+            .collect();
+        let rest = vec![0.0; model.configuration_len()];
+        let mut kinematics =
+            ForwardKinematics::of_frames(model, &tails).map_err(|error| no_volume(&error))?;
+        let placed = kinematics.place(&rest).map_err(|error| no_volume(&error))?;
+        let masses = tails.iter().zip(placed).zip(volumes);
+        let masses = masses.map(|((&frame, placed), volume)| PointMass {
+            frame,
+            at: placed.inverse().apply(volume.centre),
+            mass: density * volume.volume,
+        });
+        Masses::new(model, masses)
+    }
+
+    /// Position of the centre of mass in the pose of the joint angles `q` (radians), for a uniform density. It is in
+    /// the rig's frame and unit.
+    ///
+    /// # Errors
+    /// As [`masses`](Self::masses), or an invalid configuration.
+    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
+        Ok(centre_of_mass(
+            self.skeleton.model(),
+            &self.masses(1.0)?,
+            q,
+        )?)
+    }
+}

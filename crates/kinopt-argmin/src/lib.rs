@@ -1,0 +1,9 @@
+//! Bridge to argmin: its solvers on kinopt's problems, and kinopt's solvers under its executor.
+//!
+//! Depend on [`kinopt`](https://docs.rs/kinopt), which re-exports this crate. Hidden items may change in any version.
+
+#![warn(clippy::disallowed_methods)]
+// On docs.rs every item shows the feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+pub mod argmin_bridge;

@@ -1,0 +1,71 @@
+//! Robot arms: joint values from a base, a tip and a target.
+//!
+//! An [`Arm`] is built once from a [`Model`](kinopt_kinematics::Model) or a [`Robot`](kinopt_robot::robot::Robot) and solves for poses of
+//! its tool with the SIMD solver ([`lanes`](crate::simd_ik)). Chains that this solver does not support, such as those
+//! with mimic joints, use the general [`Problem`](kinopt_solver::Problem). Both have the same API and results.
+//!
+//! ```
+//! use kinopt::arm::{Arm, Search};
+//! use kinopt::robot::Robot;
+//!
+//! let robot = Robot::read("models/franka_panda.urdf")?;
+//! let arm = Arm::builder(&robot, "base", "flange")
+//!     .with_search(Search::Nearest)
+//!     .build()?;
+//! let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+//! let target = arm.base_from_tool(&[0.4, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])?;
+//! let solution = arm.solve(target, &start)?;
+//! assert!(solution.reached, "{}", solution.explain());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#[allow(clippy::module_inception, reason = "it is the arm itself")]
+mod arm;
+mod arm_model;
+mod batch;
+mod branch;
+mod builder;
+#[cfg(feature = "collision")]
+mod collision_avoidance;
+mod configuration;
+mod continuation;
+mod coordinates;
+mod default_start;
+mod derivative;
+mod dispatch;
+mod error;
+mod fallback;
+mod follower;
+mod general_solver;
+mod jacobian;
+mod kinematic_path;
+mod local_descent;
+mod move_bounds;
+mod multi_solution;
+mod null_space;
+mod options;
+mod pose_problem;
+mod rate_limits;
+mod redundancy;
+mod seed_table;
+mod serial_chain;
+mod servo;
+mod singularity_branch;
+mod step_subdivision;
+mod toward_posture;
+mod track;
+mod with_tool;
+mod workspace;
+
+pub use crate::simd_ik::PoseOutcome;
+pub use arm::Arm;
+pub use arm_model::ArmModel;
+pub use builder::{ArmBuilder, Base};
+pub(crate) use continuation::{ChainMotion, Ends};
+pub use derivative::ArmDerivative;
+pub use error::{ArmError, QueryError};
+pub use follower::{Follower, Jump};
+pub use kinopt_solver::task::{Axis, PoseBounds};
+pub use options::Search;
+pub use servo::{HeldBy, Servo, ServoStatus, ServoStep};
+pub use track::Track;

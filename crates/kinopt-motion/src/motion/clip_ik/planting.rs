@@ -1,0 +1,160 @@
+//! Positions of planted feet in contact, and their paths between contacts.
+
+use std::ops::Range;
+
+use crate::motion::ContactDetection;
+use crate::motion::contact_detection::{mean_position, smooth};
+use kinopt_kinematics::spatial::Vector3;
+
+/// Height of the ground at a position, relative to the ground of the clip.
+pub(super) type Ground<'a> = &'a dyn Fn(Vector3<f64>) -> f64;
+
+/// Largest extra height of a swinging foot above the straight path, in heights of the step.
+const MAX_ARC_RATIO: f64 = 1.5;
+
+/// Fraction of a swing over which a foot moves up or down a step.
+const STEP_FRACTION: f64 = 0.7;
+
+/// Motion of a planted foot over a clip.
+#[derive(Clone, Debug)]
+pub(super) struct PlantedFoot {
+    /// Frames and position of each contact.
+    pub(super) stances: Vec<(Range<usize>, Vector3<f64>)>,
+    /// Position by frame.
+    pub(super) positions: Vec<Vector3<f64>>,
+    /// Height of the ground by frame: at the contact position, and interpolated between contacts.
+    pub(super) ground: Vec<f64>,
+}
+
+impl PlantedFoot {
+    /// Returns the contact position if the foot is in contact in `frame` and in the next frame.
+    pub(super) fn contact_position_from(&self, frame: usize) -> Option<Vector3<f64>> {
+        let mut stances = self.stances.iter();
+        let contact =
+            stances.find(|(span, _)| span.contains(&frame) && span.contains(&(frame + 1)));
+        contact.map(|(_, position)| *position)
+    }
+}
+
+/// Plants a foot that moves along `positions` in the clip. Its position in each contact is the mean of its positions in
+/// the clip, raised to the ground.
+///
+/// Between contacts the foot blends to and from the clip over `detection.lead_s`. If the ground rises or falls, the
+/// change of height covers the whole swing. The swing is raised above edges of the ground.
+pub(super) fn plant(
+    detection: &ContactDetection,
+    positions: &[Vector3<f64>],
+    up: Vector3<f64>,
+    ground: Option<Ground<'_>>,
+    rate: f64,
+) -> PlantedFoot {
+    let lowest = positions
+        .iter()
+        .map(|position| position.dot(up))
+        .fold(f64::INFINITY, f64::min);
+    let spans = detection.spans(positions, |frame| positions[frame].dot(up) - lowest, rate);
+    let height = |position: Vector3<f64>| ground.map_or(0.0, |ground| ground(position));
+    let contacts: Vec<(Vector3<f64>, f64)> = spans
+        .iter()
+        .map(|span| {
+            let position = mean_position(&positions[span.clone()]);
+            (position, height(position))
+        })
+        .collect();
+    let (mut planted, mut lifts) = (positions.to_vec(), vec![0.0; positions.len()]);
+    for (span, (position, lift)) in spans.iter().zip(&contacts) {
+        planted[span.clone()].fill(*position);
+        lifts[span.clone()].fill(*lift);
+    }
+    let mut ground_heights = lifts.clone();
+    let lead = detection.lead_frames(rate).max(1);
+    for swing in swings(&spans, positions.len()) {
+        let offset_at = |k: Option<usize>, frame: usize| {
+            let (position, lift) = k.and_then(|k| contacts.get(k))?;
+            Some((*position - *positions.get(frame)?, *lift))
+        };
+        let from = offset_at(swing.after, swing.frames.start.wrapping_sub(1));
+        let to = offset_at(swing.before, swing.frames.end);
+        // If the clip starts or ends without contact, the ground below the foot counts.
+        let ground_below = |frame: usize| {
+            positions
+                .get(frame)
+                .map_or(0.0, |position| height(*position))
+        };
+        let first = from.map_or_else(|| ground_below(swing.frames.start), |(_, lift)| lift);
+        let last = to.map_or_else(|| ground_below(swing.frames.end - 1), |(_, lift)| lift);
+        let steps = (swing.frames.len() + 1) as f64;
+        let elapsed = |frame: usize| (frame + 1 - swing.frames.start) as f64;
+        for frame in swing.frames.clone() {
+            let weight = |frames: f64| 1.0 - smooth((frames / steps.min(lead as f64)).min(1.0));
+            let slip = |end: Option<(Vector3<f64>, f64)>, frames: f64| {
+                end.map_or(Vector3::zero(), |(slip, _)| slip * weight(frames))
+            };
+            planted[frame] =
+                positions[frame] + slip(from, elapsed(frame)) + slip(to, steps - elapsed(frame));
+            lifts[frame] =
+                first + (last - first) * step_fraction(elapsed(frame) / steps, last > first);
+        }
+        ground_heights[swing.frames.clone()].copy_from_slice(&lifts[swing.frames.clone()]);
+        let neighbours = [swing.after, swing.before].into_iter().flatten();
+        let foot_height = neighbours.map(|k| contacts[k].0.dot(up)).reduce(f64::min);
+        let foot_height = foot_height.unwrap_or(lowest);
+        // 1 in the middle of the swing, with zero slope at both ends.
+        let arc = |frame: usize| {
+            let fraction = elapsed(frame) / steps;
+            16.0 * fraction * fraction * (1.0 - fraction) * (1.0 - fraction)
+        };
+        let missing_arc = |frame: usize| {
+            let position = planted[frame];
+            (height(position) + foot_height - position.dot(up) - lifts[frame]) / arc(frame)
+        };
+        let max_arc = MAX_ARC_RATIO * (last - first).abs();
+        let arc_height = swing
+            .frames
+            .clone()
+            .map(missing_arc)
+            .fold(0.0, f64::max)
+            .min(max_arc);
+        for frame in swing.frames.clone() {
+            lifts[frame] += arc_height * arc(frame);
+        }
+    }
+    for (position, lift) in planted.iter_mut().zip(&lifts) {
+        *position += up * *lift;
+    }
+    let contact_positions = contacts
+        .iter()
+        .map(|(position, lift)| *position + up * *lift);
+    PlantedFoot {
+        stances: spans.into_iter().zip(contact_positions).collect(),
+        positions: planted,
+        ground: ground_heights,
+    }
+}
+
+/// Returns the fraction of a step's height change after a fraction of the swing. A foot rises early and descends late.
+fn step_fraction(fraction: f64, up: bool) -> f64 {
+    let onset = if up { 0.0 } else { 1.0 - STEP_FRACTION };
+    smooth(((fraction - onset) / STEP_FRACTION).clamp(0.0, 1.0))
+}
+
+/// Frames between two contacts, before the first or after the last.
+struct Swing {
+    frames: Range<usize>,
+    after: Option<usize>,
+    before: Option<usize>,
+}
+
+fn swings(spans: &[Range<usize>], frames: usize) -> impl Iterator<Item = Swing> + '_ {
+    (0..=spans.len()).filter_map(move |k| {
+        let after = k.checked_sub(1);
+        let before = (k < spans.len()).then_some(k);
+        let start = after.map_or(0, |k| spans[k].end);
+        let end = before.map_or(frames, |k| spans[k].start);
+        (start < end).then_some(Swing {
+            frames: start..end,
+            after,
+            before,
+        })
+    })
+}

@@ -1,0 +1,120 @@
+//! Live retargeting of captured positions, without look-ahead.
+
+use std::collections::VecDeque;
+
+use super::limbs::Limbs;
+use super::{BodyFollower, RetargetError, Retargeting};
+use crate::motion::ContactDetection;
+use kinopt_kinematics::spatial::Vector3;
+
+/// Number of capture frames over which the speed of a point is measured, because captures are noisy.
+const SPEED_WINDOW: usize = 4;
+
+/// Live retargeter: one capture frame in, its configuration out, in a bounded number of iterations.
+///
+/// Its [`Retargeting`] has measured the limbs and ground of the subject. Contacts are detected from past capture frames
+/// only, so feet are locked some frames later than with a complete capture.
+#[derive(Clone, Debug)]
+pub struct LiveFollower {
+    limbs: Limbs,
+    follower: BodyFollower,
+    contacts: ContactDetection,
+    frame_rate: f64,
+    joints: usize,
+    positions: Vec<Vector3<f64>>,
+    /// Previous targets of the driven points, the last ones at the end.
+    history: VecDeque<Vec<Vector3<f64>>>,
+    /// Number of capture frames for which each point has been still.
+    still_frames: Vec<usize>,
+    contact_levels: Vec<f64>,
+}
+
+impl Retargeting<'_> {
+    /// Creates a live retargeter for the same subject and model. Its capture frames have the joints of the capture.
+    ///
+    /// # Errors
+    /// Returns the errors of [`follower`](Self::follower).
+    pub fn live(&self) -> Result<LiveFollower, RetargetError> {
+        let limbs = self.limbs.clone();
+        let driven = limbs.all.len();
+        Ok(LiveFollower {
+            follower: self.follower()?,
+            contacts: self.options.contacts,
+            frame_rate: self.frame_rate,
+            joints: self.joints,
+            positions: Vec::with_capacity(driven),
+            history: VecDeque::with_capacity(SPEED_WINDOW),
+            still_frames: vec![0; driven],
+            contact_levels: vec![0.0; driven],
+            limbs,
+        })
+    }
+}
+
+impl LiveFollower {
+    /// Current configuration.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        self.follower.q()
+    }
+
+    /// Number of joints of a capture frame.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Capture frames per second, the rate of the velocity limits.
+    #[must_use]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame_rate
+    }
+
+    /// Retargets the next capture frame and returns its configuration.
+    ///
+    /// `captured` are joint positions in the capture's order, unit and axes. If a position is not finite, the
+    /// configuration stays unchanged.
+    ///
+    /// # Errors
+    /// Returns an error if the number of joints is wrong.
+    pub fn step(&mut self, captured: &[Vector3<f64>]) -> Result<&[f64], RetargetError> {
+        if captured.len() != self.joints {
+            return Err(RetargetError::NotFrames {
+                numbers: 3 * captured.len(),
+                joints: self.joints,
+            });
+        }
+        if !captured.iter().all(Vector3::is_finite) {
+            return Ok(self.follower.q());
+        }
+        self.limbs.write_targets(captured, &mut self.positions);
+        self.detect_contacts();
+        self.follower
+            .follow(&self.positions, &self.contact_levels)?;
+        Ok(self.follower.q())
+    }
+
+    /// Detects contacts from the speeds over the last capture frames, and keeps contact points above the ground.
+    fn detect_contacts(&mut self) {
+        let shortest = (self.contacts.shortest_s * self.frame_rate).ceil().max(1.0) as usize;
+        let oldest = self.history.front();
+        let frames = self.history.len().max(1) as f64;
+        let limbs = self.limbs.all.iter().enumerate();
+        for (k, limb) in limbs.filter(|(_, limb)| limb.makes_contact) {
+            let position = &mut self.positions[k];
+            let moved = oldest.map_or(f64::INFINITY, |positions| (*position - positions[k]).norm());
+            let is_still = moved * self.frame_rate / frames <= self.contacts.speed
+                && position.z - limb.clearance <= self.contacts.height;
+            self.still_frames[k] = match is_still {
+                true => (self.still_frames[k] + 1).min(shortest),
+                false => 0,
+            };
+            self.contact_levels[k] = self.still_frames[k] as f64 / shortest as f64;
+            position.z = position.z.max(limb.clearance);
+        }
+        if self.history.len() == SPEED_WINDOW {
+            self.history.pop_front();
+        }
+        self.history.push_back(self.positions.clone());
+    }
+}

@@ -1,0 +1,248 @@
+//! Guessed maps, from built-in maps and from names.
+
+use std::collections::BTreeMap;
+
+use super::body_map::DriveText;
+use super::known_maps::KnownBody;
+use super::limb_tree::moving_joint;
+use super::part_names::{parts_of, parts_where};
+use super::proportions::Proportions;
+use super::up_detection::upright_axis;
+use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
+use kinopt_kinematics::kinematics::ForwardKinematics;
+use kinopt_kinematics::model::Model;
+use kinopt_kinematics::spatial::Vector3;
+
+/// Minimum number of parts of a body.
+const MIN_PARTS: usize = 3;
+/// Distance below which two frames coincide, relative to the model's reach.
+const MIN_FRAME_DISTANCE: f64 = 0.01;
+
+/// Guessed map, with its sources.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MapGuess {
+    /// Guessed map.
+    pub map: BodyMap,
+    /// Built-in skeleton that matches the capture.
+    pub skeleton: Option<&'static str>,
+    /// Built-in body that matches the model.
+    pub body: Option<&'static str>,
+    /// Axis, y or z, along which the body is upright, if its parts determine it.
+    pub up: Option<UpAxis>,
+    /// Warnings: a map without assignments, parts missing on one side, and implausible proportions.
+    pub notes: Vec<String>,
+}
+
+/// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
+pub(super) fn parts_of_capture(
+    capture: &Capture,
+) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
+    let known = KnownSkeleton::of_joints(capture.names());
+    let skeleton = known.as_ref().map(KnownSkeleton::name);
+    let parts = match known.and_then(|known| known.parts_in(capture.names())) {
+        Some(parts) => parts,
+        None => parts_of(capture.names().iter().map(String::as_str)),
+    };
+    (parts, skeleton)
+}
+
+/// Warning about a map without assignments.
+const NO_DRIVES_NOTE: &str =
+    "the map drives no frame of the target, so drives are guessed from names";
+
+impl BodyMap {
+    /// Guesses the assignment of captured joints to frames of a model.
+    ///
+    /// Uses built-in [skeletons](KnownSkeleton) and bodies if all their names exist, else the parts of names
+    /// (`LeftUpLeg`, `l_thigh`, `left_hip_pitch_link`).
+    ///
+    /// # Errors
+    /// Returns an error, with some of the names, if those of the capture or the model match no body.
+    pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        let (joints, skeleton) = parts_of_capture(capture);
+        Self::of_parts(capture, joints, skeleton, model)
+    }
+
+    /// Completes a map without assignments by [guessed](Self::guess) ones. Otherwise only checks the proportions.
+    ///
+    /// # Errors
+    /// Returns the errors of `guess` for a map without assignments.
+    pub fn completed(self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        if self.drives.is_empty() {
+            let guess = Self::guess(capture, model)?;
+            let map = Self {
+                drives: guess.map.drives,
+                contacts: self.contacts.or(guess.map.contacts),
+                ..self
+            };
+            let note = NO_DRIVES_NOTE.to_owned();
+            let notes = std::iter::once(note).chain(guess.notes).collect();
+            return Ok(MapGuess {
+                map,
+                notes,
+                ..guess
+            });
+        }
+        let (mut parts, _) = parts_of_capture(capture);
+        let up = upright_axis(capture, &parts);
+        let drives = |joint: &String| self.drives.iter().any(|drive| drive.joint == *joint);
+        parts.retain(|_, joint| drives(&capture.names()[*joint]));
+        Ok(MapGuess {
+            map: self,
+            skeleton: None,
+            body: None,
+            up,
+            notes: Proportions::of(capture, &parts).warnings(),
+        })
+    }
+
+    /// Creates the map from a built-in skeleton to a model.
+    ///
+    /// # Errors
+    /// Returns an error if the capture lacks a joint of the skeleton, or if the model's names match no body.
+    pub fn from_skeleton(
+        skeleton: &KnownSkeleton,
+        capture: &Capture,
+        model: &Model,
+    ) -> Result<MapGuess, RetargetError> {
+        let joints =
+            skeleton
+                .parts_in(capture.names())
+                .ok_or_else(|| RetargetError::OtherSkeleton {
+                    skeleton: skeleton.name(),
+                    joints: first_names(capture.names().iter().map(String::as_str)),
+                })?;
+        Self::of_parts(capture, joints, Some(skeleton.name()), model)
+    }
+
+    fn of_parts(
+        capture: &Capture,
+        joints: BTreeMap<BodyPart, usize>,
+        skeleton: Option<&'static str>,
+        model: &Model,
+    ) -> Result<MapGuess, RetargetError> {
+        if joints.len() < MIN_PARTS {
+            return Err(RetargetError::NoBody {
+                of: "the capture's joints",
+                names: first_names(capture.names().iter().map(String::as_str)),
+            });
+        }
+        let up = upright_axis(capture, &joints);
+        let frames = || model.frames().iter().map(|frame| frame.name.as_str());
+        let mut notes = Vec::new();
+        let (body, parts) = match KnownBody::of_model(model)? {
+            Some(known) => (Some(known.name), known.parts),
+            None => {
+                let moving: Vec<_> = model
+                    .frame_ids()
+                    .map(|id| moving_joint(model, id))
+                    .collect();
+                let moves = |base: usize, frame: usize| moving[base] != moving[frame];
+                let named_parts = parts_where(frames(), moves).into_iter();
+                let frame = |index: usize| DriveText::Frame(model.frames()[index].name.clone());
+                let named_parts = named_parts
+                    .map(|(part, index)| (part, frame(index)))
+                    .collect();
+                (None, without_coincident(model, named_parts, &mut notes)?)
+            }
+        };
+        if parts.len() < MIN_PARTS {
+            return Err(RetargetError::NoBody {
+                of: "the model's frames",
+                names: first_names(frames()),
+            });
+        }
+        let mut drives: Vec<Drive> = Vec::new();
+        let mut contacts = Vec::new();
+        let mut driving = BTreeMap::new();
+        for (part, name) in BodyPart::ALL {
+            match (joints.get(&part), parts.get(&part)) {
+                (Some(&joint), Some(frame)) => {
+                    let joint_name = &capture.names()[joint];
+                    let frame = frame.clone().into_drive(joint_name.clone());
+                    if part.stands() {
+                        contacts.push(joint_name.clone());
+                    }
+                    driving.insert(part, joint);
+                    drives.push(frame);
+                }
+                // A built-in body is complete, so missing parts need no warning.
+                (Some(_), None) if body.is_some() => {}
+                (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
+                (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
+                (None, None) => {}
+            }
+        }
+        if drives.len() < MIN_PARTS {
+            return Err(RetargetError::NothingInCommon {
+                capture: named(joints.keys()),
+                model: named(parts.keys()),
+            });
+        }
+        // The order of a map file, so that a written and read map gives equal results.
+        drives.sort_by(|a, b| a.joint.cmp(&b.joint));
+        notes.extend(Proportions::of(capture, &driving).warnings());
+        let map = BodyMap {
+            drives,
+            contacts: Some(contacts),
+            ..BodyMap::default()
+        };
+        Ok(MapGuess {
+            map,
+            skeleton,
+            body,
+            up,
+            notes,
+        })
+    }
+}
+
+/// Returns the parts without those at the position of an earlier part, which would compete with it.
+fn without_coincident(
+    model: &Model,
+    mut parts: BTreeMap<BodyPart, DriveText>,
+    notes: &mut Vec<String>,
+) -> Result<BTreeMap<BodyPart, DriveText>, RetargetError> {
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&model.neutral());
+    let placed = placed.map_err(|error| RetargetError::Map(error.to_string()))?;
+    let mut occupied: Vec<(Vector3<f64>, String)> = Vec::new();
+    let min_distance = MIN_FRAME_DISTANCE * model.reach();
+    for (part, name) in BodyPart::ALL {
+        let Some(frame) = parts.get(&part).map(|text| text.frame().to_owned()) else {
+            continue;
+        };
+        let position = placed[model.frame(&frame)?.index()].translation;
+        match occupied
+            .iter()
+            .find(|(other, _)| (position - *other).norm() <= min_distance)
+        {
+            None => occupied.push((position, frame)),
+            Some((_, other)) => {
+                notes.push(format!(
+                    "{name}: `{frame}` is where `{other}` is, so it is left out"
+                ));
+                parts.remove(&part);
+            }
+        }
+    }
+    Ok(parts)
+}
+
+/// The first of many names, for a message.
+fn first_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MAX_LISTED_NAMES: usize = 12;
+    let all: Vec<&str> = names.collect();
+    let listed = all.get(..MAX_LISTED_NAMES).unwrap_or(&all).join(", ");
+    match all.len() > MAX_LISTED_NAMES {
+        true => format!("{listed} and {} more", all.len() - MAX_LISTED_NAMES),
+        false => listed,
+    }
+}
+
+/// Returns the names of parts, separated by commas.
+fn named<'p>(parts: impl Iterator<Item = &'p BodyPart>) -> String {
+    let names: Vec<&str> = parts.map(|part| part.name()).collect();
+    names.join(", ")
+}

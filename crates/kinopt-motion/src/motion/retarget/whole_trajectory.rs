@@ -1,0 +1,171 @@
+//! Retargeting of whole trajectories as one problem.
+
+use std::sync::Arc;
+
+use super::contacts::LimbContact;
+use super::driven_point::DrivenPoint;
+use super::follower::posture;
+use super::footholds::Footholds;
+use super::retargeting::as_map_error;
+use super::{RetargetError, Retargeted, Retargeting};
+use crate::motion::contact_detection::smooth;
+use crate::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
+use kinopt_kinematics::kinematics::ForwardKinematics;
+use kinopt_kinematics::spatial::Vector3;
+
+/// Weight of a contact position in a whole trajectory, relative to the largest weight of a point.
+const CONTACT_WEIGHT: f64 = 200.0;
+/// Maximum number of iterations per window.
+const MAX_ITERATIONS: usize = 40;
+/// Maximum number of solves of a trajectory that ends in collision.
+const MAX_COLLISION_PASSES: usize = 3;
+/// Maximum number of additional solves with raised ground under penetrating feet.
+const MAX_GROUND_CORRECTIONS: usize = 3;
+
+impl Retargeting<'_> {
+    /// Solves the whole trajectory, which is smooth. Contacts are locked where the online result has them.
+    ///
+    /// # Errors
+    /// Returns the errors of [`follower`](Self::follower) and of [`MotionSolver`].
+    pub fn whole(&self) -> Result<Retargeted, RetargetError> {
+        self.whole_with_progress(&mut |_| ())
+    }
+
+    /// Solves like [`whole`](Self::whole). `progress` receives the number of solved samples repeatedly.
+    ///
+    /// # Errors
+    /// Returns the errors of [`whole`](Self::whole).
+    pub fn whole_with_progress(
+        &self,
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Retargeted, RetargetError> {
+        let (mut q, mut avoidance) = self.follow_all()?;
+        let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
+        // A smoothed trajectory may collide at other samples than the online result.
+        for _ in 0..MAX_COLLISION_PASSES {
+            self.extend_avoidance(&mut avoidance);
+            let mut footholds = self.footholds(&q)?;
+            q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, progress)?;
+            for _ in 0..MAX_GROUND_CORRECTIONS {
+                if !self.raise_footholds(&q, &mut footholds)? {
+                    break;
+                }
+                q = self.smooth(&q, &weighted_targets, &footholds, &avoidance, &mut |_| ())?;
+            }
+            let touching = self.touching(&q);
+            if touching.is_empty() {
+                break;
+            }
+            touching
+                .iter()
+                .for_each(|collision| avoidance[collision.frame] = true);
+        }
+        self.measure(q)
+    }
+
+    /// Marks all samples within the blend duration of a marked one.
+    fn extend_avoidance(&self, avoidance: &mut [bool]) {
+        let blend_frames = self.options.contacts.lead_frames(self.frame_rate);
+        let marked = avoidance.to_vec();
+        for (frame, _) in marked
+            .iter()
+            .enumerate()
+            .filter(|(_, avoidance)| **avoidance)
+        {
+            let end = (frame + blend_frames + 1).min(avoidance.len());
+            avoidance[frame.saturating_sub(blend_frames)..end].fill(true);
+        }
+    }
+
+    /// Returns the smooth trajectory near `start`, with collision avoidance at the samples in `avoidance`.
+    fn smooth(
+        &self,
+        start: &[f64],
+        weighted_targets: &Arc<[(Vector3<f64>, f64)]>,
+        footholds: &Footholds,
+        avoidance: &[bool],
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Vec<f64>, RetargetError> {
+        let model = self.body.model();
+        let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
+        motion.parameters(self.body.map().clone());
+        motion.max_speeds_of(&self.body);
+        let n = self.limbs.all.len();
+        for (k, limb) in self.limbs.all.iter().enumerate() {
+            let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
+            let weighted_targets = Arc::clone(weighted_targets);
+            motion.follow(point, move |frame, point| {
+                let (target, weight) = weighted_targets[frame * n + k];
+                point.set(target, weight);
+            });
+        }
+        if let Some(line) = self.limbs.hip_line.clone() {
+            let (line, targets) = (motion.add(line), Arc::clone(&self.targets));
+            motion.follow(line, move |frame, line| {
+                line.set_direction(&targets[frame * n..(frame + 1) * n]);
+            });
+        }
+        motion.add(posture(model));
+        self.keep_feet_over_ground(footholds, &mut motion);
+        if let Some(obstacles) = self
+            .obstacles
+            .as_ref()
+            .filter(|_| avoidance.contains(&true))
+        {
+            obstacles.add_to_motion(&mut motion, avoidance.into());
+        }
+        motion.rate_cost(RateCost::acceleration(self.options.acceleration));
+        let motion = motion.build()?;
+        let solver = MotionSolver::default()
+            .with_tolerance(self.options.tolerance)
+            .with_curvature(false)
+            .with_good_start()
+            .with_max_iterations(MAX_ITERATIONS)
+            .with_windows(Some(self.options.windows));
+        let solved =
+            solver.solve_near_unless(&motion, start, progress, self.cancelled.as_deref())?;
+        Ok(solved.q().to_vec())
+    }
+
+    /// Returns target and weight of each driven point at each sample.
+    ///
+    /// Contacts have the positions of the online result, which are known to be reachable.
+    fn weighted_targets(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
+        let model = self.body.model();
+        let n = self.limbs.all.len();
+        let max_weight = self.limbs.max_weight();
+        let weights = self.limbs.all.iter().map(|limb| limb.weight);
+        let mut weighted_targets: Vec<_> =
+            self.targets.iter().copied().zip(weights.cycle()).collect();
+        let mut kinematics =
+            ForwardKinematics::of_frames(model, &self.driven()).map_err(as_map_error)?;
+        let lead = self.options.contacts.lead_frames(self.frame_rate);
+        let mut positions = Vec::with_capacity(self.limb_contacts.len());
+        for LimbContact { limb, span } in &self.limb_contacts {
+            let middle = (span.start + span.end) / 2;
+            let width = model.configuration_len();
+            let placed = kinematics
+                .place(&q[middle * width..(middle + 1) * width])
+                .map_err(as_map_error)?;
+            let position = placed[*limb].apply(self.limbs.all[*limb].offset);
+            positions.push(position);
+            // Blends of the targets to and from the contact position.
+            let offset = position - self.targets[middle * n + limb];
+            for distance in 1..=lead {
+                let shift = offset * (1.0 - smooth(distance as f64 / (lead + 1) as f64));
+                let before = span.start.checked_sub(distance);
+                let after = Some(span.end + distance - 1).filter(|frame| *frame < self.frames());
+                for frame in before.into_iter().chain(after) {
+                    let weighted_target = &mut weighted_targets[frame * n + limb];
+                    weighted_target.0 += shift;
+                }
+            }
+        }
+        for (LimbContact { limb, span }, position) in self.limb_contacts.iter().zip(positions) {
+            for frame in span.clone() {
+                weighted_targets[frame * n + limb] = (position, CONTACT_WEIGHT * max_weight);
+            }
+        }
+        Ok(weighted_targets)
+    }
+}

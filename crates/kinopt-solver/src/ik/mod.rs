@@ -1,0 +1,43 @@
+//! Solvers of a [`Problem`](crate::Problem), drags, loop closure and derivatives of solutions.
+
+mod collision_avoidance;
+mod collision_free_search;
+mod depenetration;
+mod drag;
+mod drag_clear;
+mod drag_frame;
+mod drag_motion;
+mod drag_to_rest;
+mod escape;
+mod hold_postures;
+mod joint_interpolation;
+mod loop_closure;
+mod loop_gap;
+mod minimiser;
+mod motion_limits;
+mod nearest_closure;
+mod placement_relaxation;
+mod priority;
+mod solution_derivative;
+mod solver;
+mod stance;
+mod step_guard;
+mod workspace;
+
+pub use crate::search::{
+    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
+    Side, Solution, SolveError, TaskReport,
+};
+pub use drag::{Drag, DragJump};
+pub use hold_postures::hold_postures;
+pub use loop_closure::LoopClosure;
+pub use loop_gap::{LoopClosureError, LoopGap};
+#[doc(hidden)]
+pub use minimiser::Minimiser;
+pub use motion_limits::MotionLimits;
+pub use solution_derivative::{
+    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
+};
+pub use solver::Solver;
+pub use stance::{StanceError, crouched_configuration};
+pub use workspace::Workspace;

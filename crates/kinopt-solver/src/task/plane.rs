@@ -1,0 +1,95 @@
+//! Plane task: a frame's origin is in a plane.
+
+use super::residual::{check_direction, check_finite, moved};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use kinopt_kinematics::model::FrameId;
+use kinopt_kinematics::scalar::Scalar;
+use kinopt_kinematics::spatial::{Placement, Vector3};
+
+/// r = n · (x − p), the signed distance: one row in metres, n the unit normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    frame: FrameId,
+    point: Vector3<f64>,
+    normal: Vector3<f64>,
+}
+
+impl Plane {
+    /// A task that moves the frame's origin to the plane through `point` with `normal`, in world coordinates.
+    ///
+    /// `normal` has any length except zero.
+    #[must_use]
+    pub fn new(
+        frame: FrameId,
+        point: impl Into<Vector3<f64>>,
+        normal: impl Into<Vector3<f64>>,
+    ) -> Self {
+        Self {
+            frame,
+            point: point.into(),
+            normal: normal.into(),
+        }
+    }
+
+    /// Sets the plane.
+    pub fn set_plane(&mut self, point: impl Into<Vector3<f64>>, normal: impl Into<Vector3<f64>>) {
+        self.point = point.into();
+        self.normal = normal.into();
+    }
+
+    fn unit_normal(&self) -> Vector3<f64> {
+        self.normal * (1.0 / self.normal.norm())
+    }
+
+    /// The residual for these frames, with the target moved by `step`.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let offset = frames[0].translation - moved(self.point, step);
+        residual[0] = offset.dot(Vector3::constant(self.unit_normal()));
+    }
+}
+
+impl Residual for Plane {
+    fn kind(&self) -> &'static str {
+        "plane"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
+
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
+        jacobian.linear_mut(0)[0] = self.unit_normal();
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its point", self.point.to_array())?;
+        check_direction("its normal", self.normal)
+    }
+}
