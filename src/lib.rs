@@ -7,7 +7,7 @@
 //! minimise  cost(q) = ½ Σ ‖W r(q)‖²     subject to  q_min ≤ q ≤ q_max
 //! ```
 //!
-//! Build a [`Model`] by hand, from a [`Skeleton`], or from a URDF (feature `urdf`). State a [`Problem`] of [`task`]s
+//! Build a [`Model`] by hand, from a [`Skeleton`], or from a URDF. State a [`Problem`] of [`task`]s
 //! and pass it to a [`Solver`]. The [`Solution`] reports the reached tasks, the errors of all others, and the active
 //! limits.
 //!
@@ -35,7 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Motion over time is in [`animation`], skin deformation in [`skinning`]. Their poses and meshes use the types of
+//! Motion over time is in `animation`, skin deformation in `skinning`. Their poses and meshes use the types of
 //! [`glam`]; tables of weights use those of [`nalgebra`].
 //!
 //! # Conventions
@@ -57,8 +57,11 @@
 //!
 //! # Features
 //!
-//! No feature is on by default.
+//! `urdf` is on by default.
 //!
+//! - `arm`: robot arms and Cartesian paths; every feature for robots enables it
+//! - `animation`: keyframe animation, skinning, files of characters
+//! - `motion`: trajectory optimisation, clip IK, retargeting
 //! - `collision`: shapes, distances, worlds of obstacles, collision avoidance of arms
 //! - `urdf`: robots from URDF
 //! - `mjcf`: robots from MuJoCo's XML

@@ -40,38 +40,51 @@ fn assert_same(section: &str, sources: &[(&str, &str)], besides: &[&str]) {
 fn option_tables_equal_the_code() {
     assert_same(
         "Arms",
-        &[("src/arm/builder.rs", "")],
+        &[("crates/kinopt-arm/src/arm/builder.rs", "")],
         &["Arm::with_checker", "Arm::with_srdf"],
     );
-    assert_same("Followers and servos", &[("src/arm/servo/mod.rs", "")], &[]);
+    assert_same(
+        "Followers and servos",
+        &[("crates/kinopt-arm/src/arm/servo/mod.rs", "")],
+        &[],
+    );
     let solvers = [
-        ("src/ik/solver.rs", "Solver::"),
-        ("src/solver/stopping.rs", "Stopping::"),
-        ("src/search/restarts.rs", "Restarts::"),
-        ("src/solver/levenberg_marquardt.rs", "LevenbergMarquardt::"),
-        ("src/solver/gauss_newton.rs", "GaussNewton::"),
-        ("src/solver/projected_gradient.rs", "ProjectedGradient::"),
+        ("crates/kinopt-solver/src/ik/solver.rs", "Solver::"),
+        ("crates/kinopt-solver/src/solver/stopping.rs", "Stopping::"),
+        ("crates/kinopt-solver/src/search/restarts.rs", "Restarts::"),
+        (
+            "crates/kinopt-solver/src/solver/levenberg_marquardt.rs",
+            "LevenbergMarquardt::",
+        ),
+        (
+            "crates/kinopt-solver/src/solver/gauss_newton.rs",
+            "GaussNewton::",
+        ),
+        (
+            "crates/kinopt-solver/src/solver/projected_gradient.rs",
+            "ProjectedGradient::",
+        ),
     ];
     assert_same("Solvers", &solvers, &["Solver::new"]);
-    assert_same("Drags", &[("src/ik/drag.rs", "")], &[]);
-    let paths = [("src/motion/path/solver.rs", "")];
+    assert_same("Drags", &[("crates/kinopt-solver/src/ik/drag.rs", "")], &[]);
+    let paths = [("crates/kinopt-arm/src/path/solver.rs", "")];
     let of_paths = [
         "CartesianPath::with_traversal",
         "CartesianPath::read",
         "PathSolution::times",
     ];
     assert_same("Paths", &paths, &of_paths);
-    let limits = [("src/motion/path/timing/limits.rs", "")];
+    let limits = [("crates/kinopt-arm/src/path/timing/limits.rs", "")];
     assert_same("Trajectories", &limits, &[]);
 }
 
 #[test]
 fn problem_and_task_tables_equal_the_code() {
-    let mut there = public("src/problem/builder.rs", "", "");
+    let mut there = public("crates/kinopt-solver/src/problem/builder.rs", "", "");
     there.remove("build");
     there.insert("keep_clear".to_owned());
     assert_eq!(named("Problems"), there);
-    let mut there = public("src/task/weighted.rs", "", "");
+    let mut there = public("crates/kinopt-solver/src/task/weighted.rs", "", "");
     there.remove("new");
     assert_eq!(named("Tasks"), there);
 }

@@ -23,6 +23,7 @@
 //! use kinopt::skinning::{MeshWeights, SkinningMethod};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # std::env::set_current_dir("../..")?;
 //! let rig = Rig::read("models/humanoid/humanoid.json")?;
 //! let (mesh, weights) = rig.mesh.zip(rig.weights).ok_or("a rig without a skin")?;
 //! let (weights, lost) = weights.pruned(4)?;

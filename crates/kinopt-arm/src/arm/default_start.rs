@@ -14,6 +14,7 @@ impl Arm {
     /// singularities of a stretched arm.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/franka_panda.urdf")?;

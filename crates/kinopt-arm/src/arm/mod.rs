@@ -5,6 +5,7 @@
 //! with mimic joints, use the general [`Problem`](kinopt_solver::Problem). Both have the same API and results.
 //!
 //! ```
+//! # std::env::set_current_dir("../..")?;
 //! use kinopt::arm::{Arm, Search};
 //! use kinopt::robot::Robot;
 //!

@@ -18,6 +18,7 @@ impl Arm {
     /// Returns an error for a placement that is not a rigid motion.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::arm::{Arm, PoseBounds};
     /// # use kinopt::robot::Robot;
     /// use kinopt::spatial::{Placement, Vector3};

@@ -5,6 +5,7 @@
 //! an upper bound on the deviation between points.
 //!
 //! ```
+//! # std::env::set_current_dir("../..")?;
 //! # #[cfg(feature = "urdf")] {
 //! use kinopt::Arm;
 //! use kinopt::motion::path::{CartesianPath, PathSolver};

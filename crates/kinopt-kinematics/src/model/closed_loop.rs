@@ -7,7 +7,7 @@ use crate::spatial::{Placement, rotation_log};
 ///
 /// Examples: the fourth hinge of a four-bar linkage, the rods of a Stewart platform, two hands on one box. Two anchors,
 /// one on each frame, coincide in a closed loop. A configuration may leave the loop open. Every
-/// [`Problem`](kinopt_solver::Problem) on the model has the closure as a constraint.
+/// `Problem` on the model has the closure as a constraint.
 ///
 /// ```
 /// use kinopt::model::{Limits, Loop, Model};

@@ -22,6 +22,7 @@ const TRIMMED_SHARE: f64 = 0.05;
 /// pairs that overlap in the rest pose, as neighbours do, are disabled.
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::io::rig::Rig;
 /// use kinopt::motion::skin_capsules;
 ///

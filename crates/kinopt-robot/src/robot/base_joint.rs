@@ -135,6 +135,7 @@ impl Robot {
     /// base. The joint keeps its name, gets the bounds and comes first in the configuration. All joints keep their ids.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::robot::{BaseJoint, Robot};
     /// let robot = Robot::read("models/universal_ur5e.urdf")?.with_base_joint(BaseJoint::FREE)?;
     /// assert_eq!(robot.model().configuration_len(), 7 + 6);

@@ -27,6 +27,7 @@ impl Robot {
     /// write 0.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
     /// let wrist = robot.model().joint("joint6")?;

@@ -19,6 +19,7 @@ impl Robot {
     /// the robot's file. Units are radians, metres and seconds. Other keys are ignored.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// use kinopt::robot::Robot;
     ///
     /// let limits = "joint_limits:\n  joint1: {has_acceleration_limits: true, max_acceleration: 3.75}";

@@ -127,6 +127,7 @@ impl Robot {
     /// Starts a parameter map that couples the mimic joints. Lock joints or free only some.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/franka_panda.urdf")?;
     /// // The arm alone with the fingers locked open: the second finger is a mimic joint of the first.
@@ -251,6 +252,7 @@ impl Robot {
     /// of joints and frames do not change.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::robot::Robot;
     /// # use kinopt::spatial::{Placement, Vector3};
     /// let gripper = Placement::translation(Vector3::new(0.0, 0.0, 0.12));

@@ -349,7 +349,7 @@ impl Drag {
     /// the problem's model, in the same order. The configuration stays, and the next frame starts from it.
     ///
     /// If scales shear the bones of a character, call this after each frame with the model of
-    /// [`Skeleton::standing_in`](kinopt_kinematics::skeleton::Skeleton::standing_in) for its pose. If the placements of successive
+    /// `Pose::posed_skeleton` for its pose. If the placements of successive
     /// calls oscillate, joints move only part of the way, so that the frames converge.
     ///
     /// # Errors

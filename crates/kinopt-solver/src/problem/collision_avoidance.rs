@@ -1,4 +1,4 @@
-//! Collision avoidance of problems, by [`collision::Checker`](kinopt_collision::collision::Checker) or the caller's own checker.
+//! Collision avoidance of problems, by `collision::Checker` or the caller's own checker.
 
 use std::fmt::Debug;
 
@@ -14,7 +14,7 @@ const STRONG_CLEARANCE_FACTOR: f64 = 100.0;
 
 /// A collision checker.
 ///
-/// [`collision::Checker`](kinopt_collision::collision::Checker) is one. Others may use a distance field or another device.
+/// `collision::Checker` is one. Others may use a distance field or another device.
 /// [`ProblemBuilder::keep_clear`] adds one to a problem.
 pub trait CollisionAvoidance {
     /// The residual that moves the body out of collisions.

@@ -1,7 +1,7 @@
 //! The search over attempts, common to all engines.
 //!
 //! An [`Engine`] searches from one start. [`run`] gives it the starts of a [`Schedule`]. The
-//! [`Keeper`](best_attempt::Keeper) chooses the best attempt and counts those that agree with it. [`Solution::measure`]
+//! `Keeper` chooses the best attempt and counts those that agree with it. [`Solution::measure`]
 //! measures the errors at its end, and [`explain`](Solution::explain) describes them.
 
 mod attempt;

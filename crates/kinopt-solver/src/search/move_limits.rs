@@ -63,10 +63,8 @@ pub struct MoveLimits {
 
 impl MoveLimits {
     /// Limits displacements from `start`, in radians and metres. `max_moves` has the length of a configuration; the
-    /// four numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from
+    /// four numbers of a ball joint are equal. Infinity is no limit. `Robot::moves_within` computes them from
     /// velocity limits.
-    ///
-    /// [`Robot::moves_within`]: kinopt_robot::robot::Robot::moves_within
     ///
     /// # Errors
     /// A wrong number of moves, a move that is negative or NaN, or four moves of a ball joint that differ. Also a start

@@ -17,6 +17,7 @@ impl Clip {
     /// property that is equal in all poses has one key, or none if it is at rest.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// use kinopt::animation::{Armature, Clip};
     /// # use kinopt::io::rig::Rig;
     ///

@@ -40,7 +40,7 @@ impl Armature {
     ///
     /// Below an [unevenly scaled](Self::scale_notes) bone the armature shears and the skeleton does not, so their
     /// joints separate as bones rotate. [`ReachLayer`](super::ReachLayer) and
-    /// [`ClipIk`](kinopt_motion::motion::clip_ik::ClipIk) solve for the joints of the armature. A [`Drag`](kinopt_solver::ik::Drag)
+    /// `ClipIk` solve for the joints of the armature. A [`Drag`](kinopt_solver::ik::Drag)
     /// does so if [`move_joints`](kinopt_solver::ik::Drag::move_joints) is called after each frame.
     ///
     /// # Errors

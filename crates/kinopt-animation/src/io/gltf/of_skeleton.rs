@@ -13,6 +13,7 @@ impl Scene {
     /// [`armature`](Self::armature) to [`clips`](Self::clips).
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// use kinopt::animation::Clip;
     /// use kinopt::io::gltf::{self, Scene, WriteOptions};
     /// use kinopt::io::rig::Rig;

@@ -70,6 +70,7 @@ impl PathSolution {
     /// the path.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # #[cfg(feature = "urdf")] {
     /// use kinopt::Arm;
     /// use kinopt::motion::path::{CartesianPath, PathSolver, TimingLimits};

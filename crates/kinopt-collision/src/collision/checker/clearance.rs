@@ -24,6 +24,7 @@ use kinopt_solver::task::{
 /// closest point − that of the first).
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::collision::{Checker, Clearance, World};
 /// use kinopt::robot::Robot;
 /// use kinopt::spatial::Vector3;

@@ -50,6 +50,7 @@ use parts::{Pair, Scene};
 /// A checker is immutable. The copies that its methods return share unchanged data.
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::collision::{Checker, World};
 /// use kinopt::robot::Robot;
 /// use kinopt::spatial::Vector3;
@@ -98,7 +99,7 @@ impl Checker {
 
     /// The checker with spheres that cover the robot's shapes.
     ///
-    /// With spheres, [arms](kinopt_arm::Arm) check eight configurations at once, and most pairs of links are rejected
+    /// With spheres, arms check eight configurations at once, and most pairs of links are rejected
     /// without an exact distance. If the sphere model has [gaps](SphereModel::gap), its spheres are enlarged by them.
     #[must_use]
     pub fn with_spheres(mut self, spheres: SphereModel) -> Self {

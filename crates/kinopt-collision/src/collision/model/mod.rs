@@ -69,6 +69,7 @@ impl CollisionObject {
 /// [`with_ignored`](Self::with_ignored) and [`with_checked`](Self::with_checked).
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::collision::CollisionModel;
 /// use kinopt::robot::Robot;
 ///

@@ -42,6 +42,7 @@ pub enum Resolution {
 /// its shape. Models that are [read](Self::read) from a file may leave [gaps](SphereGroup::gap).
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 /// use kinopt::robot::Robot;
 ///

@@ -12,6 +12,7 @@ impl World {
     /// [`CollisionModel::with_ignored`](crate::collision::CollisionModel::with_ignored) allows collisions of two links.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// use kinopt::collision::{Checker, World};
     /// use kinopt::robot::Robot;
     /// use kinopt::spatial::{Placement, Vector3};

@@ -17,6 +17,7 @@ const BASE_LEN: usize = 7;
 /// Skeleton on a free base as a [`Robot`] with z up, and the conversion to poses of its file.
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::animation::Armature;
 /// use kinopt::io::rig::Rig;
 /// use kinopt::motion::retarget::{FigureTarget, UpAxis};

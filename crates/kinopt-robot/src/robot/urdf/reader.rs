@@ -227,6 +227,7 @@ impl Robot {
     /// mesh files, so `package://` paths need no ROS. Extensions are ignored.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// use kinopt::robot::Robot;
     ///
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;

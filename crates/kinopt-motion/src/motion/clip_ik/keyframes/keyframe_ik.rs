@@ -26,6 +26,7 @@ use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 /// the clip beyond a limit. [`EditedKeys::beyond`] lists these limits.
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::io::rig::Rig;
 /// use kinopt::motion::clip_ik::{KeyframeIk, Reach};
 ///

@@ -16,6 +16,7 @@ const UNFINISHED_PREFIX: &str = ".part.";
 /// Motions in a folder and its subfolders, and the output folder with files of the same names.
 ///
 /// ```
+/// # std::env::set_current_dir("../..")?;
 /// use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, unfinished};
 /// use kinopt::motion::retarget::RetargetOptions;
 /// use kinopt::robot::{BaseJoint, Robot};
