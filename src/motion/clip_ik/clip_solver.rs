@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::edited::EditedClip;
 use super::posed_bones::Hinges;
 use super::root_bone::{ancestors, branching_above};
-use super::solving::solve;
 use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
 use crate::animation::{Armature, ChannelError, Clip};
@@ -159,23 +157,8 @@ impl<'a> ClipIk<'a> {
         }
     }
 
-    /// Solves a clip.
-    ///
-    /// # Errors
-    /// Returns an error for:
-    /// - no reach and no planted bone,
-    /// - a bone of another armature, a bone with two tasks at one time, or a bone that is not below the root,
-    /// - a span that does not overlap the clip or is shorter than its two fades,
-    /// - options out of range.
-    ///
-    /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.
-    pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
-        let request = self.check(clip)?;
-        solve(self, &request, clip)
-    }
-
     /// Checks the tasks and options against a clip.
-    fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
+    pub(super) fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
         SizeMismatch::check("bones in the clip", clip.bones(), self.armature.bones())?;
         for (index, bone) in self
             .skeleton

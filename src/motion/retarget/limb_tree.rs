@@ -1,6 +1,6 @@
 //! Hierarchy of limbs.
 
-use super::limbs::Limb;
+use super::limb::Limb;
 use crate::model::{FrameId, JointId, Model};
 use crate::spatial::Vector3;
 

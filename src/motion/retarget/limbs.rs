@@ -1,5 +1,6 @@
 //! Target positions of a model from captured joint positions.
 
+use super::limb::Limb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::pelvis_heading::HipLine;
@@ -7,7 +8,7 @@ use super::sole::{Sole, ends_on_ground, soles};
 use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
-use crate::model::{FrameId, Model, UnknownName};
+use crate::model::{Model, UnknownName};
 use crate::motion::contact_detection::mean_position;
 use crate::spatial::{Placement, Vector3};
 
@@ -15,28 +16,6 @@ use crate::spatial::{Placement, Vector3};
 const MIN_LIMB_RATIO: f64 = 1e-6;
 /// Quantile of the heights of a contact point that counts as the ground.
 const GROUND_QUANTILE: f64 = 0.05;
-
-/// Driven frame, with the limb that ends there.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Limb {
-    /// Index of the captured joint.
-    pub(super) joint: usize,
-    pub(super) frame: FrameId,
-    pub(super) offset: Vector3<f64>,
-    pub(super) weight: f64,
-    /// Index of the parent limb, which comes earlier; `None` for the root.
-    pub(super) parent: Option<usize>,
-    /// Ratio of the model's limb length to the subject's.
-    pub(super) scale: f64,
-    /// True if the point makes contact.
-    pub(super) makes_contact: bool,
-    /// True if the point was moved from the mapped frame to the foot's frame.
-    pub(super) is_heel: bool,
-    /// Height above the ground in the model's stance, metres.
-    pub(super) clearance: f64,
-    /// Height of the subject's joint on the ground, in the capture's unit.
-    ground: f64,
-}
 
 /// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 use nalgebra::DMatrix;
 
 use super::block_banded::BlockBanded;
-use super::evaluator::Stretch;
+use super::stretch::Stretch;
 use super::{Contact, MotionError, MotionProblem};
 use crate::model::{Model, ParameterMap};
 use crate::problem::{Evaluation, Problem, ProblemInstance, Scratch};

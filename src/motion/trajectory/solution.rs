@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::MotionProblem;
-use super::evaluator::{Evaluator, Stretch};
+use super::evaluator::Evaluator;
 use super::interior_point::Outcome;
+use super::stretch::Stretch;
 use crate::problem::{ReportNames, TaskSubset};
 use crate::solver::Side;
 use crate::task::{Quantity, Role};
