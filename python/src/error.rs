@@ -87,13 +87,10 @@ faults!(
     kinopt::ik::LoopClosureError,
     kinopt::ik::SolveError,
     kinopt::ik::StanceError,
-    kinopt::kinematics::CentreOfMassError,
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,
-    kinopt::model::MassError,
     kinopt::motion::path::PathError,
     kinopt::animation::curve::KeyError,
-    kinopt::model::ModelError,
     kinopt::problem::ProblemError,
     kinopt::skinning::AutomaticWeightsError,
     kinopt::skinning::BlendShapesError,
@@ -104,10 +101,10 @@ faults!(
     serde_json::Error,
 );
 
-impl Fault for kinopt::skeleton::SkeletonError {
+impl Fault for kinopt::model::ModelError {
     fn kind(&self) -> Kind {
         match self {
-            Self::UnknownBone(_) => Kind::UnknownName,
+            Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
@@ -138,15 +135,6 @@ impl Fault for kinopt::arm::ArmError {
         match self {
             Self::UnknownName(_) => Kind::UnknownName,
             Self::Checker(error) => error.kind(),
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
-impl Fault for kinopt::robot::ToolError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::UnknownLink(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }

@@ -17,7 +17,7 @@ mod motion;
 mod reverse;
 mod tree;
 
-pub use centre_of_mass::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
+pub use centre_of_mass::{centre_of_mass, centre_of_mass_jacobian};
 pub(crate) use composites::Composites;
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 pub(crate) use forward_pass::TreeState;

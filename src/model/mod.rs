@@ -35,7 +35,7 @@ pub use joint::{Joint, JointKind};
 pub use length_unit::LengthUnit;
 pub use limits::Limits;
 pub(crate) use masses::moving_joint;
-pub use masses::{MassError, Masses, PointMass};
+pub use masses::{Masses, PointMass};
 pub(crate) use parameter_map::check_configuration;
 pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;

@@ -221,7 +221,7 @@ impl Robot {
         name: &str,
         link: impl Into<FrameRef<'a>>,
         link_from_tool: impl Into<Placement<f64>>,
-    ) -> Result<Self, ToolError> {
+    ) -> Result<Self, ModelError> {
         let link = &self.model.frames()[link.into().resolve(&self.model)?.index()];
         let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool.into());
         let mut builder = ModelBuilder::from_model(&self.model);
@@ -252,18 +252,6 @@ impl Robot {
         /// Removes the loops of the file, for example if they contradict each other.
         pub fn without_loops(mut self) { self.model = self.model.without_loops() }
     }
-}
-
-/// Error of [`Robot::with_tool`].
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ToolError {
-    /// No frame has the name of the link.
-    #[error(transparent)]
-    UnknownLink(#[from] UnknownName),
-    /// The name or the placement of the tool is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
 }
 
 /// A parameter map in which all joints are free except mimic joints.

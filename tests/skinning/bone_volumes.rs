@@ -7,9 +7,9 @@ use std::path::Path;
 use glam::Vec3;
 use kinopt::SizeMismatch;
 use kinopt::io::rig::Rig;
-use kinopt::kinematics::CentreOfMassError;
+use kinopt::kinematics::KinematicsError;
 use kinopt::mesh::TriangleMesh;
-use kinopt::model::MassError;
+use kinopt::model::ModelError;
 use kinopt::skinning::{SkinWeights, TwistedTube, VolumeError, bone_volumes};
 
 /// Box between two corners, with its eight vertices indexed by bits x, y, z.
@@ -197,15 +197,15 @@ fn rig_mass_equals_mesh_volume() {
     }
 
     let invalid = rig.masses(-1.0).unwrap_err();
-    assert!(matches!(invalid, MassError::BadMass { .. }), "{invalid}");
-    assert!(matches!(rig.masses(0.0), Err(MassError::NoMass { .. })));
+    assert!(matches!(invalid, ModelError::BadMass { .. }), "{invalid}");
+    assert!(matches!(rig.masses(0.0), Err(ModelError::NoMass { .. })));
     let bare = Rig {
         mesh: None,
         ..rig.clone()
     };
     let error = bare.centre_of_mass(&rest).unwrap_err();
     assert!(
-        matches!(error, CentreOfMassError::Mass(MassError::NoVolume(_))),
+        matches!(error, KinematicsError::Masses(ModelError::NoVolume(_))),
         "{error}"
     );
 }

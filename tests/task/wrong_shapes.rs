@@ -7,7 +7,7 @@ use std::ops::Range;
 use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
-use kinopt::skeleton::{Bone, Skeleton, SkeletonError};
+use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::solver::{
     LeastSquares, Outcome, SearchError, Silent, SolverState, Stopping, Termination, minimise,
 };
@@ -209,7 +209,7 @@ fn bones_of_another_skeleton_are_rejected() {
     let two = Skeleton::new("two", vec![bone("a", None), bone("b", None)]).unwrap();
     let foreign = two.bone("b").unwrap();
     let pose = one.pose(&[0.0; 3]).unwrap();
-    let refused = SkeletonError::ForeignBone { bone: 1, bones: 1 };
+    let refused = ModelError::ForeignBone { bone: 1, bones: 1 };
     assert_eq!(pose.tail(foreign).unwrap_err(), refused);
     assert_eq!(pose.tip(&one, foreign).unwrap_err(), refused);
     assert_eq!(pose.tip(&two, foreign).unwrap_err(), refused);

@@ -9,7 +9,8 @@ use super::posed_skeleton::PosedSkeleton;
 use crate::SizeMismatch;
 use crate::animation::{Armature, Mirror, Pose};
 use crate::model::Limits;
-use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
+use crate::model::ModelError;
+use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 impl Skeleton {
@@ -44,12 +45,12 @@ impl Armature {
     /// does so if [`move_joints`](crate::ik::Drag::move_joints) is called after each frame.
     ///
     /// # Errors
-    /// A [`SkeletonError`] with the bone whose limits are not an interval.
+    /// A [`ModelError`] with the bone whose limits are not an interval.
     pub fn skeleton(
         &self,
         name: impl Into<String>,
         limits: impl Fn(BoneId) -> [Limits; ANGLES_PER_BONE],
-    ) -> Result<Skeleton, SkeletonError> {
+    ) -> Result<Skeleton, ModelError> {
         let mut placed: Vec<(DAffine3, DQuat, Mirror)> = Vec::with_capacity(self.bones());
         let mut bones = Vec::with_capacity(self.bones());
         for (index, name) in self.names().iter().enumerate() {
@@ -96,7 +97,7 @@ impl Armature {
         &self,
         name: impl Into<String>,
         turning: &BTreeSet<BoneId>,
-    ) -> Result<Skeleton, SkeletonError> {
+    ) -> Result<Skeleton, ModelError> {
         self.skeleton(name, |bone| match turning.contains(&bone) {
             true => [Limits::UNBOUNDED; ANGLES_PER_BONE],
             false => [Limits::new(0.0, 0.0); ANGLES_PER_BONE],

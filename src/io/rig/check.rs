@@ -9,7 +9,8 @@ use super::json::{BoneEntry, Constraints, RigFile};
 use super::{interpolation, names};
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
 use crate::io::{Place, ReadError};
-use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
+use crate::model::ModelError;
+use crate::skeleton::{Bone, BoneId, Skeleton};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
@@ -43,7 +44,7 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
     let stem = Path::new(name).file_stem().and_then(OsStr::to_str);
     Skeleton::new(stem.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
-            SkeletonError::DuplicateName { name } => second_path(name),
+            ModelError::DuplicateName { kind: "bone", name } => second_path(name),
             _ => None,
         };
         let path = path.unwrap_or_else(|| "bones".into());

@@ -4,7 +4,6 @@ use crate::animation::{ChannelError, LocalError, ReachError};
 use crate::bad_option::BadOption;
 use crate::model::{ModelError, UnknownName};
 use crate::motion::trajectory::MotionError;
-use crate::skeleton::SkeletonError;
 
 /// Reason why a motion cannot be retargeted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -19,10 +18,7 @@ pub enum RetargetError {
     /// The tasks or the trajectory problem are invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The bones do not form a valid skeleton.
-    #[error(transparent)]
-    Skeleton(#[from] SkeletonError),
-    /// The skeleton cannot be put on a free base.
+    /// The bones do not form a valid skeleton, or the skeleton cannot be put on a free base.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The bones of the armature and the skeleton differ.
