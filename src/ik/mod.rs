@@ -12,7 +12,6 @@ mod escape;
 mod hold_postures;
 mod joint_interpolation;
 mod loop_closure;
-mod loop_gap;
 mod minimiser;
 mod motion_limits;
 mod nearest_closure;
@@ -25,17 +24,16 @@ mod step_guard;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
-    Side, Solution, SolveError, TaskReport,
+    ActiveLimit, BodyKind, BoundKind, Collision, LoopGap, MoveLimits, OpenLoop, Restarts,
+    RowBlockReport, Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, DragJump};
 pub use loop_closure::LoopClosure;
-pub use loop_gap::{LoopClosureError, LoopGap};
 pub(crate) use minimiser::Minimiser;
 pub use motion_limits::MotionLimits;
 pub use solution_derivative::{
-    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
+    DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
 };
 pub use solver::Solver;
-pub use stance::{StanceError, crouched_configuration};
+pub use stance::crouched_configuration;
 pub use workspace::Workspace;

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::{Tree, TreeState};
-use crate::model::{BallVariables, FrameId, Model, ParameterMap, SegmentKind, ModelError};
+use crate::model::{BallVariables, FrameId, Model, ModelError, ParameterMap, SegmentKind};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 

@@ -1,8 +1,8 @@
 //! Masses of a model's frames, for its centre of mass.
 
 use super::{FrameId, JointId, Model};
-use crate::spatial::{Placement, Vector3};
 use crate::model::ModelError;
+use crate::spatial::{Placement, Vector3};
 
 /// A point mass on a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,17 @@
-//! Errors of the input of a solve.
+//! Errors of solves and of the derivatives of solutions.
 
 use thiserror::Error;
 
+use super::LoopGap;
 use crate::bad_option::BadOption;
+use crate::kinematics::KinematicsError;
+use crate::model::ModelError;
+use crate::problem::ProblemError;
 
-/// Error of a solve that did not start. An unreached target is no error but a [`Solution`](super::Solution).
+/// Error of a solve that did not start, or of the derivative of a solution.
+///
+/// An unreached target is no error but a [`Solution`](super::Solution). The exception are loops that a
+/// [`LoopClosure`](crate::ik::LoopClosure) cannot close.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -97,4 +104,111 @@ pub enum SolveError {
         /// Number of variables of the problem.
         expected: usize,
     },
+    /// A velocity, or a gradient by one, has the wrong length for a derivative.
+    #[error("the velocity has {given} numbers: {expected} are needed")]
+    VelocityLength {
+        /// Number of given elements.
+        given: usize,
+        /// Degrees of freedom of the model.
+        expected: usize,
+    },
+    /// A configuration, or a gradient by one, has the wrong length for a derivative.
+    #[error("the configuration has {given} numbers: {expected} are needed")]
+    ConfigurationLength {
+        /// Number of given elements.
+        given: usize,
+        /// Length of a configuration of the model.
+        expected: usize,
+    },
+    /// The parameters belong to another problem, or have joint origins although no model is set.
+    #[error("the parameters do not fit this problem: create them by `parameters`")]
+    ForeignParameters,
+    /// The task does not exist.
+    #[error("task {given} does not exist: the problem has {tasks} tasks, counted from 0")]
+    NoSuchTask {
+        /// Given index.
+        given: usize,
+        /// Number of tasks.
+        tasks: usize,
+    },
+    /// The model is not that of the problem.
+    #[error("the joints are of model `{given}`: those of `{expected}` are needed")]
+    ForeignModel {
+        /// Name of the given model.
+        given: String,
+        /// Name of the problem's model.
+        expected: String,
+    },
+    /// Invalid frames or an invalid configuration.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// The problem cannot be built.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The configuration has the wrong length, a locked joint is outside its limits, or a joint cannot be dependent.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// No joint is given that closes the loops.
+    #[error(
+        "model `{model}` has loops but no passive joints that close them: name some of {}",
+        joints.join(", ")
+    )]
+    NoPassiveJoints {
+        /// Name of the model.
+        model: String,
+        /// Names of the joints that move the loops.
+        joints: Vec<String>,
+    },
+    /// The search found no values of the dependent joints that close a loop.
+    #[error("{}: no values of {} were found that close it", listed(open), dependent.join(", "))]
+    OpenLoops {
+        /// Open loops with their closure errors.
+        open: Vec<LoopGap>,
+        /// Names of the dependent joints.
+        dependent: Vec<String>,
+    },
+    /// A task that the geometric method does not support.
+    #[error("{solver} does not support task {task}; supported tasks: {valid}")]
+    UnsupportedTask {
+        /// The name of the method.
+        solver: &'static str,
+        /// The name of the task.
+        task: String,
+        /// The supported kinds of tasks.
+        valid: &'static str,
+    },
+    /// A ball joint: geometric methods move joints with one axis.
+    #[error("joint `{joint}` is a ball joint, which {solver} does not support; use a `Solver`")]
+    BallJoint {
+        /// The name of the method.
+        solver: &'static str,
+        /// The name of the joint.
+        joint: String,
+    },
+    /// A prismatic joint, for a geometric method that needs fixed distances between joints.
+    #[error("joint `{joint}` is prismatic, which {solver} does not support; use CCD")]
+    SlidingJoint {
+        /// The name of the method.
+        solver: &'static str,
+        /// The name of the joint, or of its source joint.
+        joint: String,
+    },
+    /// An analytic solution of a chain without exactly two bones.
+    #[error(
+        "model `{model}`: the free joints form {bones} bones with {tips} tip points, but the analytic \
+         solution needs 2 bones with 1 tip point; lock other joints by a `ParameterMap`"
+    )]
+    NotTwoBones {
+        /// The name of the model.
+        model: String,
+        /// Number of distances between points with free joints, including the tip's.
+        bones: usize,
+        /// Number of points with a target.
+        tips: usize,
+    },
+}
+
+fn listed(open: &[LoopGap]) -> String {
+    let open: Vec<String> = open.iter().map(LoopGap::to_string).collect();
+    open.join(", ")
 }

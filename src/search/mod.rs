@@ -13,6 +13,7 @@ mod collisions;
 mod error;
 mod explain;
 mod independent_limbs;
+mod loop_gap;
 mod measure;
 mod move_limits;
 #[cfg(feature = "serde")]
@@ -30,6 +31,7 @@ pub(crate) use attempt::{Attempt, SearchResult};
 pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
 pub use error::SolveError;
+pub use loop_gap::LoopGap;
 pub(crate) use measure::End;
 pub use move_limits::MoveLimits;
 pub(crate) use move_limits::{slide_per_radian, within};

@@ -24,7 +24,7 @@ pub use cone::{BoneCone, Cones};
 pub use holds::Holds;
 pub use pose::{BonePlacements, Posing};
 
-use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, UnknownName, ModelError};
+use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
 /// Number of angles per bone in the stacked vector.
