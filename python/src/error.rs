@@ -117,15 +117,6 @@ impl Fault for kinopt::collision::CollisionModelError {
     }
 }
 
-impl Fault for kinopt::collision::CheckerError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Attached { .. } | Self::MayTouch { .. } => Kind::UnknownName,
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
 impl Fault for kinopt::arm::ArmError {
     fn kind(&self) -> Kind {
         match self {
@@ -148,7 +139,10 @@ impl Fault for ClipNameError {
 impl Fault for kinopt::collision::WorldError {
     fn kind(&self) -> Kind {
         match self {
-            Self::Unknown { .. } | Self::NoObstacle { .. } => Kind::UnknownName,
+            Self::Unknown { .. }
+            | Self::NoObstacle { .. }
+            | Self::Attached { .. }
+            | Self::MayTouch { .. } => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }

@@ -38,7 +38,7 @@ pub(crate) mod world;
 pub use crate::problem::{BodyKind, Collision};
 pub use bounding_box::BoundingBox;
 pub(crate) use checker::FIRST_PLANE;
-pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, MotionCheck, MotionChecker};
+pub use checker::{Checker, CheckerWorkspace, Clearance, MotionCheck, MotionChecker};
 pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;

@@ -60,8 +60,8 @@ pub use two_bone::{Elbow, TwoBone};
 
 use crate::ik::Solution;
 use crate::problem::ProblemInstance;
-use crate::solver::{Observer, Silent};
 use crate::search::SolveError;
+use crate::solver::{Observer, Silent};
 
 /// A geometric method with its settings, immutable and shareable.
 pub trait Geometric: Send + Sync {

@@ -42,7 +42,7 @@ mod twists;
 pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
 pub(crate) use batch::{Attempts, Work};
-pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
+pub use chain::{Chain, ChainJoint, MAX_JOINTS};
 #[cfg(feature = "collision")]
 pub(crate) use links::Links;
 pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};

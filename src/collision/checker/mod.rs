@@ -4,7 +4,6 @@ mod allowed_collisions;
 mod clearance;
 mod close_pairs;
 mod continuous_check;
-mod error;
 mod motion_bound;
 mod motion_checker;
 mod of_robot;
@@ -20,13 +19,13 @@ use std::sync::Arc;
 
 pub use clearance::Clearance;
 pub use continuous_check::MotionCheck;
-pub use error::CheckerError;
 pub use motion_checker::MotionChecker;
 pub(crate) use parts::FIRST_PLANE;
 pub use workspace::CheckerWorkspace;
 
 use super::world::Change;
 use super::{CollisionModel, ROUNDING, SphereModel, World};
+use crate::collision::WorldError;
 use crate::kinematics::KinematicsError;
 use crate::model::FrameId;
 use crate::search::Collision;
@@ -117,7 +116,7 @@ impl Checker {
     /// # Errors
     /// Returns an error if an obstacle is attached to a frame that the robot does not have. Returns an error if an
     /// obstacle is allowed to collide with an unknown name. The error lists the valid names.
-    pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
+    pub fn with_world(mut self, world: &World) -> Result<Self, WorldError> {
         let changes = self.world.changes(world);
         let mut scene = self.scene.changed(&changes);
         let has_allowed_collisions =
@@ -139,7 +138,7 @@ impl Checker {
     ///
     /// # Errors
     /// Returns an error if the margin is negative or not finite.
-    pub fn with_margin(mut self, metres: f64) -> Result<Self, CheckerError> {
+    pub fn with_margin(mut self, metres: f64) -> Result<Self, WorldError> {
         crate::bad_option::BadOption::check("margin", metres, crate::bad_option::NOT_NEGATIVE)?;
         self.margin = metres;
         Ok(self)
