@@ -76,7 +76,7 @@ pub enum ReadProblem {
     #[error("{0}")]
     Malformed(String),
     /// Well-formed but invalid contents, for example a [`MeshError`](crate::mesh::MeshError) or a
-    /// [`WeightsError`](crate::skinning::WeightsError).
+    /// [`SkinningError`](crate::skinning::SkinningError).
     #[error(transparent)]
     Invalid(Arc<dyn std::error::Error + Send + Sync>),
     /// A referenced file that cannot be read.

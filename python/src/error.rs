@@ -88,12 +88,12 @@ faults!(
     kinopt::motion::path::PathError,
     kinopt::animation::curve::KeyError,
     kinopt::problem::ProblemError,
-    kinopt::skinning::AutomaticWeightsError,
-    kinopt::skinning::BlendShapesError,
-    kinopt::skinning::CageError,
-    kinopt::skinning::MorphError,
     kinopt::skinning::SkinningError,
-    kinopt::skinning::WeightsError,
+    kinopt::skinning::SkinningError,
+    kinopt::skinning::SkinningError,
+    kinopt::skinning::SkinningError,
+    kinopt::skinning::SkinningError,
+    kinopt::skinning::SkinningError,
     serde_json::Error,
 );
 

@@ -22,7 +22,7 @@ pub use crate::file_replacement::write_file;
 use crate::file::{MAX_FILE_BYTES, read_with};
 use crate::file_replacement::write_files;
 use crate::mesh::MeshError;
-use crate::skinning::WeightsError;
+use crate::skinning::SkinningError;
 
 impl From<MeshError> for ReadProblem {
     fn from(error: MeshError) -> Self {
@@ -30,8 +30,8 @@ impl From<MeshError> for ReadProblem {
     }
 }
 
-impl From<WeightsError> for ReadProblem {
-    fn from(error: WeightsError) -> Self {
+impl From<SkinningError> for ReadProblem {
+    fn from(error: SkinningError) -> Self {
         Self::invalid(error)
     }
 }

@@ -8,10 +8,7 @@ use glam::{Affine3A, Vec3};
 use super::{Scene, SceneError, SceneMesh, Skin};
 use crate::animation::{Pose, SizeMismatch};
 use crate::mesh::{MeshError, TriangleMesh};
-use crate::skinning::{
-    MeshWeights, MorphError, PosedVertices, SkinWeights, SkinningError, SkinningMethod,
-    WeightsError,
-};
+use crate::skinning::{MeshWeights, PosedVertices, SkinWeights, SkinningError, SkinningMethod};
 
 /// Poses the meshes of one scene repeatedly, with prepared weights and reused memory. `S` is a `&Scene` or an owner
 /// such as `Arc<Scene>`.
@@ -41,7 +38,7 @@ pub enum PosingError {
         /// Name of the mesh.
         mesh: String,
         /// The problem.
-        problem: MorphError,
+        problem: SkinningError,
     },
     /// An error of a mesh's skin; bone indices are indices of the skin's joints.
     #[error("mesh `{mesh}`: {problem}")]
@@ -57,7 +54,7 @@ pub enum PosingError {
         /// Name of the mesh.
         mesh: String,
         /// The problem.
-        problem: WeightsError,
+        problem: SkinningError,
     },
     /// The posed vertices are not finite.
     #[error("mesh `{mesh}`: {problem}")]

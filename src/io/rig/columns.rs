@@ -6,7 +6,7 @@ use super::check::error_at;
 use super::json::RigFile;
 use crate::io::{Place, ReadError};
 use crate::mesh::TriangleMesh;
-use crate::skinning::{SkinWeights, WeightsError};
+use crate::skinning::{SkinWeights, SkinningError};
 
 /// Assigns each column of the table to the bone with its `weight_id`.
 pub(super) fn weights(
@@ -41,7 +41,7 @@ pub(super) fn weights(
             return Err(error_at(name, path(), problem));
         }
     }
-    let fail = |error: WeightsError| {
+    let fail = |error: SkinningError| {
         let part = file.weights.as_ref().map_or("", |part| &part.file);
         let error = ReadError::new(part, Place::File, error);
         ReadError::referred(name, Place::Json("weights.file".into()), error)

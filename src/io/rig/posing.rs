@@ -11,8 +11,8 @@ use crate::kinematics::KinematicsError;
 use crate::mesh::TriangleMesh;
 use crate::skeleton::Posing;
 use crate::skinning::{
-    AutomaticWeights, AutomaticWeightsError, MeshWeights, PosedVertices, SkinningError,
-    SkinningMethod, single_precision_transform,
+    AutomaticWeights, MeshWeights, PosedVertices, SkinningError, SkinningMethod,
+    single_precision_transform,
 };
 
 /// Poses the mesh of a rig repeatedly, with prepared weights and reused memory. `R` is a `&Rig` or an owner such as
@@ -39,7 +39,7 @@ pub enum RigPosingError {
     NoMesh,
     /// The rig has no weights, and automatic weights failed.
     #[error("the rig has no skin weights, and they cannot be computed: {0}")]
-    Weights(AutomaticWeightsError),
+    Weights(SkinningError),
     /// A configuration of another skeleton, or one that is not finite.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
