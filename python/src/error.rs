@@ -1,6 +1,6 @@
 //! Conversion of the library's errors to exceptions with the library's messages.
 
-use kinopt::animation::{ClipNameError, ParameterError, ReachError};
+use kinopt::animation::{ClipError, LayerError};
 use kinopt::io::bvh::BvhError;
 use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
@@ -67,16 +67,7 @@ macro_rules! faults {
 faults!(
     kinopt::BadOption,
     kinopt::arm::QueryError,
-    kinopt::animation::AimError,
-    kinopt::animation::ArmatureError,
-    kinopt::animation::BlendError,
-    kinopt::animation::ChannelError,
-    kinopt::animation::ClipError,
     kinopt::animation::HandleError,
-    kinopt::animation::LimbError,
-    kinopt::animation::LocalError,
-    kinopt::animation::MaskError,
-    kinopt::animation::SampleError,
     kinopt::animation::SizeMismatch,
     kinopt::io::gltf::PosingError,
     kinopt::io::gltf::SceneError,
@@ -88,11 +79,6 @@ faults!(
     kinopt::motion::path::PathError,
     kinopt::animation::curve::KeyError,
     kinopt::problem::ProblemError,
-    kinopt::skinning::SkinningError,
-    kinopt::skinning::SkinningError,
-    kinopt::skinning::SkinningError,
-    kinopt::skinning::SkinningError,
-    kinopt::skinning::SkinningError,
     kinopt::skinning::SkinningError,
     serde_json::Error,
 );
@@ -127,10 +113,10 @@ impl Fault for kinopt::arm::ArmError {
     }
 }
 
-impl Fault for ClipNameError {
+impl Fault for ClipError {
     fn kind(&self) -> Kind {
         match self {
-            Self::Unknown(_) => Kind::UnknownName,
+            Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
@@ -148,19 +134,10 @@ impl Fault for kinopt::collision::WorldError {
     }
 }
 
-impl Fault for ReachError {
+impl Fault for LayerError {
     fn kind(&self) -> Kind {
         match self {
-            Self::NoEffector(_) => Kind::UnknownName,
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
-impl Fault for ParameterError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Unknown(_) => Kind::UnknownName,
+            Self::NoEffector(_) | Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::ROW_SUM_TOLERANCE;
 use crate::mesh::TriangleMesh;
-use crate::{Buffer, SizeMismatch};
 use crate::skinning::SkinningError;
+use crate::{Buffer, SizeMismatch};
 
 /// Key shapes of one mesh, each with a position for every vertex.
 ///

@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::{Influence, SkinWeights};
 use crate::SizeMismatch;
 use crate::mesh::TriangleMesh;
-use crate::spatial::Vector3;
 use crate::skinning::SkinningError;
+use crate::spatial::Vector3;
 
 /// Number of columns across the widest side of the mesh.
 const COLUMNS: usize = 256;

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 
 use super::mean_value::mean_value_coordinates;
 use crate::mesh::TriangleMesh;
-use crate::{Buffer, SizeMismatch};
 use crate::skinning::SkinningError;
+use crate::{Buffer, SizeMismatch};
 
 /// Points bound to a closed triangle cage by mean-value coordinates.
 ///

@@ -145,22 +145,17 @@ each! { shown: solver::Iterate<'static>, }
 
 each! { error:
     collision::ShapeError, collision::WorldError, collision::CollisionModelError,
-    motion::trajectory::MotionError, animation::AimError, animation::ArmatureError,
-    animation::BlendError, animation::ChannelError, animation::ClipError, animation::ClipNameError,
-    animation::HandleError, animation::LimbError, animation::LocalError, animation::NoEffector,
-    animation::NotFinite, animation::ParameterError, animation::ReachError, animation::SampleError,
-    animation::SizeMismatch, animation::StateMachineError, animation::StateMachineProblem,
-    animation::curve::KeyError, arm::ArmError, arm::QueryError, geometric::SolveError,
-    ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError, io::bvh::BvhError,
-    io::gltf::PosingError, io::gltf::SceneError, io::gltf::UnwritableScene, io::rig::RigPosingError,
-    kinematics::KinematicsError, model::ModelError, skinning::SkinningError, mesh::MeshError,
-    model::UnknownName, problem::ProblemError, robot::ModelError, robot::RobotFileError,
-    skeleton::ModelError, skinning::SkinningError, skinning::SkinningError,
-    skinning::SkinningError, skinning::SkinningError, skinning::SkinningError, skinning::UnknownSkinning,
-    skinning::SkinningError, spatial::NotRigid, spatial::RigidDefect, BadOption, SizeMismatch,
-    animation::MaskError, simd_ik::LaneError, motion::clip_ik::ClipIkError, motion::path::PathError,
-    motion::retarget::RetargetError, motion::retarget::folder::FolderError, robot::ParseIssue,
-    solver::SearchError,
+    motion::trajectory::MotionError, animation::LayerError, animation::ClipError,
+    animation::HandleError, animation::NoEffector, animation::NotFinite, animation::SizeMismatch,
+    animation::StateMachineError, animation::curve::KeyError, arm::ArmError, arm::QueryError,
+    geometric::SolveError, ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError,
+    io::bvh::BvhError, io::gltf::PosingError, io::gltf::SceneError, io::gltf::UnwritableScene,
+    io::rig::RigPosingError, kinematics::KinematicsError, model::ModelError,
+    skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
+    robot::ModelError, robot::RobotFileError, skeleton::ModelError, skinning::UnknownSkinning,
+    spatial::NotRigid, spatial::RigidDefect, BadOption, SizeMismatch, simd_ik::LaneError,
+    motion::clip_ik::ClipIkError, motion::path::PathError, motion::retarget::RetargetError,
+    motion::retarget::folder::FolderError, robot::ParseIssue, solver::SearchError,
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{ClipError, EulerClip, EulerTrack};
+use super::{EulerClip, EulerTrack};
+use crate::animation::ClipError;
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
 

@@ -2,13 +2,11 @@
 
 use glam::{DQuat, Quat};
 
-use super::ReachError;
-use crate::Buffer;
-use crate::SizeMismatch;
 use crate::animation::rotation::EulerOrder;
-use crate::animation::{Mirror, Pose};
+use crate::animation::{LayerError, Mirror, Pose};
 use crate::model::{Limits, ModelError};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
+use crate::{Buffer, SizeMismatch};
 
 /// Rotation of a bone by its angles θ₁, θ₂, θ₃ in radians: R_x(θ₃) R_z(θ₂) R_x(θ₁).
 pub(crate) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
@@ -111,7 +109,7 @@ impl EulerPoseMap {
     /// # Errors
     /// - The pose has fewer bones.
     /// - The number of angles differs, or an angle is not finite.
-    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), LayerError> {
         has_bones(pose, self.rest.len())?;
         let angles = ANGLES_PER_BONE * self.rest.len();
         ModelError::check_numbers("angles of this skeleton", q, angles)?;

@@ -9,14 +9,12 @@ mod held_rotation;
 mod limb;
 mod posed_skeleton;
 mod reach;
-mod reach_error;
 mod shear_correction;
 
-pub use aim::{Aim, AimError, AimGoal};
+pub use aim::{Aim, AimGoal};
 pub use ball_pose_map::BallPoseMap;
 pub use euler_pose_map::EulerPoseMap;
 pub(crate) use euler_pose_map::{bone_angles, bone_rotation};
-pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
+pub use limb::{EndRotation, Limb, LimbGoal};
 pub use reach::{NoEffector, ReachLayer};
-pub use reach_error::ReachError;
 pub(crate) use shear_correction::{Corrected, ShearCorrection};

@@ -14,9 +14,9 @@ mod scale_note;
 mod serialised;
 mod stretch;
 
-pub use armature::{Armature, ArmatureBone, ArmatureError};
+pub use armature::{Armature, ArmatureBone};
 pub use local_transform::LocalTransform;
 pub(crate) use mirror::Mirror;
-pub use pose::{LocalError, Pose};
+pub use pose::Pose;
 pub use scale_note::ScaleNote;
 pub(crate) use stretch::Stretch;

@@ -68,7 +68,7 @@ use gltf_json::Root;
 
 use self::source::Source;
 use super::{FileAccess, ReadError};
-use crate::animation::{Armature, Clip, ClipNameError};
+use crate::animation::{Armature, Clip, ClipError};
 use crate::file_access::below_folder;
 use crate::skeleton::BoneId;
 
@@ -152,7 +152,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Clip::named`].
-    pub fn clip(&self, name: &str) -> Result<&Clip, ClipNameError> {
+    pub fn clip(&self, name: &str) -> Result<&Clip, ClipError> {
         Clip::named(&self.clips, name)
     }
 }

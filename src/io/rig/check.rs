@@ -184,8 +184,8 @@ pub(super) fn clip(
     });
     clip.map_err(|error| {
         let path = match error {
-            ClipError::DuplicateBone { track, .. } => format!("fk_animation[{track}].bone_id"),
-            ClipError::NonFiniteTime { track, key, .. }
+            ClipError::DuplicateTrack { track, .. } => format!("fk_animation[{track}].bone_id"),
+            ClipError::NonFiniteKeyTime { track, key, .. }
             | ClipError::NotIncreasing { track, key, .. } => {
                 format!("fk_animation[{track}].keys[{key}].t")
             }
@@ -193,9 +193,7 @@ pub(super) fn clip(
                 format!("fk_animation[{track}].keys[{key}].xzx")
             }
             // Reading already checked the number and size of controls.
-            ClipError::ControlCount { .. }
-            | ClipError::NonFiniteControls { .. }
-            | ClipError::Curve { .. } => "fk_animation".into(),
+            _ => "fk_animation".into(),
         };
         error_at(name, path, error.to_string())
     })

@@ -9,7 +9,7 @@ use super::posed_bones::Hinges;
 use super::root_bone::{ancestors, branching_above};
 use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
-use crate::animation::{Armature, ChannelError, Clip};
+use crate::animation::{Armature, Clip, ClipError};
 use crate::motion::ContactDetection;
 use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::skeleton::{BoneId, Skeleton};
@@ -175,7 +175,7 @@ impl<'a> ClipIk<'a> {
             detection.check()?;
         }
         let up = self.up.try_normalize();
-        let up = up.ok_or(ChannelError::BadUp {
+        let up = up.ok_or(ClipError::BadUp {
             up: self.up.to_array(),
         })?;
         let span = clip.span().map(f64::from);

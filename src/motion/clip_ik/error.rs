@@ -1,8 +1,8 @@
 //! Errors of inverse kinematics over a clip.
 
 use crate::SizeMismatch;
+use crate::animation::ClipError;
 use crate::animation::curve::KeyError;
-use crate::animation::{ChannelError, ClipError, SampleError};
 use crate::bad_option::BadOption;
 use crate::ik::SolveError;
 use crate::kinematics::KinematicsError;
@@ -78,16 +78,13 @@ pub enum ClipIkError {
     NoKeys,
     /// The new keys make no valid clip.
     #[error("new keys: {0}")]
-    Keys(#[from] ClipError),
-    /// The clip cannot be sampled at some time.
-    #[error(transparent)]
-    Sample(#[from] SampleError),
+    Keys(#[source] ClipError),
     /// An option is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// The clip's channels are invalid.
+    /// The clip's channels are invalid, or the clip cannot be sampled at some time.
     #[error(transparent)]
-    Channel(#[from] ChannelError),
+    Clip(#[from] ClipError),
     /// The clip is of another armature.
     #[error(transparent)]
     Size(#[from] SizeMismatch),

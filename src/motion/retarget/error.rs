@@ -1,6 +1,6 @@
 //! Errors of retargeting.
 
-use crate::animation::{ChannelError, LocalError, ReachError};
+use crate::animation::{ClipError, LayerError};
 use crate::bad_option::BadOption;
 use crate::model::{ModelError, UnknownName};
 use crate::motion::trajectory::MotionError;
@@ -29,15 +29,12 @@ pub enum RetargetError {
         /// Bone of the skeleton.
         bone: String,
     },
-    /// The bones cannot have that pose.
-    #[error(transparent)]
-    Pose(#[from] LocalError),
     /// The angles do not correspond to a pose.
     #[error(transparent)]
-    Angles(#[from] ReachError),
-    /// The poses do not form a valid clip.
+    Angles(#[from] LayerError),
+    /// The bones cannot have that pose, or the poses do not form a valid clip.
     #[error(transparent)]
-    Clip(#[from] ChannelError),
+    Clip(#[from] ClipError),
     /// The count of numbers does not match whole capture frames.
     #[error(
         "the capture has {numbers} numbers: each frame needs three for each of the {joints} joints"

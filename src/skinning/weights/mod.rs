@@ -3,8 +3,8 @@
 mod builder;
 mod tolerances;
 
-use nalgebra::DMatrix;
 use crate::skinning::SkinningError;
+use nalgebra::DMatrix;
 
 pub use builder::{SkinWeightsBuilder, WeightRepair};
 pub use tolerances::{NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE};
