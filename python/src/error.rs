@@ -1,8 +1,7 @@
 //! Conversion of the library's errors to exceptions with the library's messages.
 
 use kinopt::animation::{ClipError, LayerError};
-use kinopt::io::bvh::BvhError;
-use kinopt::io::{ReadError, ReadProblem, WriteError};
+use kinopt::io::{FormatError, ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
 use kinopt::robot::RobotFileError;
 use kinopt::skinning::UnknownSkinning;
@@ -69,10 +68,8 @@ faults!(
     kinopt::arm::QueryError,
     kinopt::animation::HandleError,
     kinopt::animation::SizeMismatch,
-    kinopt::io::gltf::PosingError,
     kinopt::io::gltf::SceneError,
     kinopt::io::gltf::UnwritableScene,
-    kinopt::io::rig::RigPosingError,
     kinopt::ik::SolveError,
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,
@@ -143,7 +140,7 @@ impl Fault for LayerError {
     }
 }
 
-impl Fault for BvhError {
+impl Fault for FormatError {
     fn kind(&self) -> Kind {
         match self {
             Self::Write(error) => error.kind(),

@@ -7,6 +7,7 @@
 pub mod bvh;
 pub mod cones;
 pub mod dmat;
+mod format_error;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub(crate) mod json;
@@ -18,6 +19,7 @@ pub mod state_machine;
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
 pub use crate::file_access::FileAccess;
 pub use crate::file_replacement::write_file;
+pub use format_error::FormatError;
 
 use crate::file::{MAX_FILE_BYTES, read_with};
 use crate::file_replacement::write_files;

@@ -149,13 +149,13 @@ each! { error:
     animation::HandleError, animation::NoEffector, animation::NotFinite, animation::SizeMismatch,
     animation::StateMachineError, animation::curve::KeyError, arm::ArmError, arm::QueryError,
     geometric::SolveError, ik::SolveError, io::ReadError, io::ReadProblem, io::WriteError,
-    io::bvh::BvhError, io::gltf::PosingError, io::gltf::SceneError, io::gltf::UnwritableScene,
-    io::rig::RigPosingError, kinematics::KinematicsError, model::ModelError,
-    skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
-    robot::ModelError, robot::RobotFileError, skeleton::ModelError, skinning::UnknownSkinning,
-    spatial::NotRigid, spatial::RigidDefect, BadOption, SizeMismatch, simd_ik::LaneError,
-    motion::clip_ik::ClipIkError, motion::path::PathError, motion::retarget::RetargetError,
-    motion::retarget::folder::FolderError, robot::ParseIssue, solver::SearchError,
+    io::bvh::FormatError, io::gltf::FormatError, io::gltf::SceneError, io::gltf::UnwritableScene,
+    io::rig::FormatError, kinematics::KinematicsError, model::ModelError, skinning::SkinningError,
+    mesh::MeshError, model::UnknownName, problem::ProblemError, robot::ModelError,
+    robot::RobotFileError, skeleton::ModelError, skinning::UnknownSkinning, spatial::NotRigid,
+    spatial::RigidDefect, BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
+    motion::path::PathError, motion::retarget::RetargetError, motion::retarget::folder::FolderError,
+    robot::ParseIssue, solver::SearchError,
 }
 
 #[test]

@@ -57,7 +57,7 @@ mod triangles;
 mod write;
 
 pub use note::Note;
-pub use posing::{PosingError, ScenePosing};
+pub use posing::ScenePosing;
 pub use scene::{Scene, SceneError, SceneMesh, Skin};
 pub use scene_file::SceneFile;
 pub use write::{UnwritableScene, WriteOptions, mesh_to_bytes, to_bytes, write, write_mesh};
