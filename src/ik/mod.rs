@@ -23,9 +23,10 @@ mod stance;
 mod step_guard;
 mod workspace;
 
+pub use crate::problem::LoopGap;
 pub use crate::search::{
-    ActiveLimit, BodyKind, BoundKind, Collision, LoopGap, MoveLimits, OpenLoop, Restarts,
-    RowBlockReport, Side, Solution, SolveError, TaskReport,
+    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
+    Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, DragJump};
 pub use loop_closure::LoopClosure;

@@ -4,8 +4,7 @@
 
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, JointId, Model, ParameterMap};
-use crate::problem::Problem;
-use crate::search::SolveError;
+use crate::problem::{Problem, ProblemError};
 use crate::spatial::Vector3;
 use crate::task::{Pose, Posture};
 
@@ -29,7 +28,7 @@ pub fn crouched_configuration(
     feet: &[FrameId],
     q: &[f64],
     up: impl Into<Vector3<f64>>,
-) -> Result<Vec<f64>, SolveError> {
+) -> Result<Vec<f64>, ProblemError> {
     // Ball joint of the first free joint, and the frame attached to it.
     let first = model.free_joints().first();
     let base = first.map(|first| JointId::new(first.index() + 3));

@@ -10,10 +10,8 @@ mod basin_hopping;
 mod best_attempt;
 mod check_start;
 mod collisions;
-mod error;
 mod explain;
 mod independent_limbs;
-mod loop_gap;
 mod measure;
 mod move_limits;
 #[cfg(feature = "serde")]
@@ -26,12 +24,10 @@ mod schedule;
 mod solution;
 
 pub use crate::problem::{BodyKind, Collision};
-pub use crate::solver::Side;
+pub use crate::solver::{Side, SolveError};
 pub(crate) use attempt::{Attempt, SearchResult};
 pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
-pub use error::SolveError;
-pub use loop_gap::LoopGap;
 pub(crate) use measure::End;
 pub use move_limits::MoveLimits;
 pub(crate) use move_limits::{slide_per_radian, within};

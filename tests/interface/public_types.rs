@@ -154,7 +154,7 @@ each! { error:
     robot::RobotFileError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
     motion::path::PathError, motion::retarget::RetargetError, motion::retarget::folder::FolderError,
-    robot::ParseIssue, solver::SearchError,
+    robot::ParseIssue,
 }
 
 #[test]

@@ -9,7 +9,7 @@ use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::solver::{
-    LeastSquares, Outcome, SearchError, Silent, SolverState, Stopping, Termination, minimise,
+    LeastSquares, Outcome, Silent, SolveError, SolverState, Stopping, Termination, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Inequality, LocalJacobian, Point, Quantity, Residual, RowBlock};
@@ -97,7 +97,7 @@ impl LeastSquares for Shifted {
     }
 }
 
-type Ends = Vec<Result<(Outcome, Vec<f64>), SearchError>>;
+type Ends = Vec<Result<(Outcome, Vec<f64>), SolveError>>;
 
 fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Ends {
     let mut ends = Vec::new();

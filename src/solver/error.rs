@@ -1,17 +1,13 @@
-//! Errors of solves and of the derivatives of solutions.
+//! Errors of minimisations, of solves and of the derivatives of solutions.
 
 use thiserror::Error;
 
-use super::LoopGap;
+use crate::SizeMismatch;
 use crate::bad_option::BadOption;
-use crate::kinematics::KinematicsError;
-use crate::model::ModelError;
-use crate::problem::ProblemError;
 
-/// Error of a solve that did not start, or of the derivative of a solution.
+/// Error of a minimisation or a solve that did not start, or of the derivative of a solution.
 ///
-/// An unreached target is no error but a [`Solution`](super::Solution). The exception are loops that a
-/// [`LoopClosure`](crate::ik::LoopClosure) cannot close.
+/// An unreached target is no error but a [`Solution`](crate::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -139,34 +135,6 @@ pub enum SolveError {
         /// Name of the problem's model.
         expected: String,
     },
-    /// Invalid frames or an invalid configuration.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
-    /// The problem cannot be built.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// The configuration has the wrong length, a locked joint is outside its limits, or a joint cannot be dependent.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// No joint is given that closes the loops.
-    #[error(
-        "model `{model}` has loops but no passive joints that close them: name some of {}",
-        joints.join(", ")
-    )]
-    NoPassiveJoints {
-        /// Name of the model.
-        model: String,
-        /// Names of the joints that move the loops.
-        joints: Vec<String>,
-    },
-    /// The search found no values of the dependent joints that close a loop.
-    #[error("{}: no values of {} were found that close it", listed(open), dependent.join(", "))]
-    OpenLoops {
-        /// Open loops with their closure errors.
-        open: Vec<LoopGap>,
-        /// Names of the dependent joints.
-        dependent: Vec<String>,
-    },
     /// A task that the geometric method does not support.
     #[error("{solver} does not support task {task}; supported tasks: {valid}")]
     UnsupportedTask {
@@ -206,9 +174,15 @@ pub enum SolveError {
         /// Number of points with a target.
         tips: usize,
     },
-}
-
-fn listed(open: &[LoopGap]) -> String {
-    let open: Vec<String> = open.iter().map(LoopGap::to_string).collect();
-    open.join(", ")
+    /// The start or the bounds have another length than the number of variables.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// The start of a minimisation is not finite.
+    #[error("number {variable} of the start is {value}, which is not a finite number")]
+    VariableNotFinite {
+        /// Index of the variable, from 0.
+        variable: usize,
+        /// Value of the variable.
+        value: f64,
+    },
 }

@@ -1,6 +1,5 @@
 //! Closure errors of loops.
 
-use super::OpenLoop;
 use crate::model::{Loop, Model};
 use crate::task::Quantity;
 
@@ -27,11 +26,12 @@ impl LoopGap {
         }
     }
 
-    pub(crate) fn open(open: &OpenLoop<'_>, model: &Model) -> Self {
+    /// Closure error of the loop `name`: a distance in the model's length unit, and an angle in radians.
+    pub(crate) fn new(name: &str, (gap, angle): (f64, f64), model: &Model) -> Self {
         Self {
-            name: open.name.to_owned(),
-            gap: open.gap,
-            angle: open.angle,
+            name: name.to_owned(),
+            gap,
+            angle,
             unit: model.length_unit().symbol(),
         }
     }
