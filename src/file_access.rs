@@ -40,18 +40,30 @@ impl FileAccess {
         Self::default()
     }
 
-    setters! {
-        /// Allows references below this folder too.
-        pub fn with_folder(mut self, folder: impl Into<PathBuf>) { self.folders.push(folder.into()) }
-        /// Sets the largest file that is read, bytes.
-        pub fn with_max_bytes(mut self, bytes: u64) { self.max_bytes = bytes }
+    /// Allows references below this folder too.
+    #[must_use]
+    pub fn with_folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folders.push(folder.into());
+        self
     }
 
-    getters! {
-        /// The allowed folders in addition to the file's own folder.
-        pub fn folders(&self) -> &[PathBuf] = &self.folders;
-        /// The largest file that is read, bytes.
-        pub fn max_bytes(&self) -> u64 = self.max_bytes;
+    /// Sets the largest file that is read, bytes.
+    #[must_use]
+    pub fn with_max_bytes(mut self, bytes: u64) -> Self {
+        self.max_bytes = bytes;
+        self
+    }
+
+    /// The allowed folders in addition to the file's own folder.
+    #[must_use]
+    pub fn folders(&self) -> &[PathBuf] {
+        &self.folders
+    }
+
+    /// The largest file that is read, bytes.
+    #[must_use]
+    pub fn max_bytes(&self) -> u64 {
+        self.max_bytes
     }
 
     /// Reads a whole regular file; checks its size first.

@@ -73,9 +73,6 @@
 // On docs.rs every item shows the feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-#[macro_use]
-mod accessors;
-
 pub mod animation;
 #[cfg(feature = "argmin")]
 pub mod argmin_bridge;
@@ -86,6 +83,8 @@ mod buffer;
 pub mod clock;
 #[cfg(feature = "collision")]
 pub mod collision;
+pub mod curve;
+pub mod dmat;
 mod file;
 mod file_access;
 mod file_replacement;
@@ -93,12 +92,16 @@ pub mod geometric;
 pub mod ik;
 pub mod interruption;
 pub mod io;
+mod json;
 pub mod kinematics;
 pub mod mesh;
 pub mod model;
 pub mod motion;
 mod motion_limits;
+pub mod obj;
+pub mod path;
 mod plural;
+pub mod ply;
 pub mod prelude;
 pub mod problem;
 mod processor;
@@ -108,6 +111,8 @@ pub mod scalar;
 mod scoped_cell;
 mod search;
 pub mod simd_ik;
+#[cfg(feature = "collision")]
+mod simd_spheres;
 mod size_mismatch;
 pub mod skeleton;
 pub mod skinning;

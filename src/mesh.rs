@@ -97,13 +97,22 @@ impl TriangleMesh {
         })
     }
 
-    getters! {
-        /// Positions of the vertices, in the model's unit.
-        pub fn positions(&self) -> &[Vec3] = &self.positions;
-        /// Normals of the vertices: empty, or one per vertex, as given (not necessarily of unit length).
-        pub fn normals(&self) -> &[Vec3] = &self.normals;
-        /// Vertex indices of the triangles, from 0.
-        pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
+    /// Positions of the vertices, in the model's unit.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Normals of the vertices: empty, or one per vertex, as given (not necessarily of unit length).
+    #[must_use]
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// Vertex indices of the triangles, from 0.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
     }
 
     /// The same triangles with other positions and normals, for example after skinning.
@@ -119,9 +128,11 @@ impl TriangleMesh {
         Self::new(positions, normals, self.triangles.clone())
     }
 
-    setters! {
-        /// Replaces the normals by [`vertex_normals`](Self::vertex_normals).
-        pub fn with_computed_normals(mut self) { self.normals = self.vertex_normals() }
+    /// Replaces the normals by [`vertex_normals`](Self::vertex_normals).
+    #[must_use]
+    pub fn with_computed_normals(mut self) -> Self {
+        self.normals = self.vertex_normals();
+        self
     }
 
     /// Unit vertex normals: the area-weighted sums of the adjacent triangles' normals.

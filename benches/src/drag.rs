@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use kinopt::ik::hold_postures;
 use kinopt::model::{FrameId, Limits, ModelError, ParameterMap};
 use kinopt::problem::{ProblemError, TaskId};
 use kinopt::skeleton::BoneId;
@@ -94,7 +95,7 @@ impl DragScene {
     ) -> Result<Self, ModelError> {
         let holds = skeleton.holds(&[hand]);
         let map = holds.parameters(skeleton, &start)?;
-        let postures = holds.postures(skeleton, &start)?;
+        let postures = hold_postures(&holds, skeleton, &start)?;
         Ok(Self {
             map,
             postures,

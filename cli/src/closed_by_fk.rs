@@ -47,7 +47,7 @@ impl LoadedModel {
             return Ok(Vec::new());
         };
         let with_file = |error: ProblemError| failure!("{}: {error}", self.file);
-        let closure = match LoopClosure::of_robot(robot) {
+        let closure = match robot.loop_closure() {
             Err(ProblemError::NoPassiveJoints { .. }) => {
                 let moves = |id: &JointId| self.model.moves_a_loop(*id);
                 let joints: Vec<JointId> = self.model.joint_ids().filter(moves).collect();

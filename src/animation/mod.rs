@@ -51,7 +51,6 @@ pub(crate) mod clip;
 mod clip_edits;
 mod clip_error;
 mod crowd;
-pub mod curve;
 mod euler_clip;
 mod ik_layer;
 mod layer_error;
@@ -60,6 +59,7 @@ pub mod rotation;
 mod state_machine;
 
 pub use crate::SizeMismatch;
+pub use crate::curve;
 pub use affine::{
     Decomposition, NotFinite, PlaneDecomposition, interpolate_affine, interpolate_plane_affine,
 };

@@ -123,13 +123,28 @@ impl CostFunction for BoundedProblem<'_> {
 }
 
 impl LeastSquares for BoundedProblem<'_> {
-    answers! {
-        fn variables(&self) -> usize = self.instance.variables();
-        fn rows(&self) -> usize = self.instance.rows();
-        fn space(&self) -> ConfigurationSpace<'_> = self.instance.space();
-        fn lower(&self) -> &[f64] = self.instance.lower();
-        fn upper(&self) -> &[f64] = self.instance.upper();
-        fn stops_when_reached(&self) -> bool = !self.instance.problem().has_preferences();
+    fn variables(&self) -> usize {
+        self.instance.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.instance.rows()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.instance.space()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.instance.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.instance.upper()
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        !self.instance.problem().has_preferences()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {

@@ -68,11 +68,16 @@ impl<M: Method> ExecutorMethod<M> {
         self
     }
 
-    getters! {
-        /// Method with its settings.
-        pub fn method(&self) -> &M = &self.method;
-        /// Termination of the search; `None` while it runs, or if the executor ended it.
-        pub fn termination(&self) -> Option<Termination> = self.ended;
+    /// Method with its settings.
+    #[must_use]
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+
+    /// Termination of the search; `None` while it runs, or if the executor ended it.
+    #[must_use]
+    pub fn termination(&self) -> Option<Termination> {
+        self.ended
     }
 
     fn stopping(&self) -> Stopping {

@@ -130,19 +130,32 @@ impl Arm {
         self.names.variables.iter().map(String::as_str)
     }
 
-    getters! {
-        /// Ids of the free joints in the source model, base to tip.
-        pub fn joint_ids(&self) -> &[JointId] = &self.serial.joints;
-        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
-        ///
-        /// They come from the robot's [files](crate::robot::Robot::acceleration_limit), and include the limits of the
-        /// mimic joints that a free joint drives.
-        pub fn acceleration_limits(&self) -> &[f64] = &self.rates.acceleration;
-        /// Jerk limits of the free joints and of the mimic joints that they drive, base to tip, rad/s³ or m/s³;
-        /// infinite for none.
-        pub fn jerk_limits(&self) -> &[f64] = &self.rates.jerk;
-        /// Number of free joints, the length of a configuration.
-        pub fn joint_count(&self) -> usize = self.serial.joints.len();
+    /// Ids of the free joints in the source model, base to tip.
+    #[must_use]
+    pub fn joint_ids(&self) -> &[JointId] {
+        &self.serial.joints
+    }
+
+    /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
+    ///
+    /// They come from the robot's [files](crate::robot::Robot::acceleration_limit), and include the limits of the
+    /// mimic joints that a free joint drives.
+    #[must_use]
+    pub fn acceleration_limits(&self) -> &[f64] {
+        &self.rates.acceleration
+    }
+
+    /// Jerk limits of the free joints and of the mimic joints that they drive, base to tip, rad/s³ or m/s³;
+    /// infinite for none.
+    #[must_use]
+    pub fn jerk_limits(&self) -> &[f64] {
+        &self.rates.jerk
+    }
+
+    /// Number of free joints, the length of a configuration.
+    #[must_use]
+    pub fn joint_count(&self) -> usize {
+        self.serial.joints.len()
     }
 
     /// Position limits of the free joints, base to tip, radians or metres.

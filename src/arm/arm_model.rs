@@ -37,10 +37,16 @@ impl ArmModel for Model {
 }
 
 impl ArmModel for Robot {
-    answers! {
-        fn model(&self) -> &Model = self.model();
-        fn followers(&self) -> &[Mimic] = self.mimics();
-        fn velocity_limit(&self, joint: JointId) -> Option<f64> = Self::velocity_limit(self, joint);
+    fn model(&self) -> &Model {
+        self.model()
+    }
+
+    fn followers(&self) -> &[Mimic] {
+        self.mimics()
+    }
+
+    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
+        Self::velocity_limit(self, joint)
     }
 
     fn acceleration_limit(&self, joint: JointId) -> Option<f64> {

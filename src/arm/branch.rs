@@ -60,13 +60,22 @@ impl Branch {
         self.nominal_posture = nominal_posture_from(arm, start);
     }
 
-    getters! {
-        /// True if the arm is near a singularity, where branches meet.
-        pub(super) fn near_singularity(&self) -> bool = self.is_unreached || self.singularity_branch.is_known();
-        /// True if the arm is stretched and its side is known.
-        pub(super) fn is_stretched(&self) -> bool = self.singularity_branch.is_known();
-        /// True if a target has stayed unreached until the null-space motion ended.
-        pub(super) fn has_come_to_rest(&self) -> bool = self.is_unreached && self.remaining < MIN_REMAINING_FRACTION;
+    /// True if the arm is near a singularity, where branches meet.
+    #[must_use]
+    pub(super) fn near_singularity(&self) -> bool {
+        self.is_unreached || self.singularity_branch.is_known()
+    }
+
+    /// True if the arm is stretched and its side is known.
+    #[must_use]
+    pub(super) fn is_stretched(&self) -> bool {
+        self.singularity_branch.is_known()
+    }
+
+    /// True if a target has stayed unreached until the null-space motion ended.
+    #[must_use]
+    pub(super) fn has_come_to_rest(&self) -> bool {
+        self.is_unreached && self.remaining < MIN_REMAINING_FRACTION
     }
 
     /// Returns true if a step includes null-space motion: towards a new target, or back after a failed step.

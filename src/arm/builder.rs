@@ -87,96 +87,149 @@ impl ArmBuilder<'_> {
         resolved.map_err(|error| unknown.get_or_insert(error)).ok()
     }
 
-    setters! {
-        /// Sets the placement of a tool in the tip's frame, metres. Default: the identity.
-        pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) {
-            self.tip_from_tool = tip_from_tool.into();
-        }
-        /// Sets the largest distance of the tool from its target, metres; positive. Default 1e-6.
-        pub fn with_position_tolerance(mut self, metres: f64) {
-            self.options.position_tolerance = metres;
-        }
-        /// Sets the largest angle between the tool and its target, radians; positive. Default 1e-6.
-        pub fn with_orientation_tolerance(mut self, radians: f64) {
-            self.options.orientation_tolerance = radians;
-        }
-        /// Sets the metres that weigh as much as one radian in the cost; positive.
-        ///
-        /// The weight decides the compromise for a target out of reach. Default: a quarter of the arm's reach, so that
-        /// results do not depend on the unit of length.
-        pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) {
-            self.options.given_metres_per_radian = metres.into();
-        }
-        /// Sets the components of the pose that count, and their bounds. Default: the full pose.
-        pub fn with_goal(mut self, goal: PoseBounds) { self.options.goal = goal }
-        /// Sets the preference among several solutions. Default [`Search::Start`].
-        pub fn with_search(mut self, search: Search) { self.options.search = search }
-        /// Sets the weights of a radian or metre of each joint in joint distances: one positive number per joint.
-        ///
-        /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
-        pub fn with_joint_weights(mut self, weights: &[f64]) {
-            self.weights = Some(weights.to_vec());
-        }
-        /// Sets the largest motion of each joint from the start, radians or metres: one number of at least 0 per joint.
-        ///
-        /// Infinity leaves a joint unbounded. The motion counts from the start clamped to the limits. If no solution is
-        /// found within the bound, the result is the closest pose reached from the start, and ends as
-        /// [`CannotContinue`](crate::solver::Termination::CannotContinue). Default: no bound.
-        pub fn with_max_move(mut self, max_move: &[f64]) {
-            self.options.max_move = Some(max_move.to_vec());
-        }
-        /// Sets a nominal posture for the null space, one number per joint, radians or metres, clamped to the limits.
-        ///
-        /// The solution moves towards it within the null space of the pose, the limits and the tolerances. It is valid
-        /// for the searches `Start` and `First`. Default: none.
-        pub fn with_posture(mut self, q_preferred: &[f64]) {
-            self.options.posture = Some(q_preferred.to_vec());
-        }
-        /// Sets the number of iterations of all attempts of a query after which no attempt begins, at least 1.
-        ///
-        /// Default: none if [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
-        pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) {
-            self.options.iterations = iterations.into();
-        }
-        /// Sets whether a query that fails returns the best of all attempts, on any branch. Default false.
-        ///
-        /// A path whose branch ends then jumps to another branch. Otherwise a failed query returns the closest pose
-        /// reached from the start, and a path stays at the closest pose on its branch. [`Search::First`] always returns
-        /// the best of all attempts.
-        pub fn with_global_search_on_miss(mut self, enabled: bool) {
-            self.options.global_search_on_failure = enabled;
-        }
-        /// Sets the strength of limit avoidance while following, in radians; at least 0. Default 4.
-        ///
-        /// In [`Arm::track`], [`Arm::follower`] and [`Arm::servo`] the null space goes to a nominal posture: the start,
-        /// or the [given one](Self::with_posture). A joint at its limit is pulled back as if it were this far from that
-        /// posture. The pull is less before the limit, and none in the inner 60 % of the range. A joint that starts in
-        /// the outer 5 % is moved out of it. 0 leaves limits to the posture.
-        pub fn with_limit_avoidance(mut self, radians: f64) {
-            self.options.limit_avoidance = radians;
-        }
-        /// Sets a wall-clock limit per query, checked between lock-step iterations. Default: none.
-        ///
-        /// With a limit, results depend on the machine.
-        pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) {
-            self.options.time_limit = limit.into();
-        }
-        /// Sets the seed of all random numbers: attempt i is sampled from (seed, i). Default 0.
-        pub fn with_seed(mut self, seed: u64) { self.options.seed = seed }
-        /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
-        ///
-        /// The atlas takes a few megabytes, and tens of milliseconds to build.
-        pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
-        /// Sets the largest number of attempts of one query, at least 1.
-        ///
-        /// A failing query makes all of them, unless [`with_iterations`](Self::with_iterations) or a time limit ends it
-        /// first. With a [checker](Arm::with_checker) it makes up to twice as many. Default: 200, and no attempt begins
-        /// after 2 600 iterations.
-        pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) {
-            let attempts = attempts.into();
-            self.options.attempts = attempts.unwrap_or(ATTEMPTS);
-            self.options.attempts_given = attempts.is_some();
-        }
+    /// Sets the placement of a tool in the tip's frame, metres. Default: the identity.
+    #[must_use]
+    pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) -> Self {
+        self.tip_from_tool = tip_from_tool.into();
+        self
+    }
+
+    /// Sets the largest distance of the tool from its target, metres; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_position_tolerance(mut self, metres: f64) -> Self {
+        self.options.position_tolerance = metres;
+        self
+    }
+
+    /// Sets the largest angle between the tool and its target, radians; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_orientation_tolerance(mut self, radians: f64) -> Self {
+        self.options.orientation_tolerance = radians;
+        self
+    }
+
+    /// Sets the metres that weigh as much as one radian in the cost; positive.
+    ///
+    /// The weight decides the compromise for a target out of reach. Default: a quarter of the arm's reach, so that
+    /// results do not depend on the unit of length.
+    #[must_use]
+    pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) -> Self {
+        self.options.given_metres_per_radian = metres.into();
+        self
+    }
+
+    /// Sets the components of the pose that count, and their bounds. Default: the full pose.
+    #[must_use]
+    pub fn with_goal(mut self, goal: PoseBounds) -> Self {
+        self.options.goal = goal;
+        self
+    }
+
+    /// Sets the preference among several solutions. Default [`Search::Start`].
+    #[must_use]
+    pub fn with_search(mut self, search: Search) -> Self {
+        self.options.search = search;
+        self
+    }
+
+    /// Sets the weights of a radian or metre of each joint in joint distances: one positive number per joint.
+    ///
+    /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
+    #[must_use]
+    pub fn with_joint_weights(mut self, weights: &[f64]) -> Self {
+        self.weights = Some(weights.to_vec());
+        self
+    }
+
+    /// Sets the largest motion of each joint from the start, radians or metres: one number of at least 0 per joint.
+    ///
+    /// Infinity leaves a joint unbounded. The motion counts from the start clamped to the limits. If no solution is
+    /// found within the bound, the result is the closest pose reached from the start, and ends as
+    /// [`CannotContinue`](crate::solver::Termination::CannotContinue). Default: no bound.
+    #[must_use]
+    pub fn with_max_move(mut self, max_move: &[f64]) -> Self {
+        self.options.max_move = Some(max_move.to_vec());
+        self
+    }
+
+    /// Sets a nominal posture for the null space, one number per joint, radians or metres, clamped to the limits.
+    ///
+    /// The solution moves towards it within the null space of the pose, the limits and the tolerances. It is valid
+    /// for the searches `Start` and `First`. Default: none.
+    #[must_use]
+    pub fn with_posture(mut self, q_preferred: &[f64]) -> Self {
+        self.options.posture = Some(q_preferred.to_vec());
+        self
+    }
+
+    /// Sets the number of iterations of all attempts of a query after which no attempt begins, at least 1.
+    ///
+    /// Default: none if [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
+    #[must_use]
+    pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) -> Self {
+        self.options.iterations = iterations.into();
+        self
+    }
+
+    /// Sets whether a query that fails returns the best of all attempts, on any branch. Default false.
+    ///
+    /// A path whose branch ends then jumps to another branch. Otherwise a failed query returns the closest pose
+    /// reached from the start, and a path stays at the closest pose on its branch. [`Search::First`] always returns
+    /// the best of all attempts.
+    #[must_use]
+    pub fn with_global_search_on_miss(mut self, enabled: bool) -> Self {
+        self.options.global_search_on_failure = enabled;
+        self
+    }
+
+    /// Sets the strength of limit avoidance while following, in radians; at least 0. Default 4.
+    ///
+    /// In [`Arm::track`], [`Arm::follower`] and [`Arm::servo`] the null space goes to a nominal posture: the start,
+    /// or the [given one](Self::with_posture). A joint at its limit is pulled back as if it were this far from that
+    /// posture. The pull is less before the limit, and none in the inner 60 % of the range. A joint that starts in
+    /// the outer 5 % is moved out of it. 0 leaves limits to the posture.
+    #[must_use]
+    pub fn with_limit_avoidance(mut self, radians: f64) -> Self {
+        self.options.limit_avoidance = radians;
+        self
+    }
+
+    /// Sets a wall-clock limit per query, checked between lock-step iterations. Default: none.
+    ///
+    /// With a limit, results depend on the machine.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) -> Self {
+        self.options.time_limit = limit.into();
+        self
+    }
+
+    /// Sets the seed of all random numbers: attempt i is sampled from (seed, i). Default 0.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.options.seed = seed;
+        self
+    }
+
+    /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
+    ///
+    /// The atlas takes a few megabytes, and tens of milliseconds to build.
+    #[must_use]
+    pub fn with_atlas(mut self, atlas: bool) -> Self {
+        self.atlas = atlas;
+        self
+    }
+
+    /// Sets the largest number of attempts of one query, at least 1.
+    ///
+    /// A failing query makes all of them, unless [`with_iterations`](Self::with_iterations) or a time limit ends it
+    /// first. With a [checker](Arm::with_checker) it makes up to twice as many. Default: 200, and no attempt begins
+    /// after 2 600 iterations.
+    #[must_use]
+    pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) -> Self {
+        let attempts = attempts.into();
+        self.options.attempts = attempts.unwrap_or(ATTEMPTS);
+        self.options.attempts_given = attempts.is_some();
+        self
     }
 
     /// Locks a joint at `value`, radians or metres, within its limits. A value up to 1e-3 outside, as from a sensor, is

@@ -127,15 +127,28 @@ impl Arm {
         })
     }
 
-    getters! {
-        /// Radians that a radian or metre of each joint counts as.
-        pub(crate) fn scales(&self) -> &[f64] = &self.scale;
-        /// True if the goal leaves a null space.
-        pub(crate) fn is_redundant(&self) -> bool = self.has_null_space();
-        /// Number of joints beyond the rows of the goal.
-        pub(crate) fn spare_joints(&self) -> usize = self.joint_count().saturating_sub(self.options.goal.rows());
-        /// Bounds of the pose's components.
-        pub(crate) fn goal(&self) -> crate::task::PoseBounds = self.options.goal;
+    /// Radians that a radian or metre of each joint counts as.
+    #[must_use]
+    pub(crate) fn scales(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// True if the goal leaves a null space.
+    #[must_use]
+    pub(crate) fn is_redundant(&self) -> bool {
+        self.has_null_space()
+    }
+
+    /// Number of joints beyond the rows of the goal.
+    #[must_use]
+    pub(crate) fn spare_joints(&self) -> usize {
+        self.joint_count().saturating_sub(self.options.goal.rows())
+    }
+
+    /// Bounds of the pose's components.
+    #[must_use]
+    pub(crate) fn goal(&self) -> crate::task::PoseBounds {
+        self.options.goal
     }
 
     /// Flags of the prismatic joints.

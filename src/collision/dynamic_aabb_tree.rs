@@ -99,10 +99,15 @@ fn max_small_size(old: usize) -> usize {
 }
 
 impl<T> DynamicAabbTree<T> {
-    getters! {
-        pub(crate) fn is_empty(&self) -> bool = self.old.numbers.len() == self.removed.len() && !self.has_new();
-        /// True if the small tree holds an item.
-        pub(crate) fn has_new(&self) -> bool = !self.new.numbers.is_empty();
+    #[must_use]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.old.numbers.len() == self.removed.len() && !self.has_new()
+    }
+
+    /// True if the small tree holds an item.
+    #[must_use]
+    pub(crate) fn has_new(&self) -> bool {
+        !self.new.numbers.is_empty()
     }
 
     /// The stock that holds an item, and the item's index in that stock.

@@ -23,16 +23,15 @@ mod bounding_box;
 mod checker;
 mod convex_surface;
 mod distance;
-mod dynamic_aabb_tree;
+pub(crate) mod dynamic_aabb_tree;
 mod mesh_file;
 mod mesh_folders;
 mod model;
 mod shape;
-pub(crate) mod simd_spheres;
 mod sphere_model;
 #[cfg(test)]
 mod test_numbers;
-mod wide_aabb_tree;
+pub(crate) mod wide_aabb_tree;
 pub(crate) mod world;
 
 pub use crate::problem::{BodyKind, Collision};

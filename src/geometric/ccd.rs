@@ -28,13 +28,20 @@ pub struct Ccd {
 }
 
 impl Ccd {
-    setters! {
-        /// Sets the limits of each attempt; the time limit applies to all attempts together.
-        pub fn with_stopping(mut self, stopping: Stopping) { self.limits.stopping = stopping }
-        /// Sets the number of further attempts.
-        ///
-        /// [`Restarts::none`] is the bare method, which does not bend a chain that is straight towards its target.
-        pub fn with_restarts(mut self, restarts: Restarts) { self.limits.restarts = restarts }
+    /// Sets the limits of each attempt; the time limit applies to all attempts together.
+    #[must_use]
+    pub fn with_stopping(mut self, stopping: Stopping) -> Self {
+        self.limits.stopping = stopping;
+        self
+    }
+
+    /// Sets the number of further attempts.
+    ///
+    /// [`Restarts::none`] is the bare method, which does not bend a chain that is straight towards its target.
+    #[must_use]
+    pub fn with_restarts(mut self, restarts: Restarts) -> Self {
+        self.limits.restarts = restarts;
+        self
     }
 }
 

@@ -38,12 +38,21 @@ pub(super) struct JointPoints {
 }
 
 impl JointPoints {
-    getters! {
-        /// The points with targets.
-        pub(super) fn pins(&self) -> &[Pin] = &self.pins;
-        /// Positions of the points with all variables as close to zero as their bounds allow.
-        pub(super) fn rest(&self) -> &[Vector3<f64>] = &self.rest;
-        /// The points with their distances.
-        pub(super) fn linkage(&self) -> Linkage = Linkage::new(self.parents.clone(), &self.rest);
+    /// The points with targets.
+    #[must_use]
+    pub(super) fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// Positions of the points with all variables as close to zero as their bounds allow.
+    #[must_use]
+    pub(super) fn rest(&self) -> &[Vector3<f64>] {
+        &self.rest
+    }
+
+    /// The points with their distances.
+    #[must_use]
+    pub(super) fn linkage(&self) -> Linkage {
+        Linkage::new(self.parents.clone(), &self.rest)
     }
 }

@@ -159,9 +159,12 @@ impl<'a> Sweeps<'a> {
 }
 
 impl Engine for Sweeps<'_> {
-    answers! {
-        fn residual_at_start(&mut self, _start: &[f64]) -> &[f64] = &self.residual_at_start;
-        fn end(&self) -> (&[f64], &[f64]) = (&self.best_x, &self.best_residual);
+    fn residual_at_start(&mut self, _start: &[f64]) -> &[f64] {
+        &self.residual_at_start
+    }
+
+    fn end(&self) -> (&[f64], &[f64]) {
+        (&self.best_x, &self.best_residual)
     }
 
     /// Returns the variables of lowest cost, because not every sweep decreases it.

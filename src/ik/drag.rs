@@ -260,9 +260,10 @@ impl Drag {
         Ok(self)
     }
 
-    getters! {
-        /// Problem of the drag.
-        pub fn problem(&self) -> &Problem = &self.problem;
+    /// Problem of the drag.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
     }
 
     /// Returns the commanded configuration.

@@ -117,11 +117,20 @@ impl DragMotion {
         Ok(motion)
     }
 
-    getters! {
-        pub(super) fn q(&self) -> &[f64] = &self.q;
-        pub(super) fn solution(&self) -> &Solution = &self.workspace.solution;
-        /// Largest steps of the goal in a frame, by variable.
-        pub(super) fn largest_steps(&self) -> &[f64] = &self.largest_steps;
+    #[must_use]
+    pub(super) fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    #[must_use]
+    pub(super) fn solution(&self) -> &Solution {
+        &self.workspace.solution
+    }
+
+    /// Largest steps of the goal in a frame, by variable.
+    #[must_use]
+    pub(super) fn largest_steps(&self) -> &[f64] {
+        &self.largest_steps
     }
 
     /// Restarts at rest at `x`.

@@ -69,9 +69,10 @@ pub(super) struct EscapeSolvers {
 }
 
 impl EscapeSolvers {
-    getters! {
-        /// Solver of attempts.
-        pub(super) fn attempt(&self) -> &Solver = &self.attempt;
+    /// Solver of attempts.
+    #[must_use]
+    pub(super) fn attempt(&self) -> &Solver {
+        &self.attempt
     }
 
     /// Derives the solvers from that of a frame and its stopping criteria.

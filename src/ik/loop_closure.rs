@@ -4,7 +4,6 @@ use super::nearest_closure::NearestClosure;
 use super::{LoopGap, Solution, Solver};
 use crate::model::{JointId, Model, ModelError, ParameterMap, ParameterMapBuilder};
 use crate::problem::{Evaluation, Problem, ProblemError, TaskSubset};
-use crate::robot::Robot;
 use crate::search::check_start;
 use crate::solver::LeastSquares;
 
@@ -14,7 +13,6 @@ const MAX_SAMPLES: u64 = 32;
 /// Forward kinematics of a model with loops: solves for the dependent joints from the values of the independent ones.
 ///
 /// ```
-/// use kinopt::ik::LoopClosure;
 /// use kinopt::robot::Robot;
 ///
 /// // The crank is driven, the coupler and the rocker are passive.
@@ -25,7 +23,7 @@ const MAX_SAMPLES: u64 = 32;
 /// </worldbody><actuator><motor joint="crank"/></actuator>
 /// <equality><connect name="pin" body1="coupler" body2="rocker" anchor="0.35 0 0"/></equality></mujoco>"#;
 /// let robot = Robot::parse_mjcf(text, "four-bar.xml")?;
-/// let closure = LoopClosure::of_robot(&robot)?;
+/// let closure = robot.loop_closure()?;
 /// let mut q = vec![0.7, 0.5, 2.0];
 /// closure.close(&mut q)?;
 /// assert_eq!(q[0], 0.7);
@@ -67,20 +65,10 @@ impl<'m> LoopClosure<'m> {
         Ok(closure)
     }
 
-    /// Creates the closure of a robot's loops by those of its [passive joints](Robot::passive_joints) that move a loop.
-    ///
-    /// # Errors
-    /// Returns an error if the robot has loops but no passive joints that move them.
-    pub fn of_robot(robot: &'m Robot) -> Result<Self, ProblemError> {
-        let model = robot.model();
-        let passive = robot.passive_joints().iter().copied();
-        let dependent: Vec<JointId> = passive.filter(|id| model.moves_a_loop(*id)).collect();
-        Self::new(robot.parameters(), &dependent)
-    }
-
-    getters! {
-        /// Joints that close the loops.
-        pub fn dependent(&self) -> &[JointId] = &self.dependent;
+    /// Joints that close the loops.
+    #[must_use]
+    pub fn dependent(&self) -> &[JointId] {
+        &self.dependent
     }
 
     /// Moves the dependent joints of a configuration, and their mimic joints, so that all loops are closed.

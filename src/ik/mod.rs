@@ -29,6 +29,7 @@ pub use crate::search::{
     Side, Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, DragJump};
+pub use hold_postures::hold_postures;
 pub use loop_closure::LoopClosure;
 pub(crate) use minimiser::Minimiser;
 pub use motion_limits::MotionLimits;

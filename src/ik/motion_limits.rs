@@ -28,12 +28,24 @@ impl MotionLimits {
         }
     }
 
-    setters! {
-        /// Sets the velocity limits.
-        pub fn with_velocity(mut self, limits: impl Into<Vec<f64>>) { self.velocity = limits.into() }
-        /// Sets the acceleration limits.
-        pub fn with_acceleration(mut self, limits: impl Into<Vec<f64>>) { self.acceleration = limits.into() }
-        /// Sets the jerk limits.
-        pub fn with_jerk(mut self, limits: impl Into<Vec<f64>>) { self.jerk = limits.into() }
+    /// Sets the velocity limits.
+    #[must_use]
+    pub fn with_velocity(mut self, limits: impl Into<Vec<f64>>) -> Self {
+        self.velocity = limits.into();
+        self
+    }
+
+    /// Sets the acceleration limits.
+    #[must_use]
+    pub fn with_acceleration(mut self, limits: impl Into<Vec<f64>>) -> Self {
+        self.acceleration = limits.into();
+        self
+    }
+
+    /// Sets the jerk limits.
+    #[must_use]
+    pub fn with_jerk(mut self, limits: impl Into<Vec<f64>>) -> Self {
+        self.jerk = limits.into();
+        self
     }
 }

@@ -54,22 +54,43 @@ impl Solver {
         }
     }
 
-    getters! {
-        /// Stopping criteria of each attempt.
-        pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
-        /// Effort spent on soft tasks.
-        pub(super) fn extent(&self) -> Extent = self.extent;
-        /// Name of the method.
-        pub fn method(&self) -> &'static str = self.method.name();
+    /// Stopping criteria of each attempt.
+    #[must_use]
+    pub(super) fn stopping(&self) -> &Stopping {
+        &self.stopping
     }
 
-    setters! {
-        /// Sets the effort spent on soft tasks in the null space of the required tasks.
-        pub(super) fn with_extent(mut self, extent: Extent) { self.extent = extent }
-        /// Sets the stopping criteria of each attempt. The time limit applies to all attempts together.
-        pub fn with_stopping(mut self, stopping: Stopping) { self.stopping = stopping }
-        /// Sets the restarts.
-        pub fn with_restarts(mut self, restarts: Restarts) { self.restarts = restarts }
+    /// Effort spent on soft tasks.
+    #[must_use]
+    pub(super) fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Name of the method.
+    #[must_use]
+    pub fn method(&self) -> &'static str {
+        self.method.name()
+    }
+
+    /// Sets the effort spent on soft tasks in the null space of the required tasks.
+    #[must_use]
+    pub(super) fn with_extent(mut self, extent: Extent) -> Self {
+        self.extent = extent;
+        self
+    }
+
+    /// Sets the stopping criteria of each attempt. The time limit applies to all attempts together.
+    #[must_use]
+    pub fn with_stopping(mut self, stopping: Stopping) -> Self {
+        self.stopping = stopping;
+        self
+    }
+
+    /// Sets the restarts.
+    #[must_use]
+    pub fn with_restarts(mut self, restarts: Restarts) -> Self {
+        self.restarts = restarts;
+        self
     }
 
     /// Checks that every option is in its range.

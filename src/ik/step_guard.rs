@@ -75,15 +75,36 @@ pub(super) struct Guarded<'a, 'q> {
 }
 
 impl LeastSquares for Guarded<'_, '_> {
-    answers! {
-        fn variables(&self) -> usize = self.evaluation.variables();
-        fn rows(&self) -> usize = self.evaluation.rows();
-        fn lower(&self) -> &[f64] = self.evaluation.lower();
-        fn upper(&self) -> &[f64] = self.evaluation.upper();
-        fn step_scale(&self) -> &[f64] = self.evaluation.step_scale();
-        fn space(&self) -> ConfigurationSpace<'_> = self.evaluation.space();
-        fn is_reached(&self, residual: &[f64]) -> bool = self.evaluation.is_reached(residual);
-        fn stops_when_reached(&self) -> bool = self.evaluation.stops_when_reached();
+    fn variables(&self) -> usize {
+        self.evaluation.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.evaluation.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.evaluation.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.evaluation.upper()
+    }
+
+    fn step_scale(&self) -> &[f64] {
+        self.evaluation.step_scale()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.evaluation.space()
+    }
+
+    fn is_reached(&self, residual: &[f64]) -> bool {
+        self.evaluation.is_reached(residual)
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        self.evaluation.stops_when_reached()
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {

@@ -58,7 +58,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Cones, ReadError> {
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
-    let Entries(entries) = super::json::parse(bytes, name)?;
+    let Entries(entries) = crate::json::parse(bytes, name)?;
     let mut cones = Cones::new();
     for (bone, entry) in entries {
         let malformed = |(key, problem): (&str, String)| {

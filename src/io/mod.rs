@@ -6,19 +6,16 @@
 
 pub mod bvh;
 pub mod cones;
-pub mod dmat;
 mod format_error;
 #[cfg(feature = "gltf")]
 pub mod gltf;
-pub(crate) mod json;
-pub mod obj;
-pub mod ply;
 pub mod rig;
 pub mod state_machine;
 
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
 pub use crate::file_access::FileAccess;
 pub use crate::file_replacement::write_file;
+pub use crate::{dmat, obj, ply};
 pub use format_error::FormatError;
 
 use crate::file::{MAX_FILE_BYTES, read_with};

@@ -29,7 +29,7 @@ pub fn from_bytes(
     name: &str,
     clips: &[Arc<Clip>],
 ) -> Result<StateMachine, ReadError> {
-    let definition: StateMachineDefinition = super::json::parse(bytes, name)?;
+    let definition: StateMachineDefinition = crate::json::parse(bytes, name)?;
     StateMachine::new(&definition, clips).map_err(|error| {
         let location = Place::Json(error.path);
         ReadError::malformed(name, location, error.problem.to_string())

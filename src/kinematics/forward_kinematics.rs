@@ -164,16 +164,25 @@ impl<S: Scalar> ForwardKinematics<S> {
         }
     }
 
-    getters! {
-        /// Number of values that [`place`](Self::place) reads: the length of a configuration, or the number of the
-        /// parameter map's variables.
-        pub fn variables(&self) -> usize = match &self.read {
+    /// Number of values that [`place`](Self::place) reads: the length of a configuration, or the number of the
+    /// parameter map's variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        match &self.read {
             Some(read) => read.map.sources().len(),
             None => self.tree.variables(),
-        };
-        /// The placements of the last [`place`](Self::place); identities before the first.
-        pub fn placements(&self) -> &[Placement<S>] = self.state.frames();
-        pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> = self.read.as_ref();
+        }
+    }
+
+    /// The placements of the last [`place`](Self::place); identities before the first.
+    #[must_use]
+    pub fn placements(&self) -> &[Placement<S>] {
+        self.state.frames()
+    }
+
+    #[must_use]
+    pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> {
+        self.read.as_ref()
     }
 
     /// Computes world_from_frame of each frame, in the order of construction, at the configuration `q`.

@@ -39,13 +39,22 @@ impl Jacobian {
         }
     }
 
-    getters! {
-        /// Number of values that [`at`](Self::at) reads.
-        pub fn variables(&self) -> usize = self.kinematics.variables();
-        /// Number of columns of J: the degrees of freedom of a model, or the variables of a map.
-        pub fn columns(&self) -> usize = self.matrix.ncols();
-        /// The placements of the frames at the last [`at`](Self::at); identities before the first.
-        pub fn placements(&self) -> &[Placement<f64>] = self.kinematics.placements();
+    /// Number of values that [`at`](Self::at) reads.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.kinematics.variables()
+    }
+
+    /// Number of columns of J: the degrees of freedom of a model, or the variables of a map.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.matrix.ncols()
+    }
+
+    /// The placements of the frames at the last [`at`](Self::at); identities before the first.
+    #[must_use]
+    pub fn placements(&self) -> &[Placement<f64>] {
+        self.kinematics.placements()
     }
 
     /// J at a configuration (radians and metres), with 6 × frames rows.

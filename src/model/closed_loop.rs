@@ -87,10 +87,12 @@ impl Loop {
         }
     }
 
-    setters! {
-        /// Sets the anchors, in the coordinates of the frames, metres. By default the frames themselves are the
-        /// anchors.
-        pub fn at(mut self, frame_from_place: [Placement<f64>; 2]) { self.frame_from_place = frame_from_place }
+    /// Sets the anchors, in the coordinates of the frames, metres. By default the frames themselves are the
+    /// anchors.
+    #[must_use]
+    pub fn at(mut self, frame_from_place: [Placement<f64>; 2]) -> Self {
+        self.frame_from_place = frame_from_place;
+        self
     }
 }
 
@@ -125,9 +127,11 @@ impl Model {
         loops.any(|closed| self.loop_joints(closed).contains(&joint))
     }
 
-    setters! {
-        /// The model without loops.
-        pub fn without_loops(mut self) { self.loops.clear() }
+    /// The model without loops.
+    #[must_use]
+    pub fn without_loops(mut self) -> Self {
+        self.loops.clear();
+        self
     }
 
     /// Rejects loops that no configuration closes, as far as link lengths show it.

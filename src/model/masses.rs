@@ -93,14 +93,22 @@ impl Masses {
         Ok(Self { points, total })
     }
 
-    getters! {
-        /// The point masses, one for each moving joint that carries any.
-        pub fn points(&self) -> &[PointMass] = &self.points;
-        /// Total mass in kilograms, above 0.
-        pub fn total(&self) -> f64 = self.total;
-        /// The frames that carry the point masses.
-        pub(crate) fn frames(&self) -> Vec<FrameId> =
-            self.points.iter().map(|point| point.frame).collect();
+    /// The point masses, one for each moving joint that carries any.
+    #[must_use]
+    pub fn points(&self) -> &[PointMass] {
+        &self.points
+    }
+
+    /// Total mass in kilograms, above 0.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// The frames that carry the point masses.
+    #[must_use]
+    pub(crate) fn frames(&self) -> Vec<FrameId> {
+        self.points.iter().map(|point| point.frame).collect()
     }
 
     /// For each point mass, its fraction of the total and its position in its frame, metres.

@@ -96,23 +96,52 @@ impl Model {
         ModelBuilder::new(name)
     }
 
-    getters! {
-        /// The unit of lengths.
-        pub fn length_unit(&self) -> LengthUnit = self.length_unit;
-        /// The model's name.
-        pub fn name(&self) -> &str = &self.name;
-        /// All joints, parents before children.
-        pub fn joints(&self) -> &[Joint] = &self.joints;
-        /// All frames.
-        pub fn frames(&self) -> &[Frame] = &self.frames;
-        /// The loop closures, which are constraints of every problem on the model; a configuration may leave them open.
-        pub fn loops(&self) -> &[Loop] = &self.loops;
-        /// Number of coordinates of a configuration: four for a ball joint, one for every other moving joint.
-        pub fn configuration_len(&self) -> usize = self.moving.len();
-        /// The joint of each coordinate of a configuration; a ball joint occurs four times.
-        pub fn moving_joints(&self) -> &[JointId] = &self.moving;
-        /// The first prismatic joint of each [free](ModelBuilder::free) joint; its other joints follow.
-        pub fn free_joints(&self) -> &[JointId] = &self.free;
+    /// The unit of lengths.
+    #[must_use]
+    pub fn length_unit(&self) -> LengthUnit {
+        self.length_unit
+    }
+
+    /// The model's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All joints, parents before children.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// All frames.
+    #[must_use]
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The loop closures, which are constraints of every problem on the model; a configuration may leave them open.
+    #[must_use]
+    pub fn loops(&self) -> &[Loop] {
+        &self.loops
+    }
+
+    /// Number of coordinates of a configuration: four for a ball joint, one for every other moving joint.
+    #[must_use]
+    pub fn configuration_len(&self) -> usize {
+        self.moving.len()
+    }
+
+    /// The joint of each coordinate of a configuration; a ball joint occurs four times.
+    #[must_use]
+    pub fn moving_joints(&self) -> &[JointId] {
+        &self.moving
+    }
+
+    /// The first prismatic joint of each [free](ModelBuilder::free) joint; its other joints follow.
+    #[must_use]
+    pub fn free_joints(&self) -> &[JointId] {
+        &self.free
     }
 
     /// Number of components of a velocity: three for a ball joint, one for every other moving joint.

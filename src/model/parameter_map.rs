@@ -180,19 +180,40 @@ impl ParameterMap {
         min_limits
     }
 
-    getters! {
-        /// Number of solver variables.
-        pub fn variables(&self) -> usize = self.leaders.len();
-        /// Source of each coordinate of q.
-        pub fn sources(&self) -> &[Source] = &self.sources;
-        /// For each variable, the coordinate of q that it is a copy of.
-        pub fn leaders(&self) -> &[usize] = &self.leaders;
-        /// Lower bounds of the variables, limits of mimic joints included.
-        pub fn lower(&self) -> &[f64] = &self.lower;
-        /// Upper bounds of the variables, limits of mimic joints included.
-        pub fn upper(&self) -> &[f64] = &self.upper;
-        /// The ball joints with variables.
-        pub(crate) fn balls(&self) -> &[BallVariables] = &self.balls;
+    /// Number of solver variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.leaders.len()
+    }
+
+    /// Source of each coordinate of q.
+    #[must_use]
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    /// For each variable, the coordinate of q that it is a copy of.
+    #[must_use]
+    pub fn leaders(&self) -> &[usize] {
+        &self.leaders
+    }
+
+    /// Lower bounds of the variables, limits of mimic joints included.
+    #[must_use]
+    pub fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    /// Upper bounds of the variables, limits of mimic joints included.
+    #[must_use]
+    pub fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+
+    /// The ball joints with variables.
+    #[must_use]
+    pub(crate) fn balls(&self) -> &[BallVariables] {
+        &self.balls
     }
 
     /// The indices of the variables that move a coordinate.

@@ -31,9 +31,10 @@ impl<'m> ParameterMapBuilder<'m> {
         }
     }
 
-    getters! {
-        /// The model of the map.
-        pub(crate) fn model(&self) -> &'m Model = self.model;
+    /// The model of the map.
+    #[must_use]
+    pub(crate) fn model(&self) -> &'m Model {
+        self.model
     }
 
     /// Locks a joint at `value`, radians or metres.

@@ -37,15 +37,32 @@ impl Default for ContactDetection {
 }
 
 impl ContactDetection {
-    setters! {
-        /// Sets the largest speed in contact, m/s.
-        pub fn with_speed(mut self, speed: f64) { self.speed = speed }
-        /// Sets the largest height in contact, metres.
-        pub fn with_height(mut self, height: f64) { self.height = height }
-        /// Sets the shortest duration of a contact, seconds.
-        pub fn with_shortest(mut self, seconds: f64) { self.shortest_s = seconds }
-        /// Sets the duration of the blend to and from a contact position, seconds.
-        pub fn with_lead(mut self, seconds: f64) { self.lead_s = seconds }
+    /// Sets the largest speed in contact, m/s.
+    #[must_use]
+    pub fn with_speed(mut self, speed: f64) -> Self {
+        self.speed = speed;
+        self
+    }
+
+    /// Sets the largest height in contact, metres.
+    #[must_use]
+    pub fn with_height(mut self, height: f64) -> Self {
+        self.height = height;
+        self
+    }
+
+    /// Sets the shortest duration of a contact, seconds.
+    #[must_use]
+    pub fn with_shortest(mut self, seconds: f64) -> Self {
+        self.shortest_s = seconds;
+        self
+    }
+
+    /// Sets the duration of the blend to and from a contact position, seconds.
+    #[must_use]
+    pub fn with_lead(mut self, seconds: f64) -> Self {
+        self.lead_s = seconds;
+        self
     }
 
     /// Checks the ranges of all options.

@@ -2,8 +2,13 @@
 
 pub mod clip_ik;
 mod contact_detection;
-pub mod path;
 pub mod retarget;
+#[cfg(feature = "collision")]
+mod skin_capsules;
 pub mod trajectory;
 
 pub use contact_detection::ContactDetection;
+#[cfg(feature = "collision")]
+pub use skin_capsules::{ball_skin_capsules, skin_capsules};
+
+pub use crate::path;

@@ -69,13 +69,18 @@ impl Collision {
         }
     }
 
-    setters! {
-        /// Sets the kinds of both bodies.
-        pub fn between(mut self, first: BodyKind, second: BodyKind) {
-            (self.first_kind, self.second_kind) = (first, second);
-        }
-        /// Marks the pair as [blocking a motion](Self::on_the_way).
-        pub fn met_on_the_way(mut self) { self.on_the_way = true }
+    /// Sets the kinds of both bodies.
+    #[must_use]
+    pub fn between(mut self, first: BodyKind, second: BodyKind) -> Self {
+        (self.first_kind, self.second_kind) = (first, second);
+        self
+    }
+
+    /// Marks the pair as [blocking a motion](Self::on_the_way).
+    #[must_use]
+    pub fn met_on_the_way(mut self) -> Self {
+        self.on_the_way = true;
+        self
     }
 
     /// True if `other` has the same two bodies.

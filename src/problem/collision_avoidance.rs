@@ -61,10 +61,16 @@ pub(crate) trait AnyClearanceCheck: Debug + Send + Sync {
 }
 
 impl<C: ClearanceCheck + 'static> AnyClearanceCheck for C {
-    answers! {
-        fn collisions(&mut self, q: &[f64]) -> Vec<Collision> = ClearanceCheck::collisions(self, q);
-        fn is_free(&mut self, q: &[f64]) -> bool = ClearanceCheck::is_free(self, q);
-        fn boxed(&self) -> Box<dyn AnyClearanceCheck> = Box::new(self.clone());
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
+        ClearanceCheck::collisions(self, q)
+    }
+
+    fn is_free(&mut self, q: &[f64]) -> bool {
+        ClearanceCheck::is_free(self, q)
+    }
+
+    fn boxed(&self) -> Box<dyn AnyClearanceCheck> {
+        Box::new(self.clone())
     }
 
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
@@ -104,15 +110,28 @@ pub(crate) struct CollisionConstraint {
 }
 
 impl CollisionConstraint {
-    getters! {
-        /// The tasks and then the clearance. Accepts targets of the problem without clearance.
-        pub(crate) fn with_clearance(&self) -> &Problem = &self.with_clearance;
-        /// The tasks and a clearance that withstands required tasks inside obstacles.
-        pub(crate) fn with_strong_clearance(&self) -> &Problem = &self.with_strong_clearance;
-        /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
-        pub(crate) fn with_soft_clearance(&self) -> &Problem = &self.with_soft_clearance;
-        /// A check with its own workspace.
-        pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
+    /// The tasks and then the clearance. Accepts targets of the problem without clearance.
+    #[must_use]
+    pub(crate) fn with_clearance(&self) -> &Problem {
+        &self.with_clearance
+    }
+
+    /// The tasks and a clearance that withstands required tasks inside obstacles.
+    #[must_use]
+    pub(crate) fn with_strong_clearance(&self) -> &Problem {
+        &self.with_strong_clearance
+    }
+
+    /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
+    #[must_use]
+    pub(crate) fn with_soft_clearance(&self) -> &Problem {
+        &self.with_soft_clearance
+    }
+
+    /// A check with its own workspace.
+    #[must_use]
+    pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> {
+        self.check.clone()
     }
 
     pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {

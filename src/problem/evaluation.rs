@@ -104,13 +104,22 @@ impl Scratch {
         (&self.frames, &self.joints, local, dual)
     }
 
-    getters! {
-        /// The state of the tree after the last forward pass.
-        pub(super) fn state(&self) -> &TreeState<f64> = &self.state;
-        /// The weighted derivatives of the task differentiated last.
-        pub(super) fn local(&self) -> &LocalJacobian = &self.local;
-        /// The configuration of the last forward pass.
-        pub(crate) fn q(&self) -> &[f64] = &self.q;
+    /// The state of the tree after the last forward pass.
+    #[must_use]
+    pub(super) fn state(&self) -> &TreeState<f64> {
+        &self.state
+    }
+
+    /// The weighted derivatives of the task differentiated last.
+    #[must_use]
+    pub(super) fn local(&self) -> &LocalJacobian {
+        &self.local
+    }
+
+    /// The configuration of the last forward pass.
+    #[must_use]
+    pub(crate) fn q(&self) -> &[f64] {
+        &self.q
     }
 
     /// True if this workspace was made for `problem`.
@@ -379,14 +388,32 @@ impl<'a> Evaluation<'a> {
 }
 
 impl LeastSquares for Evaluation<'_> {
-    answers! {
-        fn variables(&self) -> usize = self.instance.problem.variables();
-        fn rows(&self) -> usize = self.instance.problem.rows_of(self.subset);
-        fn lower(&self) -> &[f64] = self.instance.lower();
-        fn upper(&self) -> &[f64] = self.instance.upper();
-        fn step_scale(&self) -> &[f64] = self.instance.problem.step_scale();
-        fn space(&self) -> ConfigurationSpace<'_> = self.instance.space();
-        fn stops_when_reached(&self) -> bool = !self.instance.problem.has_soft_tasks(self.subset);
+    fn variables(&self) -> usize {
+        self.instance.problem.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.instance.problem.rows_of(self.subset)
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.instance.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.instance.upper()
+    }
+
+    fn step_scale(&self) -> &[f64] {
+        self.instance.problem.step_scale()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.instance.space()
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        !self.instance.problem.has_soft_tasks(self.subset)
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {

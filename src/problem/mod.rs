@@ -150,45 +150,117 @@ impl Problem {
         ProblemBuilder::new(model)
     }
 
-    getters! {
-        /// Number of solver variables.
-        pub fn variables(&self) -> usize = self.map.variables();
-        /// Number of residual rows.
-        pub fn rows(&self) -> usize = self.rows;
-        /// Number of coordinates of a configuration.
-        pub fn configuration_len(&self) -> usize = self.map.sources().len();
-        /// The map from variables to configurations.
-        pub fn parameters(&self) -> &ParameterMap = &self.map;
-        /// Lower bounds of the variables.
-        pub fn lower(&self) -> &[f64] = &self.lower;
-        /// Upper bounds of the variables.
-        pub fn upper(&self) -> &[f64] = &self.upper;
-        /// The model's reach: its length scale in metres.
-        pub fn reach(&self) -> f64 = self.reach;
-        /// Number of tasks, including those that close the model's loops.
-        pub fn tasks(&self) -> usize = self.tasks.len();
-        /// The derivative method.
-        pub fn derivatives(&self) -> Derivatives = self.derivatives;
-        /// A copy of the residuals that the problem was built with, to change their targets.
-        pub fn targets(&self) -> Targets = self.targets.clone();
-        /// The treatment of soft tasks.
-        pub fn preferences(&self) -> Preferences = self.preferences;
-        /// The compiled kinematics with the slots of the tasks.
-        pub(crate) fn tree(&self) -> &Tree = &self.tree;
-        /// The tasks in order.
-        pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] = &self.tasks;
-        /// The map from rates of the variables to a velocity of the model.
-        pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
-        pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
-        /// The length equivalent to a radian by variable, 1 for angles; empty for models in metres.
-        pub(crate) fn step_scale(&self) -> &[f64] = &self.step_scale;
-        /// The order in which the tasks are met.
-        pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
-        /// The collision constraint, if any.
-        pub(crate) fn collision_constraint(&self) -> Option<&Arc<CollisionConstraint>>
-            = self.collision_constraint.as_ref();
-        /// A workspace for this problem.
-        pub fn scratch(&self) -> Scratch = Scratch::new(self);
+    /// Number of solver variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.map.variables()
+    }
+
+    /// Number of residual rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of coordinates of a configuration.
+    #[must_use]
+    pub fn configuration_len(&self) -> usize {
+        self.map.sources().len()
+    }
+
+    /// The map from variables to configurations.
+    #[must_use]
+    pub fn parameters(&self) -> &ParameterMap {
+        &self.map
+    }
+
+    /// Lower bounds of the variables.
+    #[must_use]
+    pub fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    /// Upper bounds of the variables.
+    #[must_use]
+    pub fn upper(&self) -> &[f64] {
+        &self.upper
+    }
+
+    /// The model's reach: its length scale in metres.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Number of tasks, including those that close the model's loops.
+    #[must_use]
+    pub fn tasks(&self) -> usize {
+        self.tasks.len()
+    }
+
+    /// The derivative method.
+    #[must_use]
+    pub fn derivatives(&self) -> Derivatives {
+        self.derivatives
+    }
+
+    /// A copy of the residuals that the problem was built with, to change their targets.
+    #[must_use]
+    pub fn targets(&self) -> Targets {
+        self.targets.clone()
+    }
+
+    /// The treatment of soft tasks.
+    #[must_use]
+    pub fn preferences(&self) -> Preferences {
+        self.preferences
+    }
+
+    /// The compiled kinematics with the slots of the tasks.
+    #[must_use]
+    pub(crate) fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// The tasks in order.
+    #[must_use]
+    pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] {
+        &self.tasks
+    }
+
+    /// The map from rates of the variables to a velocity of the model.
+    #[must_use]
+    pub(crate) fn tangent(&self) -> &Tangent {
+        &self.tangent
+    }
+
+    #[must_use]
+    pub(crate) fn names(&self) -> &Arc<ReportNames> {
+        &self.names
+    }
+
+    /// The length equivalent to a radian by variable, 1 for angles; empty for models in metres.
+    #[must_use]
+    pub(crate) fn step_scale(&self) -> &[f64] {
+        &self.step_scale
+    }
+
+    /// The order in which the tasks are met.
+    #[must_use]
+    pub(crate) fn ranks(&self) -> &Ranks {
+        &self.ranks
+    }
+
+    /// The collision constraint, if any.
+    #[must_use]
+    pub(crate) fn collision_constraint(&self) -> Option<&Arc<CollisionConstraint>> {
+        self.collision_constraint.as_ref()
+    }
+
+    /// A workspace for this problem.
+    #[must_use]
+    pub fn scratch(&self) -> Scratch {
+        Scratch::new(self)
     }
 
     /// True if every required task is within its tolerances for the weighted residual `r`.

@@ -180,14 +180,32 @@ impl ReducedWorkspace {
 }
 
 impl LeastSquares for ReducedProblem<'_, '_> {
-    answers! {
-        fn variables(&self) -> usize = self.moved_variables.variables.len();
-        fn rows(&self) -> usize = self.evaluation.rows();
-        fn lower(&self) -> &[f64] = self.buffers.lower;
-        fn upper(&self) -> &[f64] = self.buffers.upper;
-        fn step_scale(&self) -> &[f64] = &self.moved_variables.step_scale;
-        fn is_reached(&self, residual: &[f64]) -> bool = self.evaluation.is_reached(residual);
-        fn stops_when_reached(&self) -> bool = self.evaluation.stops_when_reached();
+    fn variables(&self) -> usize {
+        self.moved_variables.variables.len()
+    }
+
+    fn rows(&self) -> usize {
+        self.evaluation.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.buffers.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.buffers.upper
+    }
+
+    fn step_scale(&self) -> &[f64] {
+        &self.moved_variables.step_scale
+    }
+
+    fn is_reached(&self, residual: &[f64]) -> bool {
+        self.evaluation.is_reached(residual)
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        self.evaluation.stops_when_reached()
     }
 
     fn space(&self) -> ConfigurationSpace<'_> {

@@ -64,11 +64,16 @@ impl NormalEquations {
         }
     }
 
-    getters! {
-        /// JᵀJ.
-        pub(crate) fn matrix(&self) -> &BranchedMatrix = &self.matrix;
-        /// Jᵀr.
-        pub(crate) fn gradient(&self) -> &[f64] = &self.gradient;
+    /// JᵀJ.
+    #[must_use]
+    pub(crate) fn matrix(&self) -> &BranchedMatrix {
+        &self.matrix
+    }
+
+    /// Jᵀr.
+    #[must_use]
+    pub(crate) fn gradient(&self) -> &[f64] {
+        &self.gradient
     }
 }
 

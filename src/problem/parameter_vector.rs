@@ -51,25 +51,46 @@ impl ParameterVector {
         self
     }
 
-    getters! {
-        /// Entries of all targets, task after task.
-        pub fn targets(&self) -> &[f64] = &self.targets;
-        /// Entries of all targets, mutable.
-        pub fn targets_mut(&mut self) -> &mut [f64] = &mut self.targets;
-        /// Entries of the weights, one for each of [`Solution::rows`](crate::Solution).
-        ///
-        /// A weight multiplies these rows; [`Task::weight`](crate::task::Task::weight) and
-        /// [`scale`](crate::task::Task::scale) set it.
-        pub fn weights(&self) -> &[f64] = &self.weights;
-        /// Entries of the weights, mutable.
-        pub fn weights_mut(&mut self) -> &mut [f64] = &mut self.weights;
-        /// Entries of the joint origins on their parents, in the parent's axes, metres: the lengths of links.
-        ///
-        /// Indexed by [`JointId::index`](crate::model::JointId::index). Empty unless added by
-        /// [`with_joint_origins`](Self::with_joint_origins).
-        pub fn joint_origins(&self) -> &[Vector3<f64>] = &self.joint_origins;
-        /// Entries of the joint origins, mutable.
-        pub fn joint_origins_mut(&mut self) -> &mut [Vector3<f64>] = &mut self.joint_origins;
+    /// Entries of all targets, task after task.
+    #[must_use]
+    pub fn targets(&self) -> &[f64] {
+        &self.targets
+    }
+
+    /// Entries of all targets, mutable.
+    #[must_use]
+    pub fn targets_mut(&mut self) -> &mut [f64] {
+        &mut self.targets
+    }
+
+    /// Entries of the weights, one for each of [`Solution::rows`](crate::Solution).
+    ///
+    /// A weight multiplies these rows; [`Task::weight`](crate::task::Task::weight) and
+    /// [`scale`](crate::task::Task::scale) set it.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Entries of the weights, mutable.
+    #[must_use]
+    pub fn weights_mut(&mut self) -> &mut [f64] {
+        &mut self.weights
+    }
+
+    /// Entries of the joint origins on their parents, in the parent's axes, metres: the lengths of links.
+    ///
+    /// Indexed by [`JointId::index`](crate::model::JointId::index). Empty unless added by
+    /// [`with_joint_origins`](Self::with_joint_origins).
+    #[must_use]
+    pub fn joint_origins(&self) -> &[Vector3<f64>] {
+        &self.joint_origins
+    }
+
+    /// Entries of the joint origins, mutable.
+    #[must_use]
+    pub fn joint_origins_mut(&mut self) -> &mut [Vector3<f64>] {
+        &mut self.joint_origins
     }
 
     /// Entries of one task's target, by its index in the problem; empty if it has none.

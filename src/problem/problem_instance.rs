@@ -35,25 +35,58 @@ impl<'a> From<&'a Problem> for ProblemInstance<'a> {
 }
 
 impl<'a> ProblemInstance<'a> {
-    getters! {
-        /// The problem.
-        pub fn problem(&self) -> &'a Problem = self.problem;
-        /// Number of solver variables.
-        pub fn variables(&self) -> usize = self.problem.variables();
-        /// Number of residual rows.
-        pub fn rows(&self) -> usize = self.problem.rows();
-        /// The map from variables to configurations.
-        pub fn parameters(&self) -> &'a ParameterMap = self.problem.parameters();
-        /// A workspace for this problem.
-        pub fn scratch(&self) -> Scratch = self.problem.scratch();
-        /// Lower bounds of the variables.
-        pub fn lower(&self) -> &'a [f64] = self.lower;
-        /// Upper bounds of the variables.
-        pub fn upper(&self) -> &'a [f64] = self.upper;
-        /// Largest rotations of ball joints from their start.
-        pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.turn_limits;
-        /// The compiled kinematics that the tasks' slots refer to.
-        pub(crate) fn tree(&self) -> &'a Tree = self.tree;
+    /// The problem.
+    #[must_use]
+    pub fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// Number of solver variables.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    /// Number of residual rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.problem.rows()
+    }
+
+    /// The map from variables to configurations.
+    #[must_use]
+    pub fn parameters(&self) -> &'a ParameterMap {
+        self.problem.parameters()
+    }
+
+    /// A workspace for this problem.
+    #[must_use]
+    pub fn scratch(&self) -> Scratch {
+        self.problem.scratch()
+    }
+
+    /// Lower bounds of the variables.
+    #[must_use]
+    pub fn lower(&self) -> &'a [f64] {
+        self.lower
+    }
+
+    /// Upper bounds of the variables.
+    #[must_use]
+    pub fn upper(&self) -> &'a [f64] {
+        self.upper
+    }
+
+    /// Largest rotations of ball joints from their start.
+    #[must_use]
+    pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] {
+        self.turn_limits
+    }
+
+    /// The compiled kinematics that the tasks' slots refer to.
+    #[must_use]
+    pub(crate) fn tree(&self) -> &'a Tree {
+        self.tree
     }
 
     /// The space of the variables, within these bounds.

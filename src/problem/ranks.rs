@@ -95,11 +95,16 @@ impl Ranks {
         Self { ends, levels }
     }
 
-    getters! {
-        /// Number of leading ranks with required tasks that can be unreached.
-        pub(crate) fn levels(&self) -> usize = self.levels;
-        /// Number of ranks.
-        pub(crate) fn count(&self) -> usize = self.ends.len();
+    /// Number of leading ranks with required tasks that can be unreached.
+    #[must_use]
+    pub(crate) fn levels(&self) -> usize {
+        self.levels
+    }
+
+    /// Number of ranks.
+    #[must_use]
+    pub(crate) fn count(&self) -> usize {
+        self.ends.len()
     }
 
     /// Start of the rows of a rank.

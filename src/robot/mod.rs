@@ -3,12 +3,12 @@
 mod base_joint;
 mod chain;
 #[cfg(feature = "mjcf")]
-#[cfg_attr(not(feature = "collision"), allow(dead_code))] // Used by collision models only.
 mod contacts;
 mod drive;
 #[cfg(feature = "yaml")]
 mod joint_limits;
 mod link;
+mod loop_closure;
 mod masses;
 mod mimic;
 #[cfg(feature = "mjcf")]
@@ -100,60 +100,105 @@ impl Robot {
         })
     }
 
-    getters! {
-        /// Name of the robot.
-        pub fn name(&self) -> &str = self.model.name();
-        /// Joints, links and limits.
-        pub fn model(&self) -> &Model = &self.model;
-        /// The parameter map in which all joints are free except mimic joints.
-        pub fn map(&self) -> &ParameterMap = &self.map;
-        /// The mimic joints.
-        pub fn mimics(&self) -> &[Mimic] = &self.mimics.joints;
-        /// Starts a parameter map that couples the mimic joints. Lock joints or free only some.
-        ///
-        /// ```
-        /// # use kinopt::robot::Robot;
-        /// let robot = Robot::read("models/franka_panda.urdf")?;
-        /// // The arm alone with the fingers locked open: the second finger is a mimic joint of the first.
-        /// let finger = robot.model().joint("finger_left_slide")?;
-        /// let arm = robot.parameters().with_locked(finger, 0.04).build()?;
-        /// assert_eq!(arm.variables(), 7);
-        /// // Three joints, the others locked at the neutral configuration.
-        /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
-        /// let wrist = robot.parameters().with_only(&wrist, &robot.model().neutral()).build()?;
-        /// assert_eq!(wrist.variables(), 3);
-        /// # Ok::<(), Box<dyn std::error::Error>>(())
-        /// ```
-        pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics.joints);
-        /// The passive joints: moving joints without an actuator.
-        ///
-        /// In an MJCF file with actuators they are the joints without an actuator, direct or through a fixed tendon,
-        /// except mimic joints. Otherwise they are those set by [`with_passive_joints`](Self::with_passive_joints).
-        pub fn passive_joints(&self) -> &[JointId] = &self.passive;
-        /// The end frames of the tree, such as hands, tools and feet: frames whose joint carries no other joint.
-        pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);
-        /// Shapes and mass of the link of a frame. `None` for frames that are no links, such as tools, and for robots
-        /// without a file.
-        pub fn link(&self, frame: FrameId) -> Option<&Link> = self.links.get(frame.index());
-        /// The file that the robot was read from; relative mesh paths are relative to its folder. `None` for a robot
-        /// parsed from memory, unless [`with_file`](Self::with_file) sets it.
-        pub fn file(&self) -> Option<&Path> = self.file.as_deref();
-        /// Reports whether mesh files must be below the folder of the robot's file or below the package folders of the
-        /// caller: see [`confined`](Self::confined).
-        pub fn is_confined(&self) -> bool = self.confined;
+    /// Name of the robot.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.model.name()
     }
 
-    setters! {
-        /// Sets the file that [`file`](Self::file) returns. It need not exist.
-        pub fn with_file(mut self, file: impl Into<PathBuf>) { self.file = Some(file.into()) }
-        /// Restricts mesh files to those below the folder of the robot's file and below the package folders of a
-        /// collision model's builder. Use this for untrusted files, since robot files may name meshes anywhere.
-        pub fn confined(mut self) { self.confined = true }
+    /// Joints, links and limits.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The parameter map in which all joints are free except mimic joints.
+    #[must_use]
+    pub fn map(&self) -> &ParameterMap {
+        &self.map
+    }
+
+    /// The mimic joints.
+    #[must_use]
+    pub fn mimics(&self) -> &[Mimic] {
+        &self.mimics.joints
+    }
+
+    /// Starts a parameter map that couples the mimic joints. Lock joints or free only some.
+    ///
+    /// ```
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/franka_panda.urdf")?;
+    /// // The arm alone with the fingers locked open: the second finger is a mimic joint of the first.
+    /// let finger = robot.model().joint("finger_left_slide")?;
+    /// let arm = robot.parameters().with_locked(finger, 0.04).build()?;
+    /// assert_eq!(arm.variables(), 7);
+    /// // Three joints, the others locked at the neutral configuration.
+    /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
+    /// let wrist = robot.parameters().with_only(&wrist, &robot.model().neutral()).build()?;
+    /// assert_eq!(wrist.variables(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn parameters(&self) -> ParameterMapBuilder<'_> {
+        coupled(&self.model, &self.mimics.joints)
+    }
+
+    /// The passive joints: moving joints without an actuator.
+    ///
+    /// In an MJCF file with actuators they are the joints without an actuator, direct or through a fixed tendon,
+    /// except mimic joints. Otherwise they are those set by [`with_passive_joints`](Self::with_passive_joints).
+    #[must_use]
+    pub fn passive_joints(&self) -> &[JointId] {
+        &self.passive
+    }
+
+    /// The end frames of the tree, such as hands, tools and feet: frames whose joint carries no other joint.
+    #[must_use]
+    pub fn tips(&self) -> Vec<FrameId> {
+        chain::tips(&self.model)
+    }
+
+    /// Shapes and mass of the link of a frame. `None` for frames that are no links, such as tools, and for robots
+    /// without a file.
+    #[must_use]
+    pub fn link(&self, frame: FrameId) -> Option<&Link> {
+        self.links.get(frame.index())
+    }
+
+    /// The file that the robot was read from; relative mesh paths are relative to its folder. `None` for a robot
+    /// parsed from memory, unless [`with_file`](Self::with_file) sets it.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// Reports whether mesh files must be below the folder of the robot's file or below the package folders of the
+    /// caller: see [`confined`](Self::confined).
+    #[must_use]
+    pub fn is_confined(&self) -> bool {
+        self.confined
+    }
+
+    /// Sets the file that [`file`](Self::file) returns. It need not exist.
+    #[must_use]
+    pub fn with_file(mut self, file: impl Into<PathBuf>) -> Self {
+        self.file = Some(file.into());
+        self
+    }
+
+    /// Restricts mesh files to those below the folder of the robot's file and below the package folders of a
+    /// collision model's builder. Use this for untrusted files, since robot files may name meshes anywhere.
+    #[must_use]
+    pub fn confined(mut self) -> Self {
+        self.confined = true;
+        self
     }
 
     /// Enabled collision pairs of an MJCF file.
-    #[cfg(all(feature = "mjcf", feature = "collision"))]
-    pub(crate) fn contacts(&self) -> Option<&Contacts> {
+    #[cfg(feature = "mjcf")]
+    #[doc(hidden)] // For collision models.
+    pub fn contacts(&self) -> Option<&Contacts> {
         self.contacts.as_ref()
     }
 
@@ -248,9 +293,11 @@ impl Robot {
         })
     }
 
-    setters! {
-        /// Removes the loops of the file, for example if they contradict each other.
-        pub fn without_loops(mut self) { self.model = self.model.without_loops() }
+    /// Removes the loops of the file, for example if they contradict each other.
+    #[must_use]
+    pub fn without_loops(mut self) -> Self {
+        self.model = self.model.without_loops();
+        self
     }
 }
 

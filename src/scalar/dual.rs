@@ -29,11 +29,16 @@ impl<const N: usize> Dual<N> {
         Self { value, derivatives }
     }
 
-    getters! {
-        /// The value.
-        pub fn value(&self) -> f64 = self.value;
-        /// The derivatives along the `N` directions.
-        pub fn derivatives(&self) -> [f64; N] = self.derivatives;
+    /// The value.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        self.value
+    }
+
+    /// The derivatives along the `N` directions.
+    #[must_use]
+    pub fn derivatives(&self) -> [f64; N] {
+        self.derivatives
     }
 
     /// A function of this number, from the function's value and derivative (chain rule).

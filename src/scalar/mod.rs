@@ -141,30 +141,60 @@ pub trait Scalar:
 impl Scalar for f64 {
     type Mask = bool;
 
-    answers! {
-        #[inline(always)]
-        fn constant(value: f64) -> Self = value;
-        // Repeats the trait's default without its operator calls, which cost time in debug builds.
-        #[inline(always)]
-        fn mul_add(self, factor: Self, addend: Self) -> Self = self * factor + addend;
-        #[inline(always)]
-        fn sqrt(self) -> Self = f64::sqrt(self);
-        #[inline(always)]
-        fn sin_cos(self) -> (Self, Self) = elementary::sin_cos(self);
-        #[inline(always)]
-        fn atan2(self, x: Self) -> Self = elementary::atan2(self, x);
-        #[inline(always)]
-        fn exp(self) -> Self = elementary::exp(self);
-        #[inline(always)]
-        fn ln(self) -> Self = elementary::ln(self);
-        #[inline(always)]
-        fn less_than(self, other: Self) -> bool = self < other;
-        #[inline(always)]
-        fn select(mask: bool, yes: Self, no: Self) -> Self = if mask { yes } else { no };
-        #[inline(always)]
-        fn is_finite(self) -> bool = f64::is_finite(self);
-        #[inline(always)]
-        fn as_f64(self) -> Option<f64> = Some(self);
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    // Repeats the trait's default without its operator calls, which cost time in debug builds.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        elementary::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        elementary::atan2(self, x)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        elementary::exp(self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        elementary::ln(self)
+    }
+
+    #[inline(always)]
+    fn less_than(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+
+    #[inline(always)]
+    fn as_f64(self) -> Option<f64> {
+        Some(self)
     }
 
     fn sin_cos_all(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {

@@ -67,21 +67,38 @@ impl Restarts {
         }
     }
 
-    setters! {
-        /// Sets the largest number of attempts, including that from the caller's start; at least 1.
-        pub fn with_attempts(mut self, attempts: usize) { self.attempts = Some(attempts) }
-        /// Sets the seed of all random starts.
-        pub fn with_seed(mut self, seed: u64) { self.seed = seed }
-        /// Sets the number of agreeing attempts that end the search, at least 1. Attempts agree if their costs are
-        /// within a thousandth of the lowest; the target is then most likely out of reach.
-        ///
-        /// Except for the first eight, attempts then run until they converge, which takes longer for unreached targets
-        /// and comes slightly nearer. By default this applies only to problems with soft tasks, with 3 agreeing
-        /// attempts.
-        pub fn with_agreeing(mut self, agreeing: usize) { self.agreeing = Some(agreeing) }
-        /// Sets the total number of steps after which no new attempt starts. One continuation of the best attempt may
-        /// follow, if that attempt ended early.
-        pub fn with_steps(mut self, steps: usize) { self.steps = steps }
+    /// Sets the largest number of attempts, including that from the caller's start; at least 1.
+    #[must_use]
+    pub fn with_attempts(mut self, attempts: usize) -> Self {
+        self.attempts = Some(attempts);
+        self
+    }
+
+    /// Sets the seed of all random starts.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Sets the number of agreeing attempts that end the search, at least 1. Attempts agree if their costs are
+    /// within a thousandth of the lowest; the target is then most likely out of reach.
+    ///
+    /// Except for the first eight, attempts then run until they converge, which takes longer for unreached targets
+    /// and comes slightly nearer. By default this applies only to problems with soft tasks, with 3 agreeing
+    /// attempts.
+    #[must_use]
+    pub fn with_agreeing(mut self, agreeing: usize) -> Self {
+        self.agreeing = Some(agreeing);
+        self
+    }
+
+    /// Sets the total number of steps after which no new attempt starts. One continuation of the best attempt may
+    /// follow, if that attempt ended early.
+    #[must_use]
+    pub fn with_steps(mut self, steps: usize) -> Self {
+        self.steps = steps;
+        self
     }
 
     /// Checks the ranges of both numbers of attempts.

@@ -116,13 +116,22 @@ impl Schedule {
         }
     }
 
-    getters! {
-        /// Source of the starts of attempts.
-        pub(super) fn restarts(&self) -> &Restarts = &self.restarts;
-        /// Largest number of attempts.
-        pub(super) fn attempts(&self) -> usize = self.attempts;
-        /// Later attempts may start at the end of an earlier one.
-        pub(super) fn hops(&self) -> bool = self.hops;
+    /// Source of the starts of attempts.
+    #[must_use]
+    pub(super) fn restarts(&self) -> &Restarts {
+        &self.restarts
+    }
+
+    /// Largest number of attempts.
+    #[must_use]
+    pub(super) fn attempts(&self) -> usize {
+        self.attempts
+    }
+
+    /// Later attempts may start at the end of an earlier one.
+    #[must_use]
+    pub(super) fn hops(&self) -> bool {
+        self.hops
     }
 
     /// The trials in order.

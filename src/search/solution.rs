@@ -101,11 +101,16 @@ impl TaskReport<'_> {
         Some(rows.fold(first, |sum, r| elementary::hypot(sum, r.error)))
     }
 
-    getters! {
-        /// Error in metres.
-        pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
-        /// Error in radians.
-        pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
+    /// Error in metres.
+    #[must_use]
+    pub fn position_error(&self) -> Option<f64> {
+        self.error(Quantity::Metres)
+    }
+
+    /// Error in radians.
+    #[must_use]
+    pub fn orientation_error(&self) -> Option<f64> {
+        self.error(Quantity::Radians)
     }
 }
 
@@ -222,14 +227,23 @@ impl Solution {
         })
     }
 
-    getters! {
-        /// Largest error of any required task in metres.
-        pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
-        /// Largest error of any required task in radians.
-        pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
-        /// Reports whether a required task is provably out of reach: its target is farther from the start of its chain
-        /// than the chain is long. False if this is unknown.
-        pub fn is_out_of_reach(&self) -> bool = self.beyond.is_some();
+    /// Largest error of any required task in metres.
+    #[must_use]
+    pub fn position_error(&self) -> Option<f64> {
+        self.error(Quantity::Metres)
+    }
+
+    /// Largest error of any required task in radians.
+    #[must_use]
+    pub fn orientation_error(&self) -> Option<f64> {
+        self.error(Quantity::Radians)
+    }
+
+    /// Reports whether a required task is provably out of reach: its target is farther from the start of its chain
+    /// than the chain is long. False if this is unknown.
+    #[must_use]
+    pub fn is_out_of_reach(&self) -> bool {
+        self.beyond.is_some()
     }
 
     /// Soft tasks that keep required tasks from being reached, strongest first. Empty unless soft tasks are

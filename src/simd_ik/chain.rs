@@ -93,13 +93,22 @@ impl Chain {
         self
     }
 
-    getters! {
-        /// Sum of the lengths of all constant translations from base to tip, metres.
-        pub(crate) fn extent(&self) -> f64 = self.extent;
-        /// Joints, base to tip.
-        pub fn joints(&self) -> &[ChainJoint] = &self.joints;
-        /// Placement of the tip in the frame of the last joint.
-        pub fn joint_from_tip(&self) -> &Placement<f64> = &self.joint_from_tip;
+    /// Sum of the lengths of all constant translations from base to tip, metres.
+    #[must_use]
+    pub(crate) fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// Joints, base to tip.
+    #[must_use]
+    pub fn joints(&self) -> &[ChainJoint] {
+        &self.joints
+    }
+
+    /// Placement of the tip in the frame of the last joint.
+    #[must_use]
+    pub fn joint_from_tip(&self) -> &Placement<f64> {
+        &self.joint_from_tip
     }
 
     /// The same joints with another tip. Returns an error if its placement is not rigid.

@@ -61,38 +61,95 @@ impl Default for LaneOptions {
 }
 
 impl LaneOptions {
-    setters! {
-        /// Sets the largest distance of the tip from the target, metres; positive. Default 1e-6.
-        pub fn with_position_tolerance(mut self, position_tolerance: f64) { self.position_tolerance = position_tolerance }
-        /// Sets the largest angle between the tip and the target, radians; positive. Default 1e-6.
-        pub fn with_orientation_tolerance(mut self, orientation_tolerance: f64) { self.orientation_tolerance = orientation_tolerance }
-        /// Sets the metres that weigh as much as one radian in the cost; positive. Default 0.3.
-        pub fn with_metres_per_radian(mut self, metres_per_radian: f64) { self.metres_per_radian = metres_per_radian }
-        /// Sets the weights and dead bands of the pose's components. Default: the full pose.
-        pub fn with_axes(mut self, axes: AxisGoal) { self.axes = axes }
-        /// Sets the initial damping: λ starts at this factor times twice the cost; positive. Default 0.07.
-        pub fn with_damping(mut self, damping: f64) { self.damping = damping }
-        /// Sets the number of iterations without halving the error after which an attempt ends. Default 6.
-        ///
-        /// It is ten times as large while twice the cost is below 1e-6 of the chain's reach squared.
-        pub fn with_stall_limit(mut self, stall_limit: u32) { self.stall_limit = stall_limit }
-        /// Sets the largest number of iterations of one attempt. Default 100.
-        pub fn with_iterations(mut self, iterations: u32) { self.iterations = iterations }
-        /// Sets the largest number of attempts of one query, at least 1. Default 200.
-        pub fn with_attempts(mut self, attempts: u32) { self.attempts = attempts }
-        /// Sets the number of iterations of all attempts of a query after which no attempt begins. Default 3 000.
-        ///
-        /// It bounds the time for targets at the end of a narrow valley: an arm nearly stretched, a joint at its limit.
-        pub fn with_total_iterations(mut self, total_iterations: u32) { self.total_iterations = total_iterations }
-        /// Sets the seed of the atlas and of the random attempts: attempt i is sampled from (seed, i). Default 0.
-        pub fn with_seed(mut self, seed: u64) { self.seed = seed }
-        /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
-        ///
-        /// The atlas takes a few megabytes, and tens of milliseconds to build. Chains of fewer than 4 or more than 12
-        /// joints have none.
-        pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
-        /// Sets whether to use the portable kernels even if the processor has faster instructions. Default false.
-        pub fn with_portable(mut self, portable: bool) { self.portable = portable }
+    /// Sets the largest distance of the tip from the target, metres; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_position_tolerance(mut self, position_tolerance: f64) -> Self {
+        self.position_tolerance = position_tolerance;
+        self
+    }
+
+    /// Sets the largest angle between the tip and the target, radians; positive. Default 1e-6.
+    #[must_use]
+    pub fn with_orientation_tolerance(mut self, orientation_tolerance: f64) -> Self {
+        self.orientation_tolerance = orientation_tolerance;
+        self
+    }
+
+    /// Sets the metres that weigh as much as one radian in the cost; positive. Default 0.3.
+    #[must_use]
+    pub fn with_metres_per_radian(mut self, metres_per_radian: f64) -> Self {
+        self.metres_per_radian = metres_per_radian;
+        self
+    }
+
+    /// Sets the weights and dead bands of the pose's components. Default: the full pose.
+    #[must_use]
+    pub fn with_axes(mut self, axes: AxisGoal) -> Self {
+        self.axes = axes;
+        self
+    }
+
+    /// Sets the initial damping: λ starts at this factor times twice the cost; positive. Default 0.07.
+    #[must_use]
+    pub fn with_damping(mut self, damping: f64) -> Self {
+        self.damping = damping;
+        self
+    }
+
+    /// Sets the number of iterations without halving the error after which an attempt ends. Default 6.
+    ///
+    /// It is ten times as large while twice the cost is below 1e-6 of the chain's reach squared.
+    #[must_use]
+    pub fn with_stall_limit(mut self, stall_limit: u32) -> Self {
+        self.stall_limit = stall_limit;
+        self
+    }
+
+    /// Sets the largest number of iterations of one attempt. Default 100.
+    #[must_use]
+    pub fn with_iterations(mut self, iterations: u32) -> Self {
+        self.iterations = iterations;
+        self
+    }
+
+    /// Sets the largest number of attempts of one query, at least 1. Default 200.
+    #[must_use]
+    pub fn with_attempts(mut self, attempts: u32) -> Self {
+        self.attempts = attempts;
+        self
+    }
+
+    /// Sets the number of iterations of all attempts of a query after which no attempt begins. Default 3 000.
+    ///
+    /// It bounds the time for targets at the end of a narrow valley: an arm nearly stretched, a joint at its limit.
+    #[must_use]
+    pub fn with_total_iterations(mut self, total_iterations: u32) -> Self {
+        self.total_iterations = total_iterations;
+        self
+    }
+
+    /// Sets the seed of the atlas and of the random attempts: attempt i is sampled from (seed, i). Default 0.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
+    ///
+    /// The atlas takes a few megabytes, and tens of milliseconds to build. Chains of fewer than 4 or more than 12
+    /// joints have none.
+    #[must_use]
+    pub fn with_atlas(mut self, atlas: bool) -> Self {
+        self.atlas = atlas;
+        self
+    }
+
+    /// Sets whether to use the portable kernels even if the processor has faster instructions. Default false.
+    #[must_use]
+    pub fn with_portable(mut self, portable: bool) -> Self {
+        self.portable = portable;
+        self
     }
 
     /// Checks that every number is in its range.

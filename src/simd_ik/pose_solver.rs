@@ -53,11 +53,16 @@ impl PoseSolver {
         })
     }
 
-    getters! {
-        /// Options of the solver.
-        pub(crate) fn options(&self) -> &LaneOptions = &self.prepared.options;
-        /// Number of moving joints, the length of a q.
-        pub fn joints(&self) -> usize = self.prepared.joints();
+    /// Options of the solver.
+    #[must_use]
+    pub(crate) fn options(&self) -> &LaneOptions {
+        &self.prepared.options
+    }
+
+    /// Number of moving joints, the length of a q.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.prepared.joints()
     }
 
     /// Memory of the seed atlas in bytes, 0 without an atlas.

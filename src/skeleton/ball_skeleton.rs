@@ -144,17 +144,34 @@ impl BallSkeleton {
         })
     }
 
-    getters! {
-        /// The skeleton; its model has revolute joints.
-        pub fn skeleton(&self) -> &Skeleton = &self.skeleton;
-        /// The model with ball joints, for problems.
-        pub fn model(&self) -> &Model = &self.model;
-        /// The model frame at a bone's tail, with the bone's axes.
-        pub fn tail(&self, bone: BoneId) -> FrameId = self.skeleton.tail(bone);
-        /// The model frame at a bone's tip, with the bone's axes.
-        pub fn tip(&self, bone: BoneId) -> FrameId = self.skeleton.tip(bone);
-        /// Reports whether a bone is a topmost movable bone of a free root.
-        pub fn is_free(&self, bone: BoneId) -> bool = self.free.contains(&bone);
+    /// The skeleton; its model has revolute joints.
+    #[must_use]
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// The model with ball joints, for problems.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The model frame at a bone's tail, with the bone's axes.
+    #[must_use]
+    pub fn tail(&self, bone: BoneId) -> FrameId {
+        self.skeleton.tail(bone)
+    }
+
+    /// The model frame at a bone's tip, with the bone's axes.
+    #[must_use]
+    pub fn tip(&self, bone: BoneId) -> FrameId {
+        self.skeleton.tip(bone)
+    }
+
+    /// Reports whether a bone is a topmost movable bone of a free root.
+    #[must_use]
+    pub fn is_free(&self, bone: BoneId) -> bool {
+        self.free.contains(&bone)
     }
 
     /// Looks up a bone by name.

@@ -111,17 +111,34 @@ impl Skeleton {
         self.model.move_frame(frame, tip);
     }
 
-    getters! {
-        /// The bones, parents before children.
-        pub fn bones(&self) -> &[Bone] = &self.bones;
-        /// The compiled model, for problems.
-        pub fn model(&self) -> &Model = &self.model;
-        /// Number of angles of a configuration: three per bone.
-        pub fn angles(&self) -> usize = ANGLES_PER_BONE * self.bones.len();
-        /// The model frame at a bone's tail, with the bone's canonical axes.
-        pub fn tail(&self, bone: BoneId) -> FrameId = FrameId::new(2 * bone.index());
-        /// The model frame at a bone's tip, with the bone's canonical axes.
-        pub fn tip(&self, bone: BoneId) -> FrameId = FrameId::new(2 * bone.index() + 1);
+    /// The bones, parents before children.
+    #[must_use]
+    pub fn bones(&self) -> &[Bone] {
+        &self.bones
+    }
+
+    /// The compiled model, for problems.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Number of angles of a configuration: three per bone.
+    #[must_use]
+    pub fn angles(&self) -> usize {
+        ANGLES_PER_BONE * self.bones.len()
+    }
+
+    /// The model frame at a bone's tail, with the bone's canonical axes.
+    #[must_use]
+    pub fn tail(&self, bone: BoneId) -> FrameId {
+        FrameId::new(2 * bone.index())
+    }
+
+    /// The model frame at a bone's tip, with the bone's canonical axes.
+    #[must_use]
+    pub fn tip(&self, bone: BoneId) -> FrameId {
+        FrameId::new(2 * bone.index() + 1)
     }
 
     /// All bone ids in order.

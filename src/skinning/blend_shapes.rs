@@ -77,11 +77,16 @@ impl BlendShapes {
         Self::new(shapes.collect())
     }
 
-    getters! {
-        /// Names of the shapes, in the order of the weights.
-        pub fn names(&self) -> &[String] = &self.names;
-        /// Number of vertices of each shape.
-        pub fn vertex_count(&self) -> usize = self.vertex_count;
+    /// Names of the shapes, in the order of the weights.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of vertices of each shape.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     /// Blends the shapes: p_i = Σ_j w_j p_ij. The weights must sum to 1 within

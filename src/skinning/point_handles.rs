@@ -28,11 +28,18 @@ impl PointHandle {
         }
     }
 
-    setters! {
-        /// Sets the posed position.
-        pub fn moved_to(mut self, posed: Vec3) { self.posed = posed }
-        /// Sets the linear map about the handle.
-        pub fn turned_by(mut self, linear: Mat3A) { self.linear = linear }
+    /// Sets the posed position.
+    #[must_use]
+    pub fn moved_to(mut self, posed: Vec3) -> Self {
+        self.posed = posed;
+        self
+    }
+
+    /// Sets the linear map about the handle.
+    #[must_use]
+    pub fn turned_by(mut self, linear: Mat3A) -> Self {
+        self.linear = linear;
+        self
     }
 
     /// The transform rest model → posed model: v → A (v − rest) + posed.

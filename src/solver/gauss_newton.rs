@@ -20,9 +20,11 @@ const MAX_INITIAL_STEP: f64 = 10.0;
 const MAX_TRIALS: [usize; 2] = [6, 30];
 
 impl GaussNewton {
-    setters! {
-        /// Sets the relative size of diagonal entries of R below which they count as zero. From ε to ½. Default 1e-8.
-        pub fn with_rank_tolerance(mut self, tolerance: f64) { self.rank_tolerance = tolerance }
+    /// Sets the relative size of diagonal entries of R below which they count as zero. From ε to ½. Default 1e-8.
+    #[must_use]
+    pub fn with_rank_tolerance(mut self, tolerance: f64) -> Self {
+        self.rank_tolerance = tolerance;
+        self
     }
 }
 
@@ -55,10 +57,16 @@ struct Buffers {
 impl Method for GaussNewton {
     type State = GaussNewtonState;
 
-    answers! {
-        fn name(&self) -> &'static str = "gauss-newton";
-        fn needs_jacobian(&self) -> bool = true;
-        fn control(&self, state: &Self::State) -> f64 = state.length;
+    fn name(&self) -> &'static str {
+        "gauss-newton"
+    }
+
+    fn needs_jacobian(&self) -> bool {
+        true
+    }
+
+    fn control(&self, state: &Self::State) -> f64 {
+        state.length
     }
 
     fn check(&self) -> Result<(), BadOption> {

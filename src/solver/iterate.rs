@@ -33,11 +33,16 @@ impl Deref for Iterate<'_> {
 }
 
 impl Iterate<'_> {
-    getters! {
-        /// Configuration space of x, with its bounds.
-        pub fn space(&self) -> ConfigurationSpace<'_> = self.problem.space();
-        /// Step Δ, for writing; it holds the last step until then.
-        pub fn step_mut(&mut self) -> &mut [f64] = &mut self.state.step;
+    /// Configuration space of x, with its bounds.
+    #[must_use]
+    pub fn space(&self) -> ConfigurationSpace<'_> {
+        self.problem.space()
+    }
+
+    /// Step Δ, for writing; it holds the last step until then.
+    #[must_use]
+    pub fn step_mut(&mut self) -> &mut [f64] {
+        &mut self.state.step
     }
 
     /// Projects the trial x + Δ into the bounds, shortens it to the fraction that the problem allows, and updates Δ to

@@ -51,12 +51,14 @@ impl LevenbergMarquardt {
         Self { damping, initial }
     }
 
-    setters! {
-        /// Sets the initial damping, positive and finite. Default 1e-3 and 0.1.
-        ///
-        /// For the gain ratio it is τ in λ₀ = τ · max diag(JᵀJ). For the error-proportional rule it is μ in λ = μ ·
-        /// cost.
-        pub fn with_initial_damping(mut self, initial: f64) { self.initial = initial }
+    /// Sets the initial damping, positive and finite. Default 1e-3 and 0.1.
+    ///
+    /// For the gain ratio it is τ in λ₀ = τ · max diag(JᵀJ). For the error-proportional rule it is μ in λ = μ ·
+    /// cost.
+    #[must_use]
+    pub fn with_initial_damping(mut self, initial: f64) -> Self {
+        self.initial = initial;
+        self
     }
 }
 
@@ -99,10 +101,16 @@ impl Method for LevenbergMarquardt {
         }
     }
 
-    answers! {
-        fn needs_jacobian(&self) -> bool = true;
-        fn control(&self, state: &Self::State) -> f64 = state.damping;
-        fn fits(&self, state: &Self::State, variables: usize) -> bool = state.curvature.fits(variables);
+    fn needs_jacobian(&self) -> bool {
+        true
+    }
+
+    fn control(&self, state: &Self::State) -> f64 {
+        state.damping
+    }
+
+    fn fits(&self, state: &Self::State, variables: usize) -> bool {
+        state.curvature.fits(variables)
     }
 
     fn check(&self) -> Result<(), BadOption> {

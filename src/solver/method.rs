@@ -92,10 +92,16 @@ pub trait AnyMethod: Send + Sync {
 }
 
 impl<M: Method> AnyMethod for M {
-    answers! {
-        fn name(&self) -> &'static str = Method::name(self);
-        fn needs_jacobian(&self) -> bool = Method::needs_jacobian(self);
-        fn check(&self) -> Result<(), BadOption> = Method::check(self);
+    fn name(&self) -> &'static str {
+        Method::name(self)
+    }
+
+    fn needs_jacobian(&self) -> bool {
+        Method::needs_jacobian(self)
+    }
+
+    fn check(&self) -> Result<(), BadOption> {
+        Method::check(self)
     }
 
     fn minimise(

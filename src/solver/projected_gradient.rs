@@ -70,9 +70,12 @@ impl Method for ProjectedGradient {
         }
     }
 
-    answers! {
-        fn needs_jacobian(&self) -> bool = false;
-        fn control(&self, state: &Self::State) -> f64 = state.length;
+    fn needs_jacobian(&self) -> bool {
+        false
+    }
+
+    fn control(&self, state: &Self::State) -> f64 {
+        state.length
     }
 
     fn reserve(&self, state: &mut Self::State, _rows: usize, variables: usize) {

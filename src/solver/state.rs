@@ -106,27 +106,64 @@ impl Clone for StatePool {
 }
 
 impl SolverState {
-    getters! {
-        /// Current point x of the search.
-        pub fn x(&self) -> &[f64] = &self.x;
-        /// Residual r(x).
-        pub fn residual(&self) -> &[f64] = &self.residual;
-        /// Cost ½‖r(x)‖².
-        pub fn cost(&self) -> f64 = self.cost;
-        /// Gradient Jᵀr at x.
-        pub fn gradient(&self) -> &[f64] = &self.gradient;
-        /// Jacobian at the point of its last evaluation: x, for methods that need it.
-        pub fn jacobian(&self) -> &DMatrix<f64> = &self.jacobian;
-        /// Largest norm of a column of J.
-        pub fn column_norm(&self) -> f64 = self.column_norm;
-        /// Free variables at x: all but those at a bound whose descent direction points outward.
-        pub fn free(&self) -> &[usize] = &self.free;
-        /// Last step Δ.
-        pub fn step(&self) -> &[f64] = &self.step;
-        /// Residual of the last [trial](super::Iterate::evaluate_trial).
-        pub fn trial_residual(&self) -> &[f64] = &self.trial_residual;
-        /// Numbers of evaluations in this search.
-        pub fn counts(&self) -> Counts = self.counts;
+    /// Current point x of the search.
+    #[must_use]
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// Residual r(x).
+    #[must_use]
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    /// Cost ½‖r(x)‖².
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// Gradient Jᵀr at x.
+    #[must_use]
+    pub fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+
+    /// Jacobian at the point of its last evaluation: x, for methods that need it.
+    #[must_use]
+    pub fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    /// Largest norm of a column of J.
+    #[must_use]
+    pub fn column_norm(&self) -> f64 {
+        self.column_norm
+    }
+
+    /// Free variables at x: all but those at a bound whose descent direction points outward.
+    #[must_use]
+    pub fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// Last step Δ.
+    #[must_use]
+    pub fn step(&self) -> &[f64] {
+        &self.step
+    }
+
+    /// Residual of the last [trial](super::Iterate::evaluate_trial).
+    #[must_use]
+    pub fn trial_residual(&self) -> &[f64] {
+        &self.trial_residual
+    }
+
+    /// Numbers of evaluations in this search.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 
     /// Takes the shape of `problem` and begins at the projected start.

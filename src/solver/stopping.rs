@@ -31,37 +31,76 @@ impl Default for Stopping {
 }
 
 impl Stopping {
-    setters! {
-        /// Sets the largest number of steps, accepted or not. Default 200.
-        pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
-        /// Sets the gradient tolerance, at least 0. Default 1e-9.
-        ///
-        /// A point is stationary if ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖, with s the largest column norm of J. The
-        /// ratio is the cosine between r and the effect of any free variable.
-        pub fn with_gradient_tolerance(mut self, tolerance: f64) { self.gradient_tolerance = tolerance }
-        /// Sets the step tolerance, at least 0. Default 1e-15.
-        ///
-        /// A search ends if no variable moves by more than tolerance · max(1, |x|).
-        pub fn with_step_tolerance(mut self, tolerance: f64) { self.step_tolerance = tolerance }
-        /// Sets the number of steps without halving the cost after which a search ends as stalled. Default: none.
-        ///
-        /// Without it a search continues until it is stationary.
-        pub fn with_patience(mut self, steps: Option<usize>) { self.patience = steps }
-        /// Sets a wall-clock limit, checked before every step. Results then depend on the machine.
-        pub fn with_time_limit(mut self, limit: Duration) { self.time_limit = Some(limit) }
+    /// Sets the largest number of steps, accepted or not. Default 200.
+    #[must_use]
+    pub fn with_max_iterations(mut self, iterations: usize) -> Self {
+        self.max_iterations = iterations;
+        self
     }
 
-    getters! {
-        /// Largest number of steps of one search.
-        pub fn max_iterations(&self) -> usize = self.max_iterations;
-        /// Number of steps without halving the cost after which a search ends, if set.
-        pub fn patience(&self) -> Option<usize> = self.patience;
-        /// Fraction of the gradient's scale that counts as stationary.
-        pub fn gradient_tolerance(&self) -> f64 = self.gradient_tolerance;
-        /// Relative step that counts as zero.
-        pub fn step_tolerance(&self) -> f64 = self.step_tolerance;
-        /// Wall-clock limit, if set.
-        pub fn time_limit(&self) -> Option<Duration> = self.time_limit;
+    /// Sets the gradient tolerance, at least 0. Default 1e-9.
+    ///
+    /// A point is stationary if ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖, with s the largest column norm of J. The
+    /// ratio is the cosine between r and the effect of any free variable.
+    #[must_use]
+    pub fn with_gradient_tolerance(mut self, tolerance: f64) -> Self {
+        self.gradient_tolerance = tolerance;
+        self
+    }
+
+    /// Sets the step tolerance, at least 0. Default 1e-15.
+    ///
+    /// A search ends if no variable moves by more than tolerance · max(1, |x|).
+    #[must_use]
+    pub fn with_step_tolerance(mut self, tolerance: f64) -> Self {
+        self.step_tolerance = tolerance;
+        self
+    }
+
+    /// Sets the number of steps without halving the cost after which a search ends as stalled. Default: none.
+    ///
+    /// Without it a search continues until it is stationary.
+    #[must_use]
+    pub fn with_patience(mut self, steps: Option<usize>) -> Self {
+        self.patience = steps;
+        self
+    }
+
+    /// Sets a wall-clock limit, checked before every step. Results then depend on the machine.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Largest number of steps of one search.
+    #[must_use]
+    pub fn max_iterations(&self) -> usize {
+        self.max_iterations
+    }
+
+    /// Number of steps without halving the cost after which a search ends, if set.
+    #[must_use]
+    pub fn patience(&self) -> Option<usize> {
+        self.patience
+    }
+
+    /// Fraction of the gradient's scale that counts as stationary.
+    #[must_use]
+    pub fn gradient_tolerance(&self) -> f64 {
+        self.gradient_tolerance
+    }
+
+    /// Relative step that counts as zero.
+    #[must_use]
+    pub fn step_tolerance(&self) -> f64 {
+        self.step_tolerance
+    }
+
+    /// Wall-clock limit, if set.
+    #[must_use]
+    pub fn time_limit(&self) -> Option<Duration> {
+        self.time_limit
     }
 
     /// Checks that both tolerances are in their ranges.

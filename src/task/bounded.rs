@@ -1,7 +1,8 @@
 //! Bounds on any residual.
 
 use super::residual::error_if;
-use super::{Inequality, Residual, Role};
+use super::{Inequality, Residual, Role, RowBlock};
+use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -130,20 +131,53 @@ impl<R: Residual> Bounded<R> {
             .max(1)
     }
 
-    getters! {
-        /// The bounded residual.
-        pub fn residual(&self) -> &R = &self.residual;
-        /// The bounded residual, to change its target.
-        pub fn residual_mut(&mut self) -> &mut R = &mut self.residual;
+    /// The bounded residual.
+    #[must_use]
+    pub fn residual(&self) -> &R {
+        &self.residual
+    }
+
+    /// The bounded residual, to change its target.
+    #[must_use]
+    pub fn residual_mut(&mut self) -> &mut R {
+        &mut self.residual
     }
 }
 
 impl<R: Residual> Residual for Bounded<R> {
     const ROLE: Role = R::ROLE;
 
-    as_inner!(residual: kind, is_of_body, frames, joints, joint_values, rows, target_len);
+    fn kind(&self) -> &'static str {
+        self.residual.kind()
+    }
 
-    evaluate_unmoved!();
+    fn is_of_body(&self) -> bool {
+        self.residual.is_of_body()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.residual.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.residual.joints()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        self.residual.joint_values()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.residual.rows()
+    }
+
+    fn target_len(&self) -> usize {
+        self.residual.target_len()
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn evaluate_moved<S: Scalar>(
         &self,

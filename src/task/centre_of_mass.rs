@@ -65,18 +65,30 @@ impl CentreOfMass {
         }
     }
 
-    setters! {
-        /// Leaves the position along an axis free; with z free, only the point below the centre counts.
-        pub fn free_along(mut self, axis: Axis) { self.is_constrained[axis as usize] = false }
-        /// Gives the target and the axes in the coordinates of `base`, which may move with the joints.
-        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
+    /// Leaves the position along an axis free; with z free, only the point below the centre counts.
+    #[must_use]
+    pub fn free_along(mut self, axis: Axis) -> Self {
+        self.is_constrained[axis as usize] = false;
+        self
     }
 
-    getters! {
-        /// The target in the world or in the base, metres.
-        pub fn target(&self) -> Vector3<f64> = self.target;
-        /// The frame of the target's coordinates; `None` for the world.
-        pub fn base(&self) -> Option<FrameId> = self.base;
+    /// Gives the target and the axes in the coordinates of `base`, which may move with the joints.
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// The target in the world or in the base, metres.
+    #[must_use]
+    pub fn target(&self) -> Vector3<f64> {
+        self.target
+    }
+
+    /// The frame of the target's coordinates; `None` for the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
     }
 
     /// Sets the target.
@@ -143,12 +155,24 @@ impl Body {
 }
 
 impl Residual for CentreOfMass {
-    answers! {
-        fn kind(&self) -> &'static str = "center of mass";
-        fn is_of_body(&self) -> bool = true;
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, self.axes().count())];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "center of mass"
+    }
+
+    fn is_of_body(&self) -> bool {
+        true
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, self.axes().count())]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn frames(&self) -> Vec<FrameId> {
@@ -156,7 +180,19 @@ impl Residual for CentreOfMass {
         parts.chain(self.base).collect()
     }
 
-    evaluate_by_frames!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn differentiate(
         &self,

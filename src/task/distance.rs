@@ -45,14 +45,35 @@ impl Distance {
 }
 
 impl Residual for Distance {
-    answers! {
-        fn kind(&self) -> &'static str = "distance";
-        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
-        fn target_len(&self) -> usize = 1;
+    fn kind(&self) -> &'static str {
+        "distance"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        1
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn validate(&self) -> Result<(), String> {
         check_finite("its distance", [self.distance])?;

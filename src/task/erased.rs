@@ -87,16 +87,40 @@ impl Clone for Box<dyn ErasedResidual> {
 }
 
 impl<R: Residual> ErasedResidual for R {
-    answers! {
-        fn kind(&self) -> &'static str = Residual::kind(self);
-        fn target_len(&self) -> usize = Residual::target_len(self);
-        fn inequalities(&self) -> Vec<Inequality> = Residual::inequalities(self);
-        fn joint_values(&self) -> Option<usize> = Residual::joint_values(self);
-        fn has_edges(&self) -> bool = Residual::has_edges(self);
-        fn validate(&self) -> Result<(), String> = Residual::validate(self);
-        fn as_any(&self) -> &dyn Any = self;
-        fn as_any_mut(&mut self) -> &mut dyn Any = self;
-        fn boxed(&self) -> Box<dyn ErasedResidual> = Box::new(self.clone());
+    fn kind(&self) -> &'static str {
+        Residual::kind(self)
+    }
+
+    fn target_len(&self) -> usize {
+        Residual::target_len(self)
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        Residual::inequalities(self)
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Residual::joint_values(self)
+    }
+
+    fn has_edges(&self) -> bool {
+        Residual::has_edges(self)
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        Residual::validate(self)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    fn boxed(&self) -> Box<dyn ErasedResidual> {
+        Box::new(self.clone())
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {

@@ -72,11 +72,20 @@ impl FrameVelocity {
 }
 
 impl Residual for FrameVelocity {
-    answers! {
-        fn kind(&self) -> &'static str = "frame velocity";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn target_len(&self) -> usize = 6;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "frame velocity"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn target_len(&self) -> usize {
+        6
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -86,7 +95,19 @@ impl Residual for FrameVelocity {
         ]
     }
 
-    evaluate_by_frames!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn validate(&self) -> Result<(), String> {
         check_finite("its previous place", self.previous.translation.to_array())?;

@@ -123,15 +123,39 @@ impl Gaze {
 }
 
 impl Residual for Gaze {
-    answers! {
-        fn kind(&self) -> &'static str = "gaze";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 1)];
-        fn target_len(&self) -> usize = 3;
-        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..1, 1)];
+    fn kind(&self) -> &'static str {
+        "gaze"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Radians, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {

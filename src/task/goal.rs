@@ -78,11 +78,16 @@ impl PoseBounds {
         }
     }
 
-    getters! {
-        /// The half widths: three in metres, three in radians.
-        pub fn half_widths(&self) -> [f64; 6] = self.half_widths;
-        /// Half widths in the measure of the rows: metres, then chords; infinite for a free component.
-        pub(crate) fn bands(&self) -> [f64; 6] = self.bands;
+    /// The half widths: three in metres, three in radians.
+    #[must_use]
+    pub fn half_widths(&self) -> [f64; 6] {
+        self.half_widths
+    }
+
+    /// Half widths in the measure of the rows: metres, then chords; infinite for a free component.
+    #[must_use]
+    pub(crate) fn bands(&self) -> [f64; 6] {
+        self.bands
     }
 
     /// The first half width that is negative or NaN, with the name of its component.

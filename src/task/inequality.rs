@@ -19,10 +19,15 @@ impl Inequality {
         Self { rows, edges }
     }
 
-    getters! {
-        /// Number of slacks.
-        pub fn edges(&self) -> usize = self.edges;
-        /// The rows that are zero inside.
-        pub fn rows(&self) -> Range<usize> = self.rows.clone();
+    /// Number of slacks.
+    #[must_use]
+    pub fn edges(&self) -> usize {
+        self.edges
+    }
+
+    /// The rows that are zero inside.
+    #[must_use]
+    pub fn rows(&self) -> Range<usize> {
+        self.rows.clone()
     }
 }

@@ -74,17 +74,37 @@ impl JointCoupling {
 }
 
 impl Residual for JointCoupling {
-    answers! {
-        fn kind(&self) -> &'static str = "joint coupling";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn joint_values(&self) -> Option<usize> = Some(self.coefficients.len());
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(self.quantity, 1)];
-        fn target_len(&self) -> usize = 1;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "joint coupling"
     }
 
-    evaluate_unmoved!();
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.coefficients.len())
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(self.quantity, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        1
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn evaluate_moved<S: Scalar>(
         &self,

@@ -43,11 +43,20 @@ impl LimitCentring {
 impl Residual for LimitCentring {
     const ROLE: Role = Role::Preference;
 
-    answers! {
-        fn kind(&self) -> &'static str = "limit centring";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Ratio, self.joints.len())];
+    fn kind(&self) -> &'static str {
+        "limit centring"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, self.joints.len())]
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

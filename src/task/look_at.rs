@@ -50,15 +50,39 @@ impl LookAt {
 }
 
 impl Residual for LookAt {
-    answers! {
-        fn kind(&self) -> &'static str = "look-at";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 3)];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "look-at"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Radians, 3)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn validate(&self) -> Result<(), String> {
         check_finite("its target", self.target.to_array())?;

@@ -83,11 +83,18 @@ impl Manipulability {
         }
     }
 
-    setters! {
-        /// Counts only the linear velocity of the frame's origin: 3 rows of J, metres³ for arms.
-        pub fn of_position(mut self) { self.motions = Motions::Linear }
-        /// Counts only the angular velocity of the frame: 3 rows of J, without unit.
-        pub fn of_orientation(mut self) { self.motions = Motions::Angular }
+    /// Counts only the linear velocity of the frame's origin: 3 rows of J, metres³ for arms.
+    #[must_use]
+    pub fn of_position(mut self) -> Self {
+        self.motions = Motions::Linear;
+        self
+    }
+
+    /// Counts only the angular velocity of the frame: 3 rows of J, without unit.
+    #[must_use]
+    pub fn of_orientation(mut self) -> Self {
+        self.motions = Motions::Angular;
+        self
     }
 
     /// Sets the smallest measure with residual zero.
@@ -281,13 +288,28 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
 impl Residual for Manipulability {
     const ROLE: Role = Role::Preference;
 
-    answers! {
-        fn kind(&self) -> &'static str = "manipulability";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn joint_values(&self) -> Option<usize> = Some(self.values);
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Ratio, 1)];
-        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..1, 1)];
+    fn kind(&self) -> &'static str {
+        "manipulability"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.values)
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 1)]
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

@@ -107,7 +107,25 @@ impl<R: NumericResidual> Numeric<R> {
 impl<R: NumericResidual> Residual for Numeric<R> {
     const ROLE: Role = R::ROLE;
 
-    as_inner!(0: kind, frames, joints, rows, validate);
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.0.joints()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.0.rows()
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.0.validate()
+    }
 
     /// Evaluates dual numbers to first order. NaN for SIMD lanes, which no problem uses.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

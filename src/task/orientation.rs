@@ -29,16 +29,23 @@ impl Orientation {
         }
     }
 
-    setters! {
-        /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
-        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
+    /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
     }
 
-    getters! {
-        /// The frame of the target's coordinates; `None` for the world.
-        pub fn base(&self) -> Option<FrameId> = self.base;
-        /// The target orientation (world_from_frame or base_from_frame).
-        pub fn target(&self) -> Matrix3<f64> = self.target;
+    /// The frame of the target's coordinates; `None` for the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
+    }
+
+    /// The target orientation (world_from_frame or base_from_frame).
+    #[must_use]
+    pub fn target(&self) -> Matrix3<f64> {
+        self.target
     }
 
     /// Sets the target.
@@ -104,15 +111,39 @@ impl Orientation {
 }
 
 impl Residual for Orientation {
-    answers! {
-        fn kind(&self) -> &'static str = "orientation";
-        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 3)];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "orientation"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        frame_and_base(self.frame, self.base)
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Radians, 3)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn add_target_slopes(
         &self,

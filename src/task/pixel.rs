@@ -103,15 +103,39 @@ impl Pixel {
 }
 
 impl Residual for Pixel {
-    answers! {
-        fn kind(&self) -> &'static str = "pixel";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Pixels, 2)];
-        fn target_len(&self) -> usize = 2;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "pixel"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Pixels, 2)]
+    }
+
+    fn target_len(&self) -> usize {
+        2
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn validate(&self) -> Result<(), String> {
         check_finite("its pixel", self.target)?;

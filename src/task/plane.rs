@@ -49,15 +49,39 @@ impl Plane {
 }
 
 impl Residual for Plane {
-    answers! {
-        fn kind(&self) -> &'static str = "plane";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "plane"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         jacobian.linear_mut(0)[0] = self.unit_normal();

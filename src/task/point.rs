@@ -32,20 +32,36 @@ impl Point {
         }
     }
 
-    setters! {
-        /// Sets the point of the frame, in frame coordinates, metres; the origin by default.
-        pub fn at(mut self, offset: impl Into<Vector3<f64>>) { self.offset = offset.into() }
-        /// Gives the target in the coordinates of `base`, which may move with the joints.
-        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
+    /// Sets the point of the frame, in frame coordinates, metres; the origin by default.
+    #[must_use]
+    pub fn at(mut self, offset: impl Into<Vector3<f64>>) -> Self {
+        self.offset = offset.into();
+        self
     }
 
-    getters! {
-        /// The frame of the target's coordinates; `None` for the world.
-        pub fn base(&self) -> Option<FrameId> = self.base;
-        /// The point of the frame, in frame coordinates, metres.
-        pub fn offset(&self) -> Vector3<f64> = self.offset;
-        /// The target, in world coordinates or those of the base, metres.
-        pub fn target(&self) -> Vector3<f64> = self.target;
+    /// Gives the target in the coordinates of `base`, which may move with the joints.
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// The frame of the target's coordinates; `None` for the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
+    }
+
+    /// The point of the frame, in frame coordinates, metres.
+    #[must_use]
+    pub fn offset(&self) -> Vector3<f64> {
+        self.offset
+    }
+
+    /// The target, in world coordinates or those of the base, metres.
+    #[must_use]
+    pub fn target(&self) -> Vector3<f64> {
+        self.target
     }
 
     /// Sets the target.
@@ -62,15 +78,39 @@ impl Point {
 }
 
 impl Residual for Point {
-    answers! {
-        fn kind(&self) -> &'static str = "point";
-        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "point"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        frame_and_base(self.frame, self.base)
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 3)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn add_target_slopes(
         &self,

@@ -63,25 +63,44 @@ impl Pose {
         }
     }
 
-    setters! {
-        /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
-        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
-        /// Sets the tool on the frame that the target applies to: `frame_from_tool`, metres. The frame itself by
-        /// default.
-        pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) {
-            self.frame_from_tool = Some(frame_from_tool.into());
-        }
-        /// Sets the bounds on the components of the pose.
-        pub fn with_goal(mut self, goal: PoseBounds) { self.goal = Some(goal) }
+    /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
+    #[must_use]
+    pub fn relative_to(mut self, base: FrameId) -> Self {
+        self.base = Some(base);
+        self
     }
 
-    getters! {
-        /// The target pose of the frame, or of its tool (world_from_frame or base_from_frame).
-        pub fn target(&self) -> Placement<f64> = self.target;
-        /// The bounds on the components, if they were set.
-        pub fn goal(&self) -> Option<PoseBounds> = self.goal;
-        /// The frame of the target's coordinates; `None` for the world.
-        pub fn base(&self) -> Option<FrameId> = self.base;
+    /// Sets the tool on the frame that the target applies to: `frame_from_tool`, metres. The frame itself by
+    /// default.
+    #[must_use]
+    pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) -> Self {
+        self.frame_from_tool = Some(frame_from_tool.into());
+        self
+    }
+
+    /// Sets the bounds on the components of the pose.
+    #[must_use]
+    pub fn with_goal(mut self, goal: PoseBounds) -> Self {
+        self.goal = Some(goal);
+        self
+    }
+
+    /// The target pose of the frame, or of its tool (world_from_frame or base_from_frame).
+    #[must_use]
+    pub fn target(&self) -> Placement<f64> {
+        self.target
+    }
+
+    /// The bounds on the components, if they were set.
+    #[must_use]
+    pub fn goal(&self) -> Option<PoseBounds> {
+        self.goal
+    }
+
+    /// The frame of the target's coordinates; `None` for the world.
+    #[must_use]
+    pub fn base(&self) -> Option<FrameId> {
+        self.base
     }
 
     /// Sets the target.
@@ -209,14 +228,35 @@ impl Pose {
 }
 
 impl Residual for Pose {
-    answers! {
-        fn kind(&self) -> &'static str = "pose";
-        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<RowBlock> = self.row_blocks().to_vec();
-        fn target_len(&self) -> usize = 6;
+    fn kind(&self) -> &'static str {
+        "pose"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        frame_and_base(self.frame, self.base)
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.row_blocks().to_vec()
+    }
+
+    fn target_len(&self) -> usize {
+        6
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn add_target_slopes(
         &self,

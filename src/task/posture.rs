@@ -211,16 +211,33 @@ fn rotation_from<S: Scalar>(reference: &[f64], coordinates: [S; 4], step: &[S]) 
 impl Residual for Posture {
     const ROLE: Role = Role::Preference;
 
-    answers! {
-        fn kind(&self) -> &'static str = "posture";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn joint_values(&self) -> Option<usize> = Some(self.reference.len());
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::JointUnits, self.target_len())];
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "posture"
     }
 
-    evaluate_unmoved!();
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.clone()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        Some(self.reference.len())
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::JointUnits, self.target_len())]
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn target_len(&self) -> usize {
         self.is_ball

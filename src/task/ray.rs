@@ -55,15 +55,39 @@ impl Ray {
 }
 
 impl Residual for Ray {
-    answers! {
-        fn kind(&self) -> &'static str = "ray";
-        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
-        fn target_len(&self) -> usize = 3;
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "ray"
     }
 
-    evaluate_by_frames!();
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 3)]
+    }
+
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
 
     fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         let direction = self.direction();

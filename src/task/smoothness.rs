@@ -3,7 +3,7 @@
 use super::residual::check_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
-use crate::model::{FrameId, Model};
+use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -28,13 +28,18 @@ impl Smoothness {
         }
     }
 
-    setters! {
-        /// Multiplies the rows of each joint by a weight: see [`Posture::with_weights`].
-        pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) {
-            self.previous = self.previous.with_weights(weights);
-        }
-        /// Weights each joint by the inverse of half its range: see [`Posture::by_range`].
-        pub fn by_range(mut self, model: &Model) { self.previous = self.previous.by_range(model) }
+    /// Multiplies the rows of each joint by a weight: see [`Posture::with_weights`].
+    #[must_use]
+    pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) -> Self {
+        self.previous = self.previous.with_weights(weights);
+        self
+    }
+
+    /// Weights each joint by the inverse of half its range: see [`Posture::by_range`].
+    #[must_use]
+    pub fn by_range(mut self, model: &Model) -> Self {
+        self.previous = self.previous.by_range(model);
+        self
     }
 
     /// Sets the configuration at the start of the next time step.
@@ -49,12 +54,28 @@ impl Smoothness {
 impl Residual for Smoothness {
     const ROLE: Role = Role::Preference;
 
-    as_inner!(previous: joints, joint_values, target_len);
+    fn joints(&self) -> Vec<JointId> {
+        self.previous.joints()
+    }
 
-    answers! {
-        fn kind(&self) -> &'static str = "smoothness";
-        fn frames(&self) -> Vec<FrameId> = Vec::new();
-        fn has_edges(&self) -> bool = false;
+    fn joint_values(&self) -> Option<usize> {
+        self.previous.joint_values()
+    }
+
+    fn target_len(&self) -> usize {
+        self.previous.target_len()
+    }
+
+    fn kind(&self) -> &'static str {
+        "smoothness"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -62,7 +83,9 @@ impl Residual for Smoothness {
         vec![RowBlock::new(Quantity::JointUnitsPerSecond, count)]
     }
 
-    evaluate_unmoved!();
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.evaluate_moved(frames, joints, &[], residual);
+    }
 
     fn evaluate_moved<S: Scalar>(
         &self,

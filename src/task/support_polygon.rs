@@ -81,19 +81,22 @@ impl SupportPolygon {
         }
     }
 
-    setters! {
-        /// Sets the vertical in the world, of any length except zero.
-        pub fn with_up(mut self, up: impl Into<Vector3<f64>>) {
-            self.up = up.into();
-            self.update_fixed_polygon();
-        }
-        /// Sets the distance from the polygon's edges, metres.
-        ///
-        /// If moving frames leave no point inside the margin, the target is the mean of the support points.
-        pub fn with_margin(mut self, margin: f64) {
-            self.margin = margin;
-            self.update_fixed_polygon();
-        }
+    /// Sets the vertical in the world, of any length except zero.
+    #[must_use]
+    pub fn with_up(mut self, up: impl Into<Vector3<f64>>) -> Self {
+        self.up = up.into();
+        self.update_fixed_polygon();
+        self
+    }
+
+    /// Sets the distance from the polygon's edges, metres.
+    ///
+    /// If moving frames leave no point inside the margin, the target is the mean of the support points.
+    #[must_use]
+    pub fn with_margin(mut self, margin: f64) -> Self {
+        self.margin = margin;
+        self.update_fixed_polygon();
+        self
     }
 
     /// Adds support points, metres in the world.
@@ -234,12 +237,21 @@ impl SupportPolygon {
 }
 
 impl Residual for SupportPolygon {
-    answers! {
-        fn kind(&self) -> &'static str = "support polygon";
-        fn is_of_body(&self) -> bool = true;
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 2)];
-        /// The polygon; one slack for each support point, finite for corners.
-        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..2, self.points.len())];
+    fn kind(&self) -> &'static str {
+        "support polygon"
+    }
+
+    fn is_of_body(&self) -> bool {
+        true
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
+    }
+
+    /// The polygon; one slack for each support point, finite for corners.
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..2, self.points.len())]
     }
 
     fn frames(&self) -> Vec<FrameId> {

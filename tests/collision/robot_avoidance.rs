@@ -429,7 +429,7 @@ fn characters_hand_stops_at_its_belly() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let skeleton = &rig.skeleton;
-    let checker = Checker::new(CollisionModel::of_skin(skeleton, mesh, weights).unwrap());
+    let checker = Checker::new(kinopt::motion::skin_capsules(skeleton, mesh, weights).unwrap());
     let rest = skeleton.model().neutral();
     let spine = &skeleton.bones()[skeleton.bone("spine").unwrap().index()];
     let belly = (spine.rest_tail() + spine.rest_tip()) * 0.5;

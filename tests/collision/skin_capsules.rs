@@ -10,7 +10,7 @@ use kinopt::{Problem, Solver};
 fn humanoid() -> (Rig, CollisionModel) {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
-    let model = CollisionModel::of_skin(&rig.skeleton, mesh, weights).unwrap();
+    let model = kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights).unwrap();
     (rig, model)
 }
 
@@ -52,7 +52,7 @@ fn equally_weighted_skin_belongs_to_first_bone() {
         weights.add(vertex, first.index(), 0.5).unwrap();
     }
     let weights = weights.build().unwrap();
-    let model = CollisionModel::of_skin(&rig.skeleton, mesh, &weights).unwrap();
+    let model = kinopt::motion::skin_capsules(&rig.skeleton, mesh, &weights).unwrap();
     assert!(!model.objects().is_empty());
     for object in model.objects() {
         let (bone, _) = rig.skeleton.bone_of_frame(object.link).unwrap();
@@ -110,7 +110,7 @@ fn ball_skeleton_has_equal_capsules() {
     let (rig, model) = humanoid();
     let balls = BallSkeleton::new(rig.skeleton.clone(), &Cones::new(), SkeletonRoot::FREE).unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
-    let on_balls = CollisionModel::of_ball_skin(&balls, mesh, weights).unwrap();
+    let on_balls = kinopt::motion::ball_skin_capsules(&balls, mesh, weights).unwrap();
     assert_eq!(on_balls.objects().len(), model.objects().len());
     assert_eq!(on_balls.pairs(), model.pairs());
 }

@@ -10,6 +10,7 @@ use kinopt::animation::{
 };
 use kinopt::arm::{Arm, Base};
 use kinopt::collision::{CollisionModel, MeshUse};
+use kinopt::ik::hold_postures;
 use kinopt::kinematics::{ForwardKinematics, Jacobian, frame_jacobian};
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::{JointKind, Limits, Model, ParameterMap};
@@ -161,7 +162,9 @@ fn angle_functions(q: &[f64]) -> Vec<(&'static str, Outcome)> {
         ),
         (
             "postures",
-            holds.postures(&skeleton, q).map(drop).map_err(Into::into),
+            hold_postures(&holds, &skeleton, q)
+                .map(drop)
+                .map_err(Into::into),
         ),
         ("pose_of", bridge.pose_of(q, &mut pose).map_err(Into::into)),
     ]

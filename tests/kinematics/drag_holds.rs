@@ -2,6 +2,7 @@
 //! pinned, for any skeleton.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::ik::hold_postures;
 use kinopt::model::Limits;
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::skeleton::{Bone, BoneId, Skeleton};
@@ -260,7 +261,7 @@ fn spine_is_stiffer_than_limbs() {
     let holds = character.holds(&[character.bone("left hand").unwrap()]);
     let n = character.model().degrees_of_freedom();
     let mut builder = Problem::builder(character.model());
-    for posture in holds.postures(&character, &vec![0.25; n]).unwrap() {
+    for posture in hold_postures(&holds, &character, &vec![0.25; n]).unwrap() {
         builder.add(posture);
     }
     let problem = builder.build().unwrap();

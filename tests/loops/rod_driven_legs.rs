@@ -1,7 +1,6 @@
 //! Promise: in a leg with rod-driven knee and ankle, read from an MJCF file, passive joints follow the motors. Every
 //! solution keeps the rods' lengths.
 
-use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use kinopt::task::{Point, Pose};
@@ -43,7 +42,7 @@ fn undriven_joints_are_passive() {
     let body = ["base/x", "base/y", "base/z", "base/rotation"];
     let expected = ["knee_rod", "knee", "ankle_rod", "ankle"];
     assert_eq!(passive, [&body[..], &expected[..]].concat());
-    let closure = LoopClosure::of_robot(&robot).unwrap();
+    let closure = robot.loop_closure().unwrap();
     let dependent: Vec<_> = closure.dependent().iter().map(name).collect();
     assert_eq!(dependent, expected);
 }
@@ -52,7 +51,7 @@ fn undriven_joints_are_passive() {
 fn motors_bend_knee_and_ankle() {
     let robot = leg();
     let model = robot.model();
-    let closure = LoopClosure::of_robot(&robot).unwrap();
+    let closure = robot.loop_closure().unwrap();
     let at = |name| model.coordinate(model.joint(name).unwrap()).unwrap();
     let mut q = model.neutral();
     let mut last = f64::NEG_INFINITY;
@@ -74,7 +73,7 @@ fn motors_bend_knee_and_ankle() {
 fn foot_reaches_random_closed_configurations() {
     let robot = leg();
     let model = robot.model();
-    let closure = LoopClosure::of_robot(&robot).unwrap();
+    let closure = robot.loop_closure().unwrap();
     let (foot, pelvis) = (model.frame("foot").unwrap(), model.frame("pelvis").unwrap());
     let toe = model.frame("toe").unwrap();
     let mut kinematics = ForwardKinematics::new(model);

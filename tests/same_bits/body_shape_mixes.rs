@@ -48,8 +48,8 @@ fn skins() -> Value {
             }
         }
         let shared = shared.build().unwrap();
-        digest.shapes(&CollisionModel::of_skin(&rig.skeleton, &own, &shared).unwrap());
-        digest.refusal(CollisionModel::of_skin(&rig.skeleton, mesh, &shared));
+        digest.shapes(&kinopt::motion::skin_capsules(&rig.skeleton, &own, &shared).unwrap());
+        digest.refusal(kinopt::motion::skin_capsules(&rig.skeleton, mesh, &shared));
         // Clouds of a bone each: rods, discs, blobs, and too few.
         let mut places = Vec::new();
         let mut of_bones = SkinWeights::builder(12 * bones, bones);
@@ -68,7 +68,7 @@ fn skins() -> Value {
         }
         let clouds = TriangleMesh::new(places, vec![], vec![]).unwrap();
         let of_bones = of_bones.build().unwrap();
-        digest.shapes(&CollisionModel::of_skin(&rig.skeleton, &clouds, &of_bones).unwrap());
+        digest.shapes(&kinopt::motion::skin_capsules(&rig.skeleton, &clouds, &of_bones).unwrap());
     }
     digest.value()
 }

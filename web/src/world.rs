@@ -207,7 +207,7 @@ impl CollisionModel {
         let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
             return Err(JsError::new("the rig has no mesh with weights"));
         };
-        let shapes = collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights);
+        let shapes = kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights);
         let checker = Checker::covered(shapes.map_err(raise)?);
         Ok(Self { checker })
     }

@@ -1,5 +1,6 @@
 //! Frames held in place while others go to their targets.
 
+use kinopt::ik::hold_postures;
 use kinopt::model::{FrameId, ModelError, ParameterMap};
 use kinopt::skeleton::{BoneId, Holds};
 use kinopt::task::{Posture, Task};
@@ -157,7 +158,7 @@ impl Held {
     ) -> Outcome<Vec<Task<Posture>>> {
         Ok(match (&loaded.rig, &loaded.balls) {
             _ if !self.keeps_posture => Vec::new(),
-            (Some(rig), None) => self.holds.postures(&rig.skeleton, start)?,
+            (Some(rig), None) => hold_postures(&self.holds, &rig.skeleton, start)?,
             _ => {
                 let posture = Posture::new(&loaded.model, start).upright(&loaded.model);
                 vec![Task::new(posture).named("posture")]

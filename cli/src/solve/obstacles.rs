@@ -105,7 +105,7 @@ fn of_figure(loaded: &LoadedModel, option: &str) -> Outcome<CollisionModel> {
         ));
     };
     Ok(match &loaded.balls {
-        Some(figure) => CollisionModel::of_ball_skin(figure, mesh, weights)?,
-        None => CollisionModel::of_skin(&rig.skeleton, mesh, weights)?,
+        Some(figure) => kinopt::motion::ball_skin_capsules(figure, mesh, weights)?,
+        None => kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights)?,
     })
 }

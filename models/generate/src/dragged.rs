@@ -6,6 +6,7 @@ use glam::DVec3;
 use kinopt::Problem;
 use kinopt::animation::Armature;
 use kinopt::ik::Drag;
+use kinopt::ik::hold_postures;
 use kinopt::io::rig::Rig;
 use kinopt::model::Limits;
 use kinopt::task::Point;
@@ -39,7 +40,7 @@ fn drag(rig: &Rig, target: [f64; 3]) -> Result<Vec<f64>, Failure> {
     for &end in &holds.ends {
         tasks.add(Point::new(skeleton.tip(end), pose.tip(&skeleton, end)?));
     }
-    for posture in holds.postures(&skeleton, &rest)? {
+    for posture in hold_postures(&holds, &skeleton, &rest)? {
         tasks.add(posture);
     }
     let mut drag = Drag::new(tasks.build()?, &rest)?;

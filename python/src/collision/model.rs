@@ -121,7 +121,7 @@ impl CollisionModel {
         let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
             return Err(invalid("the rig has no mesh with weights"));
         };
-        let model = py.detach(|| collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights));
+        let model = py.detach(|| kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights));
         Ok(model.or_raise()?.into())
     }
 

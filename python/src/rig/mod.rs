@@ -5,7 +5,7 @@ mod posing;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use kinopt::collision::{Checker, CollisionModel};
+use kinopt::collision::Checker;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
@@ -50,7 +50,7 @@ impl Rig {
                 "world and margin need a rig with a mesh and weights, or a collision_model",
             ));
         };
-        let shapes = CollisionModel::of_skin(&rig.skeleton, mesh, weights).or_raise()?;
+        let shapes = kinopt::motion::skin_capsules(&rig.skeleton, mesh, weights).or_raise()?;
         Ok((self.checker.get_or_init(|| Checker::covered(shapes))).clone())
     }
 

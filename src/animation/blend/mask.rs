@@ -73,11 +73,16 @@ impl BoneMask {
         Ok(self)
     }
 
-    getters! {
-        /// Weights of the bones.
-        pub fn bones(&self) -> &[f32] = &self.bones;
-        /// Weights of the morph targets.
-        pub fn morph_targets(&self) -> &[f32] = &self.morph_targets;
+    /// Weights of the bones.
+    #[must_use]
+    pub fn bones(&self) -> &[f32] {
+        &self.bones
+    }
+
+    /// Weights of the morph targets.
+    #[must_use]
+    pub fn morph_targets(&self) -> &[f32] {
+        &self.morph_targets
     }
 
     pub(super) fn check(&self, pose: &Pose) -> Result<(), SizeMismatch> {

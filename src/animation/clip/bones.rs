@@ -1,7 +1,7 @@
 //! Bones moved by the tracks of one property.
 
 use super::timelines::{Timelines, Track};
-use crate::animation::curve::KeyError;
+use crate::curve::KeyError;
 
 /// Bone of each track.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -9,9 +9,9 @@ use super::events::Event;
 use super::timelines::Track;
 use super::tracks::{Curves, Tracks};
 use super::{Channel, Clip, Property};
-use crate::animation::curve::{KeyError, KeyedCurve};
 use crate::animation::rotation::EulerOrder;
 use crate::animation::{Armature, ClipError, EulerClip, EulerCurve, Pose};
+use crate::curve::{KeyError, KeyedCurve};
 use crate::skeleton::BoneId;
 
 /// Collects the channels and events of a clip for one armature.

@@ -2,9 +2,9 @@
 
 use glam::{Quat, Vec3A};
 
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::rotation::{EulerOrder, RotationCurve};
+use crate::curve::KeyedCurve;
 
 /// Curve for one property of one bone; times are in seconds. Morph target weights belong to no bone; use
 /// [`ClipBuilder::morph_weight`](super::ClipBuilder::morph_weight).

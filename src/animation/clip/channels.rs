@@ -1,9 +1,9 @@
 //! Recovery of a clip's channels.
 
 use super::{Channel, Clip};
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, SizeMismatch};
+use crate::curve::KeyedCurve;
 use crate::skeleton::BoneId;
 
 impl Clip {

@@ -40,9 +40,14 @@ impl<C> Curved<C> {
         Self { timelines, tracks }
     }
 
-    getters! {
-        pub(super) fn count(&self) -> usize = self.tracks.len();
-        pub(super) fn tracks(&self) -> &[Track<C>] = &self.tracks;
+    #[must_use]
+    pub(super) fn count(&self) -> usize {
+        self.tracks.len()
+    }
+
+    #[must_use]
+    pub(super) fn tracks(&self) -> &[Track<C>] {
+        &self.tracks
     }
 
     pub(super) fn start(&self) -> CurveSegments {

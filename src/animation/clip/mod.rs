@@ -85,16 +85,29 @@ impl Clip {
         ClipBuilder::new(name.into(), armature)
     }
 
-    getters! {
-        /// Name of the clip.
-        pub fn name(&self) -> &str = &self.name;
-        /// First and last time in seconds; both 0 if the clip [is empty](Self::is_empty).
-        pub fn span(&self) -> [f32; 2] = self.span.unwrap_or_default();
-        /// True if the clip has no frames, like a motion capture file without samples. Sampling an empty clip gives the
-        /// rest pose.
-        pub fn is_empty(&self) -> bool = self.span.is_none();
-        /// Number of bones.
-        pub fn bones(&self) -> usize = self.constant.bones();
+    /// Name of the clip.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// First and last time in seconds; both 0 if the clip [is empty](Self::is_empty).
+    #[must_use]
+    pub fn span(&self) -> [f32; 2] {
+        self.span.unwrap_or_default()
+    }
+
+    /// True if the clip has no frames, like a motion capture file without samples. Sampling an empty clip gives the
+    /// rest pose.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.span.is_none()
+    }
+
+    /// Number of bones.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.constant.bones()
     }
 
     /// The clip, marked as having no frames.
@@ -116,9 +129,11 @@ impl Clip {
         f64::from(self.span()[1]) - self.start()
     }
 
-    setters! {
-        /// The clip under another name.
-        pub fn renamed(mut self, name: impl Into<String>) { self.name = name.into() }
+    /// The clip under another name.
+    #[must_use]
+    pub fn renamed(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
     }
 
     /// Checks that the armature is of the clip's size.

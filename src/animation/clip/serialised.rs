@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Channel, Clip, Event};
-use crate::animation::curve::KeyedCurve;
 use crate::animation::{Armature, ArmatureBone, ClipError, Pose};
+use crate::curve::KeyedCurve;
 use crate::skeleton::BoneId;
 
 #[derive(Serialize, Deserialize)]

@@ -7,9 +7,9 @@ use super::curved::{CurveSegments, Curved};
 use super::rotation_tracks::{SlerpSegments, Slerps};
 use super::timelines::Track;
 use super::vector_tracks::{VectorSegments, Vectors};
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{EulerCurve, Pose};
+use crate::curve::KeyedCurve;
 use crate::skeleton::BoneId;
 
 /// All moving channels of a clip.

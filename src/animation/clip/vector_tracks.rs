@@ -4,7 +4,7 @@ use glam::{Vec3A, Vec4, Vec4Swizzles};
 
 use super::bones::Bones;
 use super::timelines::{Progress, Segment, Timelines, Track};
-use crate::animation::curve::KeyedCurve;
+use crate::curve::KeyedCurve;
 
 /// Vector tracks of bones.
 #[derive(Clone, Debug, Default, PartialEq)]

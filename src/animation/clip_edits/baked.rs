@@ -1,9 +1,9 @@
 //! Clips from sampled poses.
 
 use crate::SizeMismatch;
-use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, check_count, check_times};
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, Clip, ClipError, Cursor, Playback, Pose};
+use crate::curve::{CurveValue, KeyError, KeyedCurve, check_count, check_times};
 
 /// Largest number of samples.
 const MAX_SAMPLES: f64 = 4e6;

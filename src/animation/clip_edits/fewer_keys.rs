@@ -5,10 +5,10 @@
 use glam::{Quat, Vec3A};
 
 use crate::SizeMismatch;
-use crate::animation::curve::{CurveValue, KeyedCurve, lerp};
 use crate::animation::rotation::exponential::log;
 use crate::animation::rotation::{RotationCurve, nearer, slerp};
 use crate::animation::{Armature, Channel, Clip};
+use crate::curve::{CurveValue, KeyedCurve, lerp};
 
 /// Largest deviation of a reduced channel from the original, at each original key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,13 +31,25 @@ impl KeyTolerance {
         scale: 0.0,
     };
 
-    setters! {
-        /// Sets the tolerance of translations, in the file's unit of length.
-        pub fn with_translation(mut self, length: f32) { self.translation = length }
-        /// Sets the tolerance of rotations, radians.
-        pub fn with_rotation(mut self, radians: f32) { self.rotation = radians }
-        /// Sets the tolerance of scales and morph target weights.
-        pub fn with_scale(mut self, share: f32) { self.scale = share }
+    /// Sets the tolerance of translations, in the file's unit of length.
+    #[must_use]
+    pub fn with_translation(mut self, length: f32) -> Self {
+        self.translation = length;
+        self
+    }
+
+    /// Sets the tolerance of rotations, radians.
+    #[must_use]
+    pub fn with_rotation(mut self, radians: f32) -> Self {
+        self.rotation = radians;
+        self
+    }
+
+    /// Sets the tolerance of scales and morph target weights.
+    #[must_use]
+    pub fn with_scale(mut self, share: f32) -> Self {
+        self.scale = share;
+        self
     }
 }
 

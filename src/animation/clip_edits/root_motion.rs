@@ -2,9 +2,9 @@
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::{Armature, Clip, ClipError, Playback, Pose};
+use crate::curve::KeyedCurve;
 use crate::scalar::elementary::single::atan2;
 use crate::skeleton::BoneId;
 
@@ -117,11 +117,16 @@ impl RootMotion {
         })
     }
 
-    getters! {
-        /// Horizontal displacement in the armature's unit, by clip time in seconds.
-        pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.displacement;
-        /// Rotation about the up axis in radians by clip time in seconds, continuous beyond full turns.
-        pub fn heading(&self) -> &KeyedCurve<f32> = &self.heading;
+    /// Horizontal displacement in the armature's unit, by clip time in seconds.
+    #[must_use]
+    pub fn way(&self) -> &KeyedCurve<Vec3A> {
+        &self.displacement
+    }
+
+    /// Rotation about the up axis in radians by clip time in seconds, continuous beyond full turns.
+    #[must_use]
+    pub fn heading(&self) -> &KeyedCurve<f32> {
+        &self.heading
     }
 
     /// Transform from the start to the character's placement at a clip time in seconds.

@@ -77,15 +77,28 @@ impl Character {
         }
     }
 
-    getters! {
-        /// Clips of the character, each blended over the previous ones.
-        pub fn clips_mut(&mut self) -> &mut [PlayingClip] = &mut self.clips;
-        /// Goal for each limb of the crowd, in model coordinates.
-        pub fn goals_mut(&mut self) -> &mut [LimbGoal] = &mut self.goals;
-        /// Pose after the last frame.
-        pub fn pose(&self) -> &Pose = &self.pose;
-        /// Transforms from bones to the model after the last frame.
-        pub fn model_from_bone(&self) -> &[Affine3A] = &self.model_from_bone;
+    /// Clips of the character, each blended over the previous ones.
+    #[must_use]
+    pub fn clips_mut(&mut self) -> &mut [PlayingClip] {
+        &mut self.clips
+    }
+
+    /// Goal for each limb of the crowd, in model coordinates.
+    #[must_use]
+    pub fn goals_mut(&mut self) -> &mut [LimbGoal] {
+        &mut self.goals
+    }
+
+    /// Pose after the last frame.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Transforms from bones to the model after the last frame.
+    #[must_use]
+    pub fn model_from_bone(&self) -> &[Affine3A] {
+        &self.model_from_bone
     }
 
     /// Advances one frame; `other` is a scratch pose.

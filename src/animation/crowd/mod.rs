@@ -68,13 +68,22 @@ impl Crowd {
         Ok(&mut self.characters[last])
     }
 
-    getters! {
-        /// Armature of the characters.
-        pub fn armature(&self) -> &Armature = &self.armature;
-        /// The characters, in insertion order.
-        pub fn characters(&self) -> &[Character] = &self.characters;
-        /// Mutable access to the characters' clips and goals.
-        pub fn characters_mut(&mut self) -> &mut [Character] = &mut self.characters;
+    /// Armature of the characters.
+    #[must_use]
+    pub fn armature(&self) -> &Armature {
+        &self.armature
+    }
+
+    /// The characters, in insertion order.
+    #[must_use]
+    pub fn characters(&self) -> &[Character] {
+        &self.characters
+    }
+
+    /// Mutable access to the characters' clips and goals.
+    #[must_use]
+    pub fn characters_mut(&mut self) -> &mut [Character] {
+        &mut self.characters
     }
 
     /// Advances all characters by `seconds`. Allocates nothing after the first frame.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{EulerClip, EulerTrack};
 use crate::animation::ClipError;
-use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
+use crate::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
 
 /// Interpolation of one bone's angles between keys. Each angle is interpolated independently.

@@ -8,7 +8,7 @@ pub use interpolation::EulerInterpolation;
 use glam::DVec3;
 
 use crate::animation::ClipError;
-use crate::animation::curve::KeyedCurve;
+use crate::curve::KeyedCurve;
 use crate::skeleton::BoneId;
 
 /// Angles of one bone at one time.
@@ -91,13 +91,22 @@ impl EulerClip {
         })
     }
 
-    getters! {
-        /// Tracks sorted by bone, each with at least one key.
-        pub fn tracks(&self) -> &[EulerTrack] = &self.tracks;
-        /// Bones whose tracks had no keys and were omitted.
-        pub fn keyless(&self) -> &[BoneId] = &self.keyless;
-        /// Returns true if no bone has keys.
-        pub fn is_empty(&self) -> bool = self.tracks.is_empty();
+    /// Tracks sorted by bone, each with at least one key.
+    #[must_use]
+    pub fn tracks(&self) -> &[EulerTrack] {
+        &self.tracks
+    }
+
+    /// Bones whose tracks had no keys and were omitted.
+    #[must_use]
+    pub fn keyless(&self) -> &[BoneId] {
+        &self.keyless
+    }
+
+    /// Returns true if no bone has keys.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tracks.is_empty()
     }
 
     /// Keys of a bone; empty if it has none.

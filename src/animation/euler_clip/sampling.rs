@@ -12,7 +12,7 @@ impl EulerClip {
     /// t_i. A Catmull-Rom spline has the tangents m_i = (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), times the segment's
     /// duration. They are one-sided at the first and last key. At evenly spaced keys this is the classic form (Catmull
     /// & Rom 1974). Kochanek-Bartels tangents are
-    /// [`TensionContinuityBias::rates`](crate::animation::curve::TensionContinuityBias::rates).
+    /// [`TensionContinuityBias::rates`](crate::curve::TensionContinuityBias::rates).
     ///
     /// Values at key times are exactly those of the key. A track shorter than the clip holds its end values. Limits are
     /// not applied, and a cubic may exceed the range of its keys.

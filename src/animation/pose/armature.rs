@@ -165,18 +165,35 @@ impl Armature {
         Ok(self)
     }
 
-    getters! {
-        /// Number of bones.
-        pub fn bones(&self) -> usize = self.names.len();
-        /// Bone names, by index.
-        pub fn names(&self) -> &[String] = &self.names;
-        /// Morph target names, by index.
-        pub fn morph_targets(&self) -> &[String] = &self.morph_targets;
-        /// Rest pose; morph weights are zero unless [set](Self::with_rest_morph_weights).
-        pub fn rest(&self) -> &Pose = &self.rest;
-        /// Inverse model transforms of the bones at rest: from the model to each bone. The inverse bind matrices of a
-        /// glTF skin belong to the skin and can differ.
-        pub fn rest_from_model(&self) -> &[Affine3A] = &self.rest_from_model;
+    /// Number of bones.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Bone names, by index.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Morph target names, by index.
+    #[must_use]
+    pub fn morph_targets(&self) -> &[String] {
+        &self.morph_targets
+    }
+
+    /// Rest pose; morph weights are zero unless [set](Self::with_rest_morph_weights).
+    #[must_use]
+    pub fn rest(&self) -> &Pose {
+        &self.rest
+    }
+
+    /// Inverse model transforms of the bones at rest: from the model to each bone. The inverse bind matrices of a
+    /// glTF skin belong to the skin and can differ.
+    #[must_use]
+    pub fn rest_from_model(&self) -> &[Affine3A] {
+        &self.rest_from_model
     }
 
     /// Finds a bone by name.

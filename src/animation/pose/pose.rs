@@ -29,19 +29,40 @@ impl Pose {
         }
     }
 
-    getters! {
-        /// Number of bones.
-        pub fn bones(&self) -> usize = self.rotations.len();
-        /// Translations of the bones in their parents, in the model's unit.
-        pub fn translations(&self) -> &[Vec3A] = &self.translations;
-        /// Rotations of the bones in their parents, unit quaternions.
-        pub fn rotations(&self) -> &[Quat] = &self.rotations;
-        /// Scales of the bones along their own axes.
-        pub fn scales(&self) -> &[Vec3A] = &self.scales;
-        /// Weights of the morph targets.
-        pub fn morph_weights(&self) -> &[f32] = &self.morph_weights;
-        /// Mutable weights of the morph targets.
-        pub fn morph_weights_mut(&mut self) -> &mut [f32] = &mut self.morph_weights;
+    /// Number of bones.
+    #[must_use]
+    pub fn bones(&self) -> usize {
+        self.rotations.len()
+    }
+
+    /// Translations of the bones in their parents, in the model's unit.
+    #[must_use]
+    pub fn translations(&self) -> &[Vec3A] {
+        &self.translations
+    }
+
+    /// Rotations of the bones in their parents, unit quaternions.
+    #[must_use]
+    pub fn rotations(&self) -> &[Quat] {
+        &self.rotations
+    }
+
+    /// Scales of the bones along their own axes.
+    #[must_use]
+    pub fn scales(&self) -> &[Vec3A] {
+        &self.scales
+    }
+
+    /// Weights of the morph targets.
+    #[must_use]
+    pub fn morph_weights(&self) -> &[f32] {
+        &self.morph_weights
+    }
+
+    /// Mutable weights of the morph targets.
+    #[must_use]
+    pub fn morph_weights_mut(&mut self) -> &mut [f32] {
+        &mut self.morph_weights
     }
 
     /// Local transform of a bone.

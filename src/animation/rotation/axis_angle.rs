@@ -51,13 +51,22 @@ impl AxisAngle {
         Self::from_quaternion(DQuat::from_mat3(rotation).normalize())
     }
 
-    getters! {
-        /// Unit quaternion cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
-        pub fn to_quaternion(self) -> DQuat = rotation_about_f64(self.axis, self.angle);
-        /// Rotation matrix.
-        pub fn to_matrix(self) -> DMat3 = DMat3::from_quat(self.to_quaternion());
-        /// Rotation vector, axis × angle. It is unique below half a turn. At half a turn it is discontinuous: π + ε
-        /// about an axis equals π − ε about the opposite axis.
-        pub fn to_rotation_vector(self) -> DVec3 = self.axis * self.angle;
+    /// Unit quaternion cos(θ/2) + sin(θ/2) (uₓ i + u_y j + u_z k).
+    #[must_use]
+    pub fn to_quaternion(self) -> DQuat {
+        rotation_about_f64(self.axis, self.angle)
+    }
+
+    /// Rotation matrix.
+    #[must_use]
+    pub fn to_matrix(self) -> DMat3 {
+        DMat3::from_quat(self.to_quaternion())
+    }
+
+    /// Rotation vector, axis × angle. It is unique below half a turn. At half a turn it is discontinuous: π + ε
+    /// about an axis equals π − ε about the opposite axis.
+    #[must_use]
+    pub fn to_rotation_vector(self) -> DVec3 {
+        self.axis * self.angle
     }
 }

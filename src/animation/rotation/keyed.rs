@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3, Vec4};
 
 use super::{RotationHermite, mean_rates, nearer, slerp, squad, squad_control};
-use crate::animation::curve::easing::Easing;
-use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
+use crate::curve::easing::Easing;
+use crate::curve::{Hermite, KeyError, check_count, check_times};
 
 /// Curve through unit quaternions at key times. It is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,16 +146,29 @@ impl RotationCurve {
         })
     }
 
-    getters! {
-        /// Key times in seconds, strictly increasing; at least one.
-        pub fn times(&self) -> &[f32] = &self.times;
-        /// Rotations at the keys, unit quaternions.
-        pub fn rotations(&self) -> &[Quat] = &self.rotations;
-        /// Interpolation between keys.
-        #[cfg(feature = "gltf")]
-        pub(crate) fn between(&self) -> &BetweenRotations = &self.between;
-        /// True if the interpolation is slerp without easing.
-        pub(crate) fn is_slerp(&self) -> bool = self.between == BetweenRotations::Slerp;
+    /// Key times in seconds, strictly increasing; at least one.
+    #[must_use]
+    pub fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// Rotations at the keys, unit quaternions.
+    #[must_use]
+    pub fn rotations(&self) -> &[Quat] {
+        &self.rotations
+    }
+
+    /// Interpolation between keys.
+    #[cfg(feature = "gltf")]
+    #[must_use]
+    pub(crate) fn between(&self) -> &BetweenRotations {
+        &self.between
+    }
+
+    /// True if the interpolation is slerp without easing.
+    #[must_use]
+    pub(crate) fn is_slerp(&self) -> bool {
+        self.between == BetweenRotations::Slerp
     }
 
     /// Rotation at a time in seconds; NaN counts as before the first key.

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::RotationCurve;
 use super::keyed::BetweenRotations;
-use crate::animation::curve::{KeyError, check_count};
+use crate::curve::{KeyError, check_count};
 
 #[derive(Deserialize)]
 pub(super) struct Keys {

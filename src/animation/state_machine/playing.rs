@@ -179,10 +179,15 @@ impl Progress {
         self.remaining() > TIME_TOLERANCE
     }
 
-    getters! {
-        pub(super) fn remaining(&self) -> f64 = self.seconds - self.elapsed;
-        /// Elapsed fraction of the duration.
-        pub(super) fn time_fraction(&self) -> f32 = (self.elapsed / self.seconds) as f32;
+    #[must_use]
+    pub(super) fn remaining(&self) -> f64 {
+        self.seconds - self.elapsed
+    }
+
+    /// Elapsed fraction of the duration.
+    #[must_use]
+    pub(super) fn time_fraction(&self) -> f32 {
+        (self.elapsed / self.seconds) as f32
     }
 
     /// Weight of the entered state in the pose, `ahead` seconds from now.

@@ -65,16 +65,29 @@ impl StateMachineRun {
         Ok(run)
     }
 
-    getters! {
-        /// Time in the current state in seconds, from the start of the cross-fade to it.
-        pub fn seconds(&self) -> f64 = self.current.seconds;
-        /// Returns true if the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events; only the first
-        /// ones were reported.
-        pub fn events_left_out(&self) -> bool = self.events_left_out;
-        /// Pose after the last update.
-        pub fn pose(&self) -> &Pose = &self.pose;
-        /// Current state, or the target of the running cross-fade.
-        pub fn state(&self) -> &str = &self.machine.states[self.current.state].name;
+    /// Time in the current state in seconds, from the start of the cross-fade to it.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.current.seconds
+    }
+
+    /// Returns true if the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events; only the first
+    /// ones were reported.
+    #[must_use]
+    pub fn events_left_out(&self) -> bool {
+        self.events_left_out
+    }
+
+    /// Pose after the last update.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Current state, or the target of the running cross-fade.
+    #[must_use]
+    pub fn state(&self) -> &str {
+        &self.machine.states[self.current.state].name
     }
 
     /// Cycles of the current state's clips since it was entered; 0.5 is half a cycle. 1 if all clips have zero

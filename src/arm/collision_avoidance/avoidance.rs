@@ -4,7 +4,7 @@ use super::check_time::CheckTime;
 use super::simd_checks::SimdChecks;
 use super::workspace::CollisionWorkspace;
 use crate::collision::Checker;
-use crate::collision::simd_spheres::SphereWorkspaces;
+use crate::simd_spheres::SphereWorkspaces;
 
 /// Collision checker for the configurations of one arm.
 #[derive(Debug)]

@@ -6,8 +6,8 @@ use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::workspace::ArmWorkspace;
 use crate::clock::deadline::until;
-use crate::collision::simd_spheres;
 use crate::search::Collision;
+use crate::simd_spheres;
 
 /// Largest number of solutions that are checked by shapes after their spheres collide.
 pub(super) const MAX_EXACT_CHECKS: usize = 32;

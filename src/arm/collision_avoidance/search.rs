@@ -14,10 +14,10 @@ use crate::arm::multi_solution::{collect_solutions, run_attempts, total_iteratio
 use crate::arm::query::{Query, attempts_at, simd_solver_within};
 use crate::arm::recording::{judge, record_configuration};
 use crate::arm::workspace::{ArmWorkspace, Errors};
-use crate::collision::simd_spheres::CHECKED;
 use crate::ik::Solution;
 use crate::search::SearchResult;
 use crate::simd_ik::{self, PoseOutcome};
+use crate::simd_spheres::CHECKED;
 use crate::solver::Termination;
 
 /// Number of collision-free starts that suffices for a group of attempts; 2 and 8 measured slower on MotionBenchMaker.

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::collision::simd_spheres::{Body, BodyChain, Passed, SolidMoved, Solids};
 use crate::collision::{Checker, FIRST_PLANE, SphereModel};
 use crate::model::{FrameId, JointId, Model};
 use crate::search::{BodyKind, Collision};
 use crate::simd_ik::Chain;
+use crate::simd_spheres::{Body, BodyChain, Passed, SolidMoved, Solids};
 use crate::spatial::Placement;
 
 /// Additional margin of the SIMD checks, metres: they round placements differently from the exact check.

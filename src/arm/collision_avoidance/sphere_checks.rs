@@ -5,7 +5,7 @@ use crate::arm::arm::Arm;
 use crate::arm::query::Query;
 use crate::arm::workspace::ArmWorkspace;
 use crate::arm::{PoseOutcome, QueryError};
-use crate::collision::simd_spheres::CHECKED;
+use crate::simd_spheres::CHECKED;
 
 /// Marks attempts in collision as not reached.
 pub(in crate::arm) fn reject_collisions(

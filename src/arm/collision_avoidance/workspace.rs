@@ -2,7 +2,7 @@
 
 use crate::clock::Instant;
 use crate::collision::CheckerWorkspace;
-use crate::collision::simd_spheres::SphereWorkspaces;
+use crate::simd_spheres::SphereWorkspaces;
 use crate::spatial::Placement;
 
 /// Workspace of the collision checks.

@@ -337,19 +337,40 @@ impl Servo<'_> {
         }
     }
 
-    getters! {
-        /// Velocity limits of the free joints, base to tip, rad/s or m/s; infinite for none.
-        pub fn velocity_limits(&self) -> &[f64] = &self.velocity_limits;
-        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
-        pub fn acceleration_limits(&self) -> &[f64] = &self.acceleration_limits;
-        /// Jerk limits of the free joints, base to tip, rad/s³ or m/s³; infinite for none.
-        pub fn jerk_limits(&self) -> &[f64] = &self.jerk_limits;
-        /// Commanded joint positions, radians or metres.
-        pub fn q(&self) -> &[f64] = &self.q;
-        /// Commanded velocities of the joints, rad/s or m/s.
-        pub fn velocity(&self) -> &[f64] = &self.velocity;
-        /// Commanded accelerations of the joints, rad/s² or m/s².
-        pub fn acceleration(&self) -> &[f64] = &self.acceleration;
+    /// Velocity limits of the free joints, base to tip, rad/s or m/s; infinite for none.
+    #[must_use]
+    pub fn velocity_limits(&self) -> &[f64] {
+        &self.velocity_limits
+    }
+
+    /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
+    #[must_use]
+    pub fn acceleration_limits(&self) -> &[f64] {
+        &self.acceleration_limits
+    }
+
+    /// Jerk limits of the free joints, base to tip, rad/s³ or m/s³; infinite for none.
+    #[must_use]
+    pub fn jerk_limits(&self) -> &[f64] {
+        &self.jerk_limits
+    }
+
+    /// Commanded joint positions, radians or metres.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Commanded velocities of the joints, rad/s or m/s.
+    #[must_use]
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// Commanded accelerations of the joints, rad/s² or m/s².
+    #[must_use]
+    pub fn acceleration(&self) -> &[f64] {
+        &self.acceleration
     }
 
     /// Runs one control cycle towards a target, a placement from tool to base coordinates, and returns the command.

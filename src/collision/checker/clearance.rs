@@ -65,9 +65,10 @@ impl Clearance {
         }))
     }
 
-    getters! {
-        /// Required distance of all pairs, metres.
-        pub fn distance(&self) -> f64 = self.0.0.distance;
+    /// Required distance of all pairs, metres.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.0.0.distance
     }
 
     /// Sets the required distance of all pairs, metres.
@@ -134,10 +135,16 @@ impl Distances {
 }
 
 impl NumericResidual for Distances {
-    answers! {
-        fn kind(&self) -> &'static str = "clearance";
-        fn frames(&self) -> Vec<FrameId> = self.scene.frames().collect();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, self.scene.frames().len())];
+    fn kind(&self) -> &'static str {
+        "clearance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.scene.frames().collect()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, self.scene.frames().len())]
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
@@ -176,7 +183,21 @@ impl NumericResidual for Distances {
 const ACTIVE_SLACK: f64 = 5e-10;
 
 impl Residual for Clearance {
-    as_inner!(0: kind, frames, rows, validate);
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.frames()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.0.rows()
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.0.validate()
+    }
 
     fn is_of_body(&self) -> bool {
         true

@@ -12,13 +12,14 @@ const SEED: u64 = 1;
 const MIN_OVERLAP_SHARE: f64 = 0.5;
 
 impl Checker {
-    getters! {
-        /// Enabled pairs of links whose covers overlap in at least half of all configurations, as those of a wrist's
-        /// links do.
-        ///
-        /// The indices are those of [`links`](crate::collision::CollisionModel::links). Such pairs need exact
-        /// distances.
-        pub(crate) fn close_pairs(&self) -> &[[usize; 2]] = &self.close_pairs;
+    /// Enabled pairs of links whose covers overlap in at least half of all configurations, as those of a wrist's
+    /// links do.
+    ///
+    /// The indices are those of [`links`](crate::collision::CollisionModel::links). Such pairs need exact
+    /// distances.
+    #[must_use]
+    pub(crate) fn close_pairs(&self) -> &[[usize; 2]] {
+        &self.close_pairs
     }
 
     /// True if each of the given pairs of links is at least the margin apart at a configuration, by exact distances.

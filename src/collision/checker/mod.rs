@@ -144,15 +144,28 @@ impl Checker {
         Ok(self)
     }
 
-    getters! {
-        /// Collision model of the robot.
-        pub fn model(&self) -> &CollisionModel = &self.model;
-        /// Spheres that cover the shapes, if set.
-        pub fn spheres(&self) -> Option<&SphereModel> = self.spheres.as_deref();
-        /// Snapshot of the world.
-        pub fn world(&self) -> &World = &self.world;
-        /// Required distance of all pairs, metres.
-        pub fn margin(&self) -> f64 = self.margin;
+    /// Collision model of the robot.
+    #[must_use]
+    pub fn model(&self) -> &CollisionModel {
+        &self.model
+    }
+
+    /// Spheres that cover the shapes, if set.
+    #[must_use]
+    pub fn spheres(&self) -> Option<&SphereModel> {
+        self.spheres.as_deref()
+    }
+
+    /// Snapshot of the world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Required distance of all pairs, metres.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.margin
     }
 
     /// The pairs nearer than the margin at a configuration, by exact distance, the smallest distance first.

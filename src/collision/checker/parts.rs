@@ -177,10 +177,15 @@ impl Scene {
         &self.parts[part].allowed
     }
 
-    getters! {
-        /// Checked pairs of parts, by index.
-        pub(super) fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
-        pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
+    /// Checked pairs of parts, by index.
+    #[must_use]
+    pub(super) fn pairs(&self) -> &[[usize; 2]] {
+        &self.pairs
+    }
+
+    #[must_use]
+    pub(super) fn motion_bound(&self) -> &MotionBound {
+        &self.motion_bound
     }
 
     /// Visits all pairs at most `max_distance` metres apart, each with its closest shapes. Stops if `visitor` returns

@@ -102,7 +102,7 @@ impl MeshFile {
 }
 
 fn ply(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
-    let mesh = crate::io::ply::from_bytes(bytes, file)?;
+    let mesh = crate::ply::from_bytes(bytes, file)?;
     let point = |p: &glam::Vec3| Vector3::new(p.x.into(), p.y.into(), p.z.into());
     Ok(MeshFile {
         points: mesh.positions().iter().map(point).collect(),

@@ -33,10 +33,16 @@ impl LinkDistance {
 }
 
 impl NumericResidual for LinkDistance {
-    answers! {
-        fn kind(&self) -> &'static str = "distance of links";
-        fn frames(&self) -> Vec<FrameId> = self.links.to_vec();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
+    fn kind(&self) -> &'static str {
+        "distance of links"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.links.to_vec()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
@@ -132,9 +138,12 @@ mod tests {
     struct NumericalDistance(LinkDistance);
 
     impl NumericResidual for NumericalDistance {
-        answers! {
-            fn frames(&self) -> Vec<FrameId> = self.0.frames();
-            fn rows(&self) -> Vec<RowBlock> = self.0.rows();
+        fn frames(&self) -> Vec<FrameId> {
+            self.0.frames()
+        }
+
+        fn rows(&self) -> Vec<RowBlock> {
+            self.0.rows()
         }
 
         fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {

@@ -37,26 +37,35 @@ impl<'r> CollisionModelBuilder<'r> {
         }
     }
 
-    setters! {
-        /// Adds a folder to the search path of `package://NAME/…` and relative paths.
-        ///
-        /// The folder contains packages or is a package.
-        pub fn with_package_folder(mut self, folder: impl Into<PathBuf>) {
-            self.folders.packages.push(folder.into());
-        }
-        /// Sets the representation of meshes. The default is their convex hulls.
-        pub fn with_meshes(mut self, meshes: MeshUse) {
-            self.meshes = meshes;
-        }
-        /// Leaves out meshes that are not found, with a note each, instead of returning an error.
-        pub fn leaving_out_missing_meshes(mut self) {
-            self.skips_missing_meshes = true;
-        }
-        /// Restricts mesh files to the folder of the robot's file and the package folders, as for a
-        /// [confined](Robot::confined) robot.
-        pub fn confined(mut self) {
-            self.confined = true;
-        }
+    /// Adds a folder to the search path of `package://NAME/…` and relative paths.
+    ///
+    /// The folder contains packages or is a package.
+    #[must_use]
+    pub fn with_package_folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folders.packages.push(folder.into());
+        self
+    }
+
+    /// Sets the representation of meshes. The default is their convex hulls.
+    #[must_use]
+    pub fn with_meshes(mut self, meshes: MeshUse) -> Self {
+        self.meshes = meshes;
+        self
+    }
+
+    /// Leaves out meshes that are not found, with a note each, instead of returning an error.
+    #[must_use]
+    pub fn leaving_out_missing_meshes(mut self) -> Self {
+        self.skips_missing_meshes = true;
+        self
+    }
+
+    /// Restricts mesh files to the folder of the robot's file and the package folders, as for a
+    /// [confined](Robot::confined) robot.
+    #[must_use]
+    pub fn confined(mut self) -> Self {
+        self.confined = true;
+        self
     }
 
     /// Builds the model.

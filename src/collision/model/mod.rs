@@ -7,7 +7,6 @@ mod contacts;
 mod descent;
 mod error;
 mod from_robot;
-mod from_skin;
 mod link_shapes;
 mod meshes;
 mod pairs;
@@ -126,7 +125,8 @@ impl CollisionModel {
         Self::assemble(model, map, objects, Vec::new())
     }
 
-    fn assemble(
+    #[doc(hidden)] // Also used for skins.
+    pub fn assemble(
         model: &Model,
         map: ParameterMap,
         objects: Vec<CollisionObject>,
@@ -151,17 +151,34 @@ impl CollisionModel {
         })
     }
 
-    getters! {
-        /// The kinematic model.
-        pub fn model(&self) -> &Model = &self.model;
-        /// Collision shapes of all links.
-        pub fn objects(&self) -> &[CollisionObject] = &self.objects;
-        /// Links with shapes, in the order of the model.
-        pub fn links(&self) -> &[FrameId] = &self.links;
-        /// Enabled collision pairs, sorted; in each pair the lower index first.
-        pub fn pairs(&self) -> &[[FrameId; 2]] = &self.pairs;
-        /// Messages about shapes that were left out or repaired.
-        pub fn notes(&self) -> &[String] = &self.notes;
+    /// The kinematic model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Collision shapes of all links.
+    #[must_use]
+    pub fn objects(&self) -> &[CollisionObject] {
+        &self.objects
+    }
+
+    /// Links with shapes, in the order of the model.
+    #[must_use]
+    pub fn links(&self) -> &[FrameId] {
+        &self.links
+    }
+
+    /// Enabled collision pairs, sorted; in each pair the lower index first.
+    #[must_use]
+    pub fn pairs(&self) -> &[[FrameId; 2]] {
+        &self.pairs
+    }
+
+    /// Messages about shapes that were left out or repaired.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The shapes of a link.

@@ -77,24 +77,46 @@ impl ConvexHull {
         }
     }
 
-    getters! {
-        /// Vertices, metres.
-        pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
-        /// Triangles as vertex indices, counter-clockwise seen from outside.
-        pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
+    /// Vertices, metres.
+    #[must_use]
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.vertices
     }
 
-    getters! {
-        /// The mean of the vertices.
-        pub(crate) fn middle(&self) -> Vector3<f64> = self.middle;
-        /// The largest distance of a vertex from the origin, metres.
-        pub(crate) fn reach(&self) -> f64 = self.reach;
-        #[cfg(test)]
-        pub(super) fn climb(&self) -> Option<&HullClimb> = self.climb.as_ref();
-        #[cfg(test)]
-        pub(super) fn planes(&self) -> &[(Vector3<f64>, f64)] = &self.planes;
-        /// True if [`climbed`](Self::climbed) uses hill climbing, which may stop early by rounding.
-        pub(crate) fn is_climbed(&self) -> bool = self.climb.is_some();
+    /// Triangles as vertex indices, counter-clockwise seen from outside.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The mean of the vertices.
+    #[must_use]
+    pub(crate) fn middle(&self) -> Vector3<f64> {
+        self.middle
+    }
+
+    /// The largest distance of a vertex from the origin, metres.
+    #[must_use]
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    #[cfg(test)]
+    #[must_use]
+    pub(super) fn climb(&self) -> Option<&HullClimb> {
+        self.climb.as_ref()
+    }
+
+    #[cfg(test)]
+    #[must_use]
+    pub(super) fn planes(&self) -> &[(Vector3<f64>, f64)] {
+        &self.planes
+    }
+
+    /// True if [`climbed`](Self::climbed) uses hill climbing, which may stop early by rounding.
+    #[must_use]
+    pub(crate) fn is_climbed(&self) -> bool {
+        self.climb.is_some()
     }
 
     /// The first of the vertices that are farthest along a direction.

@@ -66,20 +66,49 @@ impl HeightField {
         Ok(field)
     }
 
-    getters! {
-        /// Heights in metres, row after row along y, each row along x.
-        pub fn heights(&self) -> &[f64] = &self.heights;
-        /// Number of heights a row.
-        pub fn columns(&self) -> usize = self.columns;
-        /// Number of rows.
-        pub fn rows(&self) -> usize = self.heights.len() / self.columns;
-        /// Distances of neighbours along x and y, metres.
-        pub fn spacing(&self) -> [f64; 2] = self.spacing;
-        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
-        /// Number of triangles of the surface, the walls and the floor.
-        pub(crate) fn triangle_count(&self) -> usize = self.surface_count() + self.below.len();
-        fn surface_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
-        pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
+    /// Heights in metres, row after row along y, each row along x.
+    #[must_use]
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// Number of heights a row.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.heights.len() / self.columns
+    }
+
+    /// Distances of neighbours along x and y, metres.
+    #[must_use]
+    pub fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    #[must_use]
+    pub(crate) fn tree(&self) -> &AabbTree {
+        &self.tree
+    }
+
+    /// Number of triangles of the surface, the walls and the floor.
+    #[must_use]
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.surface_count() + self.below.len()
+    }
+
+    #[must_use]
+    fn surface_count(&self) -> usize {
+        2 * (self.columns - 1) * (self.rows() - 1)
+    }
+
+    #[must_use]
+    pub(super) fn bounding_box(&self) -> BoundingBox {
+        self.tree.bounds()
     }
 
     /// The corners of a triangle, counter-clockwise seen from outside.

@@ -33,12 +33,25 @@ impl PointCloud {
         })
     }
 
-    getters! {
-        /// Positions of the points, metres.
-        pub fn positions(&self) -> &[Vector3<f64>] = &self.positions;
-        /// Radius of the sphere about each point, metres.
-        pub fn radius(&self) -> f64 = self.radius;
-        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
-        pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds().grown(self.radius);
+    /// Positions of the points, metres.
+    #[must_use]
+    pub fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+
+    /// Radius of the sphere about each point, metres.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    #[must_use]
+    pub(crate) fn tree(&self) -> &AabbTree {
+        &self.tree
+    }
+
+    #[must_use]
+    pub(super) fn bounding_box(&self) -> BoundingBox {
+        self.tree.bounds().grown(self.radius)
     }
 }

@@ -114,16 +114,37 @@ impl TriangleMesh {
         })
     }
 
-    getters! {
-        /// Vertices, metres. No two are at the same position.
-        pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
-        /// Triangles as vertex indices, counter-clockwise seen from outside if the mesh is closed.
-        pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
-        /// True if the mesh is closed, so that the enclosed volume is solid.
-        pub fn is_closed(&self) -> bool = self.inside.is_some();
-        pub(super) fn notes(&self) -> &[ShapeNote] = &self.notes;
-        pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
-        pub(crate) fn tree(&self) -> &AabbTree = &self.tree;
+    /// Vertices, metres. No two are at the same position.
+    #[must_use]
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.vertices
+    }
+
+    /// Triangles as vertex indices, counter-clockwise seen from outside if the mesh is closed.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// True if the mesh is closed, so that the enclosed volume is solid.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.inside.is_some()
+    }
+
+    #[must_use]
+    pub(super) fn notes(&self) -> &[ShapeNote] {
+        &self.notes
+    }
+
+    #[must_use]
+    pub(super) fn bounding_box(&self) -> BoundingBox {
+        self.tree.bounds()
+    }
+
+    #[must_use]
+    pub(crate) fn tree(&self) -> &AabbTree {
+        &self.tree
     }
 
     /// The corners of a triangle.

@@ -172,19 +172,42 @@ impl SphereModel {
         self
     }
 
-    getters! {
-        /// Groups by link, in the order of the model.
-        pub fn groups(&self) -> &[SphereGroup] = &self.groups;
-        /// Enabled collision pairs, as indices into [`groups`](Self::groups).
-        pub fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
-        /// Maximum protrusion of a sphere from the shapes of its link, metres.
-        pub fn max_protrusion(&self) -> f64 = self.max_protrusion;
-        /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
-        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |max, group| group.gap.max(max));
-        /// Messages about parts of the file that were left out.
-        pub fn notes(&self) -> &[String] = &self.notes;
-        /// Number of spheres.
-        pub fn count(&self) -> usize = self.groups.iter().map(|group| group.spheres.len()).sum();
+    /// Groups by link, in the order of the model.
+    #[must_use]
+    pub fn groups(&self) -> &[SphereGroup] {
+        &self.groups
+    }
+
+    /// Enabled collision pairs, as indices into [`groups`](Self::groups).
+    #[must_use]
+    pub fn pairs(&self) -> &[[usize; 2]] {
+        &self.pairs
+    }
+
+    /// Maximum protrusion of a sphere from the shapes of its link, metres.
+    #[must_use]
+    pub fn max_protrusion(&self) -> f64 {
+        self.max_protrusion
+    }
+
+    /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        self.groups
+            .iter()
+            .fold(0.0, |max, group| group.gap.max(max))
+    }
+
+    /// Messages about parts of the file that were left out.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Number of spheres.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.groups.iter().map(|group| group.spheres.len()).sum()
     }
 }
 

@@ -226,7 +226,7 @@ pub(super) fn parse(
     file: &str,
     allowed: Option<&AllowedFiles>,
 ) -> Result<World, ReadError> {
-    let Object(contents) = crate::io::json::parse(bytes, file)?;
+    let Object(contents) = crate::json::parse(bytes, file)?;
     read(contents, &Reader { file, allowed })
 }
 

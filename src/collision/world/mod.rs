@@ -88,17 +88,34 @@ impl World {
         Self::default()
     }
 
-    getters! {
-        /// Number of obstacles.
-        pub fn len(&self) -> usize = self.obstacles.len();
-        /// True if the world has no obstacles.
-        pub fn is_empty(&self) -> bool = self.len() == 0;
-        /// A number that every change increases, for detecting changes.
-        pub fn revision(&self) -> u64 = self.revision;
-        /// All obstacles, in the order in which they were added.
-        pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
-        /// All obstacles with their numbers, in increasing order of the numbers.
-        pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = self.obstacles.iter();
+    /// Number of obstacles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.obstacles.len()
+    }
+
+    /// True if the world has no obstacles.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A number that every change increases, for detecting changes.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// All obstacles, in the order in which they were added.
+    #[must_use]
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> {
+        self.obstacles.iter().map(|(_, o)| &**o)
+    }
+
+    /// All obstacles with their numbers, in increasing order of the numbers.
+    #[must_use]
+    pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> {
+        self.obstacles.iter()
     }
 
     /// Messages about the world: parts of its file that were left out, and the [notes](Shape::notes) of its shapes.

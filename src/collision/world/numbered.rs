@@ -48,12 +48,21 @@ impl Change<'_> {
 }
 
 impl Numbered {
-    getters! {
-        pub(super) fn len(&self) -> usize = self.len;
-        pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = Counted {
-            inner: self.chunks.iter().flat_map(|chunk| chunk.iter()).map(|(number, obstacle)| (*number, obstacle)),
+    #[must_use]
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    #[must_use]
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> {
+        Counted {
+            inner: self
+                .chunks
+                .iter()
+                .flat_map(|chunk| chunk.iter())
+                .map(|(number, obstacle)| (*number, obstacle)),
             remaining: self.len,
-        };
+        }
     }
 
     pub(super) fn get(&self, number: u64) -> Option<&Arc<Obstacle>> {

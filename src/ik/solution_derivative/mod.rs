@@ -174,9 +174,10 @@ impl<'a> SolutionDerivative<'a> {
         Ok(self)
     }
 
-    getters! {
-        /// Differentiability of the solution. Check it before using any product.
-        pub fn differentiability(&self) -> &Differentiability = &self.differentiability;
+    /// Differentiability of the solution. Check it before using any product.
+    #[must_use]
+    pub fn differentiability(&self) -> &Differentiability {
+        &self.differentiability
     }
 
     /// Number of elements of a velocity.

@@ -9,10 +9,10 @@ use super::hierarchy::Joint;
 use super::lexer::Lexer;
 use super::motion::Motion;
 use super::note::BvhNote;
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::rotation_about_f64;
 use crate::animation::{Armature, ArmatureBone, Channel, Clip, ClipError, LocalTransform};
+use crate::curve::KeyedCurve;
 use crate::io::ReadError;
 
 /// Builds the armature and the clip from the two parts of a file.

@@ -38,16 +38,23 @@ impl<'a> BvhFormat<'a> {
         }
     }
 
-    setters! {
-        /// Sets the channels of each bone, in file order.
-        pub fn with_channels(mut self, channels: &'a [Vec<BvhChannel>]) { self.channels = Some(channels) }
+    /// Sets the channels of each bone, in file order.
+    #[must_use]
+    pub fn with_channels(mut self, channels: &'a [Vec<BvhChannel>]) -> Self {
+        self.channels = Some(channels);
+        self
     }
 
-    getters! {
-        /// Time between frames, seconds.
-        pub fn frame_time(&self) -> f64 = self.frame_time;
-        /// The channels of each bone; `None` for the default channels.
-        pub fn channels(&self) -> Option<&'a [Vec<BvhChannel>]> = self.channels;
+    /// Time between frames, seconds.
+    #[must_use]
+    pub fn frame_time(&self) -> f64 {
+        self.frame_time
+    }
+
+    /// The channels of each bone; `None` for the default channels.
+    #[must_use]
+    pub fn channels(&self) -> Option<&'a [Vec<BvhChannel>]> {
+        self.channels
     }
 
     /// Checks that the frame time is positive and finite, also in single precision.

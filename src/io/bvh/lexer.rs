@@ -41,14 +41,27 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    getters! {
-        pub(super) fn file(&self) -> &'a str = self.file;
-        /// Number of remaining bytes.
-        pub(super) fn remaining_bytes(&self) -> usize = self.rest.len();
-        /// Remaining text.
-        pub(super) fn rest(&self) -> &'a str = self.rest;
-        /// Line of the last word.
-        pub(super) fn line(&self) -> usize = self.line;
+    #[must_use]
+    pub(super) fn file(&self) -> &'a str {
+        self.file
+    }
+
+    /// Number of remaining bytes.
+    #[must_use]
+    pub(super) fn remaining_bytes(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Remaining text.
+    #[must_use]
+    pub(super) fn rest(&self) -> &'a str {
+        self.rest
+    }
+
+    /// Line of the last word.
+    #[must_use]
+    pub(super) fn line(&self) -> usize {
+        self.line
     }
 
     pub(super) fn skip_space(&mut self) {

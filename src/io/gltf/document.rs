@@ -4,8 +4,8 @@ use gltf_json::Root;
 use serde::Deserialize;
 
 use super::omissions::{Nodeless, parse_with_omissions};
-use crate::io::json::parse;
 use crate::io::{Place, ReadError};
+use crate::json::parse;
 
 /// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
 const SUPPORTED_EXTENSIONS: [&str; 7] = [

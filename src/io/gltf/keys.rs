@@ -4,8 +4,8 @@ use glam::{Quat, Vec4};
 use gltf_json::animation::Interpolation;
 
 use super::source::Source;
-use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};
 use crate::animation::rotation::RotationCurve;
+use crate::curve::{CurveValue, KeyError, KeyedCurve};
 use crate::io::ReadError;
 
 /// The keys of a sampler.

@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
 
 use crate::io::ReadError;
-use crate::io::json::{parse, parse_by};
+use crate::json::{parse, parse_by};
 
 /// The parts of a document in which members may be missing.
 #[derive(Deserialize)]

@@ -2,7 +2,7 @@
 
 use super::json::TrackEntry;
 use crate::animation::EulerInterpolation;
-use crate::animation::curve::TensionContinuityBias;
+use crate::curve::TensionContinuityBias;
 
 const LINEAR: &str = EulerInterpolation::LINEAR;
 const CATMULL_ROM: &str = EulerInterpolation::CATMULL_ROM;

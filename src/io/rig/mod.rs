@@ -99,7 +99,7 @@ impl Rig {
         name: &str,
         mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
     ) -> Result<Self, ReadError> {
-        let file: json::RigFile = super::json::parse(json, name)?;
+        let file: json::RigFile = crate::json::parse(json, name)?;
         let skeleton = check::skeleton(&file, name)?;
         let clip = check::clip(&file, &skeleton, name)?;
         let constrained = check::constrained(&file, &skeleton, name)?;

@@ -10,10 +10,10 @@ use super::Rig;
 use super::json::{BoneEntry, KeyEntry, PartFile, TrackEntry};
 use super::names;
 use super::{degrees, interpolation};
-use crate::io::dmat::{self, DmatEncoding};
-use crate::io::ply::{self, PlyEncoding};
+use crate::dmat::{self, DmatEncoding};
 use crate::io::{WriteError, write_files};
 use crate::model::Limits;
+use crate::ply::{self, PlyEncoding};
 use crate::skeleton::Bone;
 use crate::skinning::SkinWeights;
 

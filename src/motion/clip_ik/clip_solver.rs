@@ -113,48 +113,89 @@ impl<'a> ClipIk<'a> {
         }
     }
 
-    setters! {
-        /// Uses the joints of a skeleton, within their limits. The tips of its bones, not their origins, are then the
-        /// end effectors.
-        ///
-        /// The armature must be [built from this skeleton](Armature::of_skeleton). It may have more bones after those
-        /// of the skeleton.
-        pub fn with_joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
-        /// Adds a reach.
-        pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
-        /// Adds a planted bone, most often a foot or its toes. Its origin is locked while the bone is in contact by the
-        /// [criteria](Self::with_detection). The bone keeps its orientation of the clip in the model.
-        pub fn with_planted(mut self, bone: BoneId) { self.planted.push(bone) }
-        /// Sets the root: the bone that is translated if a limb is too short. Only bones below it rotate.
-        ///
-        /// Default: the topmost bone that carries all requested bones and has more than one child. Children without
-        /// children of their own, such as mesh nodes, count only if the clip moves them. If no bone has several such
-        /// children, all children count. If no bone has several children, all bones rotate.
-        pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
-        /// Sets the up axis in the model. Default: y, as in glTF.
-        pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) { self.up = single(axis) }
-        /// Sets the number of solved frames and of keys per second. Keys are denser where a foot in contact would
-        /// otherwise drift by more than a thousandth of its limb's length.
-        pub fn with_keys_per_second(mut self, rate: f64) { self.rate = rate }
-        /// Sets the criteria of foot contact, in the armature's unit of length.
-        ///
-        /// Defaults, with the length L of the limb:
-        ///
-        /// - The speed is at most 0.28 L per second, or half of the foot's mean speed in the clip if that is larger.
-        /// - The height above the foot's lowest position is at most L/8.
-        /// - The contact lasts at least 0.1 s.
-        pub fn with_detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
-        /// Sets the velocity of the root, in the armature's unit of length per second, for a clip that walks in place.
-        /// The root moves with it, and foot contacts are detected along the displaced motion. Without it the feet of
-        /// such a clip slide, so no contact is detected. [`ground_speed`](super::ground_speed) measures it.
-        pub fn with_root_velocity(mut self, per_second: impl Into<Vector3<f64>>) {
-            self.root_velocity = single(per_second);
-        }
-        /// Sets the height of the ground as a function of position, for a clip that walks on ground of height 0. Feet
-        /// in contact are on this ground, and the root follows its height.
-        pub fn with_ground(mut self, height: impl Fn(Vector3<f64>) -> f64 + Send + Sync + 'static) {
-            self.ground = Some(Arc::new(height));
-        }
+    /// Uses the joints of a skeleton, within their limits. The tips of its bones, not their origins, are then the
+    /// end effectors.
+    ///
+    /// The armature must be [built from this skeleton](Armature::of_skeleton). It may have more bones after those
+    /// of the skeleton.
+    #[must_use]
+    pub fn with_joints_of(mut self, skeleton: &'a Skeleton) -> Self {
+        self.skeleton = Some(skeleton);
+        self
+    }
+
+    /// Adds a reach.
+    #[must_use]
+    pub fn with_reach(mut self, reach: Reach) -> Self {
+        self.reaches.push(reach);
+        self
+    }
+
+    /// Adds a planted bone, most often a foot or its toes. Its origin is locked while the bone is in contact by the
+    /// [criteria](Self::with_detection). The bone keeps its orientation of the clip in the model.
+    #[must_use]
+    pub fn with_planted(mut self, bone: BoneId) -> Self {
+        self.planted.push(bone);
+        self
+    }
+
+    /// Sets the root: the bone that is translated if a limb is too short. Only bones below it rotate.
+    ///
+    /// Default: the topmost bone that carries all requested bones and has more than one child. Children without
+    /// children of their own, such as mesh nodes, count only if the clip moves them. If no bone has several such
+    /// children, all children count. If no bone has several children, all bones rotate.
+    #[must_use]
+    pub fn with_root(mut self, bone: BoneId) -> Self {
+        self.root = Some(bone);
+        self
+    }
+
+    /// Sets the up axis in the model. Default: y, as in glTF.
+    #[must_use]
+    pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) -> Self {
+        self.up = single(axis);
+        self
+    }
+
+    /// Sets the number of solved frames and of keys per second. Keys are denser where a foot in contact would
+    /// otherwise drift by more than a thousandth of its limb's length.
+    #[must_use]
+    pub fn with_keys_per_second(mut self, rate: f64) -> Self {
+        self.rate = rate;
+        self
+    }
+
+    /// Sets the criteria of foot contact, in the armature's unit of length.
+    ///
+    /// Defaults, with the length L of the limb:
+    ///
+    /// - The speed is at most 0.28 L per second, or half of the foot's mean speed in the clip if that is larger.
+    /// - The height above the foot's lowest position is at most L/8.
+    /// - The contact lasts at least 0.1 s.
+    #[must_use]
+    pub fn with_detection(mut self, detection: ContactDetection) -> Self {
+        self.detection = Some(detection);
+        self
+    }
+
+    /// Sets the velocity of the root, in the armature's unit of length per second, for a clip that walks in place.
+    /// The root moves with it, and foot contacts are detected along the displaced motion. Without it the feet of
+    /// such a clip slide, so no contact is detected. [`ground_speed`](super::ground_speed) measures it.
+    #[must_use]
+    pub fn with_root_velocity(mut self, per_second: impl Into<Vector3<f64>>) -> Self {
+        self.root_velocity = single(per_second);
+        self
+    }
+
+    /// Sets the height of the ground as a function of position, for a clip that walks on ground of height 0. Feet
+    /// in contact are on this ground, and the root follows its height.
+    #[must_use]
+    pub fn with_ground(
+        mut self,
+        height: impl Fn(Vector3<f64>) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        self.ground = Some(Arc::new(height));
+        self
     }
 
     /// Checks the tasks and options against a clip.

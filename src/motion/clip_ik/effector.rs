@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::ClipIkError;
-use crate::animation::curve::KeyedCurve;
+use crate::curve::KeyedCurve;
 use crate::motion::contact_detection::smooth;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
@@ -44,14 +44,19 @@ impl Reach {
         }
     }
 
-    setters! {
-        /// Limits the reach to an interval of the clip, seconds.
-        pub fn with_span(mut self, seconds: RangeInclusive<f64>) {
-            self.span = Some([*seconds.start(), *seconds.end()]);
-        }
-        /// Sets the duration of the blend at the start and at the end of the span, seconds. Default: 0.2, or half of a
-        /// shorter span. There is no blend at the start or end of the clip itself.
-        pub fn with_fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
+    /// Limits the reach to an interval of the clip, seconds.
+    #[must_use]
+    pub fn with_span(mut self, seconds: RangeInclusive<f64>) -> Self {
+        self.span = Some([*seconds.start(), *seconds.end()]);
+        self
+    }
+
+    /// Sets the duration of the blend at the start and at the end of the span, seconds. Default: 0.2, or half of a
+    /// shorter span. There is no blend at the start or end of the clip itself.
+    #[must_use]
+    pub fn with_fade(mut self, seconds: f64) -> Self {
+        self.fade_s = Some(seconds);
+        self
     }
 
     /// Returns the span within a clip, seconds.

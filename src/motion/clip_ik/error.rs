@@ -2,8 +2,8 @@
 
 use crate::SizeMismatch;
 use crate::animation::ClipError;
-use crate::animation::curve::KeyError;
 use crate::bad_option::BadOption;
+use crate::curve::KeyError;
 use crate::ik::SolveError;
 use crate::kinematics::KinematicsError;
 use crate::model::ModelError;

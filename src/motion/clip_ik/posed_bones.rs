@@ -124,8 +124,9 @@ impl PosedBones {
         })
     }
 
-    getters! {
-        pub(super) fn model(&self) -> &Model = &self.model;
+    #[must_use]
+    pub(super) fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Returns the effector frame of a rotating bone, with the bone's axes.

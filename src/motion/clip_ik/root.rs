@@ -31,10 +31,16 @@ struct LimbReach {
 }
 
 impl Residual for LimbReach {
-    answers! {
-        fn kind(&self) -> &'static str = "limb long enough";
-        fn frames(&self) -> Vec<FrameId> = vec![self.root];
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
+    fn kind(&self) -> &'static str {
+        "limb long enough"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.root]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {

@@ -5,9 +5,9 @@ use std::ops::Range;
 use glam::{Quat, Vec3A};
 
 use super::ClipIkError;
-use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, Clip, Cursor, Playback, Property};
+use crate::curve::KeyedCurve;
 use crate::skeleton::BoneId;
 
 /// New values of the bones at the solved sample times.

@@ -123,13 +123,22 @@ impl Capture {
         Ok(Self { rest, ..capture })
     }
 
-    getters! {
-        /// Names of the joints.
-        pub fn names(&self) -> &[String] = &self.names;
-        /// Number of capture frames.
-        pub fn frames(&self) -> usize = self.places.len() / self.names.len();
-        /// Capture frames per second.
-        pub fn frame_rate(&self) -> f64 = self.frame_rate;
+    /// Names of the joints.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of capture frames.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.places.len() / self.names.len()
+    }
+
+    /// Capture frames per second.
+    #[must_use]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame_rate
     }
 
     /// Returns the index of a joint.

@@ -33,9 +33,10 @@ impl CollisionFreeFrames {
         }
     }
 
-    getters! {
-        /// True if collision avoidance was active at the last sample.
-        pub(super) fn is_avoiding(&self) -> bool = self.avoidance_active;
+    /// True if collision avoidance was active at the last sample.
+    #[must_use]
+    pub(super) fn is_avoiding(&self) -> bool {
+        self.avoidance_active
     }
 
     /// Solves from a collision-free x to a collision-free x. The problem `frame` without avoidance is tried first.

@@ -3,7 +3,7 @@
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Point, Residual};
+use crate::task::{LocalJacobian, Point, Residual, RowBlock};
 
 /// Residual r = w (x + R o − target): a [`Point`] with a weight that changes with its target.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,11 +34,20 @@ impl DrivenPoint {
 }
 
 impl Residual for DrivenPoint {
-    as_inner!(point: frames, rows);
+    fn frames(&self) -> Vec<FrameId> {
+        self.point.frames()
+    }
 
-    answers! {
-        fn kind(&self) -> &'static str = "driven point";
-        fn has_edges(&self) -> bool = false;
+    fn rows(&self) -> Vec<RowBlock> {
+        self.point.rows()
+    }
+
+    fn kind(&self) -> &'static str {
+        "driven point"
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

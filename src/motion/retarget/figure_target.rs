@@ -92,11 +92,16 @@ impl FigureTarget {
         Self::new(&armature.turning_skeleton("figure", turning)?, up)
     }
 
-    getters! {
-        /// Skeleton as a robot on a free base with z up, the target of a [`Retargeting`](super::Retargeting).
-        pub fn robot(&self) -> &Robot = &self.robot;
-        /// Upward axis of the file.
-        pub fn up(&self) -> UpAxis = self.up;
+    /// Skeleton as a robot on a free base with z up, the target of a [`Retargeting`](super::Retargeting).
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Upward axis of the file.
+    #[must_use]
+    pub fn up(&self) -> UpAxis {
+        self.up
     }
 
     /// Returns poses of an armature in the axes of its file, one per configuration of the [robot](Self::robot).

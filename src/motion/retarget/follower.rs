@@ -161,13 +161,22 @@ impl BodyFollower {
         })
     }
 
-    getters! {
-        /// Current configuration.
-        pub fn q(&self) -> &[f64] = &self.q;
-        /// State of collision avoidance, if it is enabled.
-        pub(super) fn avoidance(&self) -> Option<&CollisionFreeFrames> = self.avoidance.as_ref();
-        /// Number of points that are followed.
-        pub fn places(&self) -> usize = self.points.len();
+    /// Current configuration.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// State of collision avoidance, if it is enabled.
+    #[must_use]
+    pub(super) fn avoidance(&self) -> Option<&CollisionFreeFrames> {
+        self.avoidance.as_ref()
+    }
+
+    /// Number of points that are followed.
+    #[must_use]
+    pub fn places(&self) -> usize {
+        self.points.len()
     }
 
     /// Sets the configuration from which the first sample is solved.

@@ -23,10 +23,15 @@ impl FrameProblem {
         }
     }
 
-    getters! {
-        pub(super) fn problem(&self) -> &Problem = &self.problem;
-        /// Residual r at the end of the last descent.
-        pub(super) fn residual(&self) -> &[f64] = self.descent.residual();
+    #[must_use]
+    pub(super) fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// Residual r at the end of the last descent.
+    #[must_use]
+    pub(super) fn residual(&self) -> &[f64] {
+        self.descent.residual()
     }
 
     /// Descends from x within the bounds. Returns false and keeps x if a cost is not finite.

@@ -92,11 +92,16 @@ impl KnownSkeleton {
         known_skeletons.next()
     }
 
-    getters! {
-        /// Name of the skeleton.
-        pub fn name(&self) -> &'static str = self.name;
-        /// Joints in the order of arrays; empty if there is no fixed order, as for Mixamo.
-        pub fn joints(&self) -> &[String] = &self.joints;
+    /// Name of the skeleton.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Joints in the order of arrays; empty if there is no fixed order, as for Mixamo.
+    #[must_use]
+    pub fn joints(&self) -> &[String] {
+        &self.joints
     }
 
     /// Returns the joint names of an array: all of the skeleton, or the first `joints` of them.

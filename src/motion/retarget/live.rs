@@ -52,13 +52,22 @@ impl Retargeting<'_> {
 }
 
 impl LiveFollower {
-    getters! {
-        /// Current configuration.
-        pub fn q(&self) -> &[f64] = self.follower.q();
-        /// Number of joints of a capture frame.
-        pub fn joints(&self) -> usize = self.joints;
-        /// Capture frames per second, the rate of the velocity limits.
-        pub fn frame_rate(&self) -> f64 = self.frame_rate;
+    /// Current configuration.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        self.follower.q()
+    }
+
+    /// Number of joints of a capture frame.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Capture frames per second, the rate of the velocity limits.
+    #[must_use]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame_rate
     }
 
     /// Retargets the next capture frame and returns its configuration.

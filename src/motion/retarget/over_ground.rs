@@ -122,9 +122,12 @@ impl OverGround {
 }
 
 impl Residual for OverGround {
-    answers! {
-        fn kind(&self) -> &'static str = "foot over the ground";
-        fn frames(&self) -> Vec<FrameId> = vec![self.sole.frame];
+    fn kind(&self) -> &'static str {
+        "foot over the ground"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.sole.frame]
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -56,11 +56,20 @@ impl HipLine {
 }
 
 impl Residual for HipLine {
-    answers! {
-        fn kind(&self) -> &'static str = "hip line";
-        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
-        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
-        fn has_edges(&self) -> bool = false;
+    fn kind(&self) -> &'static str {
+        "hip line"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 3)]
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {

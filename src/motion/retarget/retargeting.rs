@@ -67,21 +67,53 @@ impl Default for RetargetOptions {
 }
 
 impl RetargetOptions {
-    setters! {
-        /// Sets the upward axis of the capture, unless the map has one.
-        pub fn with_up(mut self, up: UpAxis) { self.up = up }
-        /// Sets the contact detection.
-        pub fn with_contacts(mut self, contacts: ContactDetection) { self.contacts = contacts }
-        /// Sets the shapes of feet.
-        pub fn with_shapes(mut self, shapes: impl Into<Option<FootShapes>>) { self.shapes = shapes.into() }
-        /// Sets the factor of a point's weight at touchdown.
-        pub fn with_landing_weight(mut self, weight: f64) { self.landing_weight = weight }
-        /// Sets the weight of an acceleration of 1 rad/s², in metres of position.
-        pub fn with_acceleration(mut self, metres: f64) { self.acceleration = metres }
-        /// Sets the tolerance of each window, relative to its cost.
-        pub fn with_tolerance(mut self, ratio: f64) { self.tolerance = ratio }
-        /// Sets the windows of whole trajectories.
-        pub fn with_windows(mut self, windows: Windows) { self.windows = windows }
+    /// Sets the upward axis of the capture, unless the map has one.
+    #[must_use]
+    pub fn with_up(mut self, up: UpAxis) -> Self {
+        self.up = up;
+        self
+    }
+
+    /// Sets the contact detection.
+    #[must_use]
+    pub fn with_contacts(mut self, contacts: ContactDetection) -> Self {
+        self.contacts = contacts;
+        self
+    }
+
+    /// Sets the shapes of feet.
+    #[must_use]
+    pub fn with_shapes(mut self, shapes: impl Into<Option<FootShapes>>) -> Self {
+        self.shapes = shapes.into();
+        self
+    }
+
+    /// Sets the factor of a point's weight at touchdown.
+    #[must_use]
+    pub fn with_landing_weight(mut self, weight: f64) -> Self {
+        self.landing_weight = weight;
+        self
+    }
+
+    /// Sets the weight of an acceleration of 1 rad/s², in metres of position.
+    #[must_use]
+    pub fn with_acceleration(mut self, metres: f64) -> Self {
+        self.acceleration = metres;
+        self
+    }
+
+    /// Sets the tolerance of each window, relative to its cost.
+    #[must_use]
+    pub fn with_tolerance(mut self, ratio: f64) -> Self {
+        self.tolerance = ratio;
+        self
+    }
+
+    /// Sets the windows of whole trajectories.
+    #[must_use]
+    pub fn with_windows(mut self, windows: Windows) -> Self {
+        self.windows = windows;
+        self
     }
 }
 
@@ -207,18 +239,35 @@ impl<'r> Retargeting<'r> {
         self.limbs.all.iter().any(|limb| limb.makes_contact) && !self.robot.moves_as_a_whole()
     }
 
-    getters! {
-        /// Number of capture frames.
-        pub fn frames(&self) -> usize = self.targets.len() / self.limbs.all.len();
-        /// Capture frames per second.
-        pub fn frame_rate(&self) -> f64 = self.frame_rate;
-        /// Driven frames of the model, in the order of [`targets`](Self::targets).
-        pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
-        /// Ratio of the model's steps to the subject's, in the model's unit.
-        pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.inverse_scale();
-        /// Axis along which the model's root is above its contact points in the neutral configuration. It is z unless
-        /// the model's file has another upward axis; `None` if it cannot be determined.
-        pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
+    /// Number of capture frames.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.targets.len() / self.limbs.all.len()
+    }
+
+    /// Capture frames per second.
+    #[must_use]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame_rate
+    }
+
+    /// Driven frames of the model, in the order of [`targets`](Self::targets).
+    #[must_use]
+    pub fn driven(&self) -> Vec<FrameId> {
+        self.limbs.all.iter().map(|limb| limb.frame).collect()
+    }
+
+    /// Ratio of the model's steps to the subject's, in the model's unit.
+    #[must_use]
+    pub fn stride(&self) -> f64 {
+        self.limbs.stride * self.unit.inverse_scale()
+    }
+
+    /// Axis along which the model's root is above its contact points in the neutral configuration. It is z unless
+    /// the model's file has another upward axis; `None` if it cannot be determined.
+    #[must_use]
+    pub fn model_stands_along(&self) -> Option<UpAxis> {
+        self.limbs.model_up
     }
 
     /// Returns the target positions of the driven points in a capture frame, in the model's unit.

@@ -1,7 +1,9 @@
 //! Residual that can be disabled at some samples.
 
+use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
+use crate::task::{Inequality, RowBlock};
 use crate::task::{LocalJacobian, Residual};
 
 /// Wrapper that evaluates to the wrapped residual, or to 0.
@@ -26,7 +28,37 @@ impl<R> Switchable<R> {
 }
 
 impl<R: Residual> Residual for Switchable<R> {
-    as_inner!(inner: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
+    fn kind(&self) -> &'static str {
+        self.inner.kind()
+    }
+
+    fn is_of_body(&self) -> bool {
+        self.inner.is_of_body()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.inner.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.inner.joints()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        self.inner.joint_values()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.inner.rows()
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        self.inner.inequalities()
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.inner.validate()
+    }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         match self.enabled {

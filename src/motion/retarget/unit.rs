@@ -3,6 +3,8 @@
 //! Tolerances, weights and steps of retargeting are in metres for a body of human size. A rig has no unit of length. A
 //! model in [`LengthUnit::Own`] is therefore scaled to human leg length, solved, and the result scaled back.
 
+use crate::model::{FrameId, JointId};
+use crate::task::{Inequality, RowBlock};
 use std::borrow::Cow;
 
 use super::limbs::Limbs;
@@ -95,8 +97,8 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
     type Clearance = ScaledClearance<C::Clearance>;
     type Check = ScaledCheck<C::Check>;
 
-    answers! {
-        fn configuration_len(&self) -> usize = self.inner.configuration_len();
+    fn configuration_len(&self) -> usize {
+        self.inner.configuration_len()
     }
 
     fn clearance(&self) -> Task<Self::Clearance> {
@@ -149,7 +151,37 @@ impl<R> ScaledClearance<R> {
 }
 
 impl<R: Residual> Residual for ScaledClearance<R> {
-    as_inner!(inner: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
+    fn kind(&self) -> &'static str {
+        self.inner.kind()
+    }
+
+    fn is_of_body(&self) -> bool {
+        self.inner.is_of_body()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.inner.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.inner.joints()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        self.inner.joint_values()
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        self.inner.rows()
+    }
+
+    fn inequalities(&self) -> Vec<Inequality> {
+        self.inner.inequalities()
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.inner.validate()
+    }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.inner

@@ -26,21 +26,30 @@ impl Contact {
         }
     }
 
-    setters! {
-        /// Sets the points in the frame's coordinates, metres. Three points that are not collinear fix the frame's
-        /// pose.
-        pub fn at(mut self, points: impl IntoIterator<Item = impl Into<Vector3<f64>>>) {
-            self.points = points.into_iter().map(Into::into).collect();
-        }
+    /// Sets the points in the frame's coordinates, metres. Three points that are not collinear fix the frame's
+    /// pose.
+    #[must_use]
+    pub fn at(mut self, points: impl IntoIterator<Item = impl Into<Vector3<f64>>>) -> Self {
+        self.points = points.into_iter().map(Into::into).collect();
+        self
     }
 
-    getters! {
-        /// Coordinate frame of the contact.
-        pub fn frame(&self) -> FrameId = self.frame;
-        /// Range of samples of the contact.
-        pub fn span(&self) -> Range<usize> = self.span.clone();
-        /// Points in the frame's coordinates, metres.
-        pub fn points(&self) -> &[Vector3<f64>] = &self.points;
+    /// Coordinate frame of the contact.
+    #[must_use]
+    pub fn frame(&self) -> FrameId {
+        self.frame
+    }
+
+    /// Range of samples of the contact.
+    #[must_use]
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
+    /// Points in the frame's coordinates, metres.
+    #[must_use]
+    pub fn points(&self) -> &[Vector3<f64>] {
+        &self.points
     }
 
     /// Returns whether the contact is active at a sample and the next.

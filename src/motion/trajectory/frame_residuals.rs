@@ -50,14 +50,17 @@ impl<'a> FrameResiduals<'a> {
         }
     }
 
-    getters! {
-        /// Number of task rows. Loop rows follow them.
-        pub(super) fn task_rows(&self) -> usize = self.task_rows;
+    /// Number of task rows. Loop rows follow them.
+    #[must_use]
+    pub(super) fn task_rows(&self) -> usize {
+        self.task_rows
     }
 
-    setters! {
-        /// Selects derivatives by the variables everywhere.
-        pub(super) fn by_variables(mut self) { self.respects_limits = false }
+    /// Selects derivatives by the variables everywhere.
+    #[must_use]
+    pub(super) fn by_variables(mut self) -> Self {
+        self.respects_limits = false;
+        self
     }
 
     fn evaluation(&mut self, frame: usize) -> Evaluation<'_> {
@@ -172,12 +175,24 @@ pub(super) struct SingleFrame<'r, 'a> {
 }
 
 impl LeastSquares for SingleFrame<'_, '_> {
-    answers! {
-        fn variables(&self) -> usize = self.residuals.motion.variables();
-        fn rows(&self) -> usize = self.residuals.motion.problem.rows();
-        fn lower(&self) -> &[f64] = self.lower;
-        fn upper(&self) -> &[f64] = self.upper;
-        fn step_scale(&self) -> &[f64] = self.residuals.motion.problem.step_scale();
+    fn variables(&self) -> usize {
+        self.residuals.motion.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.residuals.motion.problem.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.upper
+    }
+
+    fn step_scale(&self) -> &[f64] {
+        self.residuals.motion.problem.step_scale()
     }
 
     fn space(&self) -> ConfigurationSpace<'_> {

@@ -91,19 +91,40 @@ impl fmt::Debug for MotionProblem {
 }
 
 impl MotionProblem {
-    getters! {
-        /// Number of samples.
-        pub fn frames(&self) -> usize = self.frames;
-        /// Time between samples, seconds.
-        pub fn time_step_s(&self) -> f64 = self.time_step_s;
-        /// Tasks of one sample, with their initial targets.
-        pub fn problem(&self) -> &Problem = &self.problem;
-        /// Contacts with their spans.
-        pub fn contacts(&self) -> &[Contact] = &self.contacts;
-        /// Length of a configuration.
-        pub fn configuration_len(&self) -> usize = self.problem.configuration_len();
-        /// Number of variables of a sample.
-        pub(super) fn variables(&self) -> usize = self.problem.variables();
+    /// Number of samples.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Time between samples, seconds.
+    #[must_use]
+    pub fn time_step_s(&self) -> f64 {
+        self.time_step_s
+    }
+
+    /// Tasks of one sample, with their initial targets.
+    #[must_use]
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// Contacts with their spans.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Length of a configuration.
+    #[must_use]
+    pub fn configuration_len(&self) -> usize {
+        self.problem.configuration_len()
+    }
+
+    /// Number of variables of a sample.
+    #[must_use]
+    pub(super) fn variables(&self) -> usize {
+        self.problem.variables()
     }
 
     /// Returns the equivalent of one radian for a variable.

@@ -63,21 +63,43 @@ impl Default for MotionSolver {
 }
 
 impl MotionSolver {
-    setters! {
-        /// Sets the tolerance: the predicted decrease and the complementarity gap, relative to the cost. At least 0.
-        pub fn with_tolerance(mut self, ratio: f64) { self.tolerance = ratio }
-        /// Sets the maximum number of iterations per window.
-        pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
-        /// Sets whether the full Hessian is used, after ten steps or after a shortened step. Otherwise it is always
-        /// JᵀJ.
-        ///
-        /// That is less accurate for targets far out of reach, but much cheaper per step.
-        pub fn with_curvature(mut self, curvature: bool) { self.curvature = curvature }
-        /// Sets the largest sliding of contacts between consecutive samples, metres, if six multiplier updates suffice.
-        /// At least 0.
-        pub fn with_slip(mut self, metres: f64) { self.slip_m = metres }
-        /// Sets the windows; `None` solves all samples together.
-        pub fn with_windows(mut self, windows: Option<Windows>) { self.windows = windows }
+    /// Sets the tolerance: the predicted decrease and the complementarity gap, relative to the cost. At least 0.
+    #[must_use]
+    pub fn with_tolerance(mut self, ratio: f64) -> Self {
+        self.tolerance = ratio;
+        self
+    }
+
+    /// Sets the maximum number of iterations per window.
+    #[must_use]
+    pub fn with_max_iterations(mut self, iterations: usize) -> Self {
+        self.max_iterations = iterations;
+        self
+    }
+
+    /// Sets whether the full Hessian is used, after ten steps or after a shortened step. Otherwise it is always
+    /// JᵀJ.
+    ///
+    /// That is less accurate for targets far out of reach, but much cheaper per step.
+    #[must_use]
+    pub fn with_curvature(mut self, curvature: bool) -> Self {
+        self.curvature = curvature;
+        self
+    }
+
+    /// Sets the largest sliding of contacts between consecutive samples, metres, if six multiplier updates suffice.
+    /// At least 0.
+    #[must_use]
+    pub fn with_slip(mut self, metres: f64) -> Self {
+        self.slip_m = metres;
+        self
+    }
+
+    /// Sets the windows; `None` solves all samples together.
+    #[must_use]
+    pub fn with_windows(mut self, windows: Option<Windows>) -> Self {
+        self.windows = windows;
+        self
     }
 
     /// Treats the start as good and moves it only slightly off its bounds.

@@ -45,12 +45,12 @@ impl RateCost {
         }
     }
 
-    setters! {
-        /// Multiplies the weight of one joint. A free joint has components, as `root_joint/x` and
-        /// `root_joint/rotation`.
-        pub fn scale(mut self, joint: impl Into<String>, factor: f64) {
-            self.by_joint.push((joint.into(), factor));
-        }
+    /// Multiplies the weight of one joint. A free joint has components, as `root_joint/x` and
+    /// `root_joint/rotation`.
+    #[must_use]
+    pub fn scale(mut self, joint: impl Into<String>, factor: f64) -> Self {
+        self.by_joint.push((joint.into(), factor));
+        self
     }
 
     /// Computes the weights by variable for a time step, seconds.

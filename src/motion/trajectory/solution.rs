@@ -115,32 +115,73 @@ pub struct MotionSolution {
 }
 
 impl MotionSolution {
-    getters! {
-        /// Configurations of all samples, one after another, exactly within all limits of position and velocity.
-        pub fn q(&self) -> &[f64] = &self.q;
-        /// Number of samples.
-        pub fn frames(&self) -> usize = self.costs.len();
-        /// Cost ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
-        pub fn cost(&self) -> f64 = self.costs.iter().sum::<f64>() + self.rates;
-        /// Part of the cost from velocities, accelerations and jerks.
-        pub fn cost_of_rates(&self) -> f64 = self.rates;
-        /// Reason why the search ended; with windows, that of a window that did not converge, if any.
-        pub fn termination(&self) -> MotionTermination = self.termination;
-        /// Number of iterations of all windows.
-        pub fn iterations(&self) -> usize = self.iterations;
-        /// Numbers of evaluations and factorisations of all windows.
-        pub fn counts(&self) -> MotionCounts = self.counts;
-        /// Largest distance of a contact point from its position at the start of its contact, metres.
-        pub fn slip(&self) -> f64 = self.slip;
-        /// Largest closure error of a loop at any sample, metres or radians.
-        ///
-        /// If it exceeds [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE), [`missed`](Self::missed) lists the loop at
-        /// those samples.
-        pub fn loop_gap(&self) -> f64 = self.loop_gap;
-        /// Returns whether every required task is within its tolerance at every sample.
-        pub fn reached(&self) -> bool = self.missed.is_empty();
-        /// Cost ½ ‖w ∘ r‖² of a sample's tasks.
-        pub fn frame_cost(&self, frame: usize) -> Option<f64> = self.costs.get(frame).copied();
+    /// Configurations of all samples, one after another, exactly within all limits of position and velocity.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.costs.len()
+    }
+
+    /// Cost ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.costs.iter().sum::<f64>() + self.rates
+    }
+
+    /// Part of the cost from velocities, accelerations and jerks.
+    #[must_use]
+    pub fn cost_of_rates(&self) -> f64 {
+        self.rates
+    }
+
+    /// Reason why the search ended; with windows, that of a window that did not converge, if any.
+    #[must_use]
+    pub fn termination(&self) -> MotionTermination {
+        self.termination
+    }
+
+    /// Number of iterations of all windows.
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Numbers of evaluations and factorisations of all windows.
+    #[must_use]
+    pub fn counts(&self) -> MotionCounts {
+        self.counts
+    }
+
+    /// Largest distance of a contact point from its position at the start of its contact, metres.
+    #[must_use]
+    pub fn slip(&self) -> f64 {
+        self.slip
+    }
+
+    /// Largest closure error of a loop at any sample, metres or radians.
+    ///
+    /// If it exceeds [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE), [`missed`](Self::missed) lists the loop at
+    /// those samples.
+    #[must_use]
+    pub fn loop_gap(&self) -> f64 {
+        self.loop_gap
+    }
+
+    /// Returns whether every required task is within its tolerance at every sample.
+    #[must_use]
+    pub fn reached(&self) -> bool {
+        self.missed.is_empty()
+    }
+
+    /// Cost ½ ‖w ∘ r‖² of a sample's tasks.
+    #[must_use]
+    pub fn frame_cost(&self, frame: usize) -> Option<f64> {
+        self.costs.get(frame).copied()
     }
 
     /// Returns the configuration of a sample.

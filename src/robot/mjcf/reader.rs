@@ -111,10 +111,12 @@ pub struct MjcfReader {
 }
 
 impl MjcfReader {
-    setters! {
-        /// Confines the robot to the folder of its file: it includes only files below that folder, and is
-        /// [confined](Robot::confined).
-        pub fn confined(mut self) { self.confined = true }
+    /// Confines the robot to the folder of its file: it includes only files below that folder, and is
+    /// [confined](Robot::confined).
+    #[must_use]
+    pub fn confined(mut self) -> Self {
+        self.confined = true;
+        self
     }
 
     /// Reads a file.

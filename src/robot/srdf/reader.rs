@@ -23,34 +23,36 @@ pub struct SrdfReader {
 }
 
 impl SrdfReader {
-    setters! {
-        /// Leaves out faulty elements and lists them in [`Srdf::repairs`]. Published files often name joints or links
-        /// of another version of the robot.
-        ///
-        /// The reader leaves out:
-        /// - passive joints, end effectors, virtual joints and disabled pairs with unknown names;
-        /// - joints, links, chains and subgroups with unknown names in groups and states;
-        /// - states of unknown groups;
-        /// - the second group of a name.
-        ///
-        /// A group that contains itself gets the joints of all groups of the cycle.
-        ///
-        /// ```
-        /// use kinopt::robot::{Robot, Srdf};
-        ///
-        /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
-        ///   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint></robot>"#;
-        /// let robot = Robot::parse(door, "door.urdf")?;
-        /// let text = r#"<robot name="door"><group name="opening"><joint name="hinge"/></group>
-        ///   <passive_joint name="latch"/></robot>"#;
-        /// assert!(Srdf::parse(text, "door.srdf", &robot).is_err());
-        /// let srdf = Srdf::reader().lenient().parse(text, "door.srdf", &robot)?;
-        /// assert_eq!(srdf.group("opening")?.joints.len(), 1);
-        /// let repair = srdf.repairs[0].to_string();
-        /// assert!(repair.starts_with("2: passive_joint `latch`: left out: "), "{repair}");
-        /// # Ok::<(), Box<dyn std::error::Error>>(())
-        /// ```
-        pub fn lenient(mut self) { self.lenient = true }
+    /// Leaves out faulty elements and lists them in [`Srdf::repairs`]. Published files often name joints or links
+    /// of another version of the robot.
+    ///
+    /// The reader leaves out:
+    /// - passive joints, end effectors, virtual joints and disabled pairs with unknown names;
+    /// - joints, links, chains and subgroups with unknown names in groups and states;
+    /// - states of unknown groups;
+    /// - the second group of a name.
+    ///
+    /// A group that contains itself gets the joints of all groups of the cycle.
+    ///
+    /// ```
+    /// use kinopt::robot::{Robot, Srdf};
+    ///
+    /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+    ///   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint></robot>"#;
+    /// let robot = Robot::parse(door, "door.urdf")?;
+    /// let text = r#"<robot name="door"><group name="opening"><joint name="hinge"/></group>
+    ///   <passive_joint name="latch"/></robot>"#;
+    /// assert!(Srdf::parse(text, "door.srdf", &robot).is_err());
+    /// let srdf = Srdf::reader().lenient().parse(text, "door.srdf", &robot)?;
+    /// assert_eq!(srdf.group("opening")?.joints.len(), 1);
+    /// let repair = srdf.repairs[0].to_string();
+    /// assert!(repair.starts_with("2: passive_joint `latch`: left out: "), "{repair}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn lenient(mut self) -> Self {
+        self.lenient = true;
+        self
     }
 
     /// Reads an SRDF file for a robot.

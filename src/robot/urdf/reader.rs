@@ -23,41 +23,48 @@ pub struct UrdfReader {
 }
 
 impl UrdfReader {
-    setters! {
-        /// Corrects faults that have a single sensible correction, and lists each one: see [`Robot::repairs`] and
-        /// [`RepairKind`](crate::robot::RepairKind).
-        ///
-        /// The corrections are:
-        /// - Limits out of order are exchanged.
-        /// - An infinite `lower` or `upper` is no limit.
-        /// - A joint without its required `<limit>` is locked at 0.
-        /// - The first of repeated elements counts.
-        /// - Commas between numbers count as spaces.
-        /// - Misspelt names are left out, and so are invalid velocities, efforts and soft limits.
-        /// - A robot without a name gets one.
-        /// - XML declarations may be anywhere.
-        /// - Undeclared prefixes are declared.
-        ///
-        /// Faults that would need a guess at the kinematics stay errors.
-        ///
-        /// ```
-        /// use kinopt::robot::Robot;
-        ///
-        /// let text = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
-        ///   <joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/>
-        ///     <limit lower="1.5" upper="0"/></joint></robot>"#;
-        /// assert!(Robot::parse(text, "door.urdf").is_err());
-        /// let robot = Robot::reader().lenient().parse(text, "door.urdf")?;
-        /// assert_eq!(
-        ///     robot.repairs()[0].to_string(),
-        ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
-        /// );
-        /// # Ok::<(), kinopt::robot::RobotFileError>(())
-        /// ```
-        pub fn lenient(mut self) { self.lenient = true }
-        /// Restricts mesh files to the folder of the robot's file: see [`Robot::confined`]. An MJCF file may include
-        /// only files below that folder.
-        pub fn confined(mut self) { self.confined = true }
+    /// Corrects faults that have a single sensible correction, and lists each one: see [`Robot::repairs`] and
+    /// [`RepairKind`](crate::robot::RepairKind).
+    ///
+    /// The corrections are:
+    /// - Limits out of order are exchanged.
+    /// - An infinite `lower` or `upper` is no limit.
+    /// - A joint without its required `<limit>` is locked at 0.
+    /// - The first of repeated elements counts.
+    /// - Commas between numbers count as spaces.
+    /// - Misspelt names are left out, and so are invalid velocities, efforts and soft limits.
+    /// - A robot without a name gets one.
+    /// - XML declarations may be anywhere.
+    /// - Undeclared prefixes are declared.
+    ///
+    /// Faults that would need a guess at the kinematics stay errors.
+    ///
+    /// ```
+    /// use kinopt::robot::Robot;
+    ///
+    /// let text = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+    ///   <joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/>
+    ///     <limit lower="1.5" upper="0"/></joint></robot>"#;
+    /// assert!(Robot::parse(text, "door.urdf").is_err());
+    /// let robot = Robot::reader().lenient().parse(text, "door.urdf")?;
+    /// assert_eq!(
+    ///     robot.repairs()[0].to_string(),
+    ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
+    /// );
+    /// # Ok::<(), kinopt::robot::RobotFileError>(())
+    /// ```
+    #[must_use]
+    pub fn lenient(mut self) -> Self {
+        self.lenient = true;
+        self
+    }
+
+    /// Restricts mesh files to the folder of the robot's file: see [`Robot::confined`]. An MJCF file may include
+    /// only files below that folder.
+    #[must_use]
+    pub fn confined(mut self) -> Self {
+        self.confined = true;
+        self
     }
 
     /// Reads a robot file.

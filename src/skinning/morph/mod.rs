@@ -48,11 +48,16 @@ impl MorphTargets {
         }
     }
 
-    getters! {
-        /// The targets, in the order of the weights.
-        pub fn targets(&self) -> &[MorphTarget] = &self.targets;
-        /// Number of vertices of the mesh.
-        pub fn vertex_count(&self) -> usize = self.vertex_count;
+    /// The targets, in the order of the weights.
+    #[must_use]
+    pub fn targets(&self) -> &[MorphTarget] {
+        &self.targets
+    }
+
+    /// Number of vertices of the mesh.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
     }
 
     /// Adds Σ_k α_k Δ_k to vertices at rest, in place. Empty buffers are skipped. Normals and tangents that a target

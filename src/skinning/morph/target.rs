@@ -110,16 +110,33 @@ impl MorphTarget {
         Ok(target)
     }
 
-    getters! {
-        /// Name of the target in clips and files.
-        pub fn name(&self) -> &str = &self.name;
-        /// Indices of the vertices with deltas, ascending.
-        pub fn vertices(&self) -> &[u32] = &self.vertices;
-        /// Position delta of each listed vertex, in the model's unit.
-        pub fn position_deltas(&self) -> &[Vec3] = &self.positions;
-        /// Normal delta of each listed vertex; empty if the target does not change normals.
-        pub fn normal_deltas(&self) -> &[Vec3] = &self.normals;
-        /// Tangent delta of each listed vertex; empty if the target does not change tangents.
-        pub fn tangent_deltas(&self) -> &[Vec3] = &self.tangents;
+    /// Name of the target in clips and files.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Indices of the vertices with deltas, ascending.
+    #[must_use]
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// Position delta of each listed vertex, in the model's unit.
+    #[must_use]
+    pub fn position_deltas(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Normal delta of each listed vertex; empty if the target does not change normals.
+    #[must_use]
+    pub fn normal_deltas(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// Tangent delta of each listed vertex; empty if the target does not change tangents.
+    #[must_use]
+    pub fn tangent_deltas(&self) -> &[Vec3] {
+        &self.tangents
     }
 }

@@ -105,9 +105,11 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         }
     }
 
-    setters! {
-        /// Uses the portable code on all processors. Without this call it runs only on processors without AVX2.
-        pub fn portable(mut self) { self.portable = true }
+    /// Uses the portable code on all processors. Without this call it runs only on processors without AVX2.
+    #[must_use]
+    pub fn portable(mut self) -> Self {
+        self.portable = true;
+        self
     }
 }
 

@@ -60,11 +60,16 @@ impl PackedWeights {
         })
     }
 
-    getters! {
-        /// Number of vertices.
-        pub fn vertex_count(&self) -> usize = self.vertices.len();
-        /// Number of bones.
-        pub fn bone_count(&self) -> usize = self.bone_count;
+    /// Number of vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Number of bones.
+    #[must_use]
+    pub fn bone_count(&self) -> usize {
+        self.bone_count
     }
 
     /// `count` vertices from index `first` on.
@@ -87,11 +92,16 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    getters! {
-        pub(super) fn vertices(self) -> &'a [FourInfluences] = self.vertices;
-        /// Lower bound of the number of transforms.
-        #[cfg(target_arch = "x86_64")]
-        pub(super) fn bone_count(self) -> usize = self.bone_count;
+    #[must_use]
+    pub(super) fn vertices(self) -> &'a [FourInfluences] {
+        self.vertices
+    }
+
+    /// Lower bound of the number of transforms.
+    #[cfg(target_arch = "x86_64")]
+    #[must_use]
+    pub(super) fn bone_count(self) -> usize {
+        self.bone_count
     }
 }
 

@@ -69,13 +69,22 @@ impl SkinWeights {
         table
     }
 
-    getters! {
-        /// Number of vertices.
-        pub fn vertex_count(&self) -> usize = self.starts.len().saturating_sub(1);
-        /// Number of bones; every [`Influence::bone`] is below it.
-        pub fn bone_count(&self) -> usize = self.bone_count;
-        /// Largest number of influences of a vertex; 0 without vertices.
-        pub fn max_influences(&self) -> usize = self.iter().map(<[_]>::len).max().unwrap_or(0);
+    /// Number of vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Number of bones; every [`Influence::bone`] is below it.
+    #[must_use]
+    pub fn bone_count(&self) -> usize {
+        self.bone_count
+    }
+
+    /// Largest number of influences of a vertex; 0 without vertices.
+    #[must_use]
+    pub fn max_influences(&self) -> usize {
+        self.iter().map(<[_]>::len).max().unwrap_or(0)
     }
 
     /// Influences of one vertex, sorted by bone; empty for an unknown vertex.

@@ -16,8 +16,8 @@ use super::write::{UnwritableScene, WriteOptions, clip_document};
 use super::{Parsed, Scene, parse};
 use crate::animation::{Armature, Clip, LocalTransform, Pose};
 use crate::file_access::{AllowedFiles, below_folder};
-use crate::io::json::parse_by;
 use crate::io::{FileAccess, ReadError, WriteError, write_file};
+use crate::json::parse_by;
 use crate::skeleton::BoneId;
 
 /// A `.glb` or `.gltf` file with its scene. It adds clips to the file and changes the rest pose of its nodes.
@@ -120,9 +120,10 @@ impl SceneFile {
         })
     }
 
-    getters! {
-        /// The scene of the file, including added clips.
-        pub fn scene(&self) -> &Scene = &self.scene;
+    /// The scene of the file, including added clips.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// Appends a clip to the file. Its keys are appended to the binary chunk of a `.glb`, or stored in an additional

@@ -9,8 +9,8 @@ use gltf_json::validation::Checked;
 use super::UnwritableScene;
 use super::buffer::Document;
 use super::keys::{ChannelKeys, Keys, exact, of_channel, sample_times};
-use crate::animation::curve::KeyedCurve;
 use crate::animation::{Armature, Channel, Clip, Property, clip};
+use crate::curve::KeyedCurve;
 use crate::io::gltf::scene::{Scene, SceneMesh};
 use crate::skeleton::BoneId;
 

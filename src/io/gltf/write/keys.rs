@@ -4,9 +4,9 @@ use glam::{Quat, Vec3A};
 use gltf_json::animation::Interpolation;
 
 use super::UnwritableScene;
-use crate::animation::curve::{Between, CurveValue, KeyedCurve};
 use crate::animation::rotation::{BetweenRotations, RotationCurve};
 use crate::animation::{Channel, EulerCurve};
+use crate::curve::{Between, CurveValue, KeyedCurve};
 
 /// Largest number of samples of one curve; more are taken as a mistake.
 const MAX_SAMPLES: f64 = 4e6;

@@ -2,8 +2,8 @@
 
 use nalgebra::DVector;
 
-use crate::animation::curve::KeyedCurve;
 use crate::animation::{EulerClip, EulerTrack};
+use crate::curve::KeyedCurve;
 use crate::model::Limits;
 use crate::motion::clip_ik::ClipIkError;
 use crate::skeleton::{ANGLES_PER_BONE, BoneId};

@@ -76,14 +76,26 @@ impl<'a> KeyframeIk<'a> {
         }
     }
 
-    setters! {
-        /// Adds a reach.
-        pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
-        /// Sets the root: only keys of bones below it change. Default: the topmost bone that carries all tips and has
-        /// more than one child.
-        pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
-        /// Sets the number of sample times per second.
-        pub fn with_moments_per_second(mut self, rate: f64) { self.rate = rate }
+    /// Adds a reach.
+    #[must_use]
+    pub fn with_reach(mut self, reach: Reach) -> Self {
+        self.reaches.push(reach);
+        self
+    }
+
+    /// Sets the root: only keys of bones below it change. Default: the topmost bone that carries all tips and has
+    /// more than one child.
+    #[must_use]
+    pub fn with_root(mut self, bone: BoneId) -> Self {
+        self.root = Some(bone);
+        self
+    }
+
+    /// Sets the number of sample times per second.
+    #[must_use]
+    pub fn with_moments_per_second(mut self, rate: f64) -> Self {
+        self.rate = rate;
+        self
     }
 
     /// Solves for the keys of a clip.

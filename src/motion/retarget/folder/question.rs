@@ -58,25 +58,67 @@ impl<'a> FolderQuestion<'a> {
         }
     }
 
-    setters! {
-        /// Sets the map.
-        pub fn with_map(mut self, map: impl Into<Option<&'a BodyMap>>) { self.map = map.into() }
-        /// Sets the skeleton.
-        pub fn with_skeleton(mut self, name: impl Into<Option<&'a str>>) { self.skeleton = name.into() }
-        /// Sets the joints of arrays.
-        pub fn with_joints(mut self, joints: impl Into<Option<&'a [String]>>) { self.joints = joints.into() }
-        /// Sets the rate in capture frames per second.
-        pub fn with_frame_rate(mut self, rate: impl Into<Option<f64>>) { self.frame_rate = rate.into() }
-        /// Sets the upward axis.
-        pub fn with_up(mut self, up: impl Into<Option<UpAxis>>) { self.up = up.into() }
-        /// Sets the clip of a scene.
-        pub fn with_clip(mut self, clip: impl Into<Option<&'a str>>) { self.clip = clip.into() }
-        /// Sets whether each motion is solved as a whole trajectory.
-        pub fn with_whole(mut self, whole: bool) { self.whole = whole }
-        /// Sets the required distance between links, metres.
-        pub fn with_keep_clear(mut self, metres: impl Into<Option<f64>>) { self.keep_clear = metres.into() }
-        /// Sets the obstacles, as JSON of `World::to_json`.
-        pub fn with_world(mut self, json: impl Into<Option<String>>) { self.world = json.into() }
+    /// Sets the map.
+    #[must_use]
+    pub fn with_map(mut self, map: impl Into<Option<&'a BodyMap>>) -> Self {
+        self.map = map.into();
+        self
+    }
+
+    /// Sets the skeleton.
+    #[must_use]
+    pub fn with_skeleton(mut self, name: impl Into<Option<&'a str>>) -> Self {
+        self.skeleton = name.into();
+        self
+    }
+
+    /// Sets the joints of arrays.
+    #[must_use]
+    pub fn with_joints(mut self, joints: impl Into<Option<&'a [String]>>) -> Self {
+        self.joints = joints.into();
+        self
+    }
+
+    /// Sets the rate in capture frames per second.
+    #[must_use]
+    pub fn with_frame_rate(mut self, rate: impl Into<Option<f64>>) -> Self {
+        self.frame_rate = rate.into();
+        self
+    }
+
+    /// Sets the upward axis.
+    #[must_use]
+    pub fn with_up(mut self, up: impl Into<Option<UpAxis>>) -> Self {
+        self.up = up.into();
+        self
+    }
+
+    /// Sets the clip of a scene.
+    #[must_use]
+    pub fn with_clip(mut self, clip: impl Into<Option<&'a str>>) -> Self {
+        self.clip = clip.into();
+        self
+    }
+
+    /// Sets whether each motion is solved as a whole trajectory.
+    #[must_use]
+    pub fn with_whole(mut self, whole: bool) -> Self {
+        self.whole = whole;
+        self
+    }
+
+    /// Sets the required distance between links, metres.
+    #[must_use]
+    pub fn with_keep_clear(mut self, metres: impl Into<Option<f64>>) -> Self {
+        self.keep_clear = metres.into();
+        self
+    }
+
+    /// Sets the obstacles, as JSON of `World::to_json`.
+    #[must_use]
+    pub fn with_world(mut self, json: impl Into<Option<String>>) -> Self {
+        self.world = json.into();
+        self
     }
 
     /// Returns the text of the settings, equal for equal settings.

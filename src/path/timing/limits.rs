@@ -3,7 +3,7 @@
 use super::tool_motion::ToolLimits;
 use crate::arm::Arm;
 use crate::bad_option::{ABOVE_0, BadOption, NOT_NEGATIVE, Range};
-use crate::motion::path::PathError;
+use crate::path::PathError;
 
 /// Allowed number of grid points.
 const GRID_POINTS: Range = (|v| (2.0..=1e6).contains(&v), "a number from 2 to 1000000");
@@ -46,54 +46,78 @@ impl<'a> TimingLimits<'a> {
         Self::new(arm.velocity_limits(), arm.acceleration_limits()).with_arm(arm)
     }
 
-    setters! {
-        /// Sets the joint velocity limits, rad/s or m/s.
-        pub fn with_velocity_limits(mut self, limits: &[f64]) {
-            self.velocity = limits.to_vec();
-        }
-        /// Sets the joint acceleration limits, rad/s² or m/s².
-        pub fn with_acceleration_limits(mut self, limits: &[f64]) {
-            self.acceleration = limits.to_vec();
-        }
-        /// Sets the joint jerk limits, rad/s³ or m/s³.
-        ///
-        /// Without jerk limits accelerations are discontinuous. With jerk limits motions start and end with
-        /// acceleration 0.
-        pub fn with_jerk_limits(mut self, limits: &[f64]) {
-            self.jerk = Some(limits.to_vec());
-        }
-        /// Sets the arm of the tool limits, whose joint names also appear in errors.
-        pub fn with_arm(mut self, arm: &'a Arm) {
-            self.arm = Some(arm);
-            self.joint_names = arm.joints().map(str::to_owned).collect();
-        }
-        /// Sets the joint names in errors. The default is the indices.
-        pub fn with_joint_names(mut self, names: &[String]) {
-            self.joint_names = names.to_vec();
-        }
-        /// Sets the largest speed (m/s) and acceleration (m/s²) of the tool origin; infinity for none. Needs
-        /// [`with_arm`](Self::with_arm).
-        pub fn with_tool_linear_limits(mut self, speed: f64, acceleration: f64) {
-            self.tool.velocity[0] = speed;
-            self.tool.acceleration[0] = acceleration;
-        }
-        /// Sets the largest angular speed (rad/s) and acceleration (rad/s²) of the tool; infinity for none. Needs
-        /// [`with_arm`](Self::with_arm).
-        pub fn with_tool_angular_limits(mut self, speed: f64, acceleration: f64) {
-            self.tool.velocity[1] = speed;
-            self.tool.acceleration[1] = acceleration;
-        }
-        /// Sets the largest distance of any joint from the path at a blended corner, radians or metres. Default 1e-3.
-        ///
-        /// With 0 the arm stops at every corner. It always stops at reversals of the path.
-        pub fn with_corner_tolerance(mut self, distance: f64) {
-            self.corner_tolerance = distance;
-        }
-        /// Sets the number of grid points of the speed profile over the whole path. Default 1000. Curve knots and stops
-        /// add some.
-        pub fn with_grid_points(mut self, count: usize) {
-            self.grid_points = count;
-        }
+    /// Sets the joint velocity limits, rad/s or m/s.
+    #[must_use]
+    pub fn with_velocity_limits(mut self, limits: &[f64]) -> Self {
+        self.velocity = limits.to_vec();
+        self
+    }
+
+    /// Sets the joint acceleration limits, rad/s² or m/s².
+    #[must_use]
+    pub fn with_acceleration_limits(mut self, limits: &[f64]) -> Self {
+        self.acceleration = limits.to_vec();
+        self
+    }
+
+    /// Sets the joint jerk limits, rad/s³ or m/s³.
+    ///
+    /// Without jerk limits accelerations are discontinuous. With jerk limits motions start and end with
+    /// acceleration 0.
+    #[must_use]
+    pub fn with_jerk_limits(mut self, limits: &[f64]) -> Self {
+        self.jerk = Some(limits.to_vec());
+        self
+    }
+
+    /// Sets the arm of the tool limits, whose joint names also appear in errors.
+    #[must_use]
+    pub fn with_arm(mut self, arm: &'a Arm) -> Self {
+        self.arm = Some(arm);
+        self.joint_names = arm.joints().map(str::to_owned).collect();
+        self
+    }
+
+    /// Sets the joint names in errors. The default is the indices.
+    #[must_use]
+    pub fn with_joint_names(mut self, names: &[String]) -> Self {
+        self.joint_names = names.to_vec();
+        self
+    }
+
+    /// Sets the largest speed (m/s) and acceleration (m/s²) of the tool origin; infinity for none. Needs
+    /// [`with_arm`](Self::with_arm).
+    #[must_use]
+    pub fn with_tool_linear_limits(mut self, speed: f64, acceleration: f64) -> Self {
+        self.tool.velocity[0] = speed;
+        self.tool.acceleration[0] = acceleration;
+        self
+    }
+
+    /// Sets the largest angular speed (rad/s) and acceleration (rad/s²) of the tool; infinity for none. Needs
+    /// [`with_arm`](Self::with_arm).
+    #[must_use]
+    pub fn with_tool_angular_limits(mut self, speed: f64, acceleration: f64) -> Self {
+        self.tool.velocity[1] = speed;
+        self.tool.acceleration[1] = acceleration;
+        self
+    }
+
+    /// Sets the largest distance of any joint from the path at a blended corner, radians or metres. Default 1e-3.
+    ///
+    /// With 0 the arm stops at every corner. It always stops at reversals of the path.
+    #[must_use]
+    pub fn with_corner_tolerance(mut self, distance: f64) -> Self {
+        self.corner_tolerance = distance;
+        self
+    }
+
+    /// Sets the number of grid points of the speed profile over the whole path. Default 1000. Curve knots and stops
+    /// add some.
+    #[must_use]
+    pub fn with_grid_points(mut self, count: usize) -> Self {
+        self.grid_points = count;
+        self
     }
 
     /// Checks all options against the number of joints.

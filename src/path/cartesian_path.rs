@@ -96,26 +96,44 @@ impl CartesianPath {
         Ok(self)
     }
 
-    setters! {
-        /// Sets the traversal. Default [`Traversal::Open`].
-        pub fn with_traversal(mut self, traversal: Traversal) { self.traversal = traversal }
-        /// Transforms the path: every point p becomes `base_from_path` p.
-        pub fn moved(mut self, base_from_path: &Placement<f64>) {
-            for point in &mut self.points {
-                *point = (*base_from_path * *point).made_rigid();
-            }
-        }
+    /// Sets the traversal. Default [`Traversal::Open`].
+    #[must_use]
+    pub fn with_traversal(mut self, traversal: Traversal) -> Self {
+        self.traversal = traversal;
+        self
     }
 
-    getters! {
-        /// Points, `base_from_tool`.
-        pub fn points(&self) -> &[Placement<f64>] = &self.points;
-        /// Order in which the points are visited.
-        pub fn traversal(&self) -> Traversal = self.traversal;
-        /// Times of the points, seconds, if the path has times.
-        pub fn times(&self) -> Option<&[f64]> = Some(self.times.as_slice()).filter(|times| !times.is_empty());
-        /// [Tool index](Self::with_tools) of each point, or `None` if all points use tool 0.
-        pub fn tools(&self) -> Option<&[usize]> = Some(self.tools.as_slice()).filter(|tools| !tools.is_empty());
+    /// Transforms the path: every point p becomes `base_from_path` p.
+    #[must_use]
+    pub fn moved(mut self, base_from_path: &Placement<f64>) -> Self {
+        for point in &mut self.points {
+            *point = (*base_from_path * *point).made_rigid();
+        }
+        self
+    }
+
+    /// Points, `base_from_tool`.
+    #[must_use]
+    pub fn points(&self) -> &[Placement<f64>] {
+        &self.points
+    }
+
+    /// Order in which the points are visited.
+    #[must_use]
+    pub fn traversal(&self) -> Traversal {
+        self.traversal
+    }
+
+    /// Times of the points, seconds, if the path has times.
+    #[must_use]
+    pub fn times(&self) -> Option<&[f64]> {
+        Some(self.times.as_slice()).filter(|times| !times.is_empty())
+    }
+
+    /// [Tool index](Self::with_tools) of each point, or `None` if all points use tool 0.
+    #[must_use]
+    pub fn tools(&self) -> Option<&[usize]> {
+        Some(self.tools.as_slice()).filter(|tools| !tools.is_empty())
     }
 
     fn check_count(&self, what: &'static str, given: usize) -> Result<(), PathError> {

@@ -2,14 +2,14 @@
 
 use serde::de::DeserializeOwned;
 
-use super::{Place, ReadError};
+use crate::file::{Place, ReadError};
 
 pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
     parse_by(|json| serde_json::from_slice(json), json, name)
 }
 
 /// As [`parse`], with a parser function of another crate, so that this crate does not instantiate it again.
-pub(super) fn parse_by<T>(
+pub(crate) fn parse_by<T>(
     reader: impl FnOnce(&[u8]) -> serde_json::Result<T>,
     json: &[u8],
     name: &str,

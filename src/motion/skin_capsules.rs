@@ -1,8 +1,7 @@
 //! Capsules for the bones of a character, fitted to its skin.
 
-use super::{CollisionModel, CollisionModelError, CollisionObject};
 use crate::SizeMismatch;
-use crate::collision::Shape;
+use crate::collision::{CollisionModel, CollisionModelError, CollisionObject, Shape};
 use crate::mesh::TriangleMesh;
 use crate::model::{Model, ParameterMap};
 use crate::scalar::elementary;
@@ -16,48 +15,46 @@ const MIN_VERTICES: usize = 8;
 /// bones.
 const TRIMMED_SHARE: f64 = 0.05;
 
-impl CollisionModel {
-    /// Capsules along the bones of a skeleton, fitted to the skin.
-    ///
-    /// Each vertex belongs to the bone with its largest weight. 90 % of a bone's vertices lie between the sides of its
-    /// capsules. A bone with a wide cross-section, such as a chest or a foot, gets several parallel capsules. Collision
-    /// pairs that overlap in the rest pose, as neighbours do, are disabled.
-    ///
-    /// ```
-    /// use kinopt::collision::CollisionModel;
-    /// use kinopt::io::rig::Rig;
-    ///
-    /// let rig = Rig::read("models/humanoid/humanoid.json")?;
-    /// let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else { unreachable!() };
-    /// let model = CollisionModel::of_skin(&rig.skeleton, mesh, weights)?;
-    /// assert!(model.is_checked("left_hand", "spine")?);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error if the weights do not match the mesh and the skeleton.
-    pub fn of_skin(
-        skeleton: &Skeleton,
-        mesh: &TriangleMesh,
-        weights: &SkinWeights,
-    ) -> Result<Self, CollisionModelError> {
-        of_skin(skeleton, skeleton.model(), mesh, weights)
-    }
-
-    /// As [`of_skin`](Self::of_skin), for a skeleton with ball joints.
-    ///
-    /// # Errors
-    /// As [`of_skin`](Self::of_skin).
-    pub fn of_ball_skin(
-        skeleton: &BallSkeleton,
-        mesh: &TriangleMesh,
-        weights: &SkinWeights,
-    ) -> Result<Self, CollisionModelError> {
-        of_skin(skeleton.skeleton(), skeleton.model(), mesh, weights)
-    }
+/// A collision model of a character: capsules along the bones of a skeleton, fitted to the skin.
+///
+/// Each vertex belongs to the bone with its largest weight. 90 % of a bone's vertices lie between the sides of its
+/// capsules. A bone with a wide cross-section, such as a chest or a foot, gets several parallel capsules. Collision
+/// pairs that overlap in the rest pose, as neighbours do, are disabled.
+///
+/// ```
+/// use kinopt::io::rig::Rig;
+/// use kinopt::motion::skin_capsules;
+///
+/// let rig = Rig::read("models/humanoid/humanoid.json")?;
+/// let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else { unreachable!() };
+/// let model = skin_capsules(&rig.skeleton, mesh, weights)?;
+/// assert!(model.is_checked("left_hand", "spine")?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Returns an error if the weights do not match the mesh and the skeleton.
+pub fn skin_capsules(
+    skeleton: &Skeleton,
+    mesh: &TriangleMesh,
+    weights: &SkinWeights,
+) -> Result<CollisionModel, CollisionModelError> {
+    model_of_skin(skeleton, skeleton.model(), mesh, weights)
 }
 
-fn of_skin(
+/// As [`skin_capsules`], for a skeleton with ball joints.
+///
+/// # Errors
+/// As [`skin_capsules`].
+pub fn ball_skin_capsules(
+    skeleton: &BallSkeleton,
+    mesh: &TriangleMesh,
+    weights: &SkinWeights,
+) -> Result<CollisionModel, CollisionModelError> {
+    model_of_skin(skeleton.skeleton(), skeleton.model(), mesh, weights)
+}
+
+fn model_of_skin(
     skeleton: &Skeleton,
     model: &Model,
     mesh: &TriangleMesh,

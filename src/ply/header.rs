@@ -2,7 +2,7 @@
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
-use crate::io::{Place, ReadError};
+use crate::file::{Place, ReadError};
 
 /// Checks that the elements and properties of a mesh are declared, each once.
 pub(super) fn check(header: &Header, text: &[u8], name: &str) -> Result<(), ReadError> {

@@ -107,9 +107,9 @@ mod tests {
     use super::StepBounds;
     use crate::arm::Arm;
     use crate::model::{Limits, Model};
-    use crate::motion::path::CartesianPath;
-    use crate::motion::path::knots::Knots;
-    use crate::motion::path::tools::Tools;
+    use crate::path::CartesianPath;
+    use crate::path::knots::Knots;
+    use crate::path::tools::Tools;
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 

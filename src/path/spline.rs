@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::{CartesianPath, PathError};
-use crate::animation::curve::{Hermite, KeyedCurve};
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
+use crate::curve::{Hermite, KeyedCurve};
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
 impl CartesianPath {

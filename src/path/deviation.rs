@@ -312,7 +312,7 @@ mod tests {
     use super::{Curve, PathStep};
     use crate::arm::Arm;
     use crate::model::{Limits, Model};
-    use crate::motion::path::CartesianPath;
+    use crate::path::CartesianPath;
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{WriteError, write_file};
+use crate::file::WriteError;
+use crate::file_replacement::write_file;
 use crate::mesh::TriangleMesh;
 
 /// The mesh as OBJ text: `v`, `vn` if there are normals, and `f` with indices from 1. Numbers have as many digits as an

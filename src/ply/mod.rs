@@ -16,7 +16,8 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
-use super::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
+use crate::file::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with};
+use crate::file_replacement::write_file;
 use crate::mesh::TriangleMesh;
 
 /// Encoding of the numbers of a PLY file.

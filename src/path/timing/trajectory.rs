@@ -18,7 +18,7 @@ pub struct TrajectoryPoint {
 
 /// Trajectory along the rows of a path.
 ///
-/// Created by [`PathSolution::trajectory`](crate::motion::path::PathSolution::trajectory) or
+/// Created by [`PathSolution::trajectory`](crate::path::PathSolution::trajectory) or
 /// [`through`](Self::through).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
@@ -43,15 +43,28 @@ pub(super) struct Motion {
 }
 
 impl Trajectory {
-    getters! {
-        /// Time of each row of the path, seconds, starting at 0. Consecutive equal rows have equal times.
-        pub fn times(&self) -> &[f64] = &self.times;
-        /// Time of the last row, seconds.
-        pub fn duration(&self) -> f64 = self.duration;
-        /// Number of joints.
-        pub fn joint_count(&self) -> usize = self.joints;
-        /// Number of stretches from rest to rest, including reconfigurations.
-        pub fn stretch_count(&self) -> usize = self.motions.len();
+    /// Time of each row of the path, seconds, starting at 0. Consecutive equal rows have equal times.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Time of the last row, seconds.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn joint_count(&self) -> usize {
+        self.joints
+    }
+
+    /// Number of stretches from rest to rest, including reconfigurations.
+    #[must_use]
+    pub fn stretch_count(&self) -> usize {
+        self.motions.len()
     }
 
     /// Returns joint values, velocities and accelerations at a time in seconds. Before the start and after the end the

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
+use crate::file::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with};
+use crate::file_replacement::write_file;
 
 /// Encoding of the values of a DMAT file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

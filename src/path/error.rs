@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-use crate::animation::curve::KeyError;
 use crate::arm::QueryError;
 use crate::bad_option::BadOption;
+use crate::curve::KeyError;
 use crate::spatial::RigidDefect;
 
 /// Reason why a path cannot be created, solved or timed.

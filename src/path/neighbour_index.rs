@@ -117,11 +117,11 @@ mod tests {
     use super::NeighbourIndex;
     use crate::arm::Arm;
     use crate::model::{Limits, Model};
-    use crate::motion::path::CartesianPath;
-    use crate::motion::path::knots::Knots;
-    use crate::motion::path::layers::{Layer, LayerGenerator};
-    use crate::motion::path::step_bounds::StepBounds;
-    use crate::motion::path::tools::Tools;
+    use crate::path::CartesianPath;
+    use crate::path::knots::Knots;
+    use crate::path::layers::{Layer, LayerGenerator};
+    use crate::path::step_bounds::StepBounds;
+    use crate::path::tools::Tools;
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 

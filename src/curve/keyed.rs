@@ -195,16 +195,29 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Cubic(rates))
     }
 
-    getters! {
-        /// Key times, strictly increasing; at least one.
-        pub fn times(&self) -> &[V::Real] = &self.times;
-        /// Values at the keys.
-        pub fn values(&self) -> &[V] = &self.values;
-        /// Interpolation between keys.
-        #[cfg(feature = "gltf")]
-        pub(crate) fn between(&self) -> &Between<V> = &self.between;
-        /// True if the curve is linear.
-        pub(crate) fn is_linear(&self) -> bool = matches!(self.between, Between::Linear);
+    /// Key times, strictly increasing; at least one.
+    #[must_use]
+    pub fn times(&self) -> &[V::Real] {
+        &self.times
+    }
+
+    /// Values at the keys.
+    #[must_use]
+    pub fn values(&self) -> &[V] {
+        &self.values
+    }
+
+    /// Interpolation between keys.
+    #[cfg(feature = "gltf")]
+    #[must_use]
+    pub(crate) fn between(&self) -> &Between<V> {
+        &self.between
+    }
+
+    /// True if the curve is linear.
+    #[must_use]
+    pub(crate) fn is_linear(&self) -> bool {
+        matches!(self.between, Between::Linear)
     }
 
     /// Value at a time; exactly the key's value at a key time. NaN counts as before the first key.

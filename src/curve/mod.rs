@@ -2,7 +2,7 @@
 
 mod bezier;
 mod catmull_rom;
-pub(super) mod easing;
+pub mod easing;
 mod handle;
 mod hermite;
 mod keyed;

@@ -78,35 +78,65 @@ impl<'a> PathSolver<'a> {
         }
     }
 
-    setters! {
-        /// Sets the weight of a radian or metre of each joint in lengths: one positive number per joint. Default 1 for
-        /// all.
-        pub fn with_joint_weights(mut self, weights: &[f64]) { self.weights = Some(weights.to_vec()) }
-        /// Sets the largest joint displacement between two points on the same branch, radians; positive. Default 0.2.
-        ///
-        /// Prismatic joints are scaled by the [metres per radian](crate::arm::ArmBuilder::with_metres_per_radian).
-        /// Longer displacements are allowed only for a long tool segment that can be followed in small parts, each at
-        /// most half of this limit.
-        pub fn with_max_step(mut self, radians: f64) { self.max_step = radians }
-        /// Sets whether a step that exceeds a joint's velocity limit, by the path's times, counts as a reconfiguration.
-        /// Default false.
-        pub fn with_times_kept(mut self, kept: bool) { self.times_count = kept }
-        /// Sets the maximum number of configurations per station, from 4 to 4096; less for very long paths. Default
-        /// 256.
-        pub fn with_samples(mut self, max_samples: usize) { self.samples = max_samples }
-        /// Sets the configuration at the first point, radians or metres. Its tool must be at that point. Default: any.
-        ///
-        /// The solver also compares the path that [`Arm::track`] finds from there, so the solution is never worse than
-        /// that.
-        pub fn with_start(mut self, q: &[f64]) { self.start = Some(q.to_vec()) }
-        /// Sets the configuration at the last point, radians or metres. Its tool must be at that point. Default: any.
-        pub fn with_end(mut self, q: &[f64]) { self.end = Some(q.to_vec()) }
-        /// Adds tools, with indices from 1, for [points with tools](CartesianPath::with_tools).
-        ///
-        /// Each is the [same arm with another tool](Arm::with_tool).
-        pub fn with_tools(mut self, arms: impl IntoIterator<Item = &'a Arm>) {
-            arms.into_iter().for_each(|arm| self.tools.add(arm));
-        }
+    /// Sets the weight of a radian or metre of each joint in lengths: one positive number per joint. Default 1 for
+    /// all.
+    #[must_use]
+    pub fn with_joint_weights(mut self, weights: &[f64]) -> Self {
+        self.weights = Some(weights.to_vec());
+        self
+    }
+
+    /// Sets the largest joint displacement between two points on the same branch, radians; positive. Default 0.2.
+    ///
+    /// Prismatic joints are scaled by the [metres per radian](crate::arm::ArmBuilder::with_metres_per_radian).
+    /// Longer displacements are allowed only for a long tool segment that can be followed in small parts, each at
+    /// most half of this limit.
+    #[must_use]
+    pub fn with_max_step(mut self, radians: f64) -> Self {
+        self.max_step = radians;
+        self
+    }
+
+    /// Sets whether a step that exceeds a joint's velocity limit, by the path's times, counts as a reconfiguration.
+    /// Default false.
+    #[must_use]
+    pub fn with_times_kept(mut self, kept: bool) -> Self {
+        self.times_count = kept;
+        self
+    }
+
+    /// Sets the maximum number of configurations per station, from 4 to 4096; less for very long paths. Default
+    /// 256.
+    #[must_use]
+    pub fn with_samples(mut self, max_samples: usize) -> Self {
+        self.samples = max_samples;
+        self
+    }
+
+    /// Sets the configuration at the first point, radians or metres. Its tool must be at that point. Default: any.
+    ///
+    /// The solver also compares the path that [`Arm::track`] finds from there, so the solution is never worse than
+    /// that.
+    #[must_use]
+    pub fn with_start(mut self, q: &[f64]) -> Self {
+        self.start = Some(q.to_vec());
+        self
+    }
+
+    /// Sets the configuration at the last point, radians or metres. Its tool must be at that point. Default: any.
+    #[must_use]
+    pub fn with_end(mut self, q: &[f64]) -> Self {
+        self.end = Some(q.to_vec());
+        self
+    }
+
+    /// Adds tools, with indices from 1, for [points with tools](CartesianPath::with_tools).
+    ///
+    /// Each is the [same arm with another tool](Arm::with_tool).
+    #[must_use]
+    pub fn with_tools(mut self, arms: impl IntoIterator<Item = &'a Arm>) -> Self {
+        arms.into_iter().for_each(|arm| self.tools.add(arm));
+        self
     }
 
     /// Solves a path: fewest unreached points first, then fewest reconfigurations, then the shortest joint path.
