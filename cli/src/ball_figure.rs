@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use kinopt::animation::{Armature, BallPoseMap, EulerPoseMap, Pose, ReachError};
+use kinopt::animation::{Armature, BallPoseMap, EulerPoseMap, LayerError, Pose};
 use kinopt::io::cones;
 use kinopt::skeleton::{BallSkeleton, Cones, SkeletonRoot};
 
@@ -93,7 +93,7 @@ impl FigurePosing {
     }
 
     /// Writes a configuration into a pose.
-    pub(crate) fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+    pub(crate) fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), LayerError> {
         match self {
             Self::Angles(angles) => angles.pose_of(q, pose),
             Self::Turns(turns) => turns.pose_of(q, pose),

@@ -1,7 +1,8 @@
 //! Loop closure in `kinopt fk`: passive joints follow from the given ones.
 
-use kinopt::ik::{LoopClosure, LoopClosureError, LoopGap};
+use kinopt::ik::{LoopClosure, LoopGap};
 use kinopt::model::JointId;
+use kinopt::problem::ProblemError;
 use serde::Serialize;
 
 use crate::failure::Outcome;
@@ -45,9 +46,9 @@ impl LoadedModel {
         else {
             return Ok(Vec::new());
         };
-        let with_file = |error: LoopClosureError| failure!("{}: {error}", self.file);
+        let with_file = |error: ProblemError| failure!("{}: {error}", self.file);
         let closure = match robot.loop_closure() {
-            Err(LoopClosureError::NoPassiveJoints { .. }) => {
+            Err(ProblemError::NoPassiveJoints { .. }) => {
                 let moves = |id: &JointId| self.model.moves_a_loop(*id);
                 let joints: Vec<JointId> = self.model.joint_ids().filter(moves).collect();
                 LoopClosure::new(robot.parameters(), &joints).map_err(with_file)?

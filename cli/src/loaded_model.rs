@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kinopt::Model;
-use kinopt::animation::{Armature, EulerClip, Playback, Pose, ReachError};
+use kinopt::animation::{Armature, EulerClip, LayerError, Playback, Pose};
 use kinopt::io::bvh::BvhChannel;
 use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
@@ -14,9 +14,8 @@ use kinopt::skeleton::{BallSkeleton, Skeleton};
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
-use crate::file_access;
 use crate::model_options::ModelOptions;
-use crate::output;
+use crate::{file_access, output};
 
 /// File types of [`LoadedModel::read`]. A new type also needs a match arm there.
 const SUPPORTED: &str =
@@ -76,7 +75,7 @@ pub(crate) struct LoadedScene {
 
 impl LoadedScene {
     /// Pose of a configuration of its skeleton.
-    pub(crate) fn pose(&self, bridge: &FigurePosing, q: &[f64]) -> Result<Pose, ReachError> {
+    pub(crate) fn pose(&self, bridge: &FigurePosing, q: &[f64]) -> Result<Pose, LayerError> {
         let mut pose = self.rest_pose.clone();
         bridge.pose_of(q, &mut pose)?;
         Ok(pose)

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
-use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, HeatWeights, SkinWeights};
+use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningError};
 
 /// Methods of automatic skin weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -20,7 +20,7 @@ impl WeightsChoice {
         self,
         mesh: &TriangleMesh,
         skeleton: &Skeleton,
-    ) -> Result<SkinWeights, AutomaticWeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         match self {
             Self::Heat => HeatWeights::default().for_skeleton(mesh, skeleton),
             Self::Distance => AutomaticWeights::default().for_skeleton(mesh, skeleton),

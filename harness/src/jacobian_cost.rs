@@ -5,13 +5,14 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use kinopt::Problem;
 use kinopt::model::Limits;
+use kinopt::model::ModelError;
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
-use kinopt::{Problem, skeleton::SkeletonError};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +53,7 @@ impl JacobianCost {
 pub fn measure(
     max_bones: usize,
     progress: &mut dyn FnMut() -> ControlFlow<()>,
-) -> Result<Vec<JacobianCost>, SkeletonError> {
+) -> Result<Vec<JacobianCost>, ModelError> {
     let empty = |route: Derivatives| JacobianCost {
         route: route_name(route).to_owned(),
         points: Vec::new(),
@@ -80,7 +81,7 @@ pub fn measure(
 }
 
 /// Chain of bones along x, each 1 / `bones` long, with free angles.
-fn chain(bones: usize) -> Result<Skeleton, SkeletonError> {
+fn chain(bones: usize) -> Result<Skeleton, ModelError> {
     let length = 1.0 / bones as f64;
     let mut builder = Skeleton::builder("chain");
     let mut parent = None;

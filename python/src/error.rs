@@ -1,8 +1,7 @@
 //! Conversion of the library's errors to exceptions with the library's messages.
 
-use kinopt::animation::{ClipNameError, ParameterError, ReachError};
-use kinopt::io::bvh::BvhError;
-use kinopt::io::{ReadError, ReadProblem, WriteError};
+use kinopt::animation::{ClipError, LayerError};
+use kinopt::io::{FormatError, ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
 use kinopt::robot::RobotFileError;
 use kinopt::skinning::UnknownSkinning;
@@ -67,47 +66,24 @@ macro_rules! faults {
 faults!(
     kinopt::BadOption,
     kinopt::arm::QueryError,
-    kinopt::animation::AimError,
-    kinopt::animation::ArmatureError,
-    kinopt::animation::BlendError,
-    kinopt::animation::ChannelError,
-    kinopt::animation::ClipError,
     kinopt::animation::HandleError,
-    kinopt::animation::LimbError,
-    kinopt::animation::LocalError,
-    kinopt::animation::MaskError,
-    kinopt::animation::SampleError,
     kinopt::animation::SizeMismatch,
-    kinopt::io::gltf::PosingError,
     kinopt::io::gltf::SceneError,
     kinopt::io::gltf::UnwritableScene,
-    kinopt::io::rig::RigPosingError,
-    kinopt::geometric::GeometricError,
-    kinopt::ik::DerivativeError,
-    kinopt::ik::LoopClosureError,
     kinopt::ik::SolveError,
-    kinopt::ik::StanceError,
-    kinopt::kinematics::CentreOfMassError,
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,
-    kinopt::model::MassError,
     kinopt::motion::path::PathError,
     kinopt::animation::curve::KeyError,
-    kinopt::model::ModelError,
     kinopt::problem::ProblemError,
-    kinopt::skinning::AutomaticWeightsError,
-    kinopt::skinning::BlendShapesError,
-    kinopt::skinning::CageError,
-    kinopt::skinning::MorphError,
     kinopt::skinning::SkinningError,
-    kinopt::skinning::WeightsError,
     serde_json::Error,
 );
 
-impl Fault for kinopt::skeleton::SkeletonError {
+impl Fault for kinopt::model::ModelError {
     fn kind(&self) -> Kind {
         match self {
-            Self::UnknownBone(_) => Kind::UnknownName,
+            Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
@@ -124,15 +100,6 @@ impl Fault for kinopt::collision::CollisionModelError {
     }
 }
 
-impl Fault for kinopt::collision::CheckerError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Attached { .. } | Self::MayTouch { .. } => Kind::UnknownName,
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
 impl Fault for kinopt::arm::ArmError {
     fn kind(&self) -> Kind {
         match self {
@@ -143,19 +110,10 @@ impl Fault for kinopt::arm::ArmError {
     }
 }
 
-impl Fault for kinopt::robot::ToolError {
+impl Fault for ClipError {
     fn kind(&self) -> Kind {
         match self {
-            Self::UnknownLink(_) => Kind::UnknownName,
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
-impl Fault for ClipNameError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Unknown(_) => Kind::UnknownName,
+            Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
@@ -164,31 +122,25 @@ impl Fault for ClipNameError {
 impl Fault for kinopt::collision::WorldError {
     fn kind(&self) -> Kind {
         match self {
-            Self::Unknown { .. } | Self::NoObstacle { .. } => Kind::UnknownName,
+            Self::Unknown { .. }
+            | Self::NoObstacle { .. }
+            | Self::Attached { .. }
+            | Self::MayTouch { .. } => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
 }
 
-impl Fault for ReachError {
+impl Fault for LayerError {
     fn kind(&self) -> Kind {
         match self {
-            Self::NoEffector(_) => Kind::UnknownName,
+            Self::NoEffector(_) | Self::UnknownName(_) => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
 }
 
-impl Fault for ParameterError {
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Unknown(_) => Kind::UnknownName,
-            _ => Kind::InvalidValue,
-        }
-    }
-}
-
-impl Fault for BvhError {
+impl Fault for FormatError {
     fn kind(&self) -> Kind {
         match self {
             Self::Write(error) => error.kind(),

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3A};
-use kinopt::animation::{Aim, AimError, AimGoal, Armature, Pose};
+use kinopt::animation::{Aim, AimGoal, Armature, LayerError, Pose};
 use kinopt::skeleton::BoneId;
 use support::armatures::{apart, difference, model_by_ancestors, rotation, vector};
 use support::limbs::{arm, bent};
@@ -193,21 +193,24 @@ fn invalid_aims_are_named() {
     let hand = armature.bone("hand").unwrap();
     let other = support::armatures::armature(30, &mut Random::new(1));
     let stranger = Aim::new(&armature, other.bone_at(29).unwrap(), Vec3A::X);
-    assert_eq!(stranger, Err(AimError::UnknownBone { bone: 29, bones: 7 }));
+    assert_eq!(
+        stranger,
+        Err(LayerError::UnknownBone { bone: 29, bones: 7 })
+    );
     let axis = "forward";
     for forward in [Vec3A::ZERO, Vec3A::NAN] {
         assert_eq!(
             Aim::new(&armature, hand, forward),
-            Err(AimError::BadAxis { axis })
+            Err(LayerError::BadAxis { axis })
         );
     }
     let aim = Aim::new(&armature, hand, Vec3A::X).unwrap();
-    assert_eq!(aim.with_up(Vec3A::X * -2.0), Err(AimError::UpIsForward));
+    assert_eq!(aim.with_up(Vec3A::X * -2.0), Err(LayerError::UpIsForward));
     assert_eq!(
         aim.with_up(Vec3A::ZERO),
-        Err(AimError::BadAxis { axis: "up" })
+        Err(LayerError::BadAxis { axis: "up" })
     );
-    assert_eq!(aim.with_offset(Vec3A::NAN), Err(AimError::BadOffset));
+    assert_eq!(aim.with_offset(Vec3A::NAN), Err(LayerError::BadOffset));
     let mut foreign = other.rest().clone();
     assert!(
         aim.turn(&armature, &mut foreign, &AimGoal::at(Vec3A::X))

@@ -2,7 +2,7 @@
 //! channels need no keys.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
+use kinopt::animation::{Armature, Channel, Clip, ClipError, Cursor, Playback, Pose};
 use kinopt::io::rig::Rig;
 use support::armatures::{armature, difference, pose};
 use support::random::Random;
@@ -112,37 +112,31 @@ fn invalid_poses_and_rates_are_named() {
     let rest = armature.rest();
     let through =
         |times: &[f32], poses: &[Pose]| Clip::through_poses("no", &armature, times, poses);
-    assert!(matches!(through(&[], &[]), Err(ChannelError::Keys(_))));
+    assert!(matches!(through(&[], &[]), Err(ClipError::Keys(_))));
     assert!(matches!(
         through(&[0.0, 0.0], &[rest.clone(), rest.clone()]),
-        Err(ChannelError::Keys(_))
+        Err(ClipError::Keys(_))
     ));
     assert!(matches!(
         through(&[0.0, f32::NAN], &[rest.clone(), rest.clone()]),
-        Err(ChannelError::Keys(_))
+        Err(ClipError::Keys(_))
     ));
     assert!(matches!(
         through(&[0.0, 1.0], std::slice::from_ref(rest)),
-        Err(ChannelError::Keys(_))
+        Err(ClipError::Keys(_))
     ));
     assert!(matches!(
         through(&[0.0], std::slice::from_ref(other.rest())),
-        Err(ChannelError::Size(_))
+        Err(ClipError::Size(_))
     ));
     let clip = through(&[0.0, 1.0], &[rest.clone(), rest.clone()]).unwrap();
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e9] {
         assert!(
-            matches!(
-                clip.baked(&armature, rate),
-                Err(ChannelError::BadRate { .. })
-            ),
+            matches!(clip.baked(&armature, rate), Err(ClipError::BadRate { .. })),
             "{rate}"
         );
     }
-    assert!(matches!(
-        clip.baked(&other, 10.0),
-        Err(ChannelError::Size(_))
-    ));
+    assert!(matches!(clip.baked(&other, 10.0), Err(ClipError::Size(_))));
 }
 
 /// If a clip's duration is a whole number of steps up to rounding, its end is not sampled twice.

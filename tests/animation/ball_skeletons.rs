@@ -6,8 +6,9 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Quat, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, BallPoseMap, LocalTransform, Pose};
+use kinopt::model::ModelError;
 use kinopt::model::{BallLimits, Limits};
-use kinopt::skeleton::{BallSkeleton, BoneCone, Cones, SkeletonError, SkeletonRoot};
+use kinopt::skeleton::{BallSkeleton, BoneCone, Cones, SkeletonRoot};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver, Workspace};
@@ -278,9 +279,9 @@ fn cones_of_other_bones_are_rejected() {
     let fine = BoneCone::new(BallLimits::cone(1.0, Limits::UNBOUNDED));
     assert!(with("bone 1", fine, SkeletonRoot::Fixed).is_ok());
     let error = with("bone 1", fine, SkeletonRoot::FREE).unwrap_err();
-    assert!(matches!(error, SkeletonError::ConeOfFreeBone { bone } if bone == "bone 1"));
+    assert!(matches!(error, ModelError::ConeOfFreeBone { bone } if bone == "bone 1"));
     let error = with("bone 6", fine, SkeletonRoot::Fixed).unwrap_err();
-    assert!(matches!(error, SkeletonError::ConeOfStillBone { bone } if bone == "bone 6"));
+    assert!(matches!(error, ModelError::ConeOfStillBone { bone } if bone == "bone 6"));
     let error = with("bone 99", fine, SkeletonRoot::Fixed)
         .unwrap_err()
         .to_string();

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use kinopt::animation::{Armature, Clip, ClipNameError, StateMachine, StateMachineDefinition};
+use kinopt::animation::{Armature, Clip, ClipError, StateMachine, StateMachineDefinition};
 
 fn clips(names: &[&str]) -> Vec<Clip> {
     let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
@@ -47,7 +47,7 @@ fn unknown_and_ambiguous_names_are_reported() {
     assert_eq!(error.to_string(), text);
     for unknown in ["alk", "walk", "", "|Walk", "Jump"] {
         let error = Clip::named(&clips, unknown).unwrap_err();
-        let ClipNameError::Unknown(error) = error else {
+        let ClipError::UnknownName(error) = error else {
             panic!("{unknown}: {error}");
         };
         assert_eq!(error.valid, NAMES, "{unknown}");

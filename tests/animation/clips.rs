@@ -5,7 +5,7 @@ use glam::{Quat, Vec3A, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{
-    Armature, Channel, ChannelError, Clip, Cursor, EulerClip, EulerCurve, EulerInterpolation,
+    Armature, Channel, Clip, ClipError, Cursor, EulerClip, EulerCurve, EulerInterpolation,
     EulerKey, EulerTrack, Playback, Pose,
 };
 use support::armatures::{apart, armature, difference, rotation, vector};
@@ -432,13 +432,13 @@ fn bad_channels_are_named_errors() {
         })
     };
     let also = builder.channel(bone, euler(Quat::IDENTITY)).unwrap_err();
-    assert!(matches!(also, ChannelError::Duplicate { .. }), "{also}");
+    assert!(matches!(also, ClipError::DuplicateChannel { .. }), "{also}");
     let zero = builder
         .channel(other, euler(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)))
         .unwrap_err();
     assert_eq!(
         zero,
-        ChannelError::BadRotation {
+        ClipError::BadRotation {
             bone: "bone 1".into()
         }
     );
@@ -446,7 +446,7 @@ fn bad_channels_are_named_errors() {
     let stranger = builder
         .channel(big.bone_at(4).unwrap(), still())
         .unwrap_err();
-    assert_eq!(stranger, ChannelError::UnknownBone { bone: 4, bones: 2 });
+    assert_eq!(stranger, ClipError::UnknownBone { bone: 4, bones: 2 });
 
     let weight = || KeyedCurve::step(vec![0.0], vec![1.0]).unwrap();
     builder.morph_weight(1, weight()).unwrap();
@@ -461,7 +461,7 @@ fn bad_channels_are_named_errors() {
     let count = builder.morph_weights(&[0.0], &[1.0]).unwrap_err();
     assert_eq!(
         count,
-        ChannelError::WeightCount {
+        ClipError::WeightCount {
             given: 1,
             keys: 1,
             targets: 2

@@ -2,7 +2,7 @@
 //! exactly, has no kink, and equals the classic matrix at even times.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback, SampleError};
+use kinopt::animation::{ClipError, EulerClip, EulerKey, EulerTrack, Playback};
 use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Placement, Vector3};
@@ -222,11 +222,11 @@ fn invalid_samples_are_errors() {
     let clip = clip(4, &[(2, &UNEVEN)]);
     for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let error = clip.sample(time, Playback::Hold, &mut [0.0; 12]);
-        assert!(matches!(error, Err(SampleError::NonFiniteTime { .. })));
+        assert!(matches!(error, Err(ClipError::NonFiniteSampleTime { .. })));
     }
     assert_eq!(
         clip.sample(0.0, Playback::Hold, &mut [0.0; 8]),
-        Err(SampleError::TooFewAngles { bone: 2, angles: 8 })
+        Err(ClipError::TooFewAngles { bone: 2, angles: 8 })
     );
     assert_eq!(clip.sample(0.0, Playback::Hold, &mut [0.0; 9]), Ok(()));
 }

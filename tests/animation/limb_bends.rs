@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
-use kinopt::animation::{Armature, Limb, LimbError, LimbGoal};
+use kinopt::animation::{Armature, LayerError, Limb, LimbGoal};
 use support::armatures::{bone, rotation, vector};
 use support::limbs::{END, arm, bent, joint_positions, largest_turn, limb, reachable, turn};
 use support::random::Random;
@@ -208,7 +208,7 @@ fn softened_limb_never_gets_straight() {
 fn invalid_hinges_and_softenings_are_rejected() {
     let limb = limb(&arm());
     for axis in [Vec3A::ZERO, Vec3A::NAN] {
-        assert_eq!(limb.with_hinge(axis), Err(LimbError::BadHinge));
+        assert_eq!(limb.with_hinge(axis), Err(LayerError::BadHinge));
     }
     for share in [-0.1, 1.1, f32::NAN] {
         let error = limb.with_softening(share).unwrap_err().to_string();
@@ -218,5 +218,5 @@ fn invalid_hinges_and_softenings_are_rejected() {
     let upper = armature.bone("upper").unwrap();
     let lower = armature.bone("lower").unwrap();
     let infinite = Limb::new(&armature, upper, lower, END * f32::INFINITY);
-    assert_eq!(infinite, Err(LimbError::BadEnd));
+    assert_eq!(infinite, Err(LayerError::BadEnd));
 }

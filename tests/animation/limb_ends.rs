@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
-use kinopt::animation::{Armature, EndRotation, Limb, LimbError, LimbGoal, Pose};
+use kinopt::animation::{Armature, EndRotation, LayerError, Limb, LimbGoal, Pose};
 use support::armatures::{apart, model_by_ancestors, rotation};
 use support::limbs::{arm, bent, joint_positions, limb, reachable, turn};
 use support::random::Random;
@@ -151,5 +151,5 @@ fn end_outside_the_limb_is_named() {
         "{words}"
     );
     let swapped = Limb::to_bone(&armature, bone("lower"), bone("upper"), bone("hand"));
-    assert!(matches!(swapped, Err(LimbError::NotAbove { .. })));
+    assert!(matches!(swapped, Err(LayerError::NotAbove { .. })));
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
-use kinopt::animation::{Limb, LimbError, LimbGoal};
+use kinopt::animation::{LayerError, Limb, LimbGoal};
 use support::armatures::{difference, rotation, vector};
 use support::limbs::{END, JointPositions, arm, bent, joint_positions, limb, reachable};
 use support::random::Random;
@@ -141,12 +141,12 @@ fn invalid_limb_bones_are_named() {
     assert!(Limb::new(&armature, bone("upper"), bone("upper"), END).is_err());
     assert!(Limb::new(&armature, bone("bystander"), bone("lower"), END).is_err());
     let invalid = Limb::new(&armature, bone("upper"), bone("lower"), Vec3A::NAN).unwrap_err();
-    assert_eq!(invalid, LimbError::BadEnd);
+    assert_eq!(invalid, LayerError::BadEnd);
     let mut random = Random::new(95);
     let other = support::armatures::armature(30, &mut random);
     let stranger = other.bone_at(29).unwrap();
     let error = Limb::new(&armature, bone("upper"), stranger, END).unwrap_err();
-    assert_eq!(error, LimbError::UnknownBone { bone: 29, bones: 7 });
+    assert_eq!(error, LayerError::UnknownBone { bone: 29, bones: 7 });
 }
 
 /// Without a pole, the bend follows the direction to the end by the shortest rotation.

@@ -1,7 +1,7 @@
 //! Promise: a clip with a closed seam ends as it starts, is unchanged before its last seconds, and has no jumps.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::animation::{ChannelError, Clip};
+use kinopt::animation::{Clip, ClipError};
 use support::armatures::{armature, difference, pose};
 use support::random::Random;
 
@@ -42,7 +42,7 @@ fn seam_longer_than_the_clip_is_rejected() {
     for seconds in [0.0, -1.0, 1.5, f64::NAN] {
         let refused = clip.with_closed_seam(&armature, seconds, 30.0);
         assert!(
-            matches!(refused, Err(ChannelError::NotWithin { .. })),
+            matches!(refused, Err(ClipError::NotWithin { .. })),
             "{seconds}"
         );
     }

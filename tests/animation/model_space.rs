@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, LocalError, LocalTransform, Pose};
+use kinopt::animation::{Armature, ArmatureBone, ClipError, LocalTransform, Pose};
 use kinopt::skeleton::BoneId;
 use support::armatures::{apart, armature, pose, rotation, vector};
 use support::random::Random;
@@ -188,28 +188,31 @@ fn invalid_edits_change_nothing() {
     let mut pose = armature.rest().clone();
     let turn = Affine3A::from_rotation_z(0.5);
     let result = armature.set_model_from_bone(&mut pose, at(1), turn);
-    assert_eq!(result, Err(LocalError::Flattened { bone: 1 }));
+    assert_eq!(result, Err(ClipError::Flattened { bone: 1 }));
     let result = armature.set_model_translation(&mut pose, at(1), Vec3A::Y);
-    assert_eq!(result, Err(LocalError::Flattened { bone: 1 }));
+    assert_eq!(result, Err(ClipError::Flattened { bone: 1 }));
     let result = armature.set_model_from_bone(&mut pose, at(3), turn);
-    assert_eq!(result, Err(LocalError::Sheared { bone: 3 }));
+    assert_eq!(result, Err(ClipError::Sheared { bone: 3 }));
     let nowhere = Affine3A::from_translation(glam::Vec3::NAN);
     let result = armature.set_model_from_bone(&mut pose, at(3), nowhere);
-    assert_eq!(result, Err(LocalError::NotFinite { bone: 3 }));
+    assert_eq!(result, Err(ClipError::NonFiniteTransform { bone: 3 }));
     let point = Affine3A::from_scale(glam::Vec3::ZERO);
     let result = armature.set_model_from_bone(&mut pose, at(2), point);
-    assert_eq!(result, Err(LocalError::Sheared { bone: 2 }));
+    assert_eq!(result, Err(ClipError::Sheared { bone: 2 }));
     let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
     let result = armature.set_model_rotation(&mut pose, at(3), zero);
-    assert_eq!(result, Err(LocalError::ZeroRotation { bone: 3 }));
+    assert_eq!(result, Err(ClipError::ZeroRotation { bone: 3 }));
     assert_eq!(&pose, armature.rest());
 
     let few = Armature::new(vec![bone("one", None, Vec3A::ONE)], Vec::new()).unwrap();
     let mut other = few.rest().clone();
     let result = armature.set_model_rotation(&mut other, at(0), Quat::IDENTITY);
-    assert!(matches!(result, Err(LocalError::Size(_))));
+    assert!(matches!(result, Err(ClipError::Size(_))));
     let result = few.model_from_bone(few.rest(), at(3));
-    assert_eq!(result, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
+    assert_eq!(
+        result,
+        Err(ClipError::UnknownPoseBone { bone: 3, bones: 1 })
+    );
 }
 
 /// Flattening is judged by proportions: tiny bones place their children as large ones do.

@@ -4,9 +4,7 @@
 
 use glam::Quat;
 use kinopt::animation::rotation::slerp;
-use kinopt::animation::{
-    Armature, BlendError, BoneMask, Layer, LayerMode, MaskError, Pose, blend_poses,
-};
+use kinopt::animation::{Armature, BoneMask, Layer, LayerError, LayerMode, Pose, blend_poses};
 use support::armatures::{apart, armature, difference, pose};
 use support::random::Random;
 
@@ -143,15 +141,15 @@ fn invalid_weights_are_errors() {
     for weight in [-0.1, f32::NAN, f32::INFINITY] {
         let error = blend_poses(&[(&a, 1.0), (&b, weight)], &mut out).unwrap_err();
         assert!(
-            matches!(error, BlendError::BadWeight { pose: 1, .. }),
+            matches!(error, LayerError::BadWeight { pose: 1, .. }),
             "{error}"
         );
     }
     assert_eq!(
         blend_poses(&[(&a, 0.0)], &mut out),
-        Err(BlendError::NoWeight)
+        Err(LayerError::NoWeight)
     );
-    assert_eq!(blend_poses(&[], &mut out), Err(BlendError::NoWeight));
+    assert_eq!(blend_poses(&[], &mut out), Err(LayerError::NoWeight));
     assert_eq!(out, a);
     let small = armature(3, &mut random);
     let error = blend_poses(&[(&a, 1.0), (small.rest(), 1.0)], &mut out).unwrap_err();
@@ -283,7 +281,7 @@ fn mask_rejects_weights_outside_0_to_1() {
         ];
         for result in results {
             assert!(
-                matches!(result, Err(MaskError::BadShare { .. })),
+                matches!(result, Err(LayerError::BadShare { .. })),
                 "{result:?}"
             );
         }

@@ -5,7 +5,7 @@
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{
-    Armature, ArmatureBone, ArmatureError, Clip, Cursor, LocalError, LocalTransform, Playback,
+    Armature, ArmatureBone, Clip, ClipError, Cursor, LocalTransform, Playback,
 };
 use support::armatures::{armature, model_by_ancestors, pose};
 use support::bones::RandomRig;
@@ -228,7 +228,7 @@ fn invalid_local_transforms_fail_or_are_repaired() {
     let with = |rotation| LocalTransform { rotation, ..good };
     let zero = with(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
     let refused = pose.set_local(bone, zero).unwrap_err();
-    assert_eq!(refused, LocalError::ZeroRotation { bone: 1 });
+    assert_eq!(refused, ClipError::ZeroRotation { bone: 1 });
     for invalid in [
         with(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
         LocalTransform {
@@ -241,7 +241,7 @@ fn invalid_local_transforms_fail_or_are_repaired() {
         },
     ] {
         let refused = pose.set_local(bone, invalid).unwrap_err();
-        assert_eq!(refused, LocalError::NotFinite { bone: 1 });
+        assert_eq!(refused, ClipError::NonFiniteTransform { bone: 1 });
     }
     let big = support::armatures::armature(9, &mut random);
     let stranger = big.bone_at(8).unwrap();
@@ -267,7 +267,7 @@ fn invalid_armatures_and_sizes_are_named() {
     };
     let build = |bones: Vec<ArmatureBone>| Armature::new(bones, Vec::new());
     let ring = build(vec![bone("a", Some(0))]).unwrap_err();
-    assert_eq!(ring, ArmatureError::ParentNotBefore { bone: "a".into() });
+    assert_eq!(ring, ClipError::ParentNotBefore { bone: "a".into() });
     let twice = build(vec![bone("a", None), bone("a", Some(0))]).unwrap_err();
     assert!(twice.to_string().contains("`a` is used twice"));
     let rest = LocalTransform::IDENTITY;
@@ -287,7 +287,7 @@ fn invalid_armatures_and_sizes_are_named() {
         let mut odd = bone("odd", None);
         odd.rest = rest;
         let error = build(vec![odd]).unwrap_err();
-        assert_eq!(error, ArmatureError::BadRest { bone: "odd".into() });
+        assert_eq!(error, ClipError::BadRest { bone: "odd".into() });
     }
     let targets = vec!["smile".to_owned(), "smile".to_owned()];
     assert!(Armature::new(vec![bone("a", None)], targets).is_err());

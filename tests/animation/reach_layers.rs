@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::{
-    Armature, ArmatureBone, EulerPoseMap, LocalTransform, Pose, ReachError, ReachLayer,
+    Armature, ArmatureBone, EulerPoseMap, LayerError, LocalTransform, Pose, ReachLayer,
 };
 use kinopt::model::Limits;
 use kinopt::problem::ProblemError;
@@ -172,7 +172,7 @@ fn reach_layer_moves_tips_by_their_weights() {
         }
         let stranger = rig.tips[4];
         let error = layer.set_goal(stranger, [0.0; 3], 1.0).unwrap_err();
-        assert!(matches!(error, ReachError::NoEffector(own) if own.effectors.len() == 2));
+        assert!(matches!(error, LayerError::NoEffector(own) if own.effectors.len() == 2));
     }
     assert!(reached >= 6, "{reached} of 8");
 }
@@ -234,7 +234,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
         let error = layer
             .set_rotation(stranger, Quat::IDENTITY, 1.0)
             .unwrap_err();
-        assert!(matches!(error, ReachError::NoEffector(own) if own.effectors.len() == 2));
+        assert!(matches!(error, LayerError::NoEffector(own) if own.effectors.len() == 2));
         // A zero quaternion is an error.
         let applied = |layer: &mut ReachLayer, rotation: Quat, weight: f64| {
             layer.set_rotation(moves, rotation, weight).unwrap();
@@ -306,7 +306,7 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     layer.set_goal(bone, target, 1.0).unwrap();
     let small = Armature::new(Vec::new(), Vec::new()).unwrap();
     let error = layer.apply(&mut small.rest().clone()).unwrap_err();
-    assert!(matches!(error, ReachError::Size(_)), "{error}");
+    assert!(matches!(error, LayerError::Size(_)), "{error}");
     assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
 
     // A target that is not finite is an error, and the previous one stays.

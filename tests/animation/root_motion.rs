@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
-use kinopt::animation::{Armature, ChannelError, Clip, Playback, Pose};
+use kinopt::animation::{Armature, Clip, ClipError, Playback, Pose};
 use support::armatures::{armature, pose};
 use support::random::Random;
 
@@ -133,14 +133,14 @@ fn invalid_root_motion_is_named() {
     let bone = armature.bone("bone 2").unwrap();
     for up in [Vec3::ZERO, Vec3::NAN] {
         let wrong = clip.without_root_motion(&armature, bone, up, RATE);
-        assert!(matches!(wrong, Err(ChannelError::BadUp { .. })));
+        assert!(matches!(wrong, Err(ClipError::BadUp { .. })));
     }
     let other = support::armatures::armature(40, random);
     let strange =
         clip.without_root_motion(&armature, other.bone("bone 39").unwrap(), Vec3::Y, RATE);
     assert!(matches!(
         strange,
-        Err(ChannelError::UnknownBone { bone: 39, .. })
+        Err(ClipError::UnknownBone { bone: 39, .. })
     ));
     let single = Clip::through_poses("one", &armature, &[0.5], &[armature.rest().clone()]).unwrap();
     let (_, motion) = single

@@ -6,7 +6,8 @@ use std::fmt::Write;
 
 use glam::{Affine3A, Quat};
 use kinopt::animation::{Cursor, Playback, Pose};
-use kinopt::io::bvh::{self, BvhChannel, BvhError, BvhFormat, MotionCapture};
+use kinopt::io::FormatError;
+use kinopt::io::bvh::{self, BvhChannel, BvhFormat, MotionCapture};
 use support::random::Random;
 
 const ROTATIONS: [&str; 3] = ["Xrotation", "Yrotation", "Zrotation"];
@@ -207,7 +208,7 @@ fn wrong_channels_are_errors() {
         let format = BvhFormat::from(30.0).with_channels(channels);
         bvh::poses_to_text(&capture.armature, &poses, format).unwrap_err()
     };
-    assert!(matches!(write(&[]), BvhError::Size(_)));
+    assert!(matches!(write(&[]), FormatError::Size(_)));
     let twice = vec![BvhChannel::Xrotation, BvhChannel::Xrotation];
     assert_eq!(
         write(&[twice, Vec::new()]).to_string(),

@@ -11,7 +11,8 @@ use kinopt::animation::rotation::RotationCurve;
 use kinopt::animation::{
     Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback, Pose,
 };
-use kinopt::io::bvh::{self, BvhChannel, BvhError, MotionCapture};
+use kinopt::io::FormatError;
+use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
 use support::random::Random;
 
 fn bone(name: &str, parent: Option<usize>, translation: Vec3A, rotation: Quat) -> ArmatureBone {
@@ -372,18 +373,18 @@ fn unrepresentable_motion_is_rejected() {
         bvh::poses_to_text(armature, poses, rate).unwrap_err()
     };
     let none = Armature::new(Vec::new(), Vec::new()).unwrap();
-    assert!(matches!(write(&none, &[], 1.0), BvhError::NoBones));
+    assert!(matches!(write(&none, &[], 1.0), FormatError::NoBones));
     for name in ["", " hips", "a  b", "a\nb", "{", "a}"] {
         let bones = vec![bone(name, None, Vec3A::ZERO, Quat::IDENTITY)];
         let error = write(&Armature::new(bones, Vec::new()).unwrap(), &[], 1.0);
         assert!(
-            matches!(&error, BvhError::Name { bone } if bone == name),
+            matches!(&error, FormatError::Name { bone } if bone == name),
             "{error}"
         );
     }
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
         assert!(
-            matches!(write(&good, &[], rate), BvhError::Rate { .. }),
+            matches!(write(&good, &[], rate), FormatError::Rate { .. }),
             "{rate}"
         );
     }
@@ -407,7 +408,7 @@ fn unrepresentable_motion_is_rejected() {
     );
     assert!(matches!(
         write(&good, &[none.rest().clone()], 1.0),
-        BvhError::Size(_)
+        FormatError::Size(_)
     ));
 
     let mut clip = Clip::builder("long", &good);

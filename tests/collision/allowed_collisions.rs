@@ -3,7 +3,7 @@
 
 use kinopt::arm::Arm;
 use kinopt::collision::{
-    Checker, CheckerError, Clearance, CollisionModel, Shape, SphereModel, World, WorldError,
+    Checker, Clearance, CollisionModel, Shape, SphereModel, World, WorldError,
 };
 use kinopt::ik::Drag;
 use kinopt::kinematics::ForwardKinematics;
@@ -372,7 +372,7 @@ fn unknown_names_are_reported() {
     let checker = Checker::of(&robot).unwrap();
     let error = checker.clone().with_world(&world).unwrap_err();
     let message = error.to_string();
-    assert!(matches!(error, CheckerError::MayTouch { .. }), "{message}");
+    assert!(matches!(error, WorldError::MayTouch { .. }), "{message}");
     assert!(
         message.contains("`table`") && message.contains("did you mean `hand`?"),
         "{message}"

@@ -1,8 +1,8 @@
 //! Promise: a checker reports the pairs nearer than the margin with their distances, in cases with known geometry.
 
+use kinopt::collision::WorldError;
 use kinopt::collision::{
-    BodyKind, Checker, CheckerError, CheckerWorkspace, CollisionModel, CollisionObject, Shape,
-    World,
+    BodyKind, Checker, CheckerWorkspace, CollisionModel, CollisionObject, Shape, World,
 };
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
@@ -247,7 +247,7 @@ fn attached_object_may_touch_its_holder() {
     );
     world.attach("rod", "hand", along).unwrap();
     let error = Checker::new(balls()).with_world(&world).unwrap_err();
-    assert!(matches!(error, CheckerError::Attached { .. }));
+    assert!(matches!(error, WorldError::Attached { .. }));
     assert!(
         error.to_string().contains("rod") && error.to_string().contains("`hand`"),
         "{error}"

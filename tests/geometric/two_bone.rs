@@ -2,7 +2,8 @@
 //! ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
+use kinopt::geometric::{Elbow, Fabrik, Geometric, Span, TwoBone, triangle};
+use kinopt::ik::SolveError;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model, ParameterMap};
@@ -219,7 +220,7 @@ fn chain_without_two_bones_is_rejected() {
         .unwrap_err();
     assert!(matches!(
         error,
-        GeometricError::NotTwoBones {
+        SolveError::NotTwoBones {
             bones: 3,
             tips: 1,
             ..

@@ -6,8 +6,10 @@
 //! JointModelSpherical at 0.9 rad about z and a JointModelRY with the masses below (row-major).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
-use kinopt::model::{Limits, MassError, Masses, Model, PointMass};
+use kinopt::kinematics::KinematicsError;
+use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
+use kinopt::model::ModelError;
+use kinopt::model::{Limits, Masses, Model, PointMass};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use nalgebra::Matrix3xX;
@@ -190,12 +192,12 @@ fn models_without_a_centre_are_rejected_by_name() {
         text.replace(&format!("mass value=\"{mass}\""), "mass value=\"0\"")
     });
     let robot = parse(&light);
-    let no_mass = MassError::NoMass {
+    let no_mass = ModelError::NoMass {
         model: "leaning".to_owned(),
     };
     assert_eq!(robot.masses().unwrap_err(), no_mass);
     let error = robot.centre_of_mass(&[0.0; 4]).unwrap_err();
-    assert_eq!(error, CentreOfMassError::Mass(no_mass));
+    assert_eq!(error, KinematicsError::Masses(no_mass));
     let error = robot.masses().unwrap_err().to_string();
     assert!(
         error.contains("`leaning`") && error.contains("no centre of mass"),
@@ -218,16 +220,16 @@ fn models_without_a_centre_are_rejected_by_name() {
     };
     assert!(matches!(
         Masses::new(model, [point([0.0; 3], f64::NAN)]),
-        Err(MassError::BadMass { .. })
+        Err(ModelError::BadMass { .. })
     ));
     assert!(matches!(
         Masses::new(model, [point([f64::INFINITY; 3], 1.0)]),
-        Err(MassError::BadPlace { .. })
+        Err(ModelError::BadMassPosition { .. })
     ));
     // No mass, or an overflowing one.
     for none in [vec![], vec![point([0.0; 3], f64::MAX); 2]] {
         let error = Masses::new(model, none).unwrap_err();
-        assert!(matches!(error, MassError::NoMass { .. }), "{error}");
+        assert!(matches!(error, ModelError::NoMass { .. }), "{error}");
     }
     let figure = Figure::new(1, 20);
     let foreign = PointMass {
@@ -237,7 +239,7 @@ fn models_without_a_centre_are_rejected_by_name() {
     };
     let foreign = Masses::new(model, [foreign]).unwrap_err();
     assert!(
-        matches!(foreign, MassError::ForeignFrame { index: 19, .. }),
+        matches!(foreign, ModelError::ForeignMass { index: 19, .. }),
         "{foreign}"
     );
     let wrong = robot.centre_of_mass(&[0.0; 3]).unwrap_err().to_string();

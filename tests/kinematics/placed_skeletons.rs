@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
+use kinopt::model::ModelError;
 use kinopt::problem::Problem;
-use kinopt::skeleton::SkeletonError;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::Point;
 use kinopt::{Skeleton, Solver};
@@ -130,7 +130,7 @@ fn non_rigid_root_is_rejected() {
         Vector3::new(0.0, 0.0, 1.0),
     );
     let error = rig.skeleton.placed(stretched).unwrap_err();
-    assert!(matches!(error, SkeletonError::BadRest { bone, .. } if bone == "bone/0"));
+    assert!(matches!(error, ModelError::BadRest { bone, .. } if bone == "bone/0"));
 }
 
 /// A bone's parent precedes it: no later bone, and not itself.
@@ -143,6 +143,6 @@ fn parent_precedes_its_bones() {
         cyclic[bone].parent = rig.skeleton.bone_at(parent);
         let error = Skeleton::new("loop", cyclic).unwrap_err();
         let bone = bones[bone].name.clone();
-        assert_eq!(error, SkeletonError::ParentNotBefore { bone });
+        assert_eq!(error, ModelError::ParentNotBefore { bone });
     }
 }

@@ -1,9 +1,7 @@
 //! Promise: all entry points of a pose solver solve the same problem, reject the same input and respect the options.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::simd_ik::{
-    AxisGoal, Chain, ChainError, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer,
-};
+use kinopt::simd_ik::{AxisGoal, Chain, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::simd_chains::{Random, far_away, panda, random_chain, target, tip, ur5};
 
@@ -149,11 +147,11 @@ fn invalid_query_is_reported_by_index() {
         assert_eq!(refused, Err(LaneError::Target(0)));
         // Such a placement is also rejected within a chain.
         let refused = Chain::new(chain.joints().to_vec(), invalid);
-        assert_eq!(refused, Err(ChainError::Placement(n)));
+        assert_eq!(refused, Err(LaneError::Placement(n)));
         let mut joints = chain.joints().to_vec();
         joints[2].parent_from_joint = invalid;
         let refused = Chain::new(joints, *chain.joint_from_tip());
-        assert_eq!(refused, Err(ChainError::Placement(2)));
+        assert_eq!(refused, Err(LaneError::Placement(2)));
     }
     for at in 0..3 {
         let mut starts = start.repeat(3);

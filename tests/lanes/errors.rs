@@ -1,7 +1,8 @@
 //! Promise: the errors reported with a q are those of that q, according to nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
+use kinopt::simd_ik::LaneError;
+use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::simd_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
@@ -103,7 +104,7 @@ fn invalid_chain_joints_are_named() {
         [0.0, f64::NAN, 1.0],
     ] {
         let refused = last(joint(JointKind::Prismatic, axis, (-1.0, 1.0)));
-        assert_eq!(refused, Err(ChainError::Axis(1)), "{axis:?}");
+        assert_eq!(refused, Err(LaneError::Axis(1)), "{axis:?}");
     }
     for (turns, slides, bounds) in [
         (true, true, (-1.0, 1.0)),
@@ -120,7 +121,7 @@ fn invalid_chain_joints_are_named() {
         for (kind, fits) in [(JointKind::Revolute, turns), (JointKind::Prismatic, slides)] {
             let reported = last(joint(kind, up, bounds));
             assert_eq!(reported.is_ok(), fits, "{kind:?} {bounds:?}");
-            assert!(fits || matches!(reported, Err(ChainError::Bounds { joint: 1, .. })));
+            assert!(fits || matches!(reported, Err(LaneError::Bounds { joint: 1, .. })));
         }
     }
 }

@@ -3,8 +3,9 @@
 use kinopt::Arm;
 use kinopt::Problem;
 use kinopt::arm::{ArmError, Base};
-use kinopt::geometric::{Ccd, Geometric, GeometricError};
+use kinopt::geometric::{Ccd, Geometric};
 use kinopt::ik::LoopClosure;
+use kinopt::ik::SolveError;
 use kinopt::model::{
     FrameId, JointId, Limits, Loop, Model, ModelBuilder, ModelError, ParameterMap,
 };
@@ -145,7 +146,7 @@ fn arms_and_geometric_solvers_reject_loops() {
 
     let problem = Problem::builder(&model).build().unwrap();
     let error = Ccd::default().solve(&problem, &[0.0; 5]).unwrap_err();
-    assert!(matches!(&error, GeometricError::UnsupportedTask { task, .. } if task == "loop `pin`"));
+    assert!(matches!(&error, SolveError::UnsupportedTask { task, .. } if task == "loop `pin`"));
 }
 
 /// The crank of the loop is a mimic joint of the elbow, which is in no loop.

@@ -2,7 +2,7 @@
 //! silently.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::model::MassError;
+use kinopt::model::ModelError;
 use kinopt::robot::{Link, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
@@ -180,7 +180,7 @@ fn unknown_mesh_masses_are_noted() {
             "{reported}"
         );
         let refused = robot.masses().unwrap_err();
-        assert!(matches!(&refused, MassError::MissingInertia { frame, .. } if frame == "a"));
+        assert!(matches!(&refused, ModelError::MissingInertia { frame, .. } if frame == "a"));
         assert!(refused.to_string().contains("`a`"), "{refused}");
         match body.left_to_meshes {
             Some(MissingInertia::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),

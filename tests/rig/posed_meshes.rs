@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use kinopt::animation::{Armature, EulerPoseMap};
-use kinopt::io::rig::{Rig, RigPosing, RigPosingError};
+use kinopt::io::FormatError;
+use kinopt::io::rig::{Rig, RigPosing};
 use kinopt::skinning::{MeshWeights, PosedVertices, SkinningMethod, single_precision_transform};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
@@ -84,7 +85,7 @@ fn missing_parts_are_reported_or_computed() {
     let rest = rig.skeleton.model().neutral();
     let method = SkinningMethod::LinearBlend;
     let error = rig.posed_mesh(&rest[1..], method).unwrap_err();
-    assert!(matches!(error, RigPosingError::Kinematics(_)), "{error}");
+    assert!(matches!(error, FormatError::Kinematics(_)), "{error}");
     rig.weights = None;
     let mut posing = rig.posing(method).unwrap();
     assert!(posing.has_automatic_weights());

@@ -195,7 +195,7 @@ fn kept() -> Value {
         let told = |built: Result<SkinWeights, _>, digest: &mut Digest| match built {
             Ok(weights) => add(digest, &weights),
             Err(error) => {
-                let error: kinopt::skinning::WeightsError = error;
+                let error: kinopt::skinning::SkinningError = error;
                 digest.text(error.to_string());
             }
         };

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, SkinWeights, TwistedTube};
+use kinopt::skinning::{AutomaticWeights, SkinWeights, SkinningError, TwistedTube};
 use support::skins::steepest;
 
 fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {
@@ -194,19 +194,19 @@ fn invalid_bones_and_falloffs_are_rejected() {
     let options = AutomaticWeights::default();
     assert_eq!(
         options.for_segments(&mesh, &[]).unwrap_err(),
-        AutomaticWeightsError::NoBones
+        SkinningError::NoBones
     );
     let mut broken = bones;
     broken[1][0].y = f64::NAN;
     assert_eq!(
         options.for_segments(&mesh, &broken).unwrap_err(),
-        AutomaticWeightsError::NonFiniteBone { bone: 1 }
+        SkinningError::NonFiniteBone { bone: 1 }
     );
     for falloff in [0.0, -1.0, f64::INFINITY] {
         let mut options = options;
         options.falloff = falloff;
         let refused = options.for_segments(&mesh, &bones).unwrap_err();
-        assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
+        assert_eq!(refused, SkinningError::Falloff(falloff));
     }
     // Points, and a mesh of one point on a bone, are no special case.
     let points = [[DVec3::ZERO; 2], [DVec3::X; 2]];

@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec3, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{BlendShapes, BlendShapesError, MorphTarget, MorphTargets};
+use kinopt::skinning::{BlendShapes, MorphTarget, MorphTargets, SkinningError};
 use support::random::Random;
 
 const SHAPES: usize = 4;
@@ -152,11 +152,11 @@ fn invalid_shapes_are_rejected_by_name() {
             ),
         ])
     };
-    let says = |error: BlendShapesError, words: &[&str]| {
+    let says = |error: SkinningError, words: &[&str]| {
         let text = error.to_string();
         assert!(words.iter().all(|word| text.contains(word)), "{text}");
     };
-    assert_eq!(BlendShapes::new(vec![]), Err(BlendShapesError::Empty));
+    assert_eq!(BlendShapes::new(vec![]), Err(SkinningError::NoShapes));
     says(pair("a", "a", Vec3::X, 2).unwrap_err(), &["`a`", "twice"]);
     says(pair("a", "b", Vec3::X, 3).unwrap_err(), &["`b`", "3", "2"]);
     says(

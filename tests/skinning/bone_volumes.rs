@@ -7,10 +7,10 @@ use std::path::Path;
 use glam::Vec3;
 use kinopt::SizeMismatch;
 use kinopt::io::rig::Rig;
-use kinopt::kinematics::CentreOfMassError;
+use kinopt::kinematics::KinematicsError;
 use kinopt::mesh::TriangleMesh;
-use kinopt::model::MassError;
-use kinopt::skinning::{SkinWeights, TwistedTube, VolumeError, bone_volumes};
+use kinopt::model::ModelError;
+use kinopt::skinning::{SkinWeights, SkinningError, TwistedTube, bone_volumes};
 
 /// Box between two corners, with its eight vertices indexed by bits x, y, z.
 fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
@@ -125,22 +125,28 @@ fn open_mesh_is_rejected() {
     let open =
         TriangleMesh::new(closed_mesh.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
     let one = |vertices| weights(|_| [1.0, 0.0], vertices);
-    assert_eq!(bone_volumes(&open, &one(8)).unwrap_err(), VolumeError::Open);
+    assert_eq!(
+        bone_volumes(&open, &one(8)).unwrap_err(),
+        SkinningError::OpenMesh
+    );
     let empty = TriangleMesh::new(Vec::new(), Vec::new(), Vec::new()).unwrap();
     assert_eq!(
         bone_volumes(&empty, &one(0)).unwrap_err(),
-        VolumeError::Open
+        SkinningError::OpenMesh
     );
     let flat = cuboid([0.0; 3], [1.0, 2.0, 0.0]);
-    assert_eq!(bone_volumes(&flat, &one(8)).unwrap_err(), VolumeError::Open);
+    assert_eq!(
+        bone_volumes(&flat, &one(8)).unwrap_err(),
+        SkinningError::OpenMesh
+    );
     let point = cuboid([1.0; 3], [1.0; 3]);
     assert_eq!(
         bone_volumes(&point, &one(8)).unwrap_err(),
-        VolumeError::Open
+        SkinningError::OpenMesh
     );
     let error = bone_volumes(&closed_mesh, &one(7)).unwrap_err();
     assert!(
-        matches!(error, VolumeError::Size(SizeMismatch { .. })),
+        matches!(error, SkinningError::Size(SizeMismatch { .. })),
         "{error}"
     );
 }
@@ -162,7 +168,7 @@ fn small_hole_loses_only_its_own_volume() {
         let holed = TriangleMesh::new(corners, Vec::new(), triangles).unwrap();
         let volumes = bone_volumes(&holed, &weights(|_| [1.0, 0.0], 10));
         match is_open {
-            true => assert_eq!(volumes.unwrap_err(), VolumeError::Open),
+            true => assert_eq!(volumes.unwrap_err(), SkinningError::OpenMesh),
             false => assert_close(
                 volumes.unwrap()[0].volume,
                 16.0 - f64::from(side * side / 2.0),
@@ -197,15 +203,15 @@ fn rig_mass_equals_mesh_volume() {
     }
 
     let invalid = rig.masses(-1.0).unwrap_err();
-    assert!(matches!(invalid, MassError::BadMass { .. }), "{invalid}");
-    assert!(matches!(rig.masses(0.0), Err(MassError::NoMass { .. })));
+    assert!(matches!(invalid, ModelError::BadMass { .. }), "{invalid}");
+    assert!(matches!(rig.masses(0.0), Err(ModelError::NoMass { .. })));
     let bare = Rig {
         mesh: None,
         ..rig.clone()
     };
     let error = bare.centre_of_mass(&rest).unwrap_err();
     assert!(
-        matches!(error, CentreOfMassError::Mass(MassError::NoVolume(_))),
+        matches!(error, KinematicsError::Masses(ModelError::NoVolume(_))),
         "{error}"
     );
 }

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{CageBinding, CageError};
+use kinopt::skinning::{CageBinding, SkinningError};
 use support::random::Random;
 use support::skins::vector;
 
@@ -199,7 +199,7 @@ fn invalid_cages_and_points_are_rejected() {
     );
     assert_eq!(
         CageBinding::new(&open.unwrap(), &[]).unwrap_err(),
-        CageError::NotClosed
+        SkinningError::NotClosed
     );
     let flat = TriangleMesh::new(
         vec![Vec3::ZERO, Vec3::X, Vec3::Y],
@@ -212,11 +212,11 @@ fn invalid_cages_and_points_are_rejected() {
     let squashed = TriangleMesh::new(squashed, vec![], cage.triangles().to_vec()).unwrap();
     assert!(matches!(
         CageBinding::new(&squashed, &[]).unwrap_err(),
-        CageError::FlatTriangle { .. }
+        SkinningError::FlatTriangle { .. }
     ));
     assert_eq!(
         CageBinding::new(&cage, &[Vec3::ZERO, Vec3::NAN]).unwrap_err(),
-        CageError::NonFinitePoint { point: 1 }
+        SkinningError::NonFinitePoint { point: 1 }
     );
     let binding = CageBinding::new(&cage, &[Vec3::ZERO]).unwrap();
     assert_eq!(binding.coordinates(1), None);

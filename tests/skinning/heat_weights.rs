@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec3};
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, HeatWeights, SkinWeights};
+use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningError};
 use nalgebra::{DMatrix, DVector};
 use support::random::Random;
 use support::skins::{closed_tube, steepest};
@@ -385,18 +385,18 @@ fn invalid_bones_and_heat_are_rejected() {
     let options = HeatWeights::default();
     assert_eq!(
         options.for_segments(&mesh, &[]).unwrap_err(),
-        AutomaticWeightsError::NoBones
+        SkinningError::NoBones
     );
     let mut broken = bones();
     broken[2][1].z = f64::INFINITY;
     assert_eq!(
         options.for_segments(&mesh, &broken).unwrap_err(),
-        AutomaticWeightsError::NonFiniteBone { bone: 2 }
+        SkinningError::NonFiniteBone { bone: 2 }
     );
     for heat in [0.0, -1.0, f64::INFINITY] {
         let mut options = options;
         options.heat = heat;
         let refused = options.for_segments(&mesh, &bones());
-        assert_eq!(refused.unwrap_err(), AutomaticWeightsError::Heat(heat));
+        assert_eq!(refused.unwrap_err(), SkinningError::Heat(heat));
     }
 }

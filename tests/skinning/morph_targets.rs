@@ -7,7 +7,7 @@ use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip, Cursor, Easing, Playback};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{
-    Deformation, LinearBlend, MorphError, MorphTarget, MorphTargets, SkinWeights,
+    Deformation, LinearBlend, MorphTarget, MorphTargets, SkinWeights, SkinningError,
 };
 use support::random::Random;
 
@@ -189,7 +189,7 @@ fn invalid_targets_are_rejected_by_name() {
             vec![],
         )
     };
-    let text = |error: MorphError| error.to_string();
+    let text = |error: SkinningError| error.to_string();
     let error = text(one(&[0, 1], &[Vec3::X], &[]).unwrap_err());
     assert_eq!(error, "target `t`: 1 position deltas for 2 vertices");
     let error = text(one(&[0, 1], &[], &[]).unwrap_err());
@@ -198,15 +198,20 @@ fn invalid_targets_are_rejected_by_name() {
     assert_eq!(error, "target `t`: 2 normal deltas for 1 vertices");
     for vertices in [[1, 1], [1, 0]] {
         let error = one(&vertices, &[Vec3::X; 2], &[]).unwrap_err();
-        assert!(matches!(error, MorphError::Order { vertex, .. } if vertex == vertices[1]));
+        assert!(
+            matches!(error, SkinningError::TargetOrder { vertex, .. } if vertex == vertices[1])
+        );
     }
     let error = one(&[4], &[Vec3::NAN], &[]).unwrap_err();
-    assert!(matches!(error, MorphError::NonFinite { vertex: 4, .. }));
+    assert!(matches!(
+        error,
+        SkinningError::NonFiniteDelta { vertex: 4, .. }
+    ));
     let target = one(&[4], &[Vec3::X], &[]).unwrap();
     let error = MorphTargets::new(4, vec![target.clone()]).unwrap_err();
     assert!(matches!(
         error,
-        MorphError::VertexOutOfRange {
+        SkinningError::TargetVertexOutOfRange {
             vertex: 4,
             vertices: 4,
             ..
@@ -217,7 +222,7 @@ fn invalid_targets_are_rejected_by_name() {
     let error = MorphTarget::between("t", &small, &large, 0.0).unwrap_err();
     assert!(matches!(
         error,
-        MorphError::ShapeCount {
+        SkinningError::TargetShapeCount {
             given: 4,
             vertices: 3,
             ..
@@ -233,7 +238,7 @@ fn invalid_targets_are_rejected_by_name() {
     let error = targets
         .apply(&[f32::NAN], &mut positions, &mut [], &mut [])
         .unwrap_err();
-    assert!(matches!(error, MorphError::NonFiniteWeight { .. }));
+    assert!(matches!(error, SkinningError::NonFiniteTargetWeight { .. }));
     let error = targets
         .apply(&[1.0], &mut positions, &mut [Vec3::X; 4], &mut [])
         .unwrap_err();

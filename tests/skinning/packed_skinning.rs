@@ -5,7 +5,7 @@
 use glam::{Affine3A, Vec3, Vec4};
 use kinopt::skinning::{
     Deformation, DualQuaternionBlend, LinearBlend, MeshWeights, PackedDualQuaternionBlend,
-    PackedLinearBlend, PackedWeights, SkinWeights, SkinningError, SkinningMethod, WeightsError,
+    PackedLinearBlend, PackedWeights, SkinWeights, SkinningError, SkinningMethod,
 };
 use support::random::Random;
 use support::skins::{Vertices, rigid, stretching, weights};
@@ -157,7 +157,7 @@ fn excess_influences_and_bad_poses_are_rejected() {
     let six = weights(&mut random, 12, BONES, 6);
     assert_eq!(
         PackedWeights::new(&six).unwrap_err(),
-        WeightsError::TooManyInfluences {
+        SkinningError::TooManyInfluences {
             vertex: 4,
             influences: 5
         }
@@ -174,7 +174,7 @@ fn excess_influences_and_bad_poses_are_rejected() {
     builder.add(0, 65_536, 1.0).unwrap();
     assert_eq!(
         PackedWeights::new(&builder.build().unwrap()).unwrap_err(),
-        WeightsError::TooManyBones { bones: 65_537 }
+        SkinningError::TooManyBones { bones: 65_537 }
     );
 
     let still = vec![Affine3A::IDENTITY; BONES];

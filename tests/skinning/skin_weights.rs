@@ -2,7 +2,7 @@
 //! report.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::skinning::{Influence, Pruning, SkinWeights, WeightRepair, WeightsError};
+use kinopt::skinning::{Influence, Pruning, SkinWeights, SkinningError, WeightRepair};
 use nalgebra::dmatrix;
 
 #[test]
@@ -55,7 +55,7 @@ fn invalid_weights_are_rejected_by_name() {
     let mut builder = SkinWeights::builder(2, 3);
     assert_eq!(
         builder.add(1, 3, 0.5),
-        Err(WeightsError::BoneOutOfRange {
+        Err(SkinningError::BoneOutOfRange {
             vertex: 1,
             bone: 3,
             bones: 3
@@ -63,14 +63,14 @@ fn invalid_weights_are_rejected_by_name() {
     );
     assert_eq!(
         builder.add(2, 0, 0.5),
-        Err(WeightsError::VertexOutOfRange {
+        Err(SkinningError::VertexOutOfRange {
             vertex: 2,
             vertices: 2
         })
     );
     assert!(matches!(
         builder.add(0, 0, f64::NAN),
-        Err(WeightsError::NonFinite {
+        Err(SkinningError::NonFiniteWeight {
             vertex: 0,
             bone: 0,
             ..
@@ -80,7 +80,7 @@ fn invalid_weights_are_rejected_by_name() {
     builder.add(0, 1, 1.0).unwrap();
     assert_eq!(
         builder.clone().build(),
-        Err(WeightsError::Sum {
+        Err(SkinningError::WeightSum {
             vertex: 1,
             sum: 0.0
         })
@@ -91,11 +91,14 @@ fn invalid_weights_are_rejected_by_name() {
     builder.add(1, 1, 0.5).unwrap();
     assert_eq!(
         builder.build(),
-        Err(WeightsError::Duplicate { vertex: 1, bone: 1 })
+        Err(SkinningError::DuplicateWeight { vertex: 1, bone: 1 })
     );
 
     let overflow = SkinWeights::from_table(&dmatrix![f64::MAX, f64::MAX, -f64::MAX]);
-    assert!(matches!(overflow, Err(WeightsError::Sum { vertex: 0, .. })));
+    assert!(matches!(
+        overflow,
+        Err(SkinningError::WeightSum { vertex: 0, .. })
+    ));
 }
 
 #[test]
@@ -104,7 +107,7 @@ fn huge_vertex_count_allocates_nothing() {
     builder.add(0, 0, 1.0).unwrap();
     assert_eq!(
         builder.build(),
-        Err(WeightsError::Sum {
+        Err(SkinningError::WeightSum {
             vertex: 1,
             sum: 0.0
         })
@@ -121,7 +124,7 @@ fn negative_weight_is_rejected_or_repaired() {
     builder.add(2, 1, 1.0).unwrap();
     assert_eq!(
         builder.clone().build(),
-        Err(WeightsError::Negative {
+        Err(SkinningError::NegativeWeight {
             vertex: 0,
             bone: 1,
             weight: -0.25
@@ -144,7 +147,7 @@ fn negative_weight_is_rejected_or_repaired() {
     nothing.add(0, 1, -1.0).unwrap();
     assert_eq!(
         nothing.build_repaired().unwrap_err(),
-        WeightsError::Sum {
+        SkinningError::WeightSum {
             vertex: 0,
             sum: 0.0
         }

@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{
-    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
-    SolveError,
+    DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative, SolveError,
 };
 use kinopt::kinematics::frame_jacobian;
 use kinopt::model::{BallLimits, FrameId, Limits, Model};
@@ -299,10 +298,10 @@ fn foreign_input_is_rejected() {
     let mut parameters = derivative.parameters();
     let length = derivative.gradient(&[1.0], &mut parameters).unwrap_err();
     let (given, expected) = (1, 2);
-    assert_eq!(length, DerivativeError::Length { given, expected });
+    assert_eq!(length, SolveError::VelocityLength { given, expected });
     let mut foreign = parameters.clone().with_joint_origins(2);
     let refused = derivative.gradient(&[1.0, 0.0], &mut foreign).unwrap_err();
-    assert_eq!(refused, DerivativeError::ForeignParameters);
+    assert_eq!(refused, SolveError::ForeignParameters);
     assert!(derivative.by_target(1).is_err());
     assert!(derivative.with_joint_origins(&other).is_err());
 }

@@ -7,9 +7,9 @@ use std::ops::Range;
 use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
-use kinopt::skeleton::{Bone, Skeleton, SkeletonError};
+use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::solver::{
-    LeastSquares, Outcome, SearchError, Silent, SolverState, Stopping, Termination, minimise,
+    LeastSquares, Outcome, Silent, SolveError, SolverState, Stopping, Termination, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Inequality, LocalJacobian, Point, Quantity, Residual, RowBlock};
@@ -97,7 +97,7 @@ impl LeastSquares for Shifted {
     }
 }
 
-type Ends = Vec<Result<(Outcome, Vec<f64>), SearchError>>;
+type Ends = Vec<Result<(Outcome, Vec<f64>), SolveError>>;
 
 fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Ends {
     let mut ends = Vec::new();
@@ -209,7 +209,7 @@ fn bones_of_another_skeleton_are_rejected() {
     let two = Skeleton::new("two", vec![bone("a", None), bone("b", None)]).unwrap();
     let foreign = two.bone("b").unwrap();
     let pose = one.pose(&[0.0; 3]).unwrap();
-    let refused = SkeletonError::ForeignBone { bone: 1, bones: 1 };
+    let refused = ModelError::ForeignBone { bone: 1, bones: 1 };
     assert_eq!(pose.tail(foreign).unwrap_err(), refused);
     assert_eq!(pose.tip(&one, foreign).unwrap_err(), refused);
     assert_eq!(pose.tip(&two, foreign).unwrap_err(), refused);

@@ -4,7 +4,7 @@
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointId, ModelError};
-use kinopt::robot::{Robot, ToolError};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 
 fn names(robot: &Robot, joints: &[JointId]) -> Vec<String> {
@@ -101,15 +101,15 @@ fn invalid_tools_are_errors() {
     let put = |name, link, placement| robot.clone().with_tool(name, link, placement).unwrap_err();
     assert!(matches!(
         put("tool", "hand", Placement::identity()),
-        ToolError::UnknownLink(_)
+        ModelError::UnknownName(_)
     ));
     assert!(matches!(
         put("flange", "flange", Placement::identity()),
-        ToolError::Model(ModelError::DuplicateName { .. })
+        ModelError::DuplicateName { .. }
     ));
     let invalid = Placement::translation(Vector3::new(f64::NAN, 0.0, 0.0));
     assert!(matches!(
         put("tool", "flange", invalid),
-        ToolError::Model(ModelError::BadPlacement { .. })
+        ModelError::BadPlacement { .. }
     ));
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kinopt::animation::{
-    Armature as Bones, Channel, ChannelError, Clip as Motion, Cursor, KeyTolerance, Pose as Locals,
+    Armature as Bones, Channel, Clip as Motion, ClipError, Cursor, KeyTolerance, Pose as Locals,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -46,7 +46,7 @@ impl Clip {
     fn changed(
         &self,
         py: Python<'_>,
-        change: impl Fn(&Motion, &Bones) -> Result<Motion, ChannelError> + Sync,
+        change: impl Fn(&Motion, &Bones) -> Result<Motion, ClipError> + Sync,
     ) -> PyResult<Self> {
         let clip = py
             .detach(|| change(&self.inner, &self.armature))

@@ -1,9 +1,7 @@
 //! Automatic skin weights: by distance, and by bone heat.
 
 use kinopt::glam::DVec3;
-use kinopt::skinning::{
-    AutomaticWeights as ByDistance, AutomaticWeightsError, HeatWeights as ByHeat,
-};
+use kinopt::skinning::{AutomaticWeights as ByDistance, HeatWeights as ByHeat, SkinningError};
 use numpy::ndarray::Ix3;
 use pyo3::prelude::*;
 
@@ -55,7 +53,7 @@ fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
 /// Computes weights without the GIL.
 fn compute_weights(
     py: Python<'_>,
-    make: impl FnOnce() -> Result<kinopt::skinning::SkinWeights, AutomaticWeightsError> + Send,
+    make: impl FnOnce() -> Result<kinopt::skinning::SkinWeights, SkinningError> + Send,
 ) -> PyResult<SkinWeights> {
     py.detach(make).or_raise().map(SkinWeights::from)
 }

@@ -50,9 +50,11 @@ mod affine;
 mod blend;
 pub(crate) mod clip;
 mod clip_edits;
+mod clip_error;
 mod crowd;
 mod euler_clip;
 mod ik_layer;
+mod layer_error;
 mod pose;
 pub mod rotation;
 mod state_machine;
@@ -60,18 +62,18 @@ mod state_machine;
 pub use affine::{
     Decomposition, NotFinite, PlaneDecomposition, interpolate_affine, interpolate_plane_affine,
 };
-pub use blend::{BlendError, BoneMask, Layer, LayerMode, MaskError, blend_poses};
+pub use blend::{BoneMask, Layer, LayerMode, blend_poses};
 pub use clip::{
-    Channel, ChannelError, Clip, ClipBuilder, ClipNameError, Cursor, EulerCurve, Event, Fired,
-    Passage, Playback, Playhead, Property,
+    Channel, Clip, ClipBuilder, Cursor, EulerCurve, Event, Fired, Passage, Playback, Playhead,
+    Property,
 };
 pub use clip_edits::{KeyTolerance, RootMotion};
+pub use clip_error::ClipError;
 pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};
-pub use euler_clip::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, SampleError};
+pub use euler_clip::{EulerClip, EulerInterpolation, EulerKey, EulerTrack};
 pub use ik_layer::{
-    Aim, AimError, AimGoal, BallPoseMap, EndRotation, EulerPoseMap, Limb, LimbError, LimbGoal,
-    NoEffector, ReachError, ReachLayer,
+    Aim, AimGoal, BallPoseMap, EndRotation, EulerPoseMap, Limb, LimbGoal, NoEffector, ReachLayer,
 };
 #[doc(hidden)]
 pub use ik_layer::{Corrected, ShearCorrection};
@@ -79,14 +81,11 @@ pub use ik_layer::{Corrected, ShearCorrection};
 pub use ik_layer::{bone_angles, bone_rotation};
 pub use kinopt_kinematics::SizeMismatch;
 pub use kinopt_kinematics::curve;
-pub use pose::{
-    Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, ScaleNote,
-};
-#[doc(hidden)]
-pub use pose::{Mirror, Stretch};
+pub use layer_error::LayerError;
+pub use pose::{Armature, ArmatureBone, LocalTransform, Pose, ScaleNote};
+pub(crate) use pose::{Mirror, Stretch};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
-    ParameterDefault, ParameterError, ParameterValue, StateDefinition, StateEvent, StateMachine,
-    StateMachineDefinition, StateMachineError, StateMachineProblem, StateMachineRun,
-    TransitionDefinition, TriggerWord,
+    ParameterDefault, ParameterValue, StateDefinition, StateEvent, StateMachine,
+    StateMachineDefinition, StateMachineError, StateMachineRun, TransitionDefinition, TriggerWord,
 };

@@ -6,11 +6,13 @@
 
 pub mod bvh;
 pub mod cones;
+mod format_error;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod rig;
 pub mod state_machine;
 
+pub use format_error::FormatError;
 pub use kinopt_kinematics::file::{Place, ReadError, ReadProblem, WriteError};
 pub use kinopt_kinematics::file_access::FileAccess;
 pub use kinopt_kinematics::file_replacement::write_file;
@@ -18,12 +20,12 @@ pub use kinopt_mesh::dmat;
 pub use kinopt_mesh::obj;
 pub use kinopt_mesh::ply;
 
-use crate::skinning::WeightsError;
+use crate::skinning::SkinningError;
 use kinopt_kinematics::file::{MAX_FILE_BYTES, read_with};
 use kinopt_kinematics::file_replacement::write_files;
 
-impl From<WeightsError> for ReadProblem {
-    fn from(error: WeightsError) -> Self {
+impl From<SkinningError> for ReadProblem {
+    fn from(error: SkinningError) -> Self {
         Self::invalid(error)
     }
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::ROW_SUM_TOLERANCE;
+use crate::skinning::SkinningError;
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_mesh::mesh::TriangleMesh;
@@ -23,7 +24,7 @@ use kinopt_mesh::mesh::TriangleMesh;
 /// let mut face = vec![Vec3::ZERO; 2];
 /// shapes.blend(&[0.75, 0.25], &mut face)?;
 /// assert_eq!(face, [Vec3::new(0.0, 0.25, 0.0), Vec3::X]);
-/// # Ok::<(), kinopt::skinning::BlendShapesError>(())
+/// # Ok::<(), kinopt::skinning::SkinningError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlendShapes {
@@ -32,82 +33,22 @@ pub struct BlendShapes {
     vertex_count: usize,
 }
 
-/// Error of key shapes or their weights.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BlendShapesError {
-    /// There are no shapes.
-    #[error("there are no shapes")]
-    Empty,
-    /// Two shapes have the same name.
-    #[error("the shape name `{shape}` is used twice")]
-    DuplicateName {
-        /// Name of the shape.
-        shape: String,
-    },
-    /// A shape has a different number of vertices from the first.
-    #[error("shape `{shape}`: {given} vertices, but the first shape has {vertices}")]
-    ShapeCount {
-        /// Name of the shape.
-        shape: String,
-        /// Number of vertices of the shape.
-        given: usize,
-        /// Number of vertices of the first shape.
-        vertices: usize,
-    },
-    /// A position is NaN or infinite.
-    #[error("shape `{shape}`, vertex {vertex}: the position is not finite")]
-    NonFinite {
-        /// Name of the shape.
-        shape: String,
-        /// Index of the vertex, from 0.
-        vertex: usize,
-    },
-    /// The number of weights differs from the number of shapes.
-    #[error("{given} weights for {shapes} shapes: {names}")]
-    WeightCount {
-        /// Number of weights.
-        given: usize,
-        /// Number of shapes.
-        shapes: usize,
-        /// Names of the shapes.
-        names: String,
-    },
-    /// A weight is NaN or infinite.
-    #[error("shape `{shape}`: the weight {weight} is not finite")]
-    NonFiniteWeight {
-        /// Name of the shape.
-        shape: String,
-        /// The weight.
-        weight: f32,
-    },
-    /// The weights do not sum to 1, so a blend of equal shapes would differ from them.
-    #[error("the weights sum to {sum}, not to 1 within {ROW_SUM_TOLERANCE:e}")]
-    WeightSum {
-        /// Sum of the weights.
-        sum: f64,
-    },
-    /// A buffer has a different length from the shapes.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-}
-
 impl BlendShapes {
     /// Creates key shapes from names and vertex positions in the model's unit.
     ///
     /// # Errors
     /// There are no shapes, a name is used twice, vertex counts differ, or a position is not finite.
-    pub fn new(shapes: Vec<(String, Vec<Vec3>)>) -> Result<Self, BlendShapesError> {
+    pub fn new(shapes: Vec<(String, Vec<Vec3>)>) -> Result<Self, SkinningError> {
         let (names, shapes): (Vec<String>, Vec<Vec<Vec3>>) = shapes.into_iter().unzip();
-        let vertex_count = shapes.first().ok_or(BlendShapesError::Empty)?.len();
+        let vertex_count = shapes.first().ok_or(SkinningError::NoShapes)?.len();
         let mut seen = std::collections::BTreeSet::new();
         for (name, positions) in names.iter().zip(&shapes) {
             let shape = || name.clone();
             if !seen.insert(name) {
-                return Err(BlendShapesError::DuplicateName { shape: shape() });
+                return Err(SkinningError::DuplicateShape { shape: shape() });
             }
             if positions.len() != vertex_count {
-                return Err(BlendShapesError::ShapeCount {
+                return Err(SkinningError::ShapeCount {
                     shape: shape(),
                     given: positions.len(),
                     vertices: vertex_count,
@@ -115,7 +56,7 @@ impl BlendShapes {
             }
             if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
                 let shape = shape();
-                return Err(BlendShapesError::NonFinite { shape, vertex });
+                return Err(SkinningError::NonFiniteShape { shape, vertex });
             }
         }
         Ok(Self {
@@ -131,7 +72,7 @@ impl BlendShapes {
     /// As [`new`](Self::new).
     pub fn of_meshes<'a>(
         meshes: impl IntoIterator<Item = (&'a str, &'a TriangleMesh)>,
-    ) -> Result<Self, BlendShapesError> {
+    ) -> Result<Self, SkinningError> {
         let meshes = meshes.into_iter();
         let shapes = meshes.map(|(name, mesh)| (name.to_owned(), mesh.positions().to_vec()));
         Self::new(shapes.collect())
@@ -159,7 +100,7 @@ impl BlendShapes {
         &self,
         weights: &[f32],
         positions: &mut (impl Buffer<Vec3> + ?Sized),
-    ) -> Result<(), BlendShapesError> {
+    ) -> Result<(), SkinningError> {
         self.check(weights)?;
         let positions = positions.sized(self.vertex_count);
         SizeMismatch::check("positions", positions.len(), self.vertex_count)?;
@@ -173,9 +114,9 @@ impl BlendShapes {
         Ok(())
     }
 
-    fn check(&self, weights: &[f32]) -> Result<(), BlendShapesError> {
+    fn check(&self, weights: &[f32]) -> Result<(), SkinningError> {
         if weights.len() != self.names.len() {
-            return Err(BlendShapesError::WeightCount {
+            return Err(SkinningError::ShapeWeightCount {
                 given: weights.len(),
                 shapes: self.names.len(),
                 names: self.names.join(", "),
@@ -184,11 +125,11 @@ impl BlendShapes {
         let mut named = self.names.iter().zip(weights);
         if let Some((name, &weight)) = named.find(|(_, weight)| !weight.is_finite()) {
             let shape = name.clone();
-            return Err(BlendShapesError::NonFiniteWeight { shape, weight });
+            return Err(SkinningError::NonFiniteShapeWeight { shape, weight });
         }
         let sum: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
         if (sum - 1.0).abs() > ROW_SUM_TOLERANCE {
-            return Err(BlendShapesError::WeightSum { sum });
+            return Err(SkinningError::ShapeWeightSum { sum });
         }
         Ok(())
     }

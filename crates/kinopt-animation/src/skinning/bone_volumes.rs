@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{Influence, SkinWeights};
+use crate::skinning::SkinningError;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::spatial::Vector3;
 use kinopt_mesh::mesh::TriangleMesh;
@@ -21,18 +22,6 @@ pub struct BoneVolume {
     pub centre: Vector3<f64>,
 }
 
-/// Error of computing volumes.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum VolumeError {
-    /// The number of weights differs from the number of vertices.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-    /// The mesh has holes or no inside.
-    #[error("the mesh must be closed and enclose a volume")]
-    Open,
-}
-
 /// Distributes the volume inside a closed mesh over its bones.
 ///
 /// A grid of columns, 256 across the widest side, passes through the mesh along its narrowest side. Between entry and
@@ -44,10 +33,10 @@ pub enum VolumeError {
 pub fn bone_volumes(
     mesh: &TriangleMesh,
     weights: &SkinWeights,
-) -> Result<Vec<BoneVolume>, VolumeError> {
+) -> Result<Vec<BoneVolume>, SkinningError> {
     SizeMismatch::check("weights", weights.vertex_count(), mesh.positions().len())?;
     let Some([low, high]) = mesh.bounding_box() else {
-        return Err(VolumeError::Open);
+        return Err(SkinningError::OpenMesh);
     };
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let grid = Grid::over(low, high - low);
@@ -76,7 +65,7 @@ pub fn bone_volumes(
     }
     let total_volume: f64 = sums.iter().map(|(volume, _)| volume).sum();
     if open as f64 > MAX_OPEN_FRACTION * columns as f64 || total_volume <= 0.0 {
-        return Err(VolumeError::Open);
+        return Err(SkinningError::OpenMesh);
     }
     let volumes = sums.into_iter().map(|(volume, moment)| {
         let centre = match volume > 0.0 {

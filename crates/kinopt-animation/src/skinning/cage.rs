@@ -3,39 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use super::mean_value::mean_value_coordinates;
+use crate::skinning::SkinningError;
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_mesh::mesh::TriangleMesh;
-
-/// Error of a cage or its use.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CageError {
-    /// The triangles do not bound a solid: an edge has no neighbour, or there are no triangles.
-    #[error("the cage is not closed: every edge must be used once in each direction")]
-    NotClosed,
-    /// A triangle has no area.
-    #[error("the cage's triangle {triangle} has no area")]
-    FlatTriangle {
-        /// Index of the triangle, from 0.
-        triangle: usize,
-    },
-    /// A point is NaN or infinite.
-    #[error("point {point} is not finite")]
-    NonFinitePoint {
-        /// Index of the point, from 0.
-        point: usize,
-    },
-    /// The weights of a point sum to zero, so it has no coordinates. This occurs outside cages only.
-    #[error("point {point} is outside the cage")]
-    NoCoordinates {
-        /// Index of the point, from 0.
-        point: usize,
-    },
-    /// The number of corners differs from that of the cage, or the number of positions from that of the points.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-}
 
 /// Points bound to a closed triangle cage by mean-value coordinates.
 ///
@@ -58,9 +29,9 @@ impl CageBinding {
     ///
     /// # Errors
     /// The cage is not closed or has a triangle without area. Also a point that is not finite or has no coordinates.
-    pub fn new(cage: &TriangleMesh, points: &[Vec3]) -> Result<Self, CageError> {
+    pub fn new(cage: &TriangleMesh, points: &[Vec3]) -> Result<Self, SkinningError> {
         if !cage.is_closed() {
-            return Err(CageError::NotClosed);
+            return Err(SkinningError::NotClosed);
         }
         let corners: Vec<DVec3> = cage.positions().iter().map(|c| c.as_dvec3()).collect();
         let size = cage.size();
@@ -68,18 +39,18 @@ impl CageBinding {
             // Indices of a mesh are in range.
             let [a, b, c] = [a, b, c].map(|corner| corners[corner as usize]);
             if (b - a).cross(c - a).length() <= 1e-12 * size * size {
-                return Err(CageError::FlatTriangle { triangle });
+                return Err(SkinningError::FlatTriangle { triangle });
             }
         }
         let mut coordinates = Vec::with_capacity(points.len() * corners.len());
         let mut row = vec![0.0; corners.len()];
         for (point, position) in points.iter().enumerate() {
             if !position.is_finite() {
-                return Err(CageError::NonFinitePoint { point });
+                return Err(SkinningError::NonFinitePoint { point });
             }
             let (triangles, at) = (cage.triangles(), position.as_dvec3());
             if !mean_value_coordinates(&corners, triangles, size, at, &mut row) {
-                return Err(CageError::NoCoordinates { point });
+                return Err(SkinningError::NoCoordinates { point });
             }
             coordinates.extend(row.iter().map(|&coordinate| coordinate as f32));
         }
@@ -113,7 +84,7 @@ impl CageBinding {
         &self,
         cage: &[Vec3],
         posed: &mut (impl Buffer<Vec3> + ?Sized),
-    ) -> Result<(), CageError> {
+    ) -> Result<(), SkinningError> {
         let posed = posed.sized(self.points);
         SizeMismatch::check("cage corners", cage.len(), self.corners)?;
         SizeMismatch::check("posed points", posed.len(), self.points)?;

@@ -35,14 +35,14 @@ mod twisted_tube;
 mod vertices;
 mod weights;
 
+pub use automatic_weights::AutomaticWeights;
 #[cfg(feature = "heat")]
 pub use automatic_weights::HeatWeights;
-pub use automatic_weights::{AutomaticWeights, AutomaticWeightsError};
-pub use blend_shapes::{BlendShapes, BlendShapesError};
+pub use blend_shapes::BlendShapes;
 pub use bone_transform::single_precision_transform;
-pub use bone_volumes::{BoneVolume, VolumeError, bone_volumes};
+pub use bone_volumes::{BoneVolume, bone_volumes};
 pub use bounds::BoneBoxes;
-pub use cage::{CageBinding, CageError};
+pub use cage::CageBinding;
 pub use deformation::Deformation;
 pub use dual_quaternion::DualQuaternion;
 pub use dual_quaternion_blend::DualQuaternionBlend;
@@ -50,13 +50,12 @@ pub use error::SkinningError;
 pub use linear_blend::LinearBlend;
 pub use mesh_weights::MeshWeights;
 pub use method::{SkinningMethod, UnknownSkinning};
-pub use morph::{MorphError, MorphTarget, MorphTargets};
+pub use morph::{MorphTarget, MorphTargets};
 pub use packed::{PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights};
 pub use point_handles::PointHandle;
 pub use pruning::Pruning;
 pub use twisted_tube::TwistedTube;
 pub use vertices::{PosedVertices, RestVertices};
 pub use weights::{
-    Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder,
-    WeightRepair, WeightsError,
+    Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder, WeightRepair,
 };

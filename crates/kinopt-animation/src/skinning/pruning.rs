@@ -1,6 +1,7 @@
 //! Pruning of skin weights to fewer influences per vertex.
 
-use super::{Influence, SkinWeights, WeightsError};
+use super::{Influence, SkinWeights};
+use crate::skinning::SkinningError;
 
 /// Loss of [`SkinWeights::pruned`]. Weights are between 0 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,10 +19,10 @@ impl SkinWeights {
     /// keeps those of the lowest bones. Vertices with fewer influences do not change.
     ///
     /// # Errors
-    /// [`WeightsError::NoneKept`] for a `most` of 0.
-    pub fn pruned(&self, most: usize) -> Result<(Self, Pruning), WeightsError> {
+    /// [`SkinningError::NoInfluences`] for a `most` of 0.
+    pub fn pruned(&self, most: usize) -> Result<(Self, Pruning), SkinningError> {
         if most == 0 {
-            return Err(WeightsError::NoneKept);
+            return Err(SkinningError::NoInfluences);
         }
         let mut pruning = Pruning::default();
         let (mut rows, mut removed_sum) = (Vec::with_capacity(self.vertex_count()), 0.0);

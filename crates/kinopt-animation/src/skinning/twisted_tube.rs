@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
-use super::{SkinWeights, WeightsError};
+use super::SkinWeights;
+use crate::skinning::SkinningError;
 use kinopt_kinematics::scalar::elementary;
 use kinopt_mesh::mesh::{MeshError, TriangleMesh};
 
@@ -84,7 +85,7 @@ impl TwistedTube {
     ///
     /// # Errors
     /// The blended share is not finite.
-    pub fn weights(&self) -> Result<SkinWeights, WeightsError> {
+    pub fn weights(&self) -> Result<SkinWeights, SkinningError> {
         let (sides, rings) = (self.sides.max(3), self.rings.max(2));
         let on_rings = (0..rings).flat_map(|ring| (0..sides).map(move |_| ring));
         let vertices = on_rings.chain([0, rings - 1]);

@@ -1,4 +1,4 @@
-//! Arm and its single queries.
+//! Arm: its joints, kinematics and workspaces.
 
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -10,11 +10,12 @@ use super::seed_table::SeedTable;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
-use crate::simd_ik::PoseSolver;
+use crate::simd_ik::{LaneOptions, PoseSolver};
+use kinopt_kinematics::Buffer;
 use kinopt_kinematics::clock::Instant;
-use kinopt_kinematics::model::{JointId, Limits};
+use kinopt_kinematics::kinematics::{ForwardKinematics, Jacobian};
+use kinopt_kinematics::model::{JointId, Limits, Source};
 use kinopt_kinematics::spatial::Placement;
-use kinopt_solver::ik::Solution;
 use kinopt_solver::problem::ReportNames;
 
 /// Inverse kinematics of the tool of a robot arm. It is immutable, `Send` and `Sync`: share it between threads.
@@ -41,7 +42,8 @@ pub struct Arm {
     pub(super) seeds: OnceLock<SeedTable>,
     /// Collision avoidance, if the arm has a checker.
     #[cfg(feature = "collision")]
-    pub(super) collisions: Option<std::sync::Arc<super::collision_avoidance::CollisionAvoidance>>,
+    pub(super) collisions:
+        Option<std::sync::Arc<super::collision_avoidance::avoidance::CollisionAvoidance>>,
     workspaces: Workspaces,
 }
 
@@ -91,12 +93,10 @@ impl Arm {
     }
 
     /// The same arm with another chain and other options, which leave joints and names as they are.
-    pub(super) fn changed(
-        &self,
-        serial: Serial,
-        options: Options,
-        simd_solver: Option<PoseSolver>,
-    ) -> Result<Self, ArmError> {
+    ///
+    /// The seed atlas is shared.
+    pub(super) fn changed(&self, serial: Serial, options: Options) -> Result<Self, ArmError> {
+        let simd_solver = self.simd_solver_for(&serial, &options)?;
         let (coordinates, rates) = (self.coordinates.clone(), self.rates.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
@@ -105,6 +105,24 @@ impl Arm {
             default_start: self.default_start.clone(),
             ..changed
         })
+    }
+
+    /// SIMD solver for another chain and other options, which shares the seed atlas.
+    fn simd_solver_for(
+        &self,
+        serial: &Serial,
+        options: &Options,
+    ) -> Result<Option<PoseSolver>, ArmError> {
+        let simd_solver = self.simd_solver.as_ref().zip(serial.chain.as_ref());
+        let simd_solver = simd_solver.map(|(simd_solver, chain)| {
+            let lane_options = LaneOptions {
+                metres_per_radian: options.metres_per_radian,
+                axes: options.goal.into(),
+                ..simd_solver.options().clone()
+            };
+            simd_solver.retargeted(chain, lane_options)
+        });
+        Ok(simd_solver.transpose()?)
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.
@@ -149,6 +167,36 @@ impl Arm {
             .map(|(&lower, &upper)| Limits::new(lower, upper))
     }
 
+    /// Velocity limits of the free joints from the robot's file, base to tip, rad/s or m/s; infinite for none.
+    ///
+    /// The limits of mimic joints count for the joint that drives them.
+    #[must_use]
+    pub fn velocity_limits(&self) -> &[f64] {
+        &self.rates.velocity
+    }
+
+    /// Default start configuration: one number per free joint, base to tip, radians or metres.
+    ///
+    /// It is the middle of each joint's limits, or the value closest to 0 for a joint without a limit on one side. With
+    /// [`with_srdf`](Self::with_srdf) it is the state `ready` or `home`. The middle is far from the limits and from the
+    /// singularities of a stretched arm.
+    ///
+    /// ```
+    /// # use kinopt::arm::Arm;
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/franka_panda.urdf")?;
+    /// let arm = Arm::new(&robot, "base", "hand")?;
+    /// let start = arm.default_start();
+    /// assert!(start[3] < -1.4, "the elbow is bent");
+    /// let target = arm.base_from_tool(&[0.3, -0.4, 0.2, -1.9, 0.1, 1.6, 0.5])?;
+    /// assert!(arm.solve(target, start)?.reached);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn default_start(&self) -> &[f64] {
+        &self.default_start
+    }
+
     /// Pose of the tool in the base frame at a configuration.
     ///
     /// # Errors
@@ -162,42 +210,75 @@ impl Arm {
         self.with_workspace(|workspace| workspace.base_from_tool(&self.serial, q))
     }
 
-    /// Solves for one target from one start. A start outside the limits is clamped to them.
+    /// Writes the arm's joint values into a configuration of the source model (shape: its degrees of freedom).
     ///
-    /// If the target is not reached, the result is the closest pose reached from the start. An arm that searches
-    /// [globally](super::ArmBuilder::with_global_search_on_miss) or for the [first](super::Search::First) solution
-    /// returns the best of all attempts instead.
+    /// Also writes the locked joints between base and tip, and the mimic joints of the arm's joints. Other values stay
+    /// unchanged.
     ///
     /// # Errors
-    /// Returns an error for a start of the wrong length or not finite, or a target that is not a rigid motion. An
-    /// unreachable target is not an error: see [`Solution::reached`] and [`Solution::explain`].
-    pub fn solve(
-        &self,
-        base_from_tool: impl Into<Placement<f64>>,
-        start: &[f64],
-    ) -> Result<Solution, QueryError> {
-        let mut solution = Solution::default();
-        self.solve_into(base_from_tool, start, &mut solution)?;
-        Ok(solution)
+    /// Returns an error for slices of the wrong length.
+    pub fn configuration(&self, q_arm: &[f64], q_model: &mut [f64]) -> Result<(), QueryError> {
+        self.check_lengths(q_arm, q_model)?;
+        for (coordinate, source, limits) in &self.coordinates.entries {
+            q_model[*coordinate] = match *source {
+                Source::Constant(value) => value,
+                source => limits.clamp(source.at(q_arm)),
+            };
+        }
+        Ok(())
     }
 
-    /// Solves as [`solve`](Self::solve) does, into an existing solution.
-    ///
-    /// After the first few queries nothing is allocated for a target that is reached.
+    /// Reads the arm's joint values from a configuration of the model, into a slice of that length or a `Vec`.
     ///
     /// # Errors
-    /// Returns the errors of [`solve`](Self::solve).
-    pub fn solve_into(
+    /// Returns an error for slices of the wrong length, and for joint values that are not finite.
+    pub fn joint_values(
         &self,
-        base_from_tool: impl Into<Placement<f64>>,
-        start: &[f64],
-        solution: &mut Solution,
+        q_model: &[f64],
+        q_arm: &mut (impl Buffer<f64> + ?Sized),
     ) -> Result<(), QueryError> {
-        let target = base_from_tool.into();
-        self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
-        self.solve_query(&self.query(&target, start), solution)?;
-        Ok(())
+        let q_arm = q_arm.sized(self.joint_count());
+        self.check_lengths(q_arm, q_model)?;
+        for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.joint_coordinates) {
+            *value = q_model[coordinate];
+        }
+        self.check_finite("q", q_arm)
+    }
+
+    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Result<(), QueryError> {
+        let degrees_of_freedom = self.coordinates.degrees_of_freedom;
+        self.check_length("q_arm", q_arm.len(), self.joint_count())?;
+        self.check_length("q_model", q_model.len(), degrees_of_freedom)
+    }
+
+    /// Compiles the tool's Jacobian: six rows, and one column per free joint, base to tip.
+    ///
+    /// The rows are the velocity of the tool's origin, m/s, and its angular velocity, rad/s, both in the base's axes. A
+    /// column includes the mimic joints of its joint.
+    ///
+    /// ```
+    /// # use kinopt::arm::Arm;
+    /// # use kinopt::robot::Robot;
+    /// let robot = Robot::read("models/franka_panda.urdf")?;
+    /// let arm = Arm::builder(&robot, "base", "flange").build()?;
+    /// let mut jacobian = arm.jacobian()?;
+    /// let j = jacobian.at(&[0.4, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])?;
+    /// assert_eq!(j.shape(), (6, 7));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// None in practice: the chain was compiled when the arm was built.
+    pub fn jacobian(&self) -> Result<Jacobian, QueryError> {
+        let serial = &self.serial;
+        let tool = [serial.tool];
+        let kinematics = ForwardKinematics::under(&serial.model, &serial.map, &tool)?;
+        Ok(Jacobian::new(kinematics))
+    }
+
+    /// Returns true if the goal may leave a null space.
+    pub(super) fn has_null_space(&self) -> bool {
+        self.joint_count() > self.options.goal.rows() || self.options.goal.has_bounds()
     }
 
     pub(super) fn deadline(&self) -> Option<Instant> {

@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::null_space::Factor;
-use super::redundancy::{NullSpaceStep, STEP_FRACTION};
+use super::redundancy::{NullSpaceStep, STEP_FRACTION, nominal_posture_from};
 use super::singularity_branch::SingularityBranch;
 use super::workspace::ArmWorkspace;
 
@@ -43,7 +43,7 @@ impl Branch {
     /// Branch of an arm that begins at `start`.
     pub(super) fn begin(arm: &Arm, start: &[f64]) -> Self {
         Self {
-            nominal_posture: arm.nominal_posture_from(start),
+            nominal_posture: nominal_posture_from(arm, start),
             singularity_branch: SingularityBranch::unknown(start),
             is_unreached: false,
             is_off_posture: false,
@@ -57,7 +57,7 @@ impl Branch {
 
     /// Sets the nominal posture to that of an arm that begins at `start`.
     pub(super) fn set_nominal_posture(&mut self, arm: &Arm, start: &[f64]) {
-        self.nominal_posture = arm.nominal_posture_from(start);
+        self.nominal_posture = nominal_posture_from(arm, start);
     }
 
     /// True if the arm is near a singularity, where branches meet.

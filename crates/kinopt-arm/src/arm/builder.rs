@@ -57,37 +57,19 @@ pub struct ArmBuilder<'m> {
     atlas: bool,
 }
 
-impl Arm {
-    /// Builds the arm from `base` to the frame `tip` with default options; see [`builder`](Self::builder) for others.
-    ///
-    /// # Errors
-    /// Returns the errors of [`ArmBuilder::build`].
-    pub fn new<'a>(
-        arm_model: &impl ArmModel,
-        base: impl Into<Base<'a>>,
-        tip: impl Into<FrameRef<'a>>,
-    ) -> Result<Self, ArmError> {
-        Self::builder(arm_model, base, tip).build()
-    }
-
-    /// Starts the builder of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
-    ///
-    /// Any two frames of the tree will do: the chain leads from the base up to the common ancestor and down to the tip.
-    pub fn builder<'m, 'a>(
-        arm_model: &'m impl ArmModel,
-        base: impl Into<Base<'a>>,
-        tip: impl Into<FrameRef<'a>>,
-    ) -> ArmBuilder<'m> {
+impl<'m> ArmBuilder<'m> {
+    /// Builder with default options.
+    pub(super) fn new(arm_model: &'m impl ArmModel, base: Base<'_>, tip: FrameRef<'_>) -> Self {
         let model = arm_model.model();
-        ArmBuilder {
+        Self {
             model,
             mimic_joints: arm_model.followers(),
             rates: RateLimits::of(arm_model),
-            base: match base.into() {
+            base: match base {
                 Base::World => Ok(None),
                 Base::Frame(frame) => frame.resolve(model).map(Some),
             },
-            tip: tip.into().resolve(model),
+            tip: tip.resolve(model),
             unknown_joint: None,
             tip_from_tool: Placement::identity(),
             locked: Vec::new(),

@@ -2,7 +2,10 @@
 
 use super::QueryError;
 use super::arm::Arm;
-use super::dispatch::Query;
+use super::distances::pose_distance;
+use super::general_solver::append_general_attempts;
+use super::move_bounds::bound_by_limits;
+use super::query::Query;
 use crate::simd_ik::{Attempts, Prefer, Work};
 use kinopt_kinematics::buffer::refill;
 use kinopt_kinematics::model::Source;
@@ -44,7 +47,7 @@ impl Arm {
             let queries = targets.iter().zip(starts.chunks_exact(n));
             let ends = ends.q.chunks_exact_mut(n).zip(&mut ends.outcomes);
             for ((target, start), (q, outcome)) in queries.zip(ends) {
-                self.run_general_attempts(target, start, 0, 1, |end, result| {
+                run_general_attempts(self, target, start, 0, 1, |end, result| {
                     q.copy_from_slice(end);
                     *outcome = *result;
                 })?;
@@ -118,36 +121,9 @@ impl Arm {
             });
             return Ok(());
         }
-        self.run_general_attempts(target, start, first, count, |end, result| {
+        run_general_attempts(self, target, start, first, count, |end, result| {
             q.extend_from_slice(end);
             outcomes.push(*result);
-        })
-    }
-
-    /// Runs attempts `first`, `first + 1`, … with the general solver, in sequence.
-    fn run_general_attempts(
-        &self,
-        target: &Placement<f64>,
-        start: &[f64],
-        first: u32,
-        count: u32,
-        mut record: impl FnMut(&[f64], &PoseOutcome),
-    ) -> Result<(), QueryError> {
-        let query = Query {
-            target,
-            start,
-            deadline: None,
-        };
-        self.with_workspace(|workspace| {
-            workspace.set_target(target);
-            self.bound_by_limits(workspace);
-            workspace.start.copy_from_slice(start);
-            workspace.attempt_ends.clear();
-            workspace.outcomes.clear();
-            self.append_general_attempts(workspace, &query, first, count);
-            for index in 0..workspace.outcomes.len() {
-                record(workspace.attempt_end(index), &workspace.outcomes[index]);
-            }
         })
     }
 
@@ -187,7 +163,7 @@ impl Arm {
 
     /// Distance of two poses in radians; metres convert by the arm's weight.
     pub(crate) fn apart(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
-        self.pose_distance(a, b)
+        pose_distance(self, a, b)
     }
 
     /// Errors at a configuration against a target: metres, radians, and true if both are within tolerance.
@@ -265,6 +241,33 @@ impl Arm {
         });
         motions.collect()
     }
+}
+
+/// Runs attempts `first`, `first + 1`, … with the general solver, in sequence.
+fn run_general_attempts(
+    arm: &Arm,
+    target: &Placement<f64>,
+    start: &[f64],
+    first: u32,
+    count: u32,
+    mut record: impl FnMut(&[f64], &PoseOutcome),
+) -> Result<(), QueryError> {
+    let query = Query {
+        target,
+        start,
+        deadline: None,
+    };
+    arm.with_workspace(|workspace| {
+        workspace.set_target(target);
+        bound_by_limits(arm, workspace);
+        workspace.start.copy_from_slice(start);
+        workspace.attempt_ends.clear();
+        workspace.outcomes.clear();
+        append_general_attempts(arm, workspace, &query, first, count);
+        for index in 0..workspace.outcomes.len() {
+            record(workspace.attempt_end(index), &workspace.outcomes[index]);
+        }
+    })
 }
 
 #[cfg(all(test, feature = "urdf"))]

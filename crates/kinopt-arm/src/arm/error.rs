@@ -64,10 +64,10 @@ pub enum ArmError {
     /// Two options contradict each other.
     #[error("{0}")]
     Conflict(&'static str),
-    /// A margin is out of its range.
+    /// A margin is out of its range, or an obstacle is attached to an unknown frame.
     #[cfg(feature = "collision")]
     #[error(transparent)]
-    Checker(#[from] kinopt_collision::collision::CheckerError),
+    Checker(#[from] kinopt_collision::collision::WorldError),
     /// The checker belongs to another model, recognised by its size.
     #[error(
         "the configuration of the checker's model has {given} numbers, that of the arm's model has {expected}"

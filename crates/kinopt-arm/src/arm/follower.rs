@@ -7,7 +7,17 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
-use super::redundancy::STEP_FRACTION;
+#[cfg(feature = "collision")]
+use super::collision_avoidance::path_steps::avoid_step_collision;
+use super::distances::{MAX_JOINT_STEP, largest_joint_move, pose_distance};
+use super::move_bounds::bound_by_limits;
+use super::query::Query;
+use super::recording::{judge, record, record_configuration, result_of};
+use super::redundancy::{MAX_NULL_SPACE_STEP, STEP_FRACTION};
+use super::solve_query::solve_query;
+use super::step_subdivision::{
+    advance_in_small_steps, descend_on_branch, jump_to_solution, steps_by_simd_solver,
+};
 use super::workspace::Errors;
 use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::ik::Solution;
@@ -20,10 +30,6 @@ const EXTRAPOLATION_FACTOR: f64 = 0.8;
 const MAX_TARGET_DISTANCE: f64 = 0.05;
 /// Longest path step that counts towards the attraction of another path, radians.
 const MAX_ATTRACTED_PATH: f64 = 0.1;
-/// Longest null-space motion of a joint per step, radians.
-pub(super) const MAX_NULL_SPACE_STEP: f64 = 0.02;
-/// Joint motion beyond which a step is a jump, radians; prismatic joints count by the metres that weigh as much.
-pub(super) const MAX_JOINT_STEP: f64 = 0.2;
 
 /// Step in which a joint moves farther than 0.2 rad.
 ///
@@ -62,54 +68,20 @@ pub struct Follower<'a> {
     steps: usize,
 }
 
-impl Arm {
-    /// Starts a path follower at `start`.
-    ///
-    /// The follower stays on its branch. If the branch does not reach a target, the result is the closest pose on it.
-    /// The arm returns from there on the same side of the elbow. The null space of a redundant arm goes to the posture
-    /// of the start, or to the [given one](super::ArmBuilder::with_posture), also while a target rests. The follower
-    /// changes its branch only if that is [enabled](super::ArmBuilder::with_global_search_on_miss), and reports it.
-    ///
-    /// Joints that start outside their limits return first, by at most 0.2 rad per step; no such step is reached. For
-    /// velocity limits see [`servo`](Self::servo).
-    ///
-    /// # Errors
-    /// Returns an error for a start of the wrong length or not finite.
-    pub fn follower(&self, start: &[f64]) -> Result<Follower<'_>, QueryError> {
-        self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &Placement::identity(), start)?;
-        Ok(Follower {
-            arm: self,
+impl<'a> Follower<'a> {
+    /// Follower of an arm at a validated start.
+    pub(super) fn new(arm: &'a Arm, start: &[f64]) -> Self {
+        Self {
+            arm,
             q: start.to_vec(),
             previous_q: start.to_vec(),
             attempt_start: start.to_vec(),
             motion: vec![0.0; start.len()],
-            branch: Branch::begin(self, start),
+            branch: Branch::begin(arm, start),
             target: None,
             target_step: 0.0,
             steps: 0,
-        })
-    }
-
-    /// Index of the joint that moves farthest and its motion, radians (see `MAX_JOINT_STEP` for prismatic joints).
-    pub(super) fn largest_joint_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
-        let mut largest = (0, 0.0);
-        for (i, ((a, b), scale)) in from.iter().zip(to).zip(&self.scale).enumerate() {
-            let moved = (a - b).abs() * scale;
-            if moved > largest.1 {
-                largest = (i, moved);
-            }
         }
-        largest
-    }
-
-    /// Distance of two poses in radians; metres convert by the weight of the cost.
-    pub(super) fn pose_distance(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
-        let translation = (a.translation - b.translation) * self.options.metres_per_radian.recip();
-        let (r, s) = (&a.rotation, &b.rotation);
-        let rotation =
-            (r.x - s.x).norm_squared() + (r.y - s.y).norm_squared() + (r.z - s.z).norm_squared();
-        (translation.norm_squared() + 0.5 * rotation).sqrt()
     }
 }
 
@@ -148,14 +120,14 @@ impl Follower<'_> {
         if !is_done {
             continuous = self.try_branch(&target, None, solution)
                 || self.is_far(&target)?
-                    && arm.advance_in_small_steps(&target, &self.q, solution)?
+                    && advance_in_small_steps(arm, &target, &self.q, solution)?
                 || self.advance_on_branch(&target, solution)?;
         }
         if !solution.reached && arm.options.global_search_on_failure {
-            arm.jump_to_solution(&target, &self.q, solution)?;
+            jump_to_solution(arm, &target, &self.q, solution)?;
         }
         #[cfg(feature = "collision")]
-        arm.avoid_step_collision(&self.q, &target, solution)?;
+        avoid_step_collision(arm, &self.q, &target, solution)?;
         Ok(self.record_step(&target, solution, continuous))
     }
 
@@ -175,19 +147,19 @@ impl Follower<'_> {
         let (arm, q) = (self.arm, &self.q);
         arm.with_workspace(|workspace| {
             workspace.set_target(target);
-            arm.bound_by_limits(workspace);
+            bound_by_limits(arm, workspace);
             for (i, limits) in arm.limits().enumerate() {
                 // Slightly less, so that rounding does not make the step a jump.
                 let max_move = (1.0 - 1e-9) * MAX_JOINT_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-max_move, max_move);
             }
             let mut result = SearchResult::single_attempt(Termination::IterationLimit, 0);
-            arm.judge(workspace, &mut result);
+            judge(arm, workspace, &mut result);
             let mut joints = arm.limits().zip(&workspace.x);
             let inside = joints.all(|(limits, x)| limits.contains(*x));
             result.reached &= inside;
             workspace.errors.reached &= inside;
-            arm.record_configuration(&result, workspace, solution);
+            record_configuration(arm, &result, workspace, solution);
         })
     }
 
@@ -197,8 +169,7 @@ impl Follower<'_> {
         target: &Placement<f64>,
         solution: &mut Solution,
     ) -> Result<bool, QueryError> {
-        self.arm
-            .descend_on_branch(target, &self.q, &mut self.branch, solution)?;
+        descend_on_branch(self.arm, target, &self.q, &mut self.branch, solution)?;
         Ok(solution.reached)
     }
 
@@ -209,7 +180,7 @@ impl Follower<'_> {
         solution: &Solution,
         continuous: bool,
     ) -> Option<Jump> {
-        let (joint, distance) = self.arm.largest_joint_move(&self.q, &solution.q);
+        let (joint, distance) = largest_joint_move(self.arm, &self.q, &solution.q);
         let jump = (distance > MAX_JOINT_STEP).then_some(Jump {
             step: self.steps,
             joint,
@@ -235,11 +206,11 @@ impl Follower<'_> {
             return self.advance(target, solution);
         }
         let arm = self.arm;
-        let continuous = arm.advance_in_small_steps(&target, &self.q, solution)?;
+        let continuous = advance_in_small_steps(arm, &target, &self.q, solution)?;
         #[cfg(feature = "collision")]
         let continuous = continuous && arm.touching(&solution.q)?.is_empty();
         if !continuous {
-            arm.solve_query(&arm.query(&target, &self.q), solution)?;
+            solve_query(arm, &Query::new(arm, &target, &self.q), solution)?;
         }
         Ok(self.record_step(&target, solution, continuous))
     }
@@ -250,7 +221,7 @@ impl Follower<'_> {
             Some(last) => last,
             None => self.arm.base_from_tool(&self.q)?,
         };
-        Ok(self.arm.pose_distance(target, &last) > MAX_TARGET_DISTANCE)
+        Ok(pose_distance(self.arm, target, &last) > MAX_TARGET_DISTANCE)
     }
 
     /// Tries to reach a target by one attempt from the extrapolated start. Returns true if it does without a long
@@ -265,7 +236,7 @@ impl Follower<'_> {
         solution: &mut Solution,
     ) -> bool {
         let arm = self.arm;
-        let (Some(simd_solver), true) = (&arm.simd_solver, arm.steps_by_simd_solver()) else {
+        let (Some(simd_solver), true) = (&arm.simd_solver, steps_by_simd_solver(arm)) else {
             return false;
         };
         self.fill_attempt_start(target, towards);
@@ -277,9 +248,14 @@ impl Follower<'_> {
             &mut solution.q,
         );
         let is_short_step =
-            outcome.reached && arm.largest_joint_move(&self.q, &solution.q).1 <= MAX_JOINT_STEP;
+            outcome.reached && largest_joint_move(arm, &self.q, &solution.q).1 <= MAX_JOINT_STEP;
         if is_short_step {
-            arm.record(&arm.result_of(&outcome), Errors::of(&outcome), solution);
+            record(
+                arm,
+                &result_of(arm, &outcome),
+                Errors::of(&outcome),
+                solution,
+            );
         }
         is_short_step
     }
@@ -287,7 +263,7 @@ impl Follower<'_> {
     /// Records a configuration as the end of a step.
     pub(super) fn set_configuration(&mut self, target: &Placement<f64>, q: &[f64]) {
         let last = self.target.replace(*target);
-        self.target_step = last.map_or(0.0, |last| self.arm.pose_distance(target, &last));
+        self.target_step = last.map_or(0.0, |last| pose_distance(self.arm, target, &last));
         self.previous_q.copy_from_slice(&self.q);
         self.q.copy_from_slice(q);
         self.steps += 1;
@@ -309,7 +285,7 @@ impl Follower<'_> {
         let Some(last) = &self.target else {
             return;
         };
-        let distance = self.arm.pose_distance(target, last);
+        let distance = pose_distance(self.arm, target, last);
         let fraction = if self.target_step > 0.0 {
             EXTRAPOLATION_FACTOR * (distance / self.target_step).min(1.0)
         } else {
@@ -351,7 +327,7 @@ impl Follower<'_> {
         // Without a workspace the motion stays; the step itself returns the error.
         let _ = arm.with_workspace(|workspace| {
             workspace.set_target(target);
-            arm.bound_by_limits(workspace);
+            bound_by_limits(arm, workspace);
             workspace.compute_twists(arm, q);
             let factorisation = workspace.factor_without_bounds(q);
             match &factorisation {

@@ -2,9 +2,15 @@
 
 use super::QueryError;
 use super::arm::Arm;
-use super::batch::outcome_of;
-use super::dispatch::Query;
-use super::options::Search;
+#[cfg(feature = "collision")]
+use super::collision_avoidance::sphere_checks::drop_colliding;
+use super::distances::weighted_distance;
+use super::fallback::finish_first;
+use super::general_solver::append_general_attempts;
+use super::move_bounds::bound_moves;
+use super::query::{Query, attempts_at, needs_only_first_attempt, simd_solver_within};
+use super::recording::{cost_of, judge, outcome_of, record, result_of};
+use super::toward_posture::move_towards_posture;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::simd_ik::{self, PoseOutcome};
 use kinopt_kinematics::spatial::Placement;
@@ -19,230 +25,209 @@ const TIMED_GROUP_ATTEMPTS: u32 = 8;
 /// Number of the nearest solutions that are moved towards the start.
 const MAX_REFINED_SOLUTIONS: usize = 6;
 
-impl Arm {
-    /// Finds all solutions that the arm's search prefers, nearest to the start first.
-    ///
-    /// [`Search::Distinct`] gives up to `k` solutions, and none if the target is not reached. The other searches give
-    /// one, reached or not. A reached solution that ends by [`Termination::TimeLimit`] means that the clock cut the
-    /// comparison short: there may be more or nearer ones.
-    ///
-    /// # Errors
-    /// Returns the errors of [`solve`](Self::solve).
-    pub fn solve_all(
-        &self,
-        base_from_tool: impl Into<Placement<f64>>,
-        start: &[f64],
-    ) -> Result<Vec<Solution>, QueryError> {
-        let target = base_from_tool.into();
-        let Search::Distinct { k, distance } = self.options.search else {
-            return Ok(vec![self.solve(target, start)?]);
+/// Finds up to `k` solutions of a validated query that are farther than `distance` from each other, nearest first.
+pub(super) fn solve_distinct(
+    arm: &Arm,
+    target: &Placement<f64>,
+    start: &[f64],
+    (k, distance): (usize, f64),
+) -> Result<Vec<Solution>, QueryError> {
+    let query = Query::new(arm, target, start);
+    arm.with_workspace(|workspace| {
+        workspace.set_target(target);
+        bound_moves(arm, workspace, start);
+        let termination = collect_solutions(arm, workspace, &query);
+        #[cfg(feature = "collision")]
+        let termination = match drop_colliding(arm, workspace, &query)? {
+            true => termination,
+            false => Termination::TimeLimit,
         };
-        self.check_length("the start", start.len(), self.joint_count())?;
-        self.check_query(0, &target, start)?;
-        let query = self.query(&target, start);
-        self.with_workspace(|workspace| {
-            workspace.set_target(&target);
-            self.bound_moves(workspace, start);
-            let termination = self.collect_solutions(workspace, &query);
-            #[cfg(feature = "collision")]
-            let termination = match self.drop_colliding(workspace, &query)? {
-                true => termination,
-                false => Termination::TimeLimit,
-            };
-            Ok(self.distinct(workspace, k, distance, termination))
-        })?
-    }
+        Ok(distinct(arm, workspace, k, distance, termination))
+    })?
+}
 
-    /// Runs attempts and sorts those that reach by their distance from the start.
-    ///
-    /// The termination shows if all were run, or if the time limit ended them.
-    pub(super) fn collect_solutions(
-        &self,
-        workspace: &mut ArmWorkspace,
-        query: &Query<'_>,
-    ) -> Termination {
-        let n = self.joint_count();
-        let attempts = self.attempts_at(query.target);
-        let iterations = self.options.iterations;
-        let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
-        workspace.attempt_ends.clear();
-        workspace.outcomes.clear();
-        let mut first = 0;
-        while first < attempts && total_iterations(&workspace.outcomes) < budget {
-            let group = match query.deadline {
-                Some(_) => TIMED_GROUP_ATTEMPTS,
-                None => GROUP_ATTEMPTS,
-            };
-            let count = group.min(attempts - first);
-            self.run_attempts(workspace, query, first, count);
-            if first == 0 && !query.is_late() {
-                self.continue_first(workspace, query);
-            }
-            first += count;
-            if query.is_late() {
-                break;
-            }
+/// Runs attempts and sorts those that reach by their distance from the start.
+///
+/// The termination shows if all were run, or if the time limit ended them.
+pub(super) fn collect_solutions(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+) -> Termination {
+    let n = arm.joint_count();
+    let attempts = attempts_at(arm, query.target);
+    let iterations = arm.options.iterations;
+    let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
+    workspace.attempt_ends.clear();
+    workspace.outcomes.clear();
+    let mut first = 0;
+    while first < attempts && total_iterations(&workspace.outcomes) < budget {
+        let group = match query.deadline {
+            Some(_) => TIMED_GROUP_ATTEMPTS,
+            None => GROUP_ATTEMPTS,
+        };
+        let count = group.min(attempts - first);
+        run_attempts(arm, workspace, query, first, count);
+        if first == 0 && !query.is_late() {
+            continue_first(arm, workspace, query);
         }
-        workspace.ranking.clear();
-        for (index, outcome) in workspace.outcomes.iter().enumerate() {
-            if outcome.reached {
-                let q = &workspace.attempt_ends[index * n..(index + 1) * n];
-                let distance = self.distance(q, &workspace.start);
-                workspace.ranking.push((distance, index));
-            }
-        }
-        // By distance, then by number: no two are equal.
-        let ranking = &mut workspace.ranking;
-        ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if query.is_late() && first < attempts {
-            Termination::TimeLimit
-        } else {
-            Termination::Reached
+        first += count;
+        if query.is_late() {
+            break;
         }
     }
-
-    /// Continues the first attempt, if it failed, as a search of one attempt does.
-    fn continue_first(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) {
-        let Some(outcome) = workspace.outcomes.first() else {
-            return;
-        };
-        let mut result = self.result_of(outcome);
-        if result.reached || self.needs_only_first_attempt(query.target) {
-            return;
-        }
-        workspace.move_to_attempt_end(0);
-        self.finish_first(workspace, query, &mut result);
-        if result.reached {
-            let n = self.joint_count();
-            workspace.attempt_ends[..n].copy_from_slice(&workspace.x);
-            workspace.outcomes[0] = outcome_of(&result, workspace.errors);
+    workspace.ranking.clear();
+    for (index, outcome) in workspace.outcomes.iter().enumerate() {
+        if outcome.reached {
+            let q = &workspace.attempt_ends[index * n..(index + 1) * n];
+            let distance = weighted_distance(arm, q, &workspace.start);
+            workspace.ranking.push((distance, index));
         }
     }
-
-    /// Runs attempts `first`, `first + 1`, … and appends their configurations and outcomes.
-    pub(super) fn run_attempts(
-        &self,
-        workspace: &mut ArmWorkspace,
-        query: &Query<'_>,
-        first: u32,
-        count: u32,
-    ) {
-        let n = self.joint_count();
-        let Some(simd_solver) = self.simd_solver_within(&workspace.bounded_simd_solver) else {
-            return self.append_general_attempts(workspace, query, first, count);
-        };
-        let first_index = workspace.outcomes.len();
-        let end = first_index + count as usize;
-        workspace.attempt_ends.resize(end * n, 0.0);
-        workspace.outcomes.resize(end, PoseOutcome::default());
-        simd_solver.run(simd_ik::Work {
-            targets: std::slice::from_ref(query.target),
-            starts: query.start,
-            search: simd_ik::Prefer::Start,
-            attempts: simd_ik::Attempts::From(first),
-            deadline: query.deadline,
-            q: &mut workspace.attempt_ends[first_index * n..],
-            outcomes: &mut workspace.outcomes[first_index..],
-        });
+    // By distance, then by number: no two are equal.
+    let ranking = &mut workspace.ranking;
+    ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    if query.is_late() && first < attempts {
+        Termination::TimeLimit
+    } else {
+        Termination::Reached
     }
+}
 
-    /// Writes the nearest solution to the workspace's x; for a redundant arm it is first moved towards the start.
-    ///
-    /// `termination` is the termination of the attempts.
-    pub(super) fn nearest(
-        &self,
-        workspace: &mut ArmWorkspace,
-        query: &Query<'_>,
-        termination: Termination,
-    ) -> SearchResult {
-        let n = self.joint_count();
-        let mut result = SearchResult {
-            termination,
-            iterations: total_iterations(&workspace.outcomes),
-            attempts: workspace.outcomes.len(),
-            ..SearchResult::default()
-        };
-        let Some(&(_, index)) = workspace.ranking.first() else {
-            // No attempt reached: use the end of the first and the best of all.
-            let cost = |outcome: &PoseOutcome| self.cost(Errors::of(outcome));
-            let costs = workspace.outcomes.iter().map(cost).enumerate();
-            let best = costs.min_by(|a, b| a.1.total_cmp(&b.1));
-            let best = best.map_or(0, |best| best.0);
-            workspace.x.copy_from_slice(&workspace.attempt_ends[..n]);
-            let q = &workspace.attempt_ends[best * n..(best + 1) * n];
-            workspace.best.copy_from_slice(q);
-            result.number = best;
-            self.judge(workspace, &mut result);
-            return result;
-        };
-        workspace.move_to_attempt_end(index);
-        result.number = index;
-        if self.has_null_space() {
-            let mut best = f64::INFINITY;
-            // Taken out and put back, so that nothing is allocated.
-            let reference = std::mem::take(&mut workspace.start);
-            let refined = workspace.ranking.len().min(MAX_REFINED_SOLUTIONS);
-            for rank in 0..refined {
-                if rank > 0 && query.is_late() {
-                    result.termination = Termination::TimeLimit;
-                    break;
-                }
-                let index = workspace.ranking[rank].1;
-                workspace.move_to_attempt_end(index);
-                self.move_towards_posture(workspace, &reference, query.deadline);
-                let distance = self.distance(&workspace.x, &reference);
-                if distance < best {
-                    best = distance;
-                    result.number = index;
-                    workspace.best.copy_from_slice(&workspace.x);
-                }
-            }
-            workspace.start = reference;
-            workspace.x.copy_from_slice(&workspace.best);
-        }
-        self.judge(workspace, &mut result);
-        result
+/// Continues the first attempt, if it failed, as a search of one attempt does.
+fn continue_first(arm: &Arm, workspace: &mut ArmWorkspace, query: &Query<'_>) {
+    let Some(outcome) = workspace.outcomes.first() else {
+        return;
+    };
+    let mut result = result_of(arm, outcome);
+    if result.reached || needs_only_first_attempt(arm, query.target) {
+        return;
     }
+    workspace.move_to_attempt_end(0);
+    finish_first(arm, workspace, query, &mut result);
+    if result.reached {
+        let n = arm.joint_count();
+        workspace.attempt_ends[..n].copy_from_slice(&workspace.x);
+        workspace.outcomes[0] = outcome_of(&result, workspace.errors);
+    }
+}
 
-    /// The first `k` solutions that are farther than `distance` from those before. `termination` is the termination of
-    /// the attempts.
-    pub(super) fn distinct(
-        &self,
-        workspace: &mut ArmWorkspace,
-        k: usize,
-        distance: f64,
-        termination: Termination,
-    ) -> Vec<Solution> {
-        let mut chosen: Vec<Solution> = Vec::new();
-        for rank in 0..workspace.ranking.len() {
-            if chosen.len() >= k {
+/// Runs attempts `first`, `first + 1`, … and appends their configurations and outcomes.
+pub(super) fn run_attempts(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+    first: u32,
+    count: u32,
+) {
+    let n = arm.joint_count();
+    let Some(simd_solver) = simd_solver_within(arm, &workspace.bounded_simd_solver) else {
+        return append_general_attempts(arm, workspace, query, first, count);
+    };
+    let first_index = workspace.outcomes.len();
+    let end = first_index + count as usize;
+    workspace.attempt_ends.resize(end * n, 0.0);
+    workspace.outcomes.resize(end, PoseOutcome::default());
+    simd_solver.run(simd_ik::Work {
+        targets: std::slice::from_ref(query.target),
+        starts: query.start,
+        search: simd_ik::Prefer::Start,
+        attempts: simd_ik::Attempts::From(first),
+        deadline: query.deadline,
+        q: &mut workspace.attempt_ends[first_index * n..],
+        outcomes: &mut workspace.outcomes[first_index..],
+    });
+}
+
+/// Writes the nearest solution to the workspace's x; for a redundant arm it is first moved towards the start.
+///
+/// `termination` is the termination of the attempts.
+pub(super) fn nearest(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    query: &Query<'_>,
+    termination: Termination,
+) -> SearchResult {
+    let n = arm.joint_count();
+    let mut result = SearchResult {
+        termination,
+        iterations: total_iterations(&workspace.outcomes),
+        attempts: workspace.outcomes.len(),
+        ..SearchResult::default()
+    };
+    let Some(&(_, index)) = workspace.ranking.first() else {
+        // No attempt reached: use the end of the first and the best of all.
+        let cost = |outcome: &PoseOutcome| cost_of(arm, Errors::of(outcome));
+        let costs = workspace.outcomes.iter().map(cost).enumerate();
+        let best = costs.min_by(|a, b| a.1.total_cmp(&b.1));
+        let best = best.map_or(0, |best| best.0);
+        workspace.x.copy_from_slice(&workspace.attempt_ends[..n]);
+        let q = &workspace.attempt_ends[best * n..(best + 1) * n];
+        workspace.best.copy_from_slice(q);
+        result.number = best;
+        judge(arm, workspace, &mut result);
+        return result;
+    };
+    workspace.move_to_attempt_end(index);
+    result.number = index;
+    if arm.has_null_space() {
+        let mut best = f64::INFINITY;
+        // Taken out and put back, so that nothing is allocated.
+        let reference = std::mem::take(&mut workspace.start);
+        let refined = workspace.ranking.len().min(MAX_REFINED_SOLUTIONS);
+        for rank in 0..refined {
+            if rank > 0 && query.is_late() {
+                result.termination = Termination::TimeLimit;
                 break;
             }
             let index = workspace.ranking[rank].1;
-            let q = workspace.attempt_end(index);
-            let is_distinct = |other: &Solution| self.distance(q, &other.q) > distance;
-            if !chosen.iter().all(is_distinct) {
-                continue;
+            workspace.move_to_attempt_end(index);
+            move_towards_posture(arm, workspace, &reference, query.deadline);
+            let distance = weighted_distance(arm, &workspace.x, &reference);
+            if distance < best {
+                best = distance;
+                result.number = index;
+                workspace.best.copy_from_slice(&workspace.x);
             }
-            let outcome = &workspace.outcomes[index];
-            let mut solution = Solution::default();
-            solution.q.extend_from_slice(q);
-            let result = SearchResult {
-                termination,
-                ..self.result_of(outcome)
-            };
-            self.record(&result, Errors::of(outcome), &mut solution);
-            chosen.push(solution);
         }
-        chosen
+        workspace.start = reference;
+        workspace.x.copy_from_slice(&workspace.best);
     }
+    judge(arm, workspace, &mut result);
+    result
+}
 
-    /// Weighted distance of two configurations.
-    pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        let weighted = a.iter().zip(b).zip(&self.options.weights);
-        let squares = weighted.map(|((a, b), w)| (w * (a - b)) * (w * (a - b)));
-        squares.sum::<f64>().sqrt()
+/// The first `k` solutions that are farther than `distance` from those before. `termination` is the termination of
+/// the attempts.
+pub(super) fn distinct(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    k: usize,
+    distance: f64,
+    termination: Termination,
+) -> Vec<Solution> {
+    let mut chosen: Vec<Solution> = Vec::new();
+    for rank in 0..workspace.ranking.len() {
+        if chosen.len() >= k {
+            break;
+        }
+        let index = workspace.ranking[rank].1;
+        let q = workspace.attempt_end(index);
+        let is_distinct = |other: &Solution| weighted_distance(arm, q, &other.q) > distance;
+        if !chosen.iter().all(is_distinct) {
+            continue;
+        }
+        let outcome = &workspace.outcomes[index];
+        let mut solution = Solution::default();
+        solution.q.extend_from_slice(q);
+        let result = SearchResult {
+            termination,
+            ..result_of(arm, outcome)
+        };
+        record(arm, &result, Errors::of(outcome), &mut solution);
+        chosen.push(solution);
     }
+    chosen
 }
 
 /// Iterations of all attempts together.

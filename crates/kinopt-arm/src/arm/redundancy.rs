@@ -18,6 +18,8 @@ const FREE_RANGE_FRACTION: f64 = 0.6;
 const MAX_POSTURE_FRACTION: f64 = 0.95;
 /// Fraction of the distance to the minimum that one step takes.
 pub(super) const STEP_FRACTION: f64 = 0.5;
+/// Longest null-space motion of a joint per step, radians.
+pub(super) const MAX_NULL_SPACE_STEP: f64 = 0.02;
 /// Longest motion in one step, as a fraction of the distance to the nearest singularity, within which the null space
 /// rotates.
 const MAX_SINGULARITY_FRACTION: f64 = 0.5;
@@ -28,58 +30,50 @@ const MAX_STIFFNESS: f64 = 20.0;
 /// Largest motion of a joint that counts as none, radians.
 const POSTURE_TOLERANCE: f64 = 1e-9;
 
-impl Arm {
-    /// Returns true if the goal may leave a null space.
-    pub(super) fn has_null_space(&self) -> bool {
-        self.joint_count() > self.options.goal.rows() || self.options.goal.has_bounds()
+/// Nominal posture of an arm that begins at `start`.
+pub(super) fn nominal_posture_from(arm: &Arm, start: &[f64]) -> Vec<f64> {
+    if let Some(posture) = &arm.options.posture {
+        return posture.clone();
     }
-
-    /// Nominal posture of an arm that begins at `start`.
-    pub(super) fn nominal_posture_from(&self, start: &[f64]) -> Vec<f64> {
-        if let Some(posture) = &self.options.posture {
-            return posture.clone();
+    let map = &arm.serial.map;
+    let bounds = map.lower().iter().zip(map.upper());
+    let off_limits = start.iter().zip(bounds).map(|(&q, (&lower, &upper))| {
+        let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+        match half.is_finite() && arm.options.limit_avoidance > 0.0 {
+            true => q.clamp(
+                middle - MAX_POSTURE_FRACTION * half,
+                middle + MAX_POSTURE_FRACTION * half,
+            ),
+            false => q,
         }
-        let map = &self.serial.map;
-        let bounds = map.lower().iter().zip(map.upper());
-        let off_limits = start.iter().zip(bounds).map(|(&q, (&lower, &upper))| {
-            let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
-            match half.is_finite() && self.options.limit_avoidance > 0.0 {
-                true => q.clamp(
-                    middle - MAX_POSTURE_FRACTION * half,
-                    middle + MAX_POSTURE_FRACTION * half,
-                ),
-                false => q,
-            }
-        });
-        off_limits.collect()
-    }
+    });
+    off_limits.collect()
+}
 
-    /// Writes the pull on every joint, radians.
-    fn pull(&self, q: &[f64], nominal_posture: &[f64], pull: &mut [f64]) {
-        let map = &self.serial.map;
-        let avoidance = self.options.limit_avoidance;
-        for (i, pull) in pull.iter_mut().enumerate() {
-            let (lower, upper) = (map.lower()[i], map.upper()[i]);
-            let approach = limit_nearness(q[i], lower, upper)
-                - limit_nearness(nominal_posture[i], lower, upper);
-            *pull = (nominal_posture[i] - q[i]) * self.scale[i] - avoidance * approach;
-        }
+/// Writes the pull on every joint, radians.
+fn write_pull(arm: &Arm, q: &[f64], nominal_posture: &[f64], pull: &mut [f64]) {
+    let map = &arm.serial.map;
+    let avoidance = arm.options.limit_avoidance;
+    for (i, pull) in pull.iter_mut().enumerate() {
+        let (lower, upper) = (map.lower()[i], map.upper()[i]);
+        let approach =
+            limit_nearness(q[i], lower, upper) - limit_nearness(nominal_posture[i], lower, upper);
+        *pull = (nominal_posture[i] - q[i]) * arm.scale[i] - avoidance * approach;
     }
+}
 
-    /// Growth of the pull at q along a motion, radians per radian; at least 1, the spring's.
-    fn stiffness(&self, q: &[f64], motion: &[f64]) -> f64 {
-        let map = &self.serial.map;
-        let avoidance = self.options.limit_avoidance;
-        let (mut growth, mut length) = (0.0, 0.0);
-        for (i, joint_motion) in motion.iter().enumerate() {
-            let limit_stiffness = avoidance
-                * limit_nearness_slope(q[i], map.lower()[i], map.upper()[i])
-                / self.scale[i];
-            growth += (1.0 + limit_stiffness) * joint_motion * joint_motion;
-            length += joint_motion * joint_motion;
-        }
-        growth / length
+/// Growth of the pull at q along a motion, radians per radian; at least 1, the spring's.
+fn pull_stiffness(arm: &Arm, q: &[f64], motion: &[f64]) -> f64 {
+    let map = &arm.serial.map;
+    let avoidance = arm.options.limit_avoidance;
+    let (mut growth, mut length) = (0.0, 0.0);
+    for (i, joint_motion) in motion.iter().enumerate() {
+        let limit_stiffness =
+            avoidance * limit_nearness_slope(q[i], map.lower()[i], map.upper()[i]) / arm.scale[i];
+        growth += (1.0 + limit_stiffness) * joint_motion * joint_motion;
+        length += joint_motion * joint_motion;
     }
+    growth / length
 }
 
 /// Parameters of a null-space step.
@@ -130,7 +124,7 @@ impl ArmWorkspace {
         step: &NullSpaceStep<'_>,
     ) -> (bool, f64) {
         let mut pull = std::mem::take(&mut self.scratch_motion);
-        arm.pull(x, step.nominal_posture, &mut pull);
+        write_pull(arm, x, step.nominal_posture, &mut pull);
         let max_column_norm = self.max_column_norm();
         let max_motion = if let Some(branch) = step.stretched {
             branch.remove_from(&mut pull);
@@ -153,7 +147,7 @@ impl ArmWorkspace {
         let stiffness = step.stiffness.max(step.measured_stiffness(&self.projected));
         let fraction = match moves {
             true => {
-                let stiffness = arm.stiffness(x, &self.projected).max(stiffness);
+                let stiffness = pull_stiffness(arm, x, &self.projected).max(stiffness);
                 (step.fraction / stiffness).min(max_motion / largest_motion)
             }
             false => 0.0,

@@ -5,6 +5,7 @@
 //! stationary to first order, and moves away from the target to second order (r · ∂²r > 0). While the target is not
 //! reached, the direction is carried along, and each step begins slightly on that side.
 
+use super::distances::largest_joint_move;
 use nalgebra::Vector6;
 
 use super::arm::Arm;
@@ -61,7 +62,7 @@ impl SingularityBranch {
 
     /// Records a configuration that reached its target, if a joint has moved far enough.
     pub(super) fn record(&mut self, arm: &Arm, q: &[f64]) {
-        if arm.largest_joint_move(&self.last_recorded, q).1 > RECORDING_DISTANCE {
+        if largest_joint_move(arm, &self.last_recorded, q).1 > RECORDING_DISTANCE {
             std::mem::swap(&mut self.previous_recorded, &mut self.last_recorded);
             self.last_recorded.copy_from_slice(q);
         }

@@ -2,7 +2,9 @@
 
 use super::QueryError;
 use super::arm::Arm;
-use super::follower::{Follower, Jump, MAX_JOINT_STEP};
+use super::distances::{MAX_JOINT_STEP, largest_joint_move};
+use super::follower::{Follower, Jump};
+use super::step_subdivision::other_solutions;
 use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::ik::Solution;
 
@@ -30,215 +32,191 @@ pub struct Track {
 impl Track {
     /// Returns true if every target is reached without a jump.
     #[cfg(feature = "collision")]
-    fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         self.jumps.is_empty() && self.solutions.iter().all(|solution| solution.reached)
     }
 }
 
-impl Arm {
-    /// Follows a path: every step continues from the one before on the same branch, whatever the arm's search.
-    ///
-    /// The first target, if the start is far from it, is solved as by [`solve`](Self::solve). If the branch ends,
-    /// mostly at a limit that the null space reached, the arm looks for another joint path through the steps before. If
-    /// there is none, it stays on its branch at the closest pose to each target, until a target is reached again. If
-    /// jumps are [enabled](super::ArmBuilder::with_global_search_on_miss), it jumps to the nearest solution instead and
-    /// reports that in [`Track::jumps`].
-    ///
-    /// An arm with a [checker](Self::with_checker) makes only collision-free motions. If it misses a target, it takes
-    /// the path of the same arm without a checker, provided that path is complete and free.
-    ///
-    /// # Errors
-    /// Returns the errors of [`solve`](Self::solve), for the first invalid target.
-    pub fn track(
-        &self,
-        base_from_tools: &[Placement<f64>],
-        start: &[f64],
-    ) -> Result<Track, QueryError> {
-        let mut follower = self.follower(start)?;
-        for (query, target) in base_from_tools.iter().enumerate() {
-            self.check_query(query, target, start)?;
-        }
-        let track = self.follow(&mut follower, base_from_tools)?;
-        #[cfg(feature = "collision")]
-        if let (true, false) = (self.avoids_collisions(), track.is_complete())
-            && let Some(unchecked_track) = self.unchecked_track_if_free(base_from_tools, start)?
+/// Follows a checked path, from the configuration of a follower.
+pub(super) fn follow<'a>(
+    arm: &'a Arm,
+    follower: &mut Follower<'a>,
+    base_from_tools: &[Placement<f64>],
+) -> Result<Track, QueryError> {
+    let mut track = Track::default();
+    track.solutions.reserve(base_from_tools.len());
+    let mut backward_steps_left = BACKWARD_STEPS_PER_TARGET * base_from_tools.len();
+    let mut is_unreached = false;
+    for (step, target) in base_from_tools.iter().enumerate() {
+        let mut solution = Solution::default();
+        let jump = if step == 0 {
+            let jump = follower.begin(*target, &mut solution)?;
+            follower.set_nominal_posture(&solution.q);
+            jump
+        } else {
+            follower.advance(*target, &mut solution)?
+        };
+        let reached = solution.reached;
+        track.solutions.push(solution);
+        // A branch ends at a jump or at its first unreached target.
+        let branch_ends = jump.is_some() || !reached && !is_unreached;
+        is_unreached = !reached;
+        if branch_ends
+            && find_detour(
+                arm,
+                base_from_tools,
+                step,
+                &mut track,
+                &mut backward_steps_left,
+            )?
         {
-            return Ok(unchecked_track);
+            *follower = follower_at(arm, base_from_tools, step, &track)?;
+            is_unreached = false;
+        } else {
+            track.jumps.extend(jump);
         }
-        Ok(track)
     }
+    Ok(track)
+}
 
-    /// Follows a checked path, from the configuration of a follower.
-    fn follow<'a>(
-        &'a self,
-        follower: &mut Follower<'a>,
-        base_from_tools: &[Placement<f64>],
-    ) -> Result<Track, QueryError> {
-        let mut track = Track::default();
-        track.solutions.reserve(base_from_tools.len());
-        let mut backward_steps_left = BACKWARD_STEPS_PER_TARGET * base_from_tools.len();
-        let mut is_unreached = false;
-        for (step, target) in base_from_tools.iter().enumerate() {
-            let mut solution = Solution::default();
-            let jump = if step == 0 {
-                let jump = follower.begin(*target, &mut solution)?;
-                follower.set_nominal_posture(&solution.q);
-                jump
-            } else {
-                follower.advance(*target, &mut solution)?
-            };
-            let reached = solution.reached;
-            track.solutions.push(solution);
-            // A branch ends at a jump or at its first unreached target.
-            let branch_ends = jump.is_some() || !reached && !is_unreached;
-            is_unreached = !reached;
-            if branch_ends
-                && self.find_detour(base_from_tools, step, &mut track, &mut backward_steps_left)?
-            {
-                *follower = self.follower_at(base_from_tools, step, &track)?;
-                is_unreached = false;
-            } else {
-                track.jumps.extend(jump);
-            }
-        }
-        Ok(track)
-    }
-
-    /// Track of the arm without its checker, if it is complete and collision-free.
-    #[cfg(feature = "collision")]
-    fn unchecked_track_if_free(
-        &self,
-        targets: &[Placement<f64>],
-        start: &[f64],
-    ) -> Result<Option<Track>, QueryError> {
-        let mut unchecked = self.clone();
-        unchecked.collisions = None;
-        let track = unchecked.follow(&mut unchecked.follower(start)?, targets)?;
-        let Some(first) = track.solutions.first().filter(|_| track.is_complete()) else {
+/// Track of the arm without its checker, if it is complete and collision-free.
+#[cfg(feature = "collision")]
+pub(super) fn unchecked_track_if_free(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    start: &[f64],
+) -> Result<Option<Track>, QueryError> {
+    let mut unchecked = arm.clone();
+    unchecked.collisions = None;
+    let track = follow(&unchecked, &mut unchecked.follower(start)?, targets)?;
+    let Some(first) = track.solutions.first().filter(|_| track.is_complete()) else {
+        return Ok(None);
+    };
+    // For a start far from the path no motion is checked, as for single solutions.
+    let starts_near = largest_joint_move(arm, start, &first.q).1 <= MAX_JOINT_STEP;
+    let mut last = if starts_near { start } else { &first.q };
+    for solution in &track.solutions {
+        if !is_motion_free(arm, last, &solution.q)? {
             return Ok(None);
-        };
-        // For a start far from the path no motion is checked, as for single solutions.
-        let starts_near = self.largest_joint_move(start, &first.q).1 <= MAX_JOINT_STEP;
-        let mut last = if starts_near { start } else { &first.q };
-        for solution in &track.solutions {
-            if !self.is_motion_free(last, &solution.q)? {
-                return Ok(None);
-            }
-            last = &solution.q;
         }
-        Ok(Some(track))
+        last = &solution.q;
     }
+    Ok(Some(track))
+}
 
-    /// Looks for another joint path to the end of a branch at `step`. Returns true if there is one, with the new path
-    /// in the track.
-    ///
-    /// From solutions at that step it goes back along the path, attracted to the joint path already found, until the
-    /// two meet.
-    fn find_detour(
-        &self,
-        targets: &[Placement<f64>],
-        step: usize,
-        track: &mut Track,
-        backward_steps_left: &mut usize,
-    ) -> Result<bool, QueryError> {
-        let Some(last) = step.checked_sub(1) else {
-            return Ok(false);
-        };
-        let alternatives =
-            self.other_solutions(&targets[step], &track.solutions[last].q, MAX_ALTERNATIVES)?;
-        let first = Some(track.solutions[step].clone()).filter(|first| first.reached);
-        for attraction in ATTRACTIONS {
-            for alternative in first.iter().chain(&alternatives) {
-                let path = self.backward_path(
-                    targets,
-                    step,
-                    alternative,
-                    attraction,
-                    track,
-                    backward_steps_left,
-                )?;
-                if let Some(path) = path {
-                    let meeting = step - path.len();
-                    track.solutions.truncate(meeting + 1);
-                    track.solutions.extend(path.into_iter().rev());
-                    track.jumps.retain(|jump| jump.step <= meeting);
-                    return Ok(true);
-                }
+/// Looks for another joint path to the end of a branch at `step`. Returns true if there is one, with the new path
+/// in the track.
+///
+/// From solutions at that step it goes back along the path, attracted to the joint path already found, until the
+/// two meet.
+fn find_detour(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    step: usize,
+    track: &mut Track,
+    backward_steps_left: &mut usize,
+) -> Result<bool, QueryError> {
+    let Some(last) = step.checked_sub(1) else {
+        return Ok(false);
+    };
+    let alternatives = other_solutions(
+        arm,
+        &targets[step],
+        &track.solutions[last].q,
+        MAX_ALTERNATIVES,
+    )?;
+    let first = Some(track.solutions[step].clone()).filter(|first| first.reached);
+    for attraction in ATTRACTIONS {
+        for alternative in first.iter().chain(&alternatives) {
+            let path = backward_path(
+                arm,
+                targets,
+                step,
+                alternative,
+                attraction,
+                track,
+                backward_steps_left,
+            )?;
+            if let Some(path) = path {
+                let meeting = step - path.len();
+                track.solutions.truncate(meeting + 1);
+                track.solutions.extend(path.into_iter().rev());
+                track.jumps.retain(|jump| jump.step <= meeting);
+                return Ok(true);
             }
         }
-        Ok(false)
     }
+    Ok(false)
+}
 
-    /// Steps from `alternative` back to the meeting with the track; `None` if they do not meet.
-    fn backward_path(
-        &self,
-        targets: &[Placement<f64>],
-        step: usize,
-        alternative: &Solution,
-        attraction: f64,
-        track: &Track,
-        backward_steps_left: &mut usize,
-    ) -> Result<Option<Vec<Solution>>, QueryError> {
-        let mut follower = self.follower(&alternative.q)?;
-        follower.set_configuration(&targets[step], &alternative.q);
-        let mut path = vec![alternative.clone()];
-        for (target, track_solution) in targets.iter().zip(&track.solutions).take(step).rev() {
-            if *backward_steps_left == 0 {
-                break;
-            }
-            *backward_steps_left -= 1;
-            let mut solution = Solution::default();
-            if !follower.try_branch(target, Some((&track_solution.q, attraction)), &mut solution) {
-                break;
-            }
-            let is_near =
-                self.largest_joint_move(&track_solution.q, &solution.q).1 <= MAX_MEETING_DISTANCE;
-            let next = path.last().map_or(&*alternative.q, |next| &next.q);
-            // The path continues from the known one, without a jump.
-            let can_join = || self.largest_joint_move(&track_solution.q, next).1 <= MAX_JOINT_STEP;
-            if is_near && can_join() && self.is_motion_free(&track_solution.q, next)? {
-                return Ok(Some(path));
-            }
-            if !self.is_motion_free(&solution.q, next)? {
-                break;
-            }
-            follower.set_configuration(target, &solution.q);
-            path.push(solution);
+/// Steps from `alternative` back to the meeting with the track; `None` if they do not meet.
+fn backward_path(
+    arm: &Arm,
+    targets: &[Placement<f64>],
+    step: usize,
+    alternative: &Solution,
+    attraction: f64,
+    track: &Track,
+    backward_steps_left: &mut usize,
+) -> Result<Option<Vec<Solution>>, QueryError> {
+    let mut follower = arm.follower(&alternative.q)?;
+    follower.set_configuration(&targets[step], &alternative.q);
+    let mut path = vec![alternative.clone()];
+    for (target, track_solution) in targets.iter().zip(&track.solutions).take(step).rev() {
+        if *backward_steps_left == 0 {
+            break;
         }
-        Ok(None)
-    }
-
-    /// Returns true if the motion between two configurations is collision-free.
-    #[cfg(feature = "collision")]
-    fn is_motion_free(&self, from: &[f64], to: &[f64]) -> Result<bool, QueryError> {
-        Ok(self.motion_collision(from, to)?.is_none())
-    }
-
-    /// Returns true: without collision checks every motion is free.
-    #[cfg(not(feature = "collision"))]
-    #[allow(
-        clippy::unused_self,
-        clippy::unnecessary_wraps,
-        reason = "as the one that looks"
-    )]
-    fn is_motion_free(&self, _: &[f64], _: &[f64]) -> Result<bool, QueryError> {
-        Ok(true)
-    }
-
-    /// A follower that has made the last two steps of a track.
-    fn follower_at(
-        &self,
-        targets: &[Placement<f64>],
-        step: usize,
-        track: &Track,
-    ) -> Result<Follower<'_>, QueryError> {
-        let first = step.saturating_sub(2);
-        let mut follower = self.follower(&track.solutions[first].q)?;
-        follower.set_nominal_posture(&track.solutions[0].q);
-        for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
-            follower.set_configuration(target, &solution.q);
+        *backward_steps_left -= 1;
+        let mut solution = Solution::default();
+        if !follower.try_branch(target, Some((&track_solution.q, attraction)), &mut solution) {
+            break;
         }
-        follower.set_steps(step + 1);
-        Ok(follower)
+        let is_near =
+            largest_joint_move(arm, &track_solution.q, &solution.q).1 <= MAX_MEETING_DISTANCE;
+        let next = path.last().map_or(&*alternative.q, |next| &next.q);
+        // The path continues from the known one, without a jump.
+        let can_join = || largest_joint_move(arm, &track_solution.q, next).1 <= MAX_JOINT_STEP;
+        if is_near && can_join() && is_motion_free(arm, &track_solution.q, next)? {
+            return Ok(Some(path));
+        }
+        if !is_motion_free(arm, &solution.q, next)? {
+            break;
+        }
+        follower.set_configuration(target, &solution.q);
+        path.push(solution);
     }
+    Ok(None)
+}
+
+/// Returns true if the motion between two configurations is collision-free.
+#[cfg(feature = "collision")]
+fn is_motion_free(arm: &Arm, from: &[f64], to: &[f64]) -> Result<bool, QueryError> {
+    Ok(arm.motion_collision(from, to)?.is_none())
+}
+
+/// Returns true: without collision checks every motion is free.
+#[cfg(not(feature = "collision"))]
+#[allow(
+    clippy::unnecessary_wraps,
+    reason = "the signature with collision checks"
+)]
+fn is_motion_free(_: &Arm, _: &[f64], _: &[f64]) -> Result<bool, QueryError> {
+    Ok(true)
+}
+
+/// A follower that has made the last two steps of a track.
+fn follower_at<'a>(
+    arm: &'a Arm,
+    targets: &[Placement<f64>],
+    step: usize,
+    track: &Track,
+) -> Result<Follower<'a>, QueryError> {
+    let first = step.saturating_sub(2);
+    let mut follower = arm.follower(&track.solutions[first].q)?;
+    follower.set_nominal_posture(&track.solutions[0].q);
+    for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
+        follower.set_configuration(target, &solution.q);
+    }
+    follower.set_steps(step + 1);
+    Ok(follower)
 }

@@ -30,6 +30,17 @@ pub struct Errors {
     pub(super) reached: bool,
 }
 
+impl Errors {
+    /// Errors of the SIMD solver's outcome.
+    pub(super) fn of(outcome: &PoseOutcome) -> Self {
+        Self {
+            position: outcome.position_error,
+            orientation: outcome.orientation_error,
+            reached: outcome.reached,
+        }
+    }
+}
+
 /// Termination criteria of the general solver.
 pub(super) fn stopping() -> Stopping {
     Stopping::default()
@@ -49,7 +60,8 @@ pub(super) struct ArmWorkspace {
     pub(super) batch_solution: Solution,
     /// Buffers of the collision checks.
     #[cfg(feature = "collision")]
-    pub(super) collision_workspace: Option<super::collision_avoidance::CollisionWorkspace>,
+    pub(super) collision_workspace:
+        Option<super::collision_avoidance::workspace::CollisionWorkspace>,
     /// SIMD solver with the bounds of the query, if motions are bounded.
     pub(super) bounded_simd_solver: Option<PoseSolver>,
     /// Start, clamped to the bounds.

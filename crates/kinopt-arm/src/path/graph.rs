@@ -5,7 +5,7 @@
 
 use super::layers::{Layer, LayerGenerator};
 use super::neighbour_index::NeighbourIndex;
-use super::winding::Revolutions;
+use super::revolutions::Revolutions;
 
 /// Cost of a path to a configuration: number of reconfigurations, then length.
 type Cost = (u32, f64);

@@ -9,9 +9,9 @@ use super::PathError;
 use super::branch_continuation::{BranchContinuation, MIN_FREE_COUNT};
 use super::knots::Knots;
 use super::neighbour_index::NeighbourIndex;
+use super::revolutions::Revolutions;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
-use super::winding::Revolutions;
 use crate::arm::{Ends, QueryError};
 
 /// Distance below which two configurations are merged, radians (for every joint).

@@ -43,6 +43,7 @@ mod linear_segment;
 mod neighbour_index;
 mod option_checks;
 mod report;
+mod revolutions;
 mod shorten;
 mod solution;
 mod solver;

@@ -1,6 +1,6 @@
 //! Index of configurations by one joint, for neighbour queries.
 
-use super::winding::Revolutions;
+use super::revolutions::Revolutions;
 
 /// Configurations in cells of the joint with the largest spread, among those whose revolutions count.
 #[derive(Debug, Default)]

@@ -7,13 +7,13 @@ use super::graph::{EndIndices, Selection, fewest_reconfigurations, without_recon
 use super::knot_configurations::{self, KnotPath, fill};
 use super::knots::Knots;
 use super::layers::{Layer, LayerGenerator};
+use super::revolutions::Revolutions;
 use super::shorten::{Shortening, length};
 use super::solution::PathSolution;
 use super::sparse_waypoints::{self, Redundancy};
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::tracked_path;
-use super::winding::Revolutions;
 use crate::arm::Arm;
 
 /// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,

@@ -37,55 +37,27 @@ pub struct Chain {
     extent: f64,
 }
 
-/// Error of joints that do not form a [`Chain`].
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ChainError {
-    /// The number of moving joints is not between 1 and [`MAX_JOINTS`].
-    #[error("a chain has 1 to {MAX_JOINTS} moving joints, not {0}")]
-    JointCount(usize),
-    /// The joint is fixed, or a ball joint. A fixed joint belongs into the placement of the next one.
-    #[error("joint {0} of the chain is fixed")]
-    Fixed(usize),
-    /// The axis is zero or not finite.
-    #[error("joint {0} of the chain: the axis is zero or not finite")]
-    Axis(usize),
-    /// The bounds are NaN, crossed, or leave no finite value.
-    #[error("joint {joint} of the chain: bounds [{lower}, {upper}] are not an interval")]
-    Bounds {
-        /// Index of the joint, from 0 at the base.
-        joint: usize,
-        /// Lower bound, radians or metres.
-        lower: f64,
-        /// Upper bound, radians or metres.
-        upper: f64,
-    },
-    /// The placement is not finite, or its rotation is not orthonormal to 1e-6.
-    #[error("placement {0} of the chain (the tip's is last) is not a rigid motion")]
-    Placement(usize),
-}
-
 impl Chain {
     /// Builds a chain from its joints, base to tip, and the tip's placement in the last joint's frame.
     ///
     /// # Errors
-    /// Returns a [`ChainError`]. A finite bound of a revolute joint beyond a million radians is an error.
+    /// Returns a [`LaneError`]. A finite bound of a revolute joint beyond a million radians is an error.
     pub fn new(
         mut joints: Vec<ChainJoint>,
         joint_from_tip: Placement<f64>,
-    ) -> Result<Self, ChainError> {
+    ) -> Result<Self, LaneError> {
         if joints.is_empty() || joints.len() > MAX_JOINTS {
-            return Err(ChainError::JointCount(joints.len()));
+            return Err(LaneError::ChainLength(joints.len()));
         }
         for (index, joint) in joints.iter_mut().enumerate() {
             joint.kind = match joint.kind {
-                JointKind::Fixed | JointKind::Ball => return Err(ChainError::Fixed(index)),
+                JointKind::Fixed | JointKind::Ball => return Err(LaneError::FixedJoint(index)),
                 JointKind::Prismatic => JointKind::Prismatic,
                 JointKind::Revolute | JointKind::Continuous => JointKind::Revolute,
             };
             let length = joint.axis.norm();
             if !(length.is_finite() && length > 1e-12) {
-                return Err(ChainError::Axis(index));
+                return Err(LaneError::Axis(index));
             }
             joint.axis = joint.axis * length.recip();
             let (lower, upper) = (joint.lower, joint.upper);
@@ -94,18 +66,18 @@ impl Chain {
             // `lower <= upper` is false for NaN.
             let ordered = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
             if !ordered || too_far(lower) || too_far(upper) {
-                return Err(ChainError::Bounds {
+                return Err(LaneError::Bounds {
                     joint: index,
                     lower,
                     upper,
                 });
             }
             if !is_rigid(&joint.parent_from_joint) {
-                return Err(ChainError::Placement(index));
+                return Err(LaneError::Placement(index));
             }
         }
         if !is_rigid(&joint_from_tip) {
-            return Err(ChainError::Placement(joints.len()));
+            return Err(LaneError::Placement(joints.len()));
         }
         Ok(Self {
             extent: extent(&joints, &joint_from_tip),
@@ -140,9 +112,9 @@ impl Chain {
     }
 
     /// The same joints with another tip. Returns an error if its placement is not rigid.
-    pub(crate) fn with_tip(&self, joint_from_tip: Placement<f64>) -> Result<Self, ChainError> {
+    pub(crate) fn with_tip(&self, joint_from_tip: Placement<f64>) -> Result<Self, LaneError> {
         if !is_rigid(&joint_from_tip) {
-            return Err(ChainError::Placement(self.joints.len()));
+            return Err(LaneError::Placement(self.joints.len()));
         }
         Ok(Self {
             extent: extent(&self.joints, &joint_from_tip),

@@ -41,7 +41,7 @@ mod twists;
 
 pub use axis_goal::AxisGoal;
 pub(crate) use batch::{Attempts, Work};
-pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
+pub use chain::{Chain, ChainJoint, MAX_JOINTS};
 pub use kinopt_kinematics::model::JointKind;
 #[cfg(feature = "collision")]
 pub(crate) use links::Links;

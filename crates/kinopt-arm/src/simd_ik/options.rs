@@ -1,6 +1,7 @@
 //! Options, outcome and errors of the SIMD solver.
 
 use super::axis_goal::AxisGoal;
+use super::chain::MAX_JOINTS;
 use kinopt_kinematics::bad_option::{BadOption, POSITIVE};
 
 /// Preference among several solutions.
@@ -198,7 +199,7 @@ impl PoseOutcome {
     };
 }
 
-/// Error of a call with invalid arguments.
+/// Error of joints that do not form a [`Chain`](super::Chain), or of a call with invalid arguments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LaneError {
@@ -224,4 +225,26 @@ pub enum LaneError {
     /// A target, by its index, is not finite or its rotation is not orthonormal to 1e-6.
     #[error("target {0} is not a rigid placement")]
     Target(usize),
+    /// The number of moving joints is not between 1 and [`MAX_JOINTS`].
+    #[error("a chain has 1 to {MAX_JOINTS} moving joints, not {0}")]
+    ChainLength(usize),
+    /// The joint is fixed, or a ball joint. A fixed joint belongs into the placement of the next one.
+    #[error("joint {0} of the chain is fixed")]
+    FixedJoint(usize),
+    /// The axis is zero or not finite.
+    #[error("joint {0} of the chain: the axis is zero or not finite")]
+    Axis(usize),
+    /// The bounds are NaN, crossed, or leave no finite value.
+    #[error("joint {joint} of the chain: bounds [{lower}, {upper}] are not an interval")]
+    Bounds {
+        /// Index of the joint, from 0 at the base.
+        joint: usize,
+        /// Lower bound, radians or metres.
+        lower: f64,
+        /// Upper bound, radians or metres.
+        upper: f64,
+    },
+    /// The placement is not finite, or its rotation is not orthonormal to 1e-6.
+    #[error("placement {0} of the chain (the tip's is last) is not a rigid motion")]
+    Placement(usize),
 }

@@ -4,20 +4,8 @@ use nalgebra::{DMatrix, Matrix3xX};
 
 use super::jacobian::to_velocity_columns;
 use super::{ForwardKinematics, KinematicsError, Wrench, Wrenches};
-use crate::model::{MassError, Masses, Model};
+use crate::model::{Masses, Model};
 use crate::spatial::Vector3;
-
-/// Errors of the centre of mass.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CentreOfMassError {
-    /// The model has no masses, or invalid ones.
-    #[error(transparent)]
-    Mass(#[from] MassError),
-    /// The configuration does not fit the model.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
-}
 
 /// The centre of mass Σ mᵢ pᵢ / Σ mᵢ at a configuration `q` (radians and metres), in the world, metres.
 ///

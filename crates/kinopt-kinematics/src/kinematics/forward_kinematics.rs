@@ -3,12 +3,12 @@
 use thiserror::Error;
 
 use super::{Tree, TreeState};
-use crate::model::{BallVariables, FrameId, Model, ParameterMap, SegmentKind};
+use crate::model::{BallVariables, FrameId, Model, ModelError, ParameterMap, SegmentKind};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// Errors of forward kinematics and Jacobians.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+/// Errors of forward kinematics, Jacobians and centres of mass.
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum KinematicsError {
     /// A frame id that is not in the model.
@@ -57,6 +57,9 @@ pub enum KinematicsError {
         /// Index of the number, from 0: a coordinate, or a variable of the parameter map.
         index: usize,
     },
+    /// The model has no masses, or invalid ones, so it has no centre of mass.
+    #[error(transparent)]
+    Masses(#[from] ModelError),
 }
 
 /// Forward kinematics of frames of one model, with its own workspace.

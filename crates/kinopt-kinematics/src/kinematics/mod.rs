@@ -17,9 +17,8 @@ mod motion;
 mod reverse;
 mod tree;
 
-pub use centre_of_mass::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
-#[doc(hidden)]
-pub use composites::Composites;
+pub use centre_of_mass::{centre_of_mass, centre_of_mass_jacobian};
+pub(crate) use composites::Composites;
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 #[doc(hidden)]
 pub use forward_pass::TreeState;

@@ -1,10 +1,11 @@
-//! Errors of models and parameter maps.
+//! Errors of models, masses, parameter maps and skeletons.
 
 use thiserror::Error;
 
+use super::UnknownName;
 use crate::spatial::RigidDefect;
 
-/// Errors of models and parameter maps.
+/// Errors of models, masses, parameter maps and skeletons; each names the joint, frame or bone.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -224,4 +225,111 @@ pub enum ModelError {
         /// The source joint.
         joint: String,
     },
+    /// A name that no bone or frame has; the message lists the valid names.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// A bone comes before its parent. This check also excludes cycles.
+    #[error("bone `{bone}`: its parent must precede it in the list")]
+    ParentNotBefore {
+        /// Name of the child.
+        bone: String,
+    },
+    /// A length is negative or not finite.
+    #[error("bone `{bone}`: length {length} is not a finite number of at least 0")]
+    BadLength {
+        /// Name of the bone.
+        bone: String,
+        /// Given length.
+        length: f64,
+    },
+    /// Limits are NaN or out of order.
+    #[error("bone `{bone}`: limits [{lower}, {upper}] rad of its {angle} are not an interval")]
+    BadBoneLimits {
+        /// Name of the bone.
+        bone: String,
+        /// Angle of the bone: first twist, bend or second twist.
+        angle: &'static str,
+        /// Lower limit, radians.
+        lower: f64,
+        /// Upper limit, radians.
+        upper: f64,
+    },
+    /// A rest placement is not a rigid motion.
+    #[error("bone `{bone}`: its rest placement is not a rigid motion ({problem})")]
+    BadRest {
+        /// Name of the bone.
+        bone: String,
+        /// Defect of the placement.
+        problem: RigidDefect,
+    },
+    /// A bone of another skeleton.
+    #[error("bone {bone} does not exist; there are {bones} bones")]
+    ForeignBone {
+        /// Index of the bone.
+        bone: usize,
+        /// Number of bones.
+        bones: usize,
+    },
+    /// A cone of a bone without a joint.
+    #[error("bone `{bone}` is locked; only a rotating bone has a cone")]
+    ConeOfStillBone {
+        /// Name of the bone.
+        bone: String,
+    },
+    /// A cone of the bone of a free root.
+    #[error("bone `{bone}` is a free root, which has no cone")]
+    ConeOfFreeBone {
+        /// Name of the bone.
+        bone: String,
+    },
+    /// No mass on any body that joints move.
+    #[error("`{model}` has no centre of mass: its joints move no masses")]
+    NoMass {
+        /// Name of the model.
+        model: String,
+    },
+    /// A mass is negative or not finite.
+    #[error("the mass of `{frame}` is {mass} kg, expected a finite number of at least 0")]
+    BadMass {
+        /// The frame with the mass.
+        frame: String,
+        /// The mass in kilograms.
+        mass: f64,
+    },
+    /// A position of a mass that is not finite.
+    #[error("the mass of `{frame}`: coordinate {coordinate} m is not a finite number")]
+    BadMassPosition {
+        /// The frame with the mass.
+        frame: String,
+        /// The coordinate in metres.
+        coordinate: f64,
+    },
+    /// A frame id that is not in the model.
+    #[error("a mass is on frame {index}, but model `{model}` has {frames} frames")]
+    ForeignMass {
+        /// Name of the model.
+        model: String,
+        /// The index of the frame id.
+        index: usize,
+        /// Number of frames in the model.
+        frames: usize,
+    },
+    /// A robot description without inertials whose masses depend on mesh files, which are not opened.
+    #[error(
+        "{} no inertial: mass and centre depend on mesh files, which are not opened; add an inertial or set masses",
+        match others {
+            0 => format!("`{frame}` has"),
+            1 => format!("`{frame}` and 1 more body have"),
+            n => format!("`{frame}` and {n} more bodies have"),
+        }
+    )]
+    MissingInertia {
+        /// The first body without inertial.
+        frame: String,
+        /// Number of further bodies without inertial.
+        others: usize,
+    },
+    /// A mesh without volume to compute masses from.
+    #[error("mass from the volume of a mesh: {0}")]
+    NoVolume(String),
 }

@@ -1,6 +1,7 @@
 //! Masses of a model's frames, for its centre of mass.
 
 use super::{FrameId, JointId, Model};
+use crate::model::ModelError;
 use crate::spatial::{Placement, Vector3};
 
 /// A point mass on a frame.
@@ -13,62 +14,6 @@ pub struct PointMass {
     pub at: Vector3<f64>,
     /// Mass in kilograms; not negative.
     pub mass: f64,
-}
-
-/// Errors of masses.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MassError {
-    /// No mass on any body that joints move.
-    #[error("`{model}` has no centre of mass: its joints move no masses")]
-    NoMass {
-        /// Name of the model.
-        model: String,
-    },
-    /// A mass is negative or not finite.
-    #[error("the mass of `{frame}` is {mass} kg, expected a finite number of at least 0")]
-    BadMass {
-        /// The frame with the mass.
-        frame: String,
-        /// The mass in kilograms.
-        mass: f64,
-    },
-    /// A position of a mass that is not finite.
-    #[error("the mass of `{frame}`: coordinate {coordinate} m is not a finite number")]
-    BadPlace {
-        /// The frame with the mass.
-        frame: String,
-        /// The coordinate in metres.
-        coordinate: f64,
-    },
-    /// A frame id that is not in the model.
-    #[error("a mass is on frame {index}, but model `{model}` has {frames} frames")]
-    ForeignFrame {
-        /// Name of the model.
-        model: String,
-        /// The index of the frame id.
-        index: usize,
-        /// Number of frames in the model.
-        frames: usize,
-    },
-    /// A robot description without inertials whose masses depend on mesh files, which are not opened.
-    #[error(
-        "{} no inertial: mass and centre depend on mesh files, which are not opened; add an inertial or set masses",
-        match others {
-            0 => format!("`{frame}` has"),
-            1 => format!("`{frame}` and 1 more body have"),
-            n => format!("`{frame}` and {n} more bodies have"),
-        }
-    )]
-    MissingInertia {
-        /// The first body without inertial.
-        frame: String,
-        /// Number of further bodies without inertial.
-        others: usize,
-    },
-    /// A mesh without volume to compute masses from.
-    #[error("mass from the volume of a mesh: {0}")]
-    NoVolume(String),
 }
 
 /// The masses that a model's joints move, combined into one for each joint that carries any.
@@ -108,24 +53,24 @@ impl Masses {
     pub fn new(
         model: &Model,
         masses: impl IntoIterator<Item = PointMass>,
-    ) -> Result<Self, MassError> {
+    ) -> Result<Self, ModelError> {
         let mut combined: Vec<(JointId, PointMass)> = Vec::new();
         for point in masses {
             let Some(frame) = model.frames().get(point.frame.index()) else {
-                return Err(MassError::ForeignFrame {
+                return Err(ModelError::ForeignMass {
                     model: model.name().to_owned(),
                     index: point.frame.index(),
                     frames: model.frames().len(),
                 });
             };
             if !(point.mass >= 0.0 && point.mass.is_finite()) {
-                return Err(MassError::BadMass {
+                return Err(ModelError::BadMass {
                     frame: frame.name.clone(),
                     mass: point.mass,
                 });
             }
             if let Some(coordinate) = point.at.to_array().into_iter().find(|at| !at.is_finite()) {
-                return Err(MassError::BadPlace {
+                return Err(ModelError::BadMassPosition {
                     frame: frame.name.clone(),
                     coordinate,
                 });
@@ -143,7 +88,7 @@ impl Masses {
         let total: f64 = points.iter().map(|point| point.mass).sum();
         if points.is_empty() || !total.is_finite() {
             let model = model.name().to_owned();
-            return Err(MassError::NoMass { model });
+            return Err(ModelError::NoMass { model });
         }
         Ok(Self { points, total })
     }

@@ -1,7 +1,8 @@
 //! Skeletons with one ball joint per bone instead of three revolute joints.
 
-use super::{BoneId, Cones, Posing, Skeleton, SkeletonError};
+use super::{BoneId, Cones, Posing, Skeleton};
 use crate::kinematics::KinematicsError;
+use crate::model::ModelError;
 use crate::model::{
     FrameId, JointId, LengthUnit, Limits, Model, ParameterMapBuilder, UnknownName, quaternion_at,
 };
@@ -82,11 +83,7 @@ impl BallSkeleton {
     /// # Errors
     /// A cone of a bone that does not exist, has no joint or is a free root. Also a cone without any rotation or with a
     /// zero axis, invalid bounds of a free root, or name clashes.
-    pub fn new(
-        skeleton: Skeleton,
-        cones: &Cones,
-        root: SkeletonRoot,
-    ) -> Result<Self, SkeletonError> {
+    pub fn new(skeleton: Skeleton, cones: &Cones, root: SkeletonRoot) -> Result<Self, ModelError> {
         for name in cones.keys() {
             skeleton.bone(name)?;
         }
@@ -110,11 +107,11 @@ impl BallSkeleton {
             let name = || bone.name.clone();
             let (joint, joint_from_bone) = match (is_movable, root) {
                 (false, _) if cone.is_some() => {
-                    return Err(SkeletonError::ConeOfStillBone { bone: name() });
+                    return Err(ModelError::ConeOfStillBone { bone: name() });
                 }
                 (false, _) => (None, parent_from_bone),
                 (true, SkeletonRoot::Free { .. }) if parent_joint.is_none() && cone.is_some() => {
-                    return Err(SkeletonError::ConeOfFreeBone { bone: name() });
+                    return Err(ModelError::ConeOfFreeBone { bone: name() });
                 }
                 (true, SkeletonRoot::Free { bounds }) if parent_joint.is_none() => {
                     let origin = Placement::translation(parent_from_bone.translation);

@@ -1,7 +1,7 @@
 //! A bone at rest.
 
-use super::SkeletonError;
 use crate::model::Limits;
+use crate::model::ModelError;
 use crate::spatial::{Placement, Vector3};
 
 /// Largest deviation of R̂ᵀR̂ of a rest placement from the identity, per entry.
@@ -56,13 +56,13 @@ impl Bone {
     }
 
     /// Checks a bone at `index` of its list.
-    pub(super) fn check(&self, index: usize) -> Result<(), SkeletonError> {
+    pub(super) fn check(&self, index: usize) -> Result<(), ModelError> {
         let bone = || self.name.clone();
         if self.parent.is_some_and(|parent| parent.index() >= index) {
-            return Err(SkeletonError::ParentNotBefore { bone: bone() });
+            return Err(ModelError::ParentNotBefore { bone: bone() });
         }
         if !(self.length >= 0.0 && self.length.is_finite()) {
-            return Err(SkeletonError::BadLength {
+            return Err(ModelError::BadLength {
                 bone: bone(),
                 length: self.length,
             });
@@ -73,7 +73,7 @@ impl Bone {
             .zip(["first twist", "bend", "second twist"])
         {
             if !limits.is_valid() {
-                return Err(SkeletonError::BadLimits {
+                return Err(ModelError::BadBoneLimits {
                     bone: bone(),
                     angle,
                     lower: limits.lower,
@@ -83,7 +83,7 @@ impl Bone {
         }
         self.model_from_rest
             .check_rigid(ORTHONORMAL_TOLERANCE)
-            .map_err(|problem| SkeletonError::BadRest {
+            .map_err(|problem| ModelError::BadRest {
                 bone: bone(),
                 problem,
             })

@@ -1,6 +1,7 @@
 //! Builder of skeletons, which assigns bone ids.
 
-use super::{Bone, BoneId, Skeleton, SkeletonError};
+use super::{Bone, BoneId, Skeleton};
+use crate::model::ModelError;
 
 /// Collects the bones of a skeleton, parents before children.
 ///
@@ -53,7 +54,7 @@ impl SkeletonBuilder {
     ///
     /// # Errors
     /// As [`Skeleton::new`].
-    pub fn build(self) -> Result<Skeleton, SkeletonError> {
+    pub fn build(self) -> Result<Skeleton, ModelError> {
         Skeleton::new(self.name, self.bones)
     }
 }

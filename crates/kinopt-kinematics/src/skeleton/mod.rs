@@ -12,7 +12,6 @@ mod ball_skeleton;
 mod bone;
 mod builder;
 mod cone;
-mod error;
 mod holds;
 mod pose;
 
@@ -22,11 +21,10 @@ pub use ball_skeleton::{BallSkeleton, SkeletonRoot};
 pub use bone::{Bone, BoneId};
 pub use builder::SkeletonBuilder;
 pub use cone::{BoneCone, Cones};
-pub use error::SkeletonError;
 pub use holds::Holds;
 pub use pose::{BonePlacements, Posing};
 
-use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, UnknownName};
+use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
 /// Number of angles per bone in the stacked vector.
@@ -64,7 +62,7 @@ impl Skeleton {
     /// The first faulty bone, by name: a parent that does not come before it, a negative or non-finite length, invalid
     /// limits, or a repeated name. Also a rest placement that is not rigid within 1e-6; within that tolerance the
     /// nearest rigid one is used.
-    pub fn new(name: impl Into<String>, mut bones: Vec<Bone>) -> Result<Self, SkeletonError> {
+    pub fn new(name: impl Into<String>, mut bones: Vec<Bone>) -> Result<Self, ModelError> {
         let mut by_name = HashMap::with_capacity(bones.len());
         for (index, bone) in bones.iter_mut().enumerate() {
             bone.check(index)?;
@@ -73,7 +71,8 @@ impl Skeleton {
                 .insert(bone.name.clone(), BoneId::new(index))
                 .is_some()
             {
-                return Err(SkeletonError::DuplicateName {
+                return Err(ModelError::DuplicateName {
+                    kind: "bone",
                     name: bone.name.clone(),
                 });
             }
@@ -93,11 +92,8 @@ impl Skeleton {
     /// skeleton's poses with the original skeleton. [`BonePlacements::placed`] moves a single pose at lower cost.
     ///
     /// # Errors
-    /// [`SkeletonError::BadRest`] for the first bone if P is not a rigid motion.
-    pub fn placed(
-        &self,
-        scene_from_model: impl Into<Placement<f64>>,
-    ) -> Result<Self, SkeletonError> {
+    /// [`ModelError::BadRest`] for the first bone if P is not a rigid motion.
+    pub fn placed(&self, scene_from_model: impl Into<Placement<f64>>) -> Result<Self, ModelError> {
         let scene_from_model = scene_from_model.into();
         let mut bones = self.bones.clone();
         for bone in &mut bones {
@@ -203,7 +199,7 @@ impl Skeleton {
 }
 
 /// Compiles each bone to three revolute joints: x by θ₃ on the parent, then z by θ₂, then x by θ₁.
-fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
+fn compile(name: String, bones: &[Bone]) -> Result<Model, ModelError> {
     let about_x = Vector3::new(1.0, 0.0, 0.0);
     let about_z = Vector3::new(0.0, 0.0, 1.0);
     let mut builder = Model::builder(name);
@@ -264,9 +260,9 @@ impl From<Skeleton> for (String, Vec<Bone>) {
 
 #[cfg(feature = "serde")]
 impl TryFrom<(String, Vec<Bone>)> for Skeleton {
-    type Error = SkeletonError;
+    type Error = ModelError;
 
-    fn try_from((name, bones): (String, Vec<Bone>)) -> Result<Self, SkeletonError> {
+    fn try_from((name, bones): (String, Vec<Bone>)) -> Result<Self, ModelError> {
         Self::new(name, bones)
     }
 }

@@ -1,7 +1,8 @@
 //! Poses of a skeleton: bone placements and skinning transforms.
 
-use super::{BoneId, Skeleton, SkeletonError};
+use super::{BoneId, Skeleton};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
+use crate::model::ModelError;
 use crate::model::{FrameId, Model};
 use crate::spatial::{Placement, Vector3};
 
@@ -17,7 +18,7 @@ impl BonePlacements {
     ///
     /// # Errors
     /// A bone outside the pose.
-    pub fn tail(&self, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
+    pub fn tail(&self, bone: BoneId) -> Result<Vector3<f64>, ModelError> {
         Ok(self.placement(bone)?.translation)
     }
 
@@ -25,7 +26,7 @@ impl BonePlacements {
     ///
     /// # Errors
     /// A bone outside the pose or the skeleton.
-    pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
+    pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Result<Vector3<f64>, ModelError> {
         let rest_bone = skeleton.bones().get(bone.index());
         let rest_bone = rest_bone.ok_or_else(|| foreign_bone(bone, skeleton.bones().len()))?;
         Ok(self
@@ -33,7 +34,7 @@ impl BonePlacements {
             .apply(Vector3::new(rest_bone.length, 0.0, 0.0)))
     }
 
-    fn placement(&self, bone: BoneId) -> Result<&Placement<f64>, SkeletonError> {
+    fn placement(&self, bone: BoneId) -> Result<&Placement<f64>, ModelError> {
         let posed = self.model_from_bone.get(bone.index());
         posed.ok_or_else(|| foreign_bone(bone, self.model_from_bone.len()))
     }
@@ -113,7 +114,7 @@ impl Skeleton {
     }
 }
 
-fn foreign_bone(bone: BoneId, bones: usize) -> SkeletonError {
+fn foreign_bone(bone: BoneId, bones: usize) -> ModelError {
     let bone = bone.index();
-    SkeletonError::ForeignBone { bone, bones }
+    ModelError::ForeignBone { bone, bones }
 }

@@ -3,8 +3,10 @@
 use nalgebra::Matrix3xX;
 
 use super::{Link, MissingInertia, Robot};
-use kinopt_kinematics::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
-use kinopt_kinematics::model::{MassError, Masses, PointMass, moving_joint};
+use kinopt_kinematics::kinematics::KinematicsError;
+use kinopt_kinematics::kinematics::{centre_of_mass, centre_of_mass_jacobian};
+use kinopt_kinematics::model::ModelError;
+use kinopt_kinematics::model::{Masses, PointMass, moving_joint};
 use kinopt_kinematics::spatial::Vector3;
 
 impl Robot {
@@ -25,7 +27,7 @@ impl Robot {
     /// # Errors
     /// A negative mass, no mass at all, or a mass that depends on a mesh file
     /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)). The error names the link.
-    pub fn masses(&self) -> Result<Masses, MassError> {
+    pub fn masses(&self) -> Result<Masses, ModelError> {
         self.collect_masses(|link| link.left_to_meshes.is_some())
     }
 
@@ -33,21 +35,21 @@ impl Robot {
     ///
     /// # Errors
     /// As [`masses`](Self::masses), except for links of which only the centre of mass depends on a mesh file.
-    pub fn total_mass(&self) -> Result<f64, MassError> {
+    pub fn total_mass(&self) -> Result<f64, ModelError> {
         let masses =
             self.collect_masses(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
         Ok(masses.total())
     }
 
     /// The masses of links that joints move; an error if `unknown` holds for one of them.
-    fn collect_masses(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
+    fn collect_masses(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, ModelError> {
         let links = || self.model.frame_ids().zip(&self.links);
         let mut missing = links()
             .filter(|(frame, link)| unknown(link) && moving_joint(&self.model, *frame).is_some());
         if let Some((frame, _)) = missing.next() {
             let frame = self.model.frames()[frame.index()].name.clone();
             let others = missing.count();
-            return Err(MassError::MissingInertia { frame, others });
+            return Err(ModelError::MissingInertia { frame, others });
         }
         let masses = links().filter_map(|(frame, link)| {
             let (position, mass) = match (&link.inertial, link.left_to_meshes) {
@@ -68,7 +70,7 @@ impl Robot {
     ///
     /// # Errors
     /// As [`masses`](Self::masses), or an invalid configuration.
-    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
+    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, KinematicsError> {
         Ok(centre_of_mass(&self.model, &self.masses()?, q)?)
     }
 
@@ -76,7 +78,7 @@ impl Robot {
     ///
     /// # Errors
     /// As [`centre_of_mass`](Self::centre_of_mass).
-    pub fn centre_of_mass_jacobian(&self, q: &[f64]) -> Result<Matrix3xX<f64>, CentreOfMassError> {
+    pub fn centre_of_mass_jacobian(&self, q: &[f64]) -> Result<Matrix3xX<f64>, KinematicsError> {
         Ok(centre_of_mass_jacobian(&self.model, &self.masses()?, q)?)
     }
 }

@@ -268,7 +268,7 @@ impl Robot {
         name: &str,
         link: impl Into<FrameRef<'a>>,
         link_from_tool: impl Into<Placement<f64>>,
-    ) -> Result<Self, ToolError> {
+    ) -> Result<Self, ModelError> {
         let link = &self.model.frames()[link.into().resolve(&self.model)?.index()];
         let (joint, joint_from_tool) = (link.joint, link.joint_from_frame * link_from_tool.into());
         let mut builder = ModelBuilder::from_model(&self.model);
@@ -301,18 +301,6 @@ impl Robot {
         self.model = self.model.without_loops();
         self
     }
-}
-
-/// Error of [`Robot::with_tool`].
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ToolError {
-    /// No frame has the name of the link.
-    #[error(transparent)]
-    UnknownLink(#[from] UnknownName),
-    /// The name or the placement of the tool is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
 }
 
 /// A parameter map in which all joints are free except mimic joints.

@@ -1,11 +1,12 @@
 //! Cyclic coordinate descent (CCD).
 
+use super::Geometric;
 use super::descent::Descent;
 use super::goal::goals;
 use super::sweeps::{self, Limits};
-use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use crate::solver::{Observer, Stopping};
 
 /// Cyclic coordinate descent (Wang & Chen 1991), from the tips to the root.
@@ -54,7 +55,7 @@ impl Geometric for Ccd {
         instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
-    ) -> Result<Solution, GeometricError> {
+    ) -> Result<Solution, SolveError> {
         let mut descent = Descent::new(instance, goals(instance, "CCD")?);
         sweeps::solve(instance, start, self.limits, &mut descent, observer)
     }

@@ -1,13 +1,14 @@
 //! FABRIK: forward and backward reaching on points, followed by a fit of the joints.
 
+use super::Geometric;
 use super::goal::goals;
 use super::joint_groups::joint_points;
 use super::joints_to_points::JointFit;
 use super::linkage::{Linkage, Pin, Span, straighten};
 use super::sweeps::{self, Limits, Sweep};
-use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use crate::solver::{Observer, Stopping};
 use kinopt_kinematics::spatial::Vector3;
 
@@ -58,7 +59,7 @@ impl Geometric for Fabrik {
         instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
-    ) -> Result<Solution, GeometricError> {
+    ) -> Result<Solution, SolveError> {
         let goals = goals(instance, "FABRIK")?;
         let joint_points = joint_points(instance, &goals, "FABRIK")?;
         let mut passes = Passes {

@@ -1,7 +1,7 @@
 //! Targets of a problem's tasks as geometry: points with positions, frames with orientations.
 
-use super::GeometricError;
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use crate::task::{FrameGoal, Quantity};
 use kinopt_kinematics::kinematics::FrameSlot;
 use kinopt_kinematics::spatial::{Matrix3, Vector3};
@@ -34,10 +34,10 @@ const SUPPORTED_TASKS: &str =
 pub(super) fn goals(
     instance: ProblemInstance<'_>,
     solver: &'static str,
-) -> Result<Vec<Goal>, GeometricError> {
+) -> Result<Vec<Goal>, SolveError> {
     let problem = instance.problem;
     if let Some(ball) = problem.parameters().balls().first() {
-        return Err(GeometricError::BallJoint {
+        return Err(SolveError::BallJoint {
             solver,
             joint: problem.names().variables[ball.variable].clone(),
         });
@@ -54,7 +54,7 @@ pub(super) fn goals(
         let Some(frame_goal) =
             FrameGoal::of_residual(residual).filter(|frame_goal| frame_goal.is_complete)
         else {
-            return Err(GeometricError::UnsupportedTask {
+            return Err(SolveError::UnsupportedTask {
                 solver,
                 task: task.name().to_owned(),
                 valid: SUPPORTED_TASKS,

@@ -1,10 +1,10 @@
 //! Construction of [`JointPoints`]: points for a problem's joints, and groups of joints that position them.
 
-use super::GeometricError;
 use super::goal::Goal;
 use super::joint_points::{AttachedPoint, Group, JointPoints};
 use super::linkage::Pin;
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use kinopt_kinematics::kinematics::TreeState;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
@@ -19,11 +19,11 @@ pub(super) fn joint_points(
     instance: ProblemInstance<'_>,
     goals: &[Goal],
     solver: &'static str,
-) -> Result<JointPoints, GeometricError> {
+) -> Result<JointPoints, SolveError> {
     let tree = instance.tree();
     if let Some(joint) = (0..tree.joints()).find(|&joint| !tree.turns(joint)) {
         let (variable, _) = tree.variable_of(joint);
-        return Err(GeometricError::SlidingJoint {
+        return Err(SolveError::SlidingJoint {
             solver,
             joint: instance.problem.names().variables[variable].clone(),
         });
@@ -33,7 +33,7 @@ pub(super) fn joint_points(
     for goal in goals {
         let Some(position) = goal.position else {
             let task = instance.problem.task_name(goal.task).unwrap_or_default();
-            return Err(GeometricError::UnsupportedTask {
+            return Err(SolveError::UnsupportedTask {
                 solver,
                 task: task.to_owned(),
                 valid: "`point` or `pose`",

@@ -40,7 +40,6 @@
 
 mod ccd;
 mod descent;
-mod error;
 mod fabrik;
 mod goal;
 mod grouped;
@@ -54,7 +53,6 @@ mod triangle;
 mod two_bone;
 
 pub use ccd::Ccd;
-pub use error::GeometricError;
 pub use fabrik::{Fabrik, Reaching, fabrik};
 pub use linkage::Span;
 pub use triangle::{Triangle, triangle};
@@ -62,6 +60,7 @@ pub use two_bone::{Elbow, TwoBone};
 
 use crate::ik::Solution;
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use crate::solver::{Observer, Silent};
 
 /// A geometric method with its settings, immutable and shareable.
@@ -83,7 +82,7 @@ pub trait Geometric: Send + Sync {
         instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
-    ) -> Result<Solution, GeometricError>;
+    ) -> Result<Solution, SolveError>;
 
     /// Solves a problem, or an [instance](ProblemInstance) of it, without an observer.
     ///
@@ -93,7 +92,7 @@ pub trait Geometric: Send + Sync {
         &self,
         instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
-    ) -> Result<Solution, GeometricError>
+    ) -> Result<Solution, SolveError>
     where
         Self: Sized,
     {
@@ -109,7 +108,7 @@ pub trait Geometric: Send + Sync {
         instance: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         observer: &mut dyn Observer,
-    ) -> Result<Solution, GeometricError>
+    ) -> Result<Solution, SolveError>
     where
         Self: Sized,
     {

@@ -1,6 +1,5 @@
 //! The loop of the geometric methods: sweep, evaluate, stop.
 
-use super::GeometricError;
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, ProblemInstance, Scratch, TaskSubset};
 use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};
@@ -56,7 +55,7 @@ pub(super) fn solve(
     limits: Limits,
     method: &mut dyn Sweep,
     observer: &mut dyn Observer,
-) -> Result<Solution, GeometricError> {
+) -> Result<Solution, SolveError> {
     let Limits { stopping, restarts } = limits;
     stopping.check().map_err(SolveError::from)?;
     restarts.check().map_err(SolveError::from)?;

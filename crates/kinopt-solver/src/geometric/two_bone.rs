@@ -1,14 +1,15 @@
 //! Analytic solution for a limb of two bones.
 
+use super::Geometric;
 use super::goal::goals;
 use super::joint_groups::joint_points;
 use super::joint_points::Group;
 use super::joints_to_points::JointFit;
 use super::sweeps::{self, Limits, Sweep};
 use super::triangle::triangle;
-use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
 use crate::problem::ProblemInstance;
+use crate::search::SolveError;
 use crate::solver::{Observer, Stopping};
 use kinopt_kinematics::spatial::Vector3;
 
@@ -64,12 +65,12 @@ impl Geometric for TwoBone {
         instance: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
-    ) -> Result<Solution, GeometricError> {
+    ) -> Result<Solution, SolveError> {
         let goals = goals(instance, NAME)?;
         let points = joint_points(instance, &goals, NAME)?;
         let linkage = points.linkage();
         let (Some(&[upper, lower]), &[pin]) = (linkage.as_chain(), points.pins()) else {
-            return Err(GeometricError::NotTwoBones {
+            return Err(SolveError::NotTwoBones {
                 model: instance.problem.names().model.clone(),
                 bones: points.rest().len().saturating_sub(1),
                 tips: points.pins().len(),

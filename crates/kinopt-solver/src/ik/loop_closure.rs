@@ -1,8 +1,7 @@
 //! Kinematic loop closure: dependent joint values from independent ones.
 
-use super::loop_gap::{LoopClosureError, LoopGap};
 use super::nearest_closure::NearestClosure;
-use super::{Solution, Solver};
+use super::{LoopGap, Solution, Solver};
 use crate::problem::{Evaluation, Problem, ProblemError, TaskSubset};
 use crate::search::check_start;
 use crate::solver::LeastSquares;
@@ -48,11 +47,11 @@ impl<'m> LoopClosure<'m> {
     pub fn new(
         parameters: ParameterMapBuilder<'m>,
         dependent: &[JointId],
-    ) -> Result<Self, LoopClosureError> {
+    ) -> Result<Self, ProblemError> {
         let model = parameters.model();
         if dependent.is_empty() && !model.loops().is_empty() {
             let joints = model.joint_ids().filter(|id| model.moves_a_loop(*id));
-            return Err(LoopClosureError::NoPassiveJoints {
+            return Err(ProblemError::NoPassiveJoints {
                 model: model.name().to_owned(),
                 joints: names(model, joints),
             });
@@ -80,7 +79,7 @@ impl<'m> LoopClosure<'m> {
     /// # Errors
     /// Returns an error if `q` has the wrong length or a number that is not finite, or if an independent joint is
     /// outside its limits. Returns an error if the loops do not close. `q` is then unchanged.
-    pub fn close(&self, q: &mut [f64]) -> Result<(), LoopClosureError> {
+    pub fn close(&self, q: &mut [f64]) -> Result<(), ProblemError> {
         let model = self.parameters.model();
         if model.loops().is_empty() {
             return Ok(());
@@ -97,7 +96,7 @@ impl<'m> LoopClosure<'m> {
             let joint = model.joint_of(coordinate);
             let outside = !joint.kind.is_ball() && !limits.contains(*value);
             if outside && is_independent(coordinate) {
-                return Err(LoopClosureError::Model(ModelError::LockedOutsideLimits {
+                return Err(ProblemError::Model(ModelError::LockedOutsideLimits {
                     joint: joint.name.clone(),
                     value: *value,
                     lower: limits.lower,
@@ -121,7 +120,7 @@ impl<'m> LoopClosure<'m> {
     ///
     /// # Errors
     /// Returns an error if the loops stay open from each of 32 random configurations.
-    pub fn random_configuration(&self, seed: u64) -> Result<Vec<f64>, LoopClosureError> {
+    pub fn random_configuration(&self, seed: u64) -> Result<Vec<f64>, ProblemError> {
         let model = self.parameters.model();
         let sample = |k| model.random_configuration(seed.wrapping_mul(MAX_SAMPLES).wrapping_add(k));
         if model.loops().is_empty() {
@@ -130,7 +129,7 @@ impl<'m> LoopClosure<'m> {
         let map = self.parameters.clone().build()?;
         let mut result = self.close_from(map.clone(), &sample(0));
         for k in 1..MAX_SAMPLES {
-            if !matches!(result, Err(LoopClosureError::Open { .. })) {
+            if !matches!(result, Err(ProblemError::OpenLoops { .. })) {
                 break;
             }
             result = self.close_from(map.clone(), &sample(k));
@@ -144,7 +143,7 @@ impl<'m> LoopClosure<'m> {
     ///
     /// # Errors
     /// Returns an error if `q` has the wrong length or a number that is not finite.
-    pub fn gaps(&self, q: &[f64]) -> Result<Vec<LoopGap>, LoopClosureError> {
+    pub fn gaps(&self, q: &[f64]) -> Result<Vec<LoopGap>, ProblemError> {
         let model = self.parameters.model();
         let loops = model.loops().iter();
         let mut gaps: Vec<LoopGap> = loops
@@ -172,26 +171,28 @@ impl<'m> LoopClosure<'m> {
     }
 
     /// Closes the loops as near to `start` as the search finds.
-    fn nearest(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
+    fn nearest(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, ProblemError> {
         let problem = problem(self.parameters.model(), map)?;
         self.closed(NearestClosure::new(&problem, start)?.close(&self.solver)?)
     }
 
     /// Closes the loops by one search from `start`.
-    fn close_from(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
+    fn close_from(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, ProblemError> {
         let problem = problem(self.parameters.model(), map)?;
         self.closed(self.solver.solve_once(&problem, start)?)
     }
 
     /// Returns the configuration of a solution if it closes the loops.
-    fn closed(&self, solution: Solution) -> Result<Vec<f64>, LoopClosureError> {
+    fn closed(&self, solution: Solution) -> Result<Vec<f64>, ProblemError> {
         if solution.loops_closed() {
             return Ok(solution.q);
         }
         let model = self.parameters.model();
         let open = solution.open_loops();
-        Err(LoopClosureError::Open {
-            open: open.map(|open| LoopGap::open(&open, model)).collect(),
+        Err(ProblemError::OpenLoops {
+            open: open
+                .map(|open| LoopGap::new(open.name, (open.gap, open.angle), model))
+                .collect(),
             dependent: names(model, self.dependent.iter().copied()),
         })
     }

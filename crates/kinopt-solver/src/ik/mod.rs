@@ -12,7 +12,6 @@ mod escape;
 mod hold_postures;
 mod joint_interpolation;
 mod loop_closure;
-mod loop_gap;
 mod minimiser;
 mod motion_limits;
 mod nearest_closure;
@@ -24,6 +23,7 @@ mod stance;
 mod step_guard;
 mod workspace;
 
+pub use crate::problem::LoopGap;
 pub use crate::search::{
     ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
     Side, Solution, SolveError, TaskReport,
@@ -31,13 +31,11 @@ pub use crate::search::{
 pub use drag::{Drag, DragJump};
 pub use hold_postures::hold_postures;
 pub use loop_closure::LoopClosure;
-pub use loop_gap::{LoopClosureError, LoopGap};
-#[doc(hidden)]
-pub use minimiser::Minimiser;
+pub(crate) use minimiser::Minimiser;
 pub use motion_limits::MotionLimits;
 pub use solution_derivative::{
-    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
+    DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
 };
 pub use solver::Solver;
-pub use stance::{StanceError, crouched_configuration};
+pub use stance::crouched_configuration;
 pub use workspace::Workspace;

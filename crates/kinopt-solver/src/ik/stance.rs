@@ -3,9 +3,8 @@
 //! Straight knees are singular: the first-order model cannot shorten the leg.
 
 use crate::problem::{Problem, ProblemError};
-use crate::search::SolveError;
 use crate::task::{Pose, Posture};
-use kinopt_kinematics::kinematics::{ForwardKinematics, KinematicsError};
+use kinopt_kinematics::kinematics::ForwardKinematics;
 use kinopt_kinematics::model::{FrameId, JointId, Model, ParameterMap};
 use kinopt_kinematics::spatial::Vector3;
 
@@ -13,21 +12,6 @@ use super::Solver;
 
 /// Distance by which the base is lowered, as a fraction of its height above the lowest foot.
 const LOWERING_FRACTION: f64 = 1.0 / 15.0;
-
-/// Reason why a crouched configuration cannot be computed.
-#[derive(Clone, Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StanceError {
-    /// Invalid frames or an invalid configuration.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
-    /// The problem cannot be built.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// The solver returned an error.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-}
 
 /// Returns the configuration `q` with the free base lowered by a fifteenth of its height along `up`, and its `feet`
 /// fixed.
@@ -44,7 +28,7 @@ pub fn crouched_configuration(
     feet: &[FrameId],
     q: &[f64],
     up: impl Into<Vector3<f64>>,
-) -> Result<Vec<f64>, StanceError> {
+) -> Result<Vec<f64>, ProblemError> {
     // Ball joint of the first free joint, and the frame attached to it.
     let first = model.free_joints().first();
     let base = first.map(|first| JointId::new(first.index() + 3));

@@ -1,11 +1,15 @@
-//! Errors of problems.
+//! Errors of problems and of loop closures.
 
 use thiserror::Error;
 
+use super::LoopGap;
+use crate::solver::SolveError;
 use crate::task::Quantity;
 use kinopt_kinematics::SizeMismatch;
+use kinopt_kinematics::kinematics::KinematicsError;
+use kinopt_kinematics::model::ModelError;
 
-/// Errors of problems.
+/// Error of a problem, or of a configuration found by solving one: with closed loops, or crouched.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ProblemError {
@@ -160,4 +164,37 @@ pub enum ProblemError {
         /// Upper end of the remaining interval.
         upper: f64,
     },
+    /// Invalid frames or an invalid configuration.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// The configuration has the wrong length, a locked joint is outside its limits, or a joint cannot be dependent.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A solve that did not start.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// No joint is given that closes the loops.
+    #[error(
+        "model `{model}` has loops but no passive joints that close them: name some of {}",
+        joints.join(", ")
+    )]
+    NoPassiveJoints {
+        /// Name of the model.
+        model: String,
+        /// Names of the joints that move the loops.
+        joints: Vec<String>,
+    },
+    /// The search found no values of the dependent joints that close a loop.
+    #[error("{}: no values of {} were found that close it", listed(open), dependent.join(", "))]
+    OpenLoops {
+        /// Open loops with their closure errors.
+        open: Vec<LoopGap>,
+        /// Names of the dependent joints.
+        dependent: Vec<String>,
+    },
+}
+
+fn listed(open: &[LoopGap]) -> String {
+    let open: Vec<String> = open.iter().map(LoopGap::to_string).collect();
+    open.join(", ")
 }

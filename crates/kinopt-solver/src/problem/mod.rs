@@ -12,6 +12,7 @@ mod evaluation;
 mod finite_differences;
 mod frame_reach;
 mod inequality_slacks;
+mod loop_gap;
 mod loops;
 mod moved_variables;
 mod names;
@@ -36,6 +37,7 @@ pub use collision_avoidance::{ClearanceCheck, CollisionAvoidance};
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
+pub use loop_gap::LoopGap;
 pub(crate) use moved_variables::{FullObserver, MovedVariables, ReducedProblem, ReducedWorkspace};
 #[doc(hidden)]
 pub use names::ReportNames;

@@ -10,7 +10,6 @@ mod basin_hopping;
 mod best_attempt;
 mod check_start;
 mod collisions;
-mod error;
 mod explain;
 mod independent_limbs;
 mod measure;
@@ -26,16 +25,11 @@ mod schedule;
 mod solution;
 
 pub use crate::problem::{BodyKind, Collision};
-pub use crate::solver::Side;
-#[doc(hidden)]
-pub use attempt::{Attempt, SearchResult};
-#[doc(hidden)]
-pub use attempts::{Attempts, Engine, run};
-#[doc(hidden)]
-pub use check_start::{check_start, variables_at};
-pub use error::SolveError;
-#[doc(hidden)]
-pub use measure::End;
+pub use crate::solver::{Side, SolveError};
+pub(crate) use attempt::{Attempt, SearchResult};
+pub(crate) use attempts::{Attempts, Engine, run};
+pub(crate) use check_start::{check_start, variables_at};
+pub(crate) use measure::End;
 pub use move_limits::MoveLimits;
 #[doc(hidden)]
 pub use move_limits::{slide_per_radian, within};

@@ -5,8 +5,8 @@ use super::{
     AnyMethod, Iterate, Iteration, LeastSquares, Method, Observer, SolverState, Stopping,
     Termination,
 };
+use crate::search::SolveError;
 use kinopt_kinematics::SizeMismatch;
-use kinopt_kinematics::bad_option::BadOption;
 use kinopt_kinematics::clock::{Instant, is_past};
 
 /// Outcome of a search; the result is in the state.
@@ -19,26 +19,6 @@ pub struct Outcome {
     pub iterations: usize,
     /// ‖proj(x − g) − x‖∞ at the end of the search; `None` if the goal was reached without derivatives.
     pub projected_gradient: Option<f64>,
-}
-
-/// Error that prevents a search.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SearchError {
-    /// A setting of the method or a tolerance is out of its range.
-    #[error(transparent)]
-    Option(#[from] BadOption),
-    /// The start or the bounds have another length than the number of variables.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-    /// The start is not finite.
-    #[error("number {variable} of the start is {value}, which is not a finite number")]
-    NotFinite {
-        /// Index of the variable, from 0.
-        variable: usize,
-        /// Value of the variable.
-        value: f64,
-    },
 }
 
 /// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in `state`.
@@ -57,7 +37,7 @@ pub fn minimise(
     stopping: &Stopping,
     observer: &mut dyn Observer,
     state: &mut SolverState,
-) -> Result<Outcome, SearchError> {
+) -> Result<Outcome, SolveError> {
     method.check()?;
     stopping.check()?;
     let n = problem.variables();
@@ -66,7 +46,7 @@ pub fn minimise(
     SizeMismatch::check("upper bounds", problem.upper().len(), n)?;
     if let Some(variable) = start.iter().position(|value| !value.is_finite()) {
         let value = start[variable];
-        return Err(SearchError::NotFinite { variable, value });
+        return Err(SolveError::VariableNotFinite { variable, value });
     }
     let deadline = stopping.deadline();
     Ok(method.minimise(problem, start, stopping, deadline, observer, state))

@@ -7,6 +7,7 @@ mod active_set;
 mod ball_joints;
 mod configuration_space;
 mod curvature;
+mod error;
 mod gauss_newton;
 mod iterate;
 mod least_squares;
@@ -25,6 +26,7 @@ mod stopping;
 
 pub(crate) use ball_joints::{Edge, RotationSets, Swing, TurnLimit};
 pub use configuration_space::{ConfigurationSpace, Side};
+pub use error::SolveError;
 pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
@@ -35,7 +37,7 @@ pub use linear::{
     TangentNewton, dot, largest,
 };
 pub use method::{AnyMethod, Method, Step};
-pub use minimise::{Outcome, SearchError, minimise};
+pub use minimise::{Outcome, minimise};
 pub use observer::{Iteration, Observer, Silent};
 #[doc(hidden)]
 pub use progress::Progress;

@@ -1,36 +1,7 @@
 //! Bone masks: weights of bones and morph targets in a layer.
 
-use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::animation::{Armature, LayerError, Pose, SizeMismatch};
 use kinopt_kinematics::skeleton::BoneId;
-
-/// Error of a bone mask.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MaskError {
-    /// A bone or morph target of another armature.
-    #[error("{what} {index} does not exist; there are {count}")]
-    Unknown {
-        /// `bone` or `morph target`.
-        what: &'static str,
-        /// Index, from 0.
-        index: usize,
-        /// Number of bones or morph targets.
-        count: usize,
-    },
-    /// A mask weight outside [0, 1].
-    #[error("{what} {index}: the mask weight {share} is outside [0, 1]")]
-    BadShare {
-        /// `bone` or `morph target`.
-        what: &'static str,
-        /// Index, from 0.
-        index: usize,
-        /// The weight given.
-        share: f32,
-    },
-    /// An armature with a different number of bones.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-}
 
 /// Weight within [0, 1] for each bone and morph target of an armature.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +34,7 @@ impl BoneMask {
     ///
     /// # Errors
     /// The bone is of another armature, or the weight is outside [0, 1].
-    pub fn with_bone(mut self, bone: BoneId, share: f32) -> Result<Self, MaskError> {
+    pub fn with_bone(mut self, bone: BoneId, share: f32) -> Result<Self, LayerError> {
         set(&mut self.bones, "bone", bone.index(), share)?;
         Ok(self)
     }
@@ -77,7 +48,7 @@ impl BoneMask {
         armature: &Armature,
         root: BoneId,
         share: f32,
-    ) -> Result<Self, MaskError> {
+    ) -> Result<Self, LayerError> {
         set(&mut self.bones, "bone", root.index(), share)?;
         SizeMismatch::check("bones in the mask", self.bones.len(), armature.bones())?;
         let mut inside = vec![false; armature.bones()];
@@ -97,7 +68,7 @@ impl BoneMask {
     ///
     /// # Errors
     /// The armature does not have the target, or the weight is outside [0, 1].
-    pub fn with_morph_target(mut self, target: usize, share: f32) -> Result<Self, MaskError> {
+    pub fn with_morph_target(mut self, target: usize, share: f32) -> Result<Self, LayerError> {
         set(&mut self.morph_targets, "morph target", target, share)?;
         Ok(self)
     }
@@ -125,12 +96,17 @@ impl BoneMask {
     }
 }
 
-fn set(weights: &mut [f32], what: &'static str, index: usize, share: f32) -> Result<(), MaskError> {
+fn set(
+    weights: &mut [f32],
+    what: &'static str,
+    index: usize,
+    share: f32,
+) -> Result<(), LayerError> {
     let count = weights.len();
     let entry = weights.get_mut(index);
-    let entry = entry.ok_or(MaskError::Unknown { what, index, count })?;
+    let entry = entry.ok_or(LayerError::UnknownIndex { what, index, count })?;
     if !(0.0..=1.0).contains(&share) {
-        return Err(MaskError::BadShare { what, index, share });
+        return Err(LayerError::BadShare { what, index, share });
     }
     *entry = share;
     Ok(())

@@ -7,6 +7,6 @@ mod slerp_weights;
 mod weighted;
 
 pub use layer::{Layer, LayerMode};
-pub use mask::{BoneMask, MaskError};
+pub use mask::BoneMask;
 pub(super) use mask::{clamp_to_unit, finite_or_0};
-pub use weighted::{BlendError, blend_poses};
+pub use weighted::blend_poses;

@@ -2,27 +2,7 @@
 
 use glam::{Quat, Vec3A, Vec4};
 
-use crate::animation::{Pose, SizeMismatch};
-
-/// Error of a pose blend.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BlendError {
-    /// A weight that is negative or not finite.
-    #[error("pose {pose}: the weight {weight} must be finite and at least 0")]
-    BadWeight {
-        /// Index of the pose.
-        pose: usize,
-        /// The weight given.
-        weight: f32,
-    },
-    /// No pose has a weight above 0.
-    #[error("no pose has a weight above 0; at least one must")]
-    NoWeight,
-    /// The poses are of different armatures.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-}
+use crate::animation::{LayerError, Pose};
 
 /// Writes the weighted mean of poses into `out`; the weights need not sum to one. Rotations are summed as quaternions
 /// on the hemisphere of the pose with the largest weight, then normalised. The result does not depend on the order of
@@ -31,10 +11,10 @@ pub enum BlendError {
 /// # Errors
 /// - A weight is negative or not finite, or none is above 0.
 /// - The poses are of different armatures.
-pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendError> {
+pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), LayerError> {
     for (pose, &(_, weight)) in poses.iter().enumerate() {
         if !(weight.is_finite() && weight >= 0.0) {
-            return Err(BlendError::BadWeight { pose, weight });
+            return Err(LayerError::BadWeight { pose, weight });
         }
     }
     let total: f64 = poses.iter().map(|(_, weight)| f64::from(*weight)).sum();
@@ -42,7 +22,7 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
         .iter()
         .reduce(|best, entry| if entry.1 > best.1 { entry } else { best });
     let Some((heaviest, _)) = heaviest.filter(|_| total > 0.0) else {
-        return Err(BlendError::NoWeight);
+        return Err(LayerError::NoWeight);
     };
     for (pose, _) in poses {
         out.check_same_size(pose)?;

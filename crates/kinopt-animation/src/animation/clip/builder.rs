@@ -8,9 +8,9 @@ use glam::Vec3A;
 use super::events::Event;
 use super::timelines::Track;
 use super::tracks::{Curves, Tracks};
-use super::{Channel, ChannelError, Clip, Property};
+use super::{Channel, Clip, Property};
 use crate::animation::rotation::EulerOrder;
-use crate::animation::{Armature, EulerClip, EulerCurve, Pose};
+use crate::animation::{Armature, ClipError, EulerClip, EulerCurve, Pose};
 use kinopt_kinematics::curve::{KeyError, KeyedCurve};
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -45,22 +45,22 @@ impl<'a> ClipBuilder<'a> {
     /// - The bone belongs to another armature.
     /// - The property has a channel already.
     /// - `before` of an Euler channel is not a unit quaternion.
-    pub fn channel(&mut self, bone: BoneId, channel: Channel) -> Result<&mut Self, ChannelError> {
+    pub fn channel(&mut self, bone: BoneId, channel: Channel) -> Result<&mut Self, ClipError> {
         let bones = self.armature.bones();
         let Some(name) = self.armature.names().get(bone.index()) else {
             let bone = bone.index();
-            return Err(ChannelError::UnknownBone { bone, bones });
+            return Err(ClipError::UnknownBone { bone, bones });
         };
         let property = channel.property();
         let name = || name.clone();
         if let Channel::Euler(curve) = &channel {
             if !curve.before.is_normalized() {
-                return Err(ChannelError::BadRotation { bone: name() });
+                return Err(ClipError::BadRotation { bone: name() });
             }
         }
         if !self.keyed_properties.insert((bone, property)) {
             let bone = name();
-            return Err(ChannelError::Duplicate { bone, property });
+            return Err(ClipError::DuplicateChannel { bone, property });
         }
         self.channels.push((bone, channel));
         Ok(self)
@@ -74,15 +74,15 @@ impl<'a> ClipBuilder<'a> {
         &mut self,
         target: usize,
         weights: KeyedCurve<f32>,
-    ) -> Result<&mut Self, ChannelError> {
+    ) -> Result<&mut Self, ClipError> {
         let names = self.armature.morph_targets();
         let targets = names.len();
         let Some(name) = names.get(target) else {
-            return Err(ChannelError::UnknownTarget { target, targets });
+            return Err(ClipError::UnknownTarget { target, targets });
         };
         if self.morphs.iter().any(|(other, _)| *other == target) {
             let target = name.clone();
-            return Err(ChannelError::DuplicateTarget { target });
+            return Err(ClipError::DuplicateTarget { target });
         }
         self.morphs.push((target, weights));
         Ok(self)
@@ -99,11 +99,11 @@ impl<'a> ClipBuilder<'a> {
         &mut self,
         times: &[f32],
         weights: &[f32],
-    ) -> Result<&mut Self, ChannelError> {
+    ) -> Result<&mut Self, ClipError> {
         let targets = self.armature.morph_targets().len();
         let (given, keys) = (weights.len(), times.len());
         if given != keys * targets {
-            return Err(ChannelError::WeightCount {
+            return Err(ClipError::WeightCount {
                 given,
                 keys,
                 targets,
@@ -112,7 +112,7 @@ impl<'a> ClipBuilder<'a> {
         for (target, name) in self.armature.morph_targets().iter().enumerate() {
             let target_weights = weights.iter().skip(target).step_by(targets);
             let curve = KeyedCurve::linear(times.to_vec(), target_weights.copied().collect());
-            let curve = curve.map_err(|problem| ChannelError::TargetKeys {
+            let curve = curve.map_err(|problem| ClipError::TargetKeys {
                 target: name.clone(),
                 problem,
             })?;
@@ -127,7 +127,7 @@ impl<'a> ClipBuilder<'a> {
     /// # Errors
     /// - A bone belongs to another armature or has a rotation channel already.
     /// - Two times are equal in single precision.
-    pub fn euler_clip(&mut self, clip: &EulerClip) -> Result<&mut Self, ChannelError> {
+    pub fn euler_clip(&mut self, clip: &EulerClip) -> Result<&mut Self, ClipError> {
         for track in clip.tracks() {
             let times = track.keys.iter().map(|key| key.time as f32).collect();
             let values = track.keys.iter().map(|key| {
@@ -149,13 +149,13 @@ impl<'a> ClipBuilder<'a> {
     }
 
     /// Error of the keys of a bone, with the bone's name if it has one.
-    fn keys_of(&self, bone: BoneId, problem: KeyError) -> ChannelError {
+    fn keys_of(&self, bone: BoneId, problem: KeyError) -> ClipError {
         match self.armature.names().get(bone.index()) {
-            Some(bone) => ChannelError::BoneKeys {
+            Some(bone) => ClipError::BoneKeys {
                 bone: bone.clone(),
                 problem,
             },
-            None => ChannelError::Keys(problem),
+            None => ClipError::Keys(problem),
         }
     }
 
@@ -163,11 +163,11 @@ impl<'a> ClipBuilder<'a> {
     ///
     /// # Errors
     /// The time is not finite.
-    pub fn event(&mut self, time: f32, name: impl Into<String>) -> Result<&mut Self, ChannelError> {
+    pub fn event(&mut self, time: f32, name: impl Into<String>) -> Result<&mut Self, ClipError> {
         let name = name.into();
         if !time.is_finite() {
             let event = name;
-            return Err(ChannelError::EventTime { event, time });
+            return Err(ClipError::EventTime { event, time });
         }
         self.events.push(Event { time, name });
         Ok(self)
@@ -177,9 +177,9 @@ impl<'a> ClipBuilder<'a> {
     ///
     /// # Errors
     /// A time is not finite, or `end` is before `start`.
-    pub fn span(&mut self, start: f32, end: f32) -> Result<&mut Self, ChannelError> {
+    pub fn span(&mut self, start: f32, end: f32) -> Result<&mut Self, ClipError> {
         if !(start.is_finite() && end.is_finite() && start <= end) {
-            return Err(ChannelError::BadSpan { start, end });
+            return Err(ClipError::BadSpan { start, end });
         }
         self.span = Some([start, end]);
         Ok(self)

@@ -6,7 +6,6 @@ mod channel;
 mod channels;
 mod cursor;
 mod curved;
-mod error;
 mod events;
 pub(crate) mod named;
 mod playback;
@@ -24,9 +23,7 @@ pub use builder::ClipBuilder;
 pub(crate) use builder::keyed_span;
 pub use channel::{Channel, EulerCurve, Property};
 pub use cursor::Cursor;
-pub use error::ChannelError;
 pub use events::{Event, Fired};
-pub use named::ClipNameError;
 pub use playback::Playback;
 pub use playhead::{Passage, Playhead};
 

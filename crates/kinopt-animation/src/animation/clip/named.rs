@@ -1,24 +1,8 @@
 //! Lookup of clips by name. A short name is accepted: `Walk` for `Armature|Walk`.
 
 use super::Clip;
+use crate::animation::ClipError;
 use kinopt_kinematics::model::UnknownName;
-
-/// Error of a clip lookup by name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ClipNameError {
-    /// No clip name equals or ends with the name.
-    #[error(transparent)]
-    Unknown(#[from] UnknownName),
-    /// Several clip names end with the name.
-    #[error("clip name `{name}` may mean {}", clips.join(" or "))]
-    Ambiguous {
-        /// The requested name.
-        name: String,
-        /// Full names of the matching clips, in their order.
-        clips: Vec<String>,
-    },
-}
 
 impl Clip {
     /// Finds a clip by name among `clips`; the first one if several have that name. Without an exact match, a clip
@@ -30,7 +14,7 @@ impl Clip {
     pub fn named<'c>(
         clips: impl IntoIterator<Item = &'c Self>,
         name: &str,
-    ) -> Result<&'c Self, ClipNameError> {
+    ) -> Result<&'c Self, ClipError> {
         let clips: Vec<&Self> = clips.into_iter().collect();
         let index = position(clips.iter().map(|clip| clip.name()), name)?;
         Ok(clips[index])
@@ -41,7 +25,7 @@ impl Clip {
 pub(crate) fn position<'n>(
     names: impl Iterator<Item = &'n str> + Clone,
     name: &str,
-) -> Result<usize, ClipNameError> {
+) -> Result<usize, ClipError> {
     if let Some(exact) = names.clone().position(|candidate| candidate == name) {
         return Ok(exact);
     }
@@ -54,7 +38,7 @@ pub(crate) fn position<'n>(
     match matches.as_slice() {
         [(only, _)] => Ok(*only),
         [] => Err(UnknownName::new("clip", name, names).into()),
-        several => Err(ClipNameError::Ambiguous {
+        several => Err(ClipError::AmbiguousName {
             name: name.to_owned(),
             clips: several
                 .iter()

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Channel, ChannelError, Clip, Event};
-use crate::animation::{Armature, ArmatureBone, ArmatureError, Pose};
+use super::{Channel, Clip, Event};
+use crate::animation::{Armature, ArmatureBone, ClipError, Pose};
 use kinopt_kinematics::curve::KeyedCurve;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -16,15 +16,6 @@ pub(super) struct Parts {
     morphs: Vec<(usize, KeyedCurve<f32>)>,
     constant: Pose,
     events: Vec<Event>,
-}
-
-/// Error of clip parts in the serialised form.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum PartsError {
-    #[error(transparent)]
-    Armature(#[from] ArmatureError),
-    #[error(transparent)]
-    Channel(#[from] ChannelError),
 }
 
 impl From<Clip> for Parts {
@@ -43,9 +34,9 @@ impl From<Clip> for Parts {
 }
 
 impl TryFrom<Parts> for Clip {
-    type Error = PartsError;
+    type Error = ClipError;
 
-    fn try_from(parts: Parts) -> Result<Self, PartsError> {
+    fn try_from(parts: Parts) -> Result<Self, ClipError> {
         // An armature whose rest pose is the constant part; clips do not store bone names.
         let constant = &parts.constant;
         let bones = (0..constant.bones()).map(|index| ArmatureBone {
@@ -56,7 +47,7 @@ impl TryFrom<Parts> for Clip {
         let targets = (0..constant.morph_weights().len()).map(|index| index.to_string());
         let armature = Armature::new(bones.collect(), targets.collect())?
             .with_rest_morph_weights(constant.morph_weights())
-            .map_err(|_| ArmatureError::TooMany { given: 0, most: 0 })?;
+            .map_err(|_| ClipError::TooManyBones { given: 0, most: 0 })?;
         let mut builder = Self::builder(parts.name, &armature);
         let [start, end] = parts.span.unwrap_or_default();
         builder.span(start, end)?;

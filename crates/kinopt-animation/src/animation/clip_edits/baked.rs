@@ -1,7 +1,7 @@
 //! Clips from sampled poses.
 
 use crate::animation::rotation::RotationCurve;
-use crate::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
+use crate::animation::{Armature, Channel, Clip, ClipError, Cursor, Playback, Pose};
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::curve::{CurveValue, KeyError, KeyedCurve, check_count, check_times};
 
@@ -38,7 +38,7 @@ impl Clip {
         armature: &Armature,
         times: &[f32],
         poses: &[Pose],
-    ) -> Result<Self, ChannelError> {
+    ) -> Result<Self, ClipError> {
         check_times(times)?;
         check_count("poses", poses.len(), times.len())?;
         for pose in poses {
@@ -83,7 +83,7 @@ impl Clip {
     /// # Errors
     /// - The rate is not a finite number above 0, or gives more than four million keys.
     /// - The armature is not of the clip's size.
-    pub fn baked(&self, armature: &Armature, keys_per_second: f64) -> Result<Self, ChannelError> {
+    pub fn baked(&self, armature: &Armature, keys_per_second: f64) -> Result<Self, ClipError> {
         self.resampled(armature, keys_per_second, |_, _| Ok(()))
             .map(|(baked, ())| baked)
     }
@@ -93,8 +93,8 @@ impl Clip {
         &self,
         armature: &Armature,
         keys_per_second: f64,
-        change: impl FnOnce(&[f32], &mut [Pose]) -> Result<T, ChannelError>,
-    ) -> Result<(Self, T), ChannelError> {
+        change: impl FnOnce(&[f32], &mut [Pose]) -> Result<T, ClipError>,
+    ) -> Result<(Self, T), ClipError> {
         let times = self.sample_times(keys_per_second)?;
         let mut poses = self.poses_at(armature, &times)?;
         let report = change(&times, &mut poses)?;
@@ -103,11 +103,11 @@ impl Clip {
     }
 
     /// Evenly spaced times from start to end, both included.
-    fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
+    fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ClipError> {
         let [start, end] = self.span();
         let steps = self.duration() * per_second;
         if !(per_second > 0.0 && steps < MAX_SAMPLES) {
-            return Err(ChannelError::BadRate {
+            return Err(ClipError::BadRate {
                 keys_per_second: per_second,
             });
         }

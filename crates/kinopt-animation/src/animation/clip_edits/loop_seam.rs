@@ -3,7 +3,7 @@
 use glam::Quat;
 
 use crate::animation::rotation::slerp;
-use crate::animation::{Armature, ChannelError, Clip, Pose};
+use crate::animation::{Armature, Clip, ClipError, Pose};
 
 impl Clip {
     /// Samples the clip and blends its last `seconds` into its first pose, so that it loops without a jump. The
@@ -21,11 +21,11 @@ impl Clip {
         armature: &Armature,
         seconds: f64,
         keys_per_second: f64,
-    ) -> Result<Self, ChannelError> {
+    ) -> Result<Self, ClipError> {
         let duration = self.duration();
         if !(seconds > 0.0 && seconds <= duration) {
             let given = seconds;
-            return Err(ChannelError::NotWithin { given, duration });
+            return Err(ClipError::NotWithin { given, duration });
         }
         let seam_start = f64::from(self.span()[1]) - seconds;
         let closed = self.resampled(armature, keys_per_second, |times, poses| {

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
 use crate::animation::rotation::exponential::rotation_about;
-use crate::animation::{Armature, ChannelError, Clip, Playback, Pose};
+use crate::animation::{Armature, Clip, ClipError, Playback, Pose};
 use kinopt_kinematics::curve::KeyedCurve;
 use kinopt_kinematics::scalar::elementary::single::atan2;
 use kinopt_kinematics::skeleton::BoneId;
@@ -36,10 +36,10 @@ impl Clip {
         bone: BoneId,
         up: Vec3,
         keys_per_second: f64,
-    ) -> Result<(Self, RootMotion), ChannelError> {
+    ) -> Result<(Self, RootMotion), ClipError> {
         let up = up
             .try_normalize()
-            .ok_or(ChannelError::BadUp { up: up.to_array() })?;
+            .ok_or(ClipError::BadUp { up: up.to_array() })?;
         self.resampled(armature, keys_per_second, |times, poses| {
             let motion = RootMotion::from_poses(armature, bone, up, (times, poses))?;
             for (time, pose) in times.iter().zip(poses) {
@@ -60,7 +60,7 @@ impl Clip {
         bone: BoneId,
         motion: &RootMotion,
         keys_per_second: f64,
-    ) -> Result<Self, ChannelError> {
+    ) -> Result<Self, ClipError> {
         let moved = self.resampled(armature, keys_per_second, |times, poses| {
             let mut samples = times.iter().zip(poses);
             samples.try_for_each(|(time, pose)| move_bone(armature, bone, motion.at(*time), pose))
@@ -76,8 +76,8 @@ impl RootMotion {
         bone: BoneId,
         up: Vec3,
         (times, poses): (&[f32], &[Pose]),
-    ) -> Result<Self, ChannelError> {
-        let unknown = ChannelError::UnknownBone {
+    ) -> Result<Self, ClipError> {
+        let unknown = ClipError::UnknownBone {
             bone: bone.index(),
             bones: armature.bones(),
         };
@@ -183,7 +183,7 @@ fn move_bone(
     bone: BoneId,
     motion: Affine3A,
     pose: &mut Pose,
-) -> Result<(), ChannelError> {
+) -> Result<(), ClipError> {
     let mut placements = Vec::new();
     armature.local_to_model(pose, &mut placements)?;
     let model_from_parent = armature

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{ClipError, EulerClip, EulerTrack};
+use super::{EulerClip, EulerTrack};
+use crate::animation::ClipError;
 use kinopt_kinematics::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use kinopt_kinematics::skeleton::BoneId;
 

@@ -4,11 +4,11 @@ mod interpolation;
 mod sampling;
 
 pub use interpolation::EulerInterpolation;
-pub use sampling::SampleError;
 
 use glam::DVec3;
 
-use kinopt_kinematics::curve::{KeyError, KeyedCurve};
+use crate::animation::ClipError;
+use kinopt_kinematics::curve::KeyedCurve;
 use kinopt_kinematics::skeleton::BoneId;
 
 /// Angles of one bone at one time.
@@ -45,80 +45,6 @@ pub struct EulerClip {
     keyless: Vec<BoneId>,
 }
 
-/// Error of Euler keyframes. Tracks and keys are counted from 0 in the given order.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ClipError {
-    /// Two tracks for one bone.
-    #[error("bone {bone}: a track exists already; a bone takes one")]
-    DuplicateBone {
-        /// Index of the second track.
-        track: usize,
-        /// Index of the bone.
-        bone: usize,
-    },
-    /// A time is NaN or infinite.
-    #[error("the time {time} s is not finite")]
-    NonFiniteTime {
-        /// Index of the track.
-        track: usize,
-        /// Index of the key.
-        key: usize,
-        /// Time, seconds.
-        time: f64,
-    },
-    /// An angle is NaN or infinite.
-    #[error("the angles {angles:?} rad are not finite")]
-    NonFiniteAngle {
-        /// Index of the track.
-        track: usize,
-        /// Index of the key.
-        key: usize,
-        /// Angles, radians.
-        angles: [f64; 3],
-    },
-    /// A key time is not after the previous one.
-    #[error("the time {time} s is not after the key before it, at {previous} s")]
-    NotIncreasing {
-        /// Index of the track.
-        track: usize,
-        /// Index of the key.
-        key: usize,
-        /// Time, seconds.
-        time: f64,
-        /// Time of the previous key, seconds.
-        previous: f64,
-    },
-    /// The number of Kochanek-Bartels control sets is not the number of keys.
-    #[error(
-        "bone {bone}: {given} sets of controls for {keys} keys; there must be one for each key"
-    )]
-    ControlCount {
-        /// Index of the bone.
-        bone: usize,
-        /// Number of sets given.
-        given: usize,
-        /// Number of keys of the bone.
-        keys: usize,
-    },
-    /// Values too large, or times too close, for a tangent in double precision.
-    #[error("bone {bone}: {problem}")]
-    Curve {
-        /// Index of the bone.
-        bone: usize,
-        /// The error of the curve.
-        problem: KeyError,
-    },
-    /// A tension, continuity or bias is NaN or infinite.
-    #[error("bone {bone}, key {key}: tension, continuity and bias must be finite")]
-    NonFiniteControls {
-        /// Index of the bone.
-        bone: usize,
-        /// Index of the key.
-        key: usize,
-    },
-}
-
 impl EulerClip {
     /// Clip of tracks in any order, with Catmull-Rom splines. Tracks without keys are omitted;
     /// [`keyless`](Self::keyless) returns their bones.
@@ -131,12 +57,12 @@ impl EulerClip {
         for (track, EulerTrack { bone, keys }) in tracks.iter().enumerate() {
             if !bones.insert(*bone) {
                 let bone = bone.index();
-                return Err(ClipError::DuplicateBone { track, bone });
+                return Err(ClipError::DuplicateTrack { track, bone });
             }
             let mut previous = f64::NEG_INFINITY;
             for (key, &EulerKey { time, angles }) in keys.iter().enumerate() {
                 if !time.is_finite() {
-                    return Err(ClipError::NonFiniteTime { track, key, time });
+                    return Err(ClipError::NonFiniteKeyTime { track, key, time });
                 }
                 if angles.iter().any(|angle| !angle.is_finite()) {
                     return Err(ClipError::NonFiniteAngle { track, key, angles });

@@ -1,28 +1,8 @@
 //! Sampling of Euler clips.
 
 use super::EulerClip;
-use crate::animation::Playback;
+use crate::animation::{ClipError, Playback};
 use kinopt_kinematics::skeleton::ANGLES_PER_BONE;
-
-/// Error of sampling an Euler clip.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SampleError {
-    /// The time is NaN or infinite.
-    #[error("the time {time} s is not finite")]
-    NonFiniteTime {
-        /// Time, seconds.
-        time: f64,
-    },
-    /// The clip moves a bone that the configuration does not contain.
-    #[error("the configuration has {angles} angles, too few for bone {bone} of the clip")]
-    TooFewAngles {
-        /// Index of the bone.
-        bone: usize,
-        /// Number of angles of the configuration.
-        angles: usize,
-    },
-}
 
 impl EulerClip {
     /// Writes the angles at `time` (seconds) into the stacked configuration `q` (radians, 3 × bones: θ₁, θ₂, θ₃ of bone
@@ -38,10 +18,10 @@ impl EulerClip {
     /// not applied, and a cubic may exceed the range of its keys.
     ///
     /// # Errors
-    /// A [`SampleError`]: the time is not finite, or `q` is too short for a bone that has keys.
-    pub fn sample(&self, time: f64, playback: Playback, q: &mut [f64]) -> Result<(), SampleError> {
+    /// A [`ClipError`]: the time is not finite, or `q` is too short for a bone that has keys.
+    pub fn sample(&self, time: f64, playback: Playback, q: &mut [f64]) -> Result<(), ClipError> {
         if !time.is_finite() {
-            return Err(SampleError::NonFiniteTime { time });
+            return Err(ClipError::NonFiniteSampleTime { time });
         }
         let time = match self.time_span() {
             Some(span) => playback.within(time, span),
@@ -54,7 +34,7 @@ impl EulerClip {
             let first = ANGLES_PER_BONE * bone;
             let bone_angles = q
                 .get_mut(first..first + ANGLES_PER_BONE)
-                .ok_or(SampleError::TooFewAngles { bone, angles })?;
+                .ok_or(ClipError::TooFewAngles { bone, angles })?;
             bone_angles.copy_from_slice(&curve.at(time).to_array());
         }
         Ok(())

@@ -7,7 +7,7 @@ use super::{Corrected, ShearCorrection};
 use crate::animation::blend::{clamp_to_unit, finite_or_0};
 use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::rotation::slerp;
-use crate::animation::{Armature, Mirror, Pose, SizeMismatch};
+use crate::animation::{Armature, LayerError, Mirror, Pose, SizeMismatch};
 use kinopt_kinematics::scalar::elementary::single;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -38,32 +38,6 @@ pub struct Aim {
     forward: Vec3A,
     up: Option<Vec3A>,
     offset: Vec3A,
-}
-
-/// Error of an aim definition.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AimError {
-    /// A bone of another armature.
-    #[error("bone {bone} does not exist; the armature has {bones} bones")]
-    UnknownBone {
-        /// Index of the bone.
-        bone: usize,
-        /// Number of bones.
-        bones: usize,
-    },
-    /// An axis that is not finite or zero.
-    #[error("the {axis} axis must be finite and not zero")]
-    BadAxis {
-        /// `forward` or `up`.
-        axis: &'static str,
-    },
-    /// Forward and up axis are parallel.
-    #[error("the up axis is parallel to the forward axis; the two must differ")]
-    UpIsForward,
-    /// An offset that is not finite.
-    #[error("the offset must be finite")]
-    BadOffset,
 }
 
 /// Goal of an aim for one frame.
@@ -100,16 +74,16 @@ impl Aim {
     /// Aim along an axis in the bone's coordinates.
     ///
     /// # Errors
-    /// An [`AimError`].
+    /// An [`LayerError`].
     pub fn new(
         armature: &Armature,
         bone: BoneId,
         forward: impl Into<Vec3A>,
-    ) -> Result<Self, AimError> {
+    ) -> Result<Self, LayerError> {
         let forward = forward.into();
         let (bones, index) = (armature.bones(), bone.index());
         if index >= bones {
-            return Err(AimError::UnknownBone { bone: index, bones });
+            return Err(LayerError::UnknownBone { bone: index, bones });
         }
         Ok(Self {
             bone,
@@ -123,11 +97,11 @@ impl Aim {
     ///
     /// # Errors
     /// The axis is not finite, zero, or parallel to the forward axis.
-    pub fn with_up(mut self, up: impl Into<Vec3A>) -> Result<Self, AimError> {
+    pub fn with_up(mut self, up: impl Into<Vec3A>) -> Result<Self, LayerError> {
         let up = up.into();
         let up = axis("up", up)?;
         if up.cross(self.forward).length_squared() < 1e-6 {
-            return Err(AimError::UpIsForward);
+            return Err(LayerError::UpIsForward);
         }
         self.up = Some(up);
         Ok(self)
@@ -138,10 +112,10 @@ impl Aim {
     ///
     /// # Errors
     /// The point is not finite.
-    pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, AimError> {
+    pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, LayerError> {
         let offset = offset.into();
         if !offset.is_finite() {
-            return Err(AimError::BadOffset);
+            return Err(LayerError::BadOffset);
         }
         self.offset = offset;
         Ok(self)
@@ -305,6 +279,7 @@ fn arc(from: Vec3A, to: Vec3A) -> Quat {
     DQuat::from_rotation_arc(from, to).as_quat()
 }
 
-fn axis(name: &'static str, axis: Vec3A) -> Result<Vec3A, AimError> {
-    axis.try_normalize().ok_or(AimError::BadAxis { axis: name })
+fn axis(name: &'static str, axis: Vec3A) -> Result<Vec3A, LayerError> {
+    axis.try_normalize()
+        .ok_or(LayerError::BadAxis { axis: name })
 }

@@ -9,7 +9,8 @@ use super::posed_skeleton::PosedSkeleton;
 use crate::animation::{Armature, Mirror, Pose};
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::model::Limits;
-use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
+use kinopt_kinematics::model::ModelError;
+use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
 impl Pose {
@@ -44,12 +45,12 @@ impl Armature {
     /// does so if [`move_joints`](kinopt_solver::ik::Drag::move_joints) is called after each frame.
     ///
     /// # Errors
-    /// A [`SkeletonError`] with the bone whose limits are not an interval.
+    /// A [`ModelError`] with the bone whose limits are not an interval.
     pub fn skeleton(
         &self,
         name: impl Into<String>,
         limits: impl Fn(BoneId) -> [Limits; ANGLES_PER_BONE],
-    ) -> Result<Skeleton, SkeletonError> {
+    ) -> Result<Skeleton, ModelError> {
         let mut placed: Vec<(DAffine3, DQuat, Mirror)> = Vec::with_capacity(self.bones());
         let mut bones = Vec::with_capacity(self.bones());
         for (index, name) in self.names().iter().enumerate() {
@@ -96,7 +97,7 @@ impl Armature {
         &self,
         name: impl Into<String>,
         turning: &BTreeSet<BoneId>,
-    ) -> Result<Skeleton, SkeletonError> {
+    ) -> Result<Skeleton, ModelError> {
         self.skeleton(name, |bone| match turning.contains(&bone) {
             true => [Limits::UNBOUNDED; ANGLES_PER_BONE],
             false => [Limits::new(0.0, 0.0); ANGLES_PER_BONE],

@@ -2,9 +2,8 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
-use super::ReachError;
 use super::euler_pose_map::has_bones;
-use crate::animation::{Armature, Mirror, Pose};
+use crate::animation::{Armature, LayerError, Mirror, Pose};
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::{BallSkeleton, BoneId};
@@ -143,7 +142,7 @@ impl BallPoseMap {
     /// # Errors
     /// - The pose has fewer bones.
     /// - The configuration has another length, is not finite, or contains a zero quaternion.
-    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), LayerError> {
         has_bones(pose, self.rest.len())?;
         self.skeleton.model().check_configuration(q)?;
         for (index, (rest, mirror)) in self.rest.iter().zip(&self.mirrors).enumerate() {

@@ -2,9 +2,8 @@
 
 use glam::{DQuat, Quat};
 
-use super::ReachError;
 use crate::animation::rotation::EulerOrder;
-use crate::animation::{Mirror, Pose};
+use crate::animation::{LayerError, Mirror, Pose};
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::model::{Limits, ModelError};
@@ -113,7 +112,7 @@ impl EulerPoseMap {
     /// # Errors
     /// - The pose has fewer bones.
     /// - The number of angles differs, or an angle is not finite.
-    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), LayerError> {
         has_bones(pose, self.rest.len())?;
         let angles = ANGLES_PER_BONE * self.rest.len();
         ModelError::check_numbers("angles of this skeleton", q, angles)?;

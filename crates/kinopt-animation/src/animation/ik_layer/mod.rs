@@ -9,16 +9,12 @@ mod held_rotation;
 mod limb;
 mod posed_skeleton;
 mod reach;
-mod reach_error;
 mod shear_correction;
 
-pub use aim::{Aim, AimError, AimGoal};
+pub use aim::{Aim, AimGoal};
 pub use ball_pose_map::BallPoseMap;
 pub use euler_pose_map::EulerPoseMap;
-#[doc(hidden)]
-pub use euler_pose_map::{bone_angles, bone_rotation};
-pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
+pub(crate) use euler_pose_map::{bone_angles, bone_rotation};
+pub use limb::{EndRotation, Limb, LimbGoal};
 pub use reach::{NoEffector, ReachLayer};
-pub use reach_error::ReachError;
-#[doc(hidden)]
-pub use shear_correction::{Corrected, ShearCorrection};
+pub(crate) use shear_correction::{Corrected, ShearCorrection};

@@ -7,9 +7,8 @@ use glam::DVec3;
 use super::euler_pose_map::EulerPoseMap;
 use super::held_rotation::HeldRotation;
 use super::posed_skeleton::PosedSkeleton;
-use super::reach_error::ReachError;
 use super::shear_correction::{Corrected, ShearCorrection};
-use crate::animation::{Pose, SizeMismatch};
+use crate::animation::{LayerError, Pose, SizeMismatch};
 use kinopt_kinematics::kinematics::{Tree, TreeWorkspace};
 use kinopt_kinematics::model::UnknownName;
 use kinopt_kinematics::skeleton::{BoneId, Skeleton};
@@ -152,7 +151,7 @@ impl ReachLayer {
         bone: BoneId,
         target: impl Into<Vector3<f64>>,
         weight: f64,
-    ) -> Result<(), ReachError> {
+    ) -> Result<(), LayerError> {
         let target = target.into();
         let effector = self
             .effectors
@@ -182,7 +181,7 @@ impl ReachLayer {
         bone: BoneId,
         rotation: impl Into<Quaternion<f64>>,
         weight: f64,
-    ) -> Result<(), ReachError> {
+    ) -> Result<(), LayerError> {
         let held_rotation = self
             .held
             .iter_mut()
@@ -197,9 +196,9 @@ impl ReachLayer {
         Err(self.no_effector(bone, held).into())
     }
 
-    fn not_finite(&self, bone: BoneId, what: &'static str) -> ReachError {
+    fn not_finite(&self, bone: BoneId, what: &'static str) -> LayerError {
         let bone = self.no_effector(bone, std::iter::empty()).bone;
-        ReachError::NotFinite { bone, what }
+        LayerError::NotFinite { bone, what }
     }
 
     fn no_effector(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
@@ -221,7 +220,7 @@ impl ReachLayer {
     /// # Errors
     /// The number of bones differs from the skeleton's; the pose does not change. An unreached target is not an error;
     /// the solution reports its distance.
-    pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
+    pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, LayerError> {
         let bones = self.posed.skeleton().bones();
         SizeMismatch::check("bones in the pose", pose.bones(), bones.len())?;
         let weights = self.effectors.iter().map(|effector| effector.weight);
@@ -259,7 +258,7 @@ impl ReachLayer {
     }
 
     /// Solves from `q` with the joint positions of the pose last taken, and rotates the bones of `pose`.
-    fn solve(&mut self, pass: Pass, pose: &mut Pose) -> Result<(), ReachError> {
+    fn solve(&mut self, pass: Pass, pose: &mut Pose) -> Result<(), LayerError> {
         let solver = match pass {
             Pass::First => &self.solver,
             Pass::Correction => &self.correction,
@@ -278,7 +277,7 @@ impl ReachLayer {
     }
 
     /// Solves a sheared pose again until the tips of the posed bones are at their goals, and evaluates them there.
-    fn correct(&mut self, pose: &mut Pose) -> Result<(), ReachError> {
+    fn correct(&mut self, pose: &mut Pose) -> Result<(), LayerError> {
         let goals = |effector: &Effector| DVec3::from(effector.goal.to_array());
         let goals: Vec<DVec3> = self.effectors.iter().map(goals).collect();
         let tolerance = TOLERANCE * self.posed.skeleton().size();

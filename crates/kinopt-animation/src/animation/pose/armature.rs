@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::{Affine3A, Quat, Vec3A};
 
 use super::{LocalTransform, Pose};
+use crate::animation::ClipError;
 use kinopt_kinematics::Buffer;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::model::UnknownName;
@@ -44,65 +45,28 @@ pub struct Armature {
     pub(super) rest_from_model: Vec<Affine3A>,
 }
 
-/// Error of an armature's bones.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ArmatureError {
-    /// A parent does not precede its child, as in a cycle.
-    #[error("bone `{bone}`: its parent must precede it in the list")]
-    ParentNotBefore {
-        /// Name of the child.
-        bone: String,
-    },
-    /// Two bones or two morph targets share a name.
-    #[error("{kind} name `{name}` is used twice; names must be unique")]
-    DuplicateName {
-        /// `bone` or `morph target`.
-        kind: &'static str,
-        /// The name.
-        name: String,
-    },
-    /// A rest transform that is not finite or has an invalid rotation.
-    #[error("bone `{bone}`: the rest transform must be finite, with a unit quaternion as rotation")]
-    BadRest {
-        /// Name of the bone.
-        bone: String,
-    },
-    /// Number of bones above the maximum.
-    #[error("{given} bones; an armature has at most {most}")]
-    TooMany {
-        /// Number of bones given.
-        given: usize,
-        /// Largest number of bones.
-        most: usize,
-    },
-}
-
 impl Armature {
     /// Checks bones and morph target names and builds an armature.
     ///
     /// # Errors
-    /// An [`ArmatureError`] with the name of the bone.
-    pub fn new(
-        bones: Vec<ArmatureBone>,
-        morph_targets: Vec<String>,
-    ) -> Result<Self, ArmatureError> {
+    /// An [`ClipError`] with the name of the bone.
+    pub fn new(bones: Vec<ArmatureBone>, morph_targets: Vec<String>) -> Result<Self, ClipError> {
         let (given, most) = (bones.len(), i32::MAX as usize);
         if given > most {
-            return Err(ArmatureError::TooMany { given, most });
+            return Err(ClipError::TooManyBones { given, most });
         }
         let mut seen = BTreeSet::new();
         for (index, bone) in bones.iter().enumerate() {
             let name = || bone.name.clone();
             if bone.parent.is_some_and(|parent| parent >= index) {
-                return Err(ArmatureError::ParentNotBefore { bone: name() });
+                return Err(ClipError::ParentNotBefore { bone: name() });
             }
             if !bone.rest.is_valid() {
-                return Err(ArmatureError::BadRest { bone: name() });
+                return Err(ClipError::BadRest { bone: name() });
             }
             if !seen.insert(bone.name.as_str()) {
                 let (kind, name) = ("bone", name());
-                return Err(ArmatureError::DuplicateName { kind, name });
+                return Err(ClipError::DuplicateName { kind, name });
             }
         }
         check_targets(&morph_targets)?;
@@ -196,7 +160,7 @@ impl Armature {
     ///
     /// # Errors
     /// Two targets share a name.
-    pub fn with_morph_targets(mut self, names: Vec<String>) -> Result<Self, ArmatureError> {
+    pub fn with_morph_targets(mut self, names: Vec<String>) -> Result<Self, ClipError> {
         check_targets(&names)?;
         self.rest.morph_weights = vec![0.0; names.len()];
         self.morph_targets = names;
@@ -329,10 +293,10 @@ impl Armature {
 }
 
 /// Returns an error if two morph targets share a name.
-fn check_targets(names: &[String]) -> Result<(), ArmatureError> {
+fn check_targets(names: &[String]) -> Result<(), ClipError> {
     let mut seen = BTreeSet::new();
     match names.iter().find(|name| !seen.insert(name.as_str())) {
-        Some(name) => Err(ArmatureError::DuplicateName {
+        Some(name) => Err(ClipError::DuplicateName {
             kind: "morph target",
             name: name.clone(),
         }),

@@ -14,11 +14,10 @@ mod scale_note;
 mod serialised;
 mod stretch;
 
-pub use armature::{Armature, ArmatureBone, ArmatureError};
+pub use armature::{Armature, ArmatureBone};
 pub use local_transform::LocalTransform;
-#[doc(hidden)]
-pub use mirror::Mirror;
-pub use pose::{LocalError, Pose};
+pub(crate) use mirror::Mirror;
+pub use pose::Pose;
 pub use scale_note::ScaleNote;
 #[doc(hidden)]
 pub use stretch::Stretch;

@@ -5,7 +5,8 @@
 
 use glam::{Affine3A, Quat, Vec3A};
 
-use super::{Armature, LocalError, LocalTransform, Mirror, Pose};
+use super::{Armature, LocalTransform, Mirror, Pose};
+use crate::animation::ClipError;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -18,7 +19,7 @@ impl Armature {
     ///
     /// # Errors
     /// The pose is of another armature, or the bone does not exist.
-    pub fn model_from_bone(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
+    pub fn model_from_bone(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, ClipError> {
         self.check(pose, bone)?;
         Ok(self.model_transform(pose, Some(bone)))
     }
@@ -28,7 +29,7 @@ impl Armature {
     ///
     /// # Errors
     /// As [`model_from_bone`](Self::model_from_bone).
-    pub fn model_rotation(&self, pose: &Pose, bone: BoneId) -> Result<Quat, LocalError> {
+    pub fn model_rotation(&self, pose: &Pose, bone: BoneId) -> Result<Quat, ClipError> {
         self.check(pose, bone)?;
         Ok(self.model_rotation_of(pose, Some(bone)))
     }
@@ -40,20 +41,20 @@ impl Armature {
     /// - As [`model_from_bone`](Self::model_from_bone).
     /// - A number is not finite.
     /// - The parent's transform is singular.
-    /// - The local transform would contain shear ([`LocalError::Sheared`]).
+    /// - The local transform would contain shear ([`ClipError::Sheared`]).
     pub fn set_model_from_bone(
         &self,
         pose: &mut Pose,
         bone: BoneId,
         model_from_bone: Affine3A,
-    ) -> Result<(), LocalError> {
+    ) -> Result<(), ClipError> {
         let parent_from_model = self.parent_from_model(pose, bone)?;
         let index = bone.index();
         if !model_from_bone.is_finite() {
-            return Err(LocalError::NotFinite { bone: index });
+            return Err(ClipError::NonFiniteTransform { bone: index });
         }
         let local = LocalTransform::of_affine(&(parent_from_model * model_from_bone));
-        let local = local.ok_or(LocalError::Sheared { bone: index })?;
+        let local = local.ok_or(ClipError::Sheared { bone: index })?;
         pose.set_local(bone, local)
     }
 
@@ -67,7 +68,7 @@ impl Armature {
         pose: &mut Pose,
         bone: BoneId,
         model_from_bone: Quat,
-    ) -> Result<(), LocalError> {
+    ) -> Result<(), ClipError> {
         self.check(pose, bone)?;
         let parent_bone = self.parent(bone);
         let parent_rotation = self.model_rotation_of(pose, parent_bone);
@@ -90,17 +91,17 @@ impl Armature {
         pose: &mut Pose,
         bone: BoneId,
         origin: Vec3A,
-    ) -> Result<(), LocalError> {
+    ) -> Result<(), ClipError> {
         let parent_from_model = self.parent_from_model(pose, bone)?;
         pose.set_translation(bone, parent_from_model.transform_point3a(origin))
     }
 
-    fn check(&self, pose: &Pose, bone: BoneId) -> Result<(), LocalError> {
+    fn check(&self, pose: &Pose, bone: BoneId) -> Result<(), ClipError> {
         SizeMismatch::check("bones in the pose", pose.bones(), self.bones())?;
         let (bone, bones) = (bone.index(), self.bones());
         match bone < bones {
             true => Ok(()),
-            false => Err(LocalError::UnknownBone { bone, bones }),
+            false => Err(ClipError::UnknownPoseBone { bone, bones }),
         }
     }
 
@@ -136,7 +137,7 @@ impl Armature {
     }
 
     /// Inverse of the model transform of a bone's parent.
-    fn parent_from_model(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
+    fn parent_from_model(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, ClipError> {
         self.check(pose, bone)?;
         let model_from_parent = self.model_transform(pose, self.parent(bone));
         let matrix = model_from_parent.matrix3;
@@ -148,7 +149,7 @@ impl Armature {
         if volume > min_volume {
             Ok(model_from_parent.inverse())
         } else {
-            Err(LocalError::Flattened { bone: bone.index() })
+            Err(ClipError::Flattened { bone: bone.index() })
         }
     }
 }

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3A};
 
 use super::LocalTransform;
+use crate::animation::ClipError;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -16,47 +17,6 @@ pub struct Pose {
     pub(crate) rotations: Vec<Quat>,
     pub(crate) scales: Vec<Vec3A>,
     pub(crate) morph_weights: Vec<f32>,
-}
-
-/// Error of a local transform or its bone. Bones are given by index.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LocalError {
-    /// A bone of another armature.
-    #[error("bone {bone} does not exist; the pose has {bones} bones")]
-    UnknownBone {
-        /// Index of the bone.
-        bone: usize,
-        /// Number of bones.
-        bones: usize,
-    },
-    /// A number that is NaN or infinite.
-    #[error("bone {bone}: the local transform must be finite")]
-    NotFinite {
-        /// Index of the bone.
-        bone: usize,
-    },
-    /// The transform of the bone's parent is singular, so no local transform gives the requested one.
-    #[error("bone {bone}: the transform of its parent is singular; it must have a volume")]
-    Flattened {
-        /// Index of the bone.
-        bone: usize,
-    },
-    /// A model transform that has no scale, rotation and translation in the parent.
-    #[error("bone {bone}: its local transform must not shear or have zero size")]
-    Sheared {
-        /// Index of the bone.
-        bone: usize,
-    },
-    /// A pose of another armature.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-    /// A zero quaternion.
-    #[error("bone {bone}: the quaternion is zero; a rotation needs a non-zero quaternion")]
-    ZeroRotation {
-        /// Index of the bone.
-        bone: usize,
-    },
 }
 
 impl Pose {
@@ -109,11 +69,11 @@ impl Pose {
     ///
     /// # Errors
     /// The bone is not in the pose.
-    pub fn local(&self, bone: BoneId) -> Result<LocalTransform, LocalError> {
+    pub fn local(&self, bone: BoneId) -> Result<LocalTransform, ClipError> {
         let (bone, bones) = (bone.index(), self.bones());
         match bone < bones {
             true => Ok(self.local_of(BoneId::new(bone))),
-            false => Err(LocalError::UnknownBone { bone, bones }),
+            false => Err(ClipError::UnknownPoseBone { bone, bones }),
         }
     }
 
@@ -147,17 +107,17 @@ impl Pose {
     /// Sets the local transform of a bone; the rotation is normalised. The pose does not change on an error.
     ///
     /// # Errors
-    /// A [`LocalError`]: the bone is not in the pose, a number is not finite, or the rotation is zero.
-    pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) -> Result<(), LocalError> {
+    /// A [`ClipError`]: the bone is not in the pose, a number is not finite, or the rotation is zero.
+    pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) -> Result<(), ClipError> {
         let (bone, bones) = (bone.index(), self.bones());
         if bone >= bones {
-            return Err(LocalError::UnknownBone { bone, bones });
+            return Err(ClipError::UnknownPoseBone { bone, bones });
         }
         let finite = local.translation.is_finite() && local.scale.is_finite();
         if !(finite && local.rotation.is_finite()) {
-            return Err(LocalError::NotFinite { bone });
+            return Err(ClipError::NonFiniteTransform { bone });
         }
-        let rotation = unit(local.rotation).ok_or(LocalError::ZeroRotation { bone })?;
+        let rotation = unit(local.rotation).ok_or(ClipError::ZeroRotation { bone })?;
         self.translations[bone] = local.translation;
         self.rotations[bone] = rotation;
         self.scales[bone] = local.scale;
@@ -169,7 +129,7 @@ impl Pose {
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
-    pub fn set_rotation(&mut self, bone: BoneId, rotation: Quat) -> Result<(), LocalError> {
+    pub fn set_rotation(&mut self, bone: BoneId, rotation: Quat) -> Result<(), ClipError> {
         let local = self.local(bone)?;
         self.set_local(bone, LocalTransform { rotation, ..local })
     }
@@ -178,7 +138,7 @@ impl Pose {
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
-    pub fn set_translation(&mut self, bone: BoneId, translation: Vec3A) -> Result<(), LocalError> {
+    pub fn set_translation(&mut self, bone: BoneId, translation: Vec3A) -> Result<(), ClipError> {
         let local = self.local(bone)?;
         let local = LocalTransform {
             translation,
@@ -191,7 +151,7 @@ impl Pose {
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
-    pub fn set_scale(&mut self, bone: BoneId, scale: Vec3A) -> Result<(), LocalError> {
+    pub fn set_scale(&mut self, bone: BoneId, scale: Vec3A) -> Result<(), ClipError> {
         let local = self.local(bone)?;
         self.set_local(bone, LocalTransform { scale, ..local })
     }

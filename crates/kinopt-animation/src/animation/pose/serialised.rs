@@ -3,7 +3,8 @@
 use glam::{Affine3A, Quat, Vec3A};
 use serde::{Deserialize, Serialize};
 
-use super::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose};
+use super::{Armature, ArmatureBone, LocalTransform, Pose};
+use crate::animation::ClipError;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -16,9 +17,9 @@ pub(super) struct PoseParts {
 }
 
 impl TryFrom<PoseParts> for Pose {
-    type Error = LocalError;
+    type Error = ClipError;
 
-    fn try_from(parts: PoseParts) -> Result<Self, LocalError> {
+    fn try_from(parts: PoseParts) -> Result<Self, ClipError> {
         let bones = parts.rotations.len();
         SizeMismatch::check("translations", parts.translations.len(), bones)?;
         SizeMismatch::check("scales", parts.scales.len(), bones)?;
@@ -30,7 +31,7 @@ impl TryFrom<PoseParts> for Pose {
         };
         let is_invalid = |bone: &usize| !pose.local_of(BoneId::new(*bone)).is_valid();
         match (0..bones).find(is_invalid) {
-            Some(bone) => Err(LocalError::NotFinite { bone }),
+            Some(bone) => Err(ClipError::NonFiniteTransform { bone }),
             None => Ok(pose),
         }
     }
@@ -44,15 +45,6 @@ pub(super) struct ArmatureParts {
     morph_targets: Vec<String>,
     /// Stored, because a skeleton's armature computes it in double precision.
     rest_from_model: Vec<Affine3A>,
-}
-
-/// Error of armature parts in the serialised form.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum PartsError {
-    #[error(transparent)]
-    Armature(#[from] ArmatureError),
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
 }
 
 impl From<Armature> for ArmatureParts {
@@ -71,9 +63,9 @@ impl From<Armature> for ArmatureParts {
 }
 
 impl TryFrom<ArmatureParts> for Armature {
-    type Error = PartsError;
+    type Error = ClipError;
 
-    fn try_from(parts: ArmatureParts) -> Result<Self, PartsError> {
+    fn try_from(parts: ArmatureParts) -> Result<Self, ClipError> {
         let bones = parts.names.len();
         SizeMismatch::check("parents", parts.parents.len(), bones)?;
         SizeMismatch::check("bones in the rest pose", parts.rest.bones(), bones)?;

@@ -3,9 +3,8 @@
 use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
 };
-use super::error::StateMachineProblem;
 use super::lookup::{Checked, MachineNames, error_at, finite};
-use crate::animation::Easing;
+use crate::animation::{Easing, LayerError};
 
 #[derive(Clone, Debug)]
 pub(super) struct Transition {
@@ -49,7 +48,7 @@ impl Transition {
         };
         if from.is_none() && definition.when.is_empty() {
             let path = format!("{path}.when");
-            return Err(error_at(path, StateMachineProblem::Unconditional));
+            return Err(error_at(path, LayerError::Unconditional));
         }
         let durations = [
             ("seconds", Some(definition.seconds)),
@@ -58,7 +57,7 @@ impl Transition {
         ];
         for (key, seconds) in durations {
             if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
-                let problem = StateMachineProblem::BadDuration { seconds };
+                let problem = LayerError::BadDuration { seconds };
                 return Err(error_at(format!("{path}.{key}"), problem));
             }
         }
@@ -98,13 +97,10 @@ impl Condition {
             .zip(definition.below)
             .filter(|(a, b)| a >= b)
         {
-            return Err(error_at(
-                path,
-                StateMachineProblem::NoNumber { above, below },
-            ));
+            return Err(error_at(path, LayerError::NoNumber { above, below }));
         }
         let mismatch = |expected| {
-            let problem = StateMachineProblem::WrongCondition {
+            let problem = LayerError::WrongCondition {
                 parameter: definition.parameter.clone(),
                 kind: default.kind(),
                 expected,

@@ -1,12 +1,13 @@
 //! Name lookups with the path of the definition for errors.
 
 use super::definition::ParameterDefault;
-use super::error::{StateMachineError, StateMachineProblem};
+use super::error::StateMachineError;
+use crate::animation::LayerError;
 use kinopt_kinematics::model::UnknownName;
 
 pub(super) type Checked<T> = Result<T, StateMachineError>;
 
-pub(super) fn error_at(path: impl Into<String>, problem: StateMachineProblem) -> StateMachineError {
+pub(super) fn error_at(path: impl Into<String>, problem: LayerError) -> StateMachineError {
     StateMachineError {
         path: path.into(),
         problem,
@@ -17,7 +18,7 @@ pub(super) fn finite(path: impl FnOnce() -> String, value: f64) -> Checked<()> {
     if value.is_finite() {
         return Ok(());
     }
-    Err(error_at(path(), StateMachineProblem::NotFinite { value }))
+    Err(error_at(path(), LayerError::NonFiniteNumber { value }))
 }
 
 /// Index of a name.
@@ -32,7 +33,7 @@ pub(super) fn find<'a>(
         .position(|candidate| candidate == name)
         .ok_or_else(|| {
             let unknown = UnknownName::new(kind, name, names);
-            error_at(path(), StateMachineProblem::Unknown(unknown))
+            error_at(path(), LayerError::UnknownName(unknown))
         })
 }
 

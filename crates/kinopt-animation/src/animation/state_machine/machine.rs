@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use super::condition::Transition;
 use super::definition::{ParameterDefault, StateMachineDefinition};
-use super::error::StateMachineProblem;
 use super::lookup::{Checked, MachineNames, error_at, finite};
 use super::motion::Motion;
-use crate::animation::{Clip, Playback};
+use crate::animation::{Clip, LayerError, Playback};
 
 /// Checked states, transitions and clips. Immutable; each character that runs it has a
 /// [`StateMachineRun`](super::StateMachineRun).
@@ -50,7 +49,7 @@ impl StateMachine {
             let path = format!("states[{index}]");
             if states.iter().any(|other| other.name == state.name) {
                 let name = state.name.clone();
-                let problem = StateMachineProblem::DuplicateState { name };
+                let problem = LayerError::DuplicateState { name };
                 return Err(error_at(format!("{path}.name"), problem));
             }
             let motion = Motion::new(&path, &state.motion, clips, &parameters, &mut bones)?;
@@ -63,7 +62,7 @@ impl StateMachine {
             });
         }
         if states.is_empty() {
-            return Err(error_at("states", StateMachineProblem::NoStates));
+            return Err(error_at("states", LayerError::NoStates));
         }
         let names = MachineNames {
             parameters: &parameters,

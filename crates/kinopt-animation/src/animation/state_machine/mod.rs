@@ -16,8 +16,8 @@ pub use definition::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
     ParameterDefault, StateDefinition, StateMachineDefinition, TransitionDefinition, TriggerWord,
 };
-pub use error::{StateMachineError, StateMachineProblem};
+pub use error::StateMachineError;
 pub use event::StateEvent;
 pub use machine::StateMachine;
-pub use parameters::{ParameterError, ParameterValue};
+pub use parameters::ParameterValue;
 pub use run::StateMachineRun;

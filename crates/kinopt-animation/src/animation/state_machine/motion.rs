@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::definition::{MotionDefinition, ParameterDefault};
-use super::error::StateMachineProblem;
 use super::lookup::{Checked, error_at, find, finite};
 use crate::animation::clip::named::position;
-use crate::animation::{Clip, ClipNameError};
+use crate::animation::{Clip, ClipError, LayerError};
 
 /// Clips along a parameter; a single clip is a blend of one.
 #[derive(Clone, Debug)]
@@ -105,7 +104,7 @@ impl Motion {
                     finite(|| format!("{path}.at"), f64::from(given.at))?;
                     let last = motion.clips.last().map(|(before, _)| *before);
                     if let Some(before) = last.filter(|before| *before >= given.at) {
-                        let problem = StateMachineProblem::NotRising {
+                        let problem = LayerError::NotRising {
                             before,
                             at: given.at,
                         };
@@ -116,7 +115,7 @@ impl Motion {
                 }
                 if motion.clips.is_empty() {
                     let path = format!("{path}.blend.clips");
-                    return Err(error_at(path, StateMachineProblem::EmptyBlend));
+                    return Err(error_at(path, LayerError::EmptyBlend));
                 }
             }
         }
@@ -134,15 +133,15 @@ fn look_up(
     let names = clips.iter().map(|clip| clip.name());
     let index = position(names, name).map_err(|error| {
         let problem = match error {
-            ClipNameError::Unknown(unknown) => StateMachineProblem::Unknown(unknown),
-            ambiguous => StateMachineProblem::ClipName(ambiguous),
+            ClipError::UnknownName(unknown) => LayerError::UnknownName(unknown),
+            ambiguous => LayerError::ClipName(ambiguous),
         };
         error_at(path, problem)
     })?;
     let clip = &clips[index];
     let namesakes = clips.iter().filter(|other| other.name() == clip.name());
     if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
-        let problem = StateMachineProblem::AmbiguousClip {
+        let problem = LayerError::AmbiguousClip {
             clip: name.to_owned(),
             clips: namesakes.count(),
         };
@@ -150,7 +149,7 @@ fn look_up(
     }
     let expected = *bones.get_or_insert(clip.bones());
     if clip.bones() != expected {
-        let problem = StateMachineProblem::OtherArmature {
+        let problem = LayerError::OtherArmature {
             clip: name.to_owned(),
             bones: clip.bones(),
             expected,

@@ -3,24 +3,8 @@
 use super::condition::Condition;
 use super::definition::ParameterDefault;
 use super::run::StateMachineRun;
+use crate::animation::LayerError;
 use kinopt_kinematics::model::UnknownName;
-
-/// Error of setting a parameter.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// No parameter of this kind has the name.
-    #[error(transparent)]
-    Unknown(UnknownName),
-    /// A number that is NaN or infinite.
-    #[error("parameter `{parameter}`: {value} is not finite")]
-    NotFinite {
-        /// Name of the parameter.
-        parameter: String,
-        /// The number.
-        value: f32,
-    },
-}
 
 /// Current value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +20,7 @@ pub enum ParameterValue {
 
 impl StateMachineRun {
     /// Index of the parameter of a kind and name.
-    fn parameter(&self, kind: &'static str, name: &str) -> Result<usize, ParameterError> {
+    fn parameter(&self, kind: &'static str, name: &str) -> Result<usize, LayerError> {
         let parameters = self.machine.parameters.iter();
         let mut candidates = parameters.clone();
         let index =
@@ -44,7 +28,7 @@ impl StateMachineRun {
         index.ok_or_else(|| {
             let valid = parameters.filter(|(_, default)| default.kind() == kind);
             let valid = valid.map(|(parameter, _)| parameter.as_str());
-            ParameterError::Unknown(UnknownName::new(kind, name, valid))
+            LayerError::UnknownName(UnknownName::new(kind, name, valid))
         })
     }
 
@@ -52,11 +36,11 @@ impl StateMachineRun {
     ///
     /// # Errors
     /// No number has the name (the error lists the numbers), or the value is not finite.
-    pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), ParameterError> {
+    pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), LayerError> {
         let index = self.parameter("number", name)?;
         if !value.is_finite() {
             let parameter = name.to_owned();
-            return Err(ParameterError::NotFinite { parameter, value });
+            return Err(LayerError::NonFiniteParameter { parameter, value });
         }
         self.values[index] = ParameterDefault::Number(value);
         Ok(())
@@ -66,7 +50,7 @@ impl StateMachineRun {
     ///
     /// # Errors
     /// No flag has the name; the error lists the flags.
-    pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), ParameterError> {
+    pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), LayerError> {
         let index = self.parameter("flag", name)?;
         self.values[index] = ParameterDefault::Flag(value);
         Ok(())
@@ -76,7 +60,7 @@ impl StateMachineRun {
     ///
     /// # Errors
     /// No trigger has the name; the error lists the triggers.
-    pub fn trigger(&mut self, name: &str) -> Result<(), ParameterError> {
+    pub fn trigger(&mut self, name: &str) -> Result<(), LayerError> {
         let index = self.parameter("trigger", name)?;
         self.triggered[index] = true;
         Ok(())
@@ -86,7 +70,7 @@ impl StateMachineRun {
     ///
     /// # Errors
     /// No trigger has the name; the error lists the triggers.
-    pub fn clear_trigger(&mut self, name: &str) -> Result<(), ParameterError> {
+    pub fn clear_trigger(&mut self, name: &str) -> Result<(), LayerError> {
         let index = self.parameter("trigger", name)?;
         self.triggered[index] = false;
         Ok(())

@@ -11,7 +11,7 @@ use super::motion::Motion;
 use super::note::BvhNote;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::rotation_about_f64;
-use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
+use crate::animation::{Armature, ArmatureBone, Channel, Clip, ClipError, LocalTransform};
 use crate::io::ReadError;
 use kinopt_kinematics::curve::KeyedCurve;
 
@@ -49,7 +49,7 @@ fn clip(
     armature: &Armature,
     joints: &[Joint],
     motion: &Motion,
-) -> Result<Clip, ChannelError> {
+) -> Result<Clip, ClipError> {
     let stem = Path::new(file)
         .file_stem()
         .map(|stem| stem.to_string_lossy());

@@ -1,6 +1,7 @@
 //! Frame rate and channels of a written BVH file.
 
-use super::{BvhChannel, BvhError};
+use super::BvhChannel;
+use crate::io::FormatError;
 
 /// Frame rate and channels of a written BVH file.
 ///
@@ -57,7 +58,7 @@ impl<'a> BvhFormat<'a> {
     }
 
     /// Checks that the frame time is positive and finite, also in single precision.
-    pub(super) fn check(&self) -> Result<(), BvhError> {
+    pub(super) fn check(&self) -> Result<(), FormatError> {
         let time = self.frame_time as f32;
         if time > 0.0 && time.is_finite() {
             Ok(())
@@ -66,8 +67,8 @@ impl<'a> BvhFormat<'a> {
         }
     }
 
-    pub(super) fn rate_error(&self) -> BvhError {
-        BvhError::Rate { rate: self.rate }
+    pub(super) fn rate_error(&self) -> FormatError {
+        FormatError::Rate { rate: self.rate }
     }
 
     /// Frames per second.

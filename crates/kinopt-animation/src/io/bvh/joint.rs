@@ -8,8 +8,9 @@ use glam::{DQuat, DVec3, Quat, Vec3A};
 
 use super::angles::{Axes, ROTATION_TOLERANCE};
 use super::hierarchy::end_site_name;
-use super::{BvhChannel, BvhError, BvhFormat, MAX_COORDINATE, channel};
+use super::{BvhChannel, BvhFormat, MAX_COORDINATE, channel};
 use crate::animation::{Armature, LocalTransform, Pose, SizeMismatch};
+use crate::io::FormatError;
 use kinopt_kinematics::skeleton::BoneId;
 
 /// Deviation of a scale from one that counts as rounding.
@@ -89,9 +90,9 @@ pub(super) fn joints(
     armature: &Armature,
     poses: &[Pose],
     format: &BvhFormat,
-) -> Result<Vec<Joint>, BvhError> {
+) -> Result<Vec<Joint>, FormatError> {
     if armature.bones() == 0 {
-        return Err(BvhError::NoBones);
+        return Err(FormatError::NoBones);
     }
     for pose in poses {
         SizeMismatch::check("bones in a pose", pose.bones(), armature.bones())?;
@@ -143,7 +144,7 @@ pub(super) fn joints(
             Some(given_channels) => {
                 if let Some(fault) = channel::channel_error(given_channels) {
                     let bone = name.clone();
-                    return Err(BvhError::Channels { bone, fault });
+                    return Err(FormatError::Channels { bone, fault });
                 }
                 let missing_axes = (0..3)
                     .filter(|axis| joint.lacks_position(given_channels, *axis, locals.clone()));
@@ -185,27 +186,31 @@ pub(super) fn joints(
     Ok(joints)
 }
 
-fn check_name(name: &str) -> Result<(), BvhError> {
+fn check_name(name: &str) -> Result<(), FormatError> {
     let words: Vec<&str> = name.split_whitespace().collect();
     if words.is_empty() || words.join(" ") != name || name.contains(['{', '}']) {
         let bone = name.to_owned();
-        return Err(BvhError::Name { bone });
+        return Err(FormatError::Name { bone });
     }
     Ok(())
 }
 
-fn check_local(name: &str, local: &LocalTransform, frame: Option<usize>) -> Result<(), BvhError> {
+fn check_local(
+    name: &str,
+    local: &LocalTransform,
+    frame: Option<usize>,
+) -> Result<(), FormatError> {
     let bone = || name.to_owned();
     let longest = f64::from(local.translation.abs().max_element());
     let is_finite = local.translation.is_finite() && local.rotation.is_finite();
     if !is_finite || longest > MAX_COORDINATE {
         let bone = bone();
-        return Err(BvhError::OutOfRange { bone, frame });
+        return Err(FormatError::OutOfRange { bone, frame });
     }
     if !local.scale.is_finite() || (local.scale - Vec3A::ONE).abs().max_element() > SCALE_TOLERANCE
     {
         let bone = bone();
-        return Err(BvhError::Scaled { bone, frame });
+        return Err(FormatError::Scaled { bone, frame });
     }
     Ok(())
 }

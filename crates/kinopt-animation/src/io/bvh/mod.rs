@@ -30,7 +30,6 @@
 mod angles;
 mod capture;
 mod channel;
-mod error;
 mod format;
 mod hierarchy;
 mod joint;
@@ -40,7 +39,6 @@ mod note;
 mod write;
 
 pub use channel::BvhChannel;
-pub use error::BvhError;
 pub use format::BvhFormat;
 pub use note::BvhNote;
 pub use write::{poses_to_text, to_text, write, write_poses};

@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::Vec3A;
 
 use super::joint::{self, Joint};
-use super::{BvhError, BvhFormat, MotionCapture};
+use super::{BvhFormat, MotionCapture};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
-use crate::io::write_file;
+use crate::io::{FormatError, write_file};
 
 /// Largest number of frames; above it, key times in single precision may coincide.
 const MAX_FRAMES: f64 = 16_777_216.0;
@@ -26,7 +26,7 @@ pub fn to_text<'a>(
     armature: &Armature,
     clip: &Clip,
     format: impl Into<BvhFormat<'a>>,
-) -> Result<String, BvhError> {
+) -> Result<String, FormatError> {
     let format = format.into();
     poses_to_text(armature, &sample(armature, clip, &format)?, format)
 }
@@ -48,7 +48,7 @@ pub fn to_text<'a>(
 ///   are omitted.
 ///
 /// # Errors
-/// A [`BvhError`]:
+/// A [`FormatError`]:
 /// - no bones;
 /// - a name that the format cannot represent;
 /// - a scaled bone;
@@ -58,7 +58,7 @@ pub fn poses_to_text<'a>(
     armature: &Armature,
     poses: &[Pose],
     format: impl Into<BvhFormat<'a>>,
-) -> Result<String, BvhError> {
+) -> Result<String, FormatError> {
     let format = format.into();
     format.check()?;
     let frame_time = format.frame_time();
@@ -109,7 +109,7 @@ pub fn write<'a>(
     clip: &Clip,
     format: impl Into<BvhFormat<'a>>,
     path: impl AsRef<Path>,
-) -> Result<(), BvhError> {
+) -> Result<(), FormatError> {
     let text = to_text(armature, clip, format)?;
     Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
@@ -123,7 +123,7 @@ pub fn write_poses<'a>(
     poses: &[Pose],
     format: impl Into<BvhFormat<'a>>,
     path: impl AsRef<Path>,
-) -> Result<(), BvhError> {
+) -> Result<(), FormatError> {
     let text = poses_to_text(armature, poses, format)?;
     Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
@@ -139,7 +139,7 @@ impl MotionCapture {
     ///
     /// # Errors
     /// As [`poses_to_text`].
-    pub fn to_text(&self) -> Result<String, BvhError> {
+    pub fn to_text(&self) -> Result<String, FormatError> {
         to_text(&self.armature, &self.clip, self.format())
     }
 
@@ -147,12 +147,12 @@ impl MotionCapture {
     ///
     /// # Errors
     /// As [`to_text`](Self::to_text), or the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BvhError> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FormatError> {
         Ok(write_file(path.as_ref(), self.to_text()?.as_bytes())?)
     }
 }
 
-fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Pose>, BvhError> {
+fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Pose>, FormatError> {
     format.check()?;
     if clip.is_empty() {
         return Ok(Vec::new());
@@ -162,7 +162,7 @@ fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Po
     let last = (duration * rate + LAST_FRAME_TOLERANCE).floor();
     if last >= MAX_FRAMES {
         let most = MAX_FRAMES as usize;
-        return Err(BvhError::TooManyFrames {
+        return Err(FormatError::TooManyFrames {
             duration,
             rate,
             most,

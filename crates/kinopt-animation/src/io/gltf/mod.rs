@@ -57,7 +57,7 @@ mod triangles;
 mod write;
 
 pub use note::Note;
-pub use posing::{PosingError, ScenePosing};
+pub use posing::ScenePosing;
 pub use scene::{Scene, SceneError, SceneMesh, Skin};
 pub use scene_file::SceneFile;
 pub use write::{UnwritableScene, WriteOptions, mesh_to_bytes, to_bytes, write, write_mesh};
@@ -68,7 +68,7 @@ use gltf_json::Root;
 
 use self::source::Source;
 use super::{FileAccess, ReadError};
-use crate::animation::{Armature, Clip, ClipNameError};
+use crate::animation::{Armature, Clip, ClipError};
 use kinopt_kinematics::file_access::below_folder;
 use kinopt_kinematics::skeleton::BoneId;
 
@@ -152,7 +152,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Clip::named`].
-    pub fn clip(&self, name: &str) -> Result<&Clip, ClipNameError> {
+    pub fn clip(&self, name: &str) -> Result<&Clip, ClipError> {
         Clip::named(&self.clips, name)
     }
 }

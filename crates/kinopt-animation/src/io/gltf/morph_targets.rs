@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::source::Source;
 use crate::io::ReadError;
-use crate::skinning::{MorphError, MorphTarget};
+use crate::skinning::{MorphTarget, SkinningError};
 
 /// A morph target of a mesh with several primitives.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +60,7 @@ pub(super) fn append(
 }
 
 impl Deltas {
-    pub(super) fn target(&self, name: &str) -> Result<MorphTarget, MorphError> {
+    pub(super) fn target(&self, name: &str) -> Result<MorphTarget, SkinningError> {
         let part = |part: fn(&[Vec3; 3]) -> Vec3| self.vertices.values().map(part).collect();
         let positions = part(|[position, _, _]| *position);
         let normals = match self.has_normals {

@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use super::{Scene, SceneError, SceneMesh, Skin};
+use super::{Scene, SceneMesh, Skin};
 use crate::animation::{Pose, SizeMismatch};
-use crate::skinning::{
-    MeshWeights, MorphError, PosedVertices, SkinWeights, SkinningError, SkinningMethod,
-    WeightsError,
-};
+use crate::io::FormatError;
+use crate::skinning::{MeshWeights, PosedVertices, SkinWeights, SkinningError, SkinningMethod};
 use kinopt_mesh::mesh::{MeshError, TriangleMesh};
 
 /// Poses the meshes of one scene repeatedly, with prepared weights and reused memory. `S` is a `&Scene` or an owner
@@ -25,69 +23,13 @@ pub struct ScenePosing<S> {
     posed_from_mesh: Vec<Affine3A>,
 }
 
-/// Error of posing a scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PosingError {
-    /// The parts of a mesh do not match.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The pose belongs to another armature.
-    #[error(transparent)]
-    Pose(#[from] SizeMismatch),
-    /// An error of a mesh's morph targets.
-    #[error("mesh `{mesh}`: {problem}")]
-    Morph {
-        /// Name of the mesh.
-        mesh: String,
-        /// The problem.
-        problem: MorphError,
-    },
-    /// An error of a mesh's skin; bone indices are indices of the skin's joints.
-    #[error("mesh `{mesh}`: {problem}")]
-    Skinning {
-        /// Name of the mesh.
-        mesh: String,
-        /// The problem.
-        problem: SkinningError,
-    },
-    /// An error of the weights that bind a mesh to its bone.
-    #[error("mesh `{mesh}`: {problem}")]
-    Weights {
-        /// Name of the mesh.
-        mesh: String,
-        /// The problem.
-        problem: WeightsError,
-    },
-    /// The posed vertices are not finite.
-    #[error("mesh `{mesh}`: {problem}")]
-    Mesh {
-        /// Name of the mesh.
-        mesh: String,
-        /// The problem.
-        problem: MeshError,
-    },
-}
-
-impl PosingError {
-    fn skinning(mesh: &SceneMesh) -> impl FnOnce(SkinningError) -> Self {
-        let mesh = mesh.name.clone();
-        |problem| Self::Skinning { mesh, problem }
-    }
-
-    fn mesh(name: &str) -> impl FnOnce(MeshError) -> Self {
-        let mesh = name.to_owned();
-        |problem| Self::Mesh { mesh, problem }
-    }
-}
-
 impl<S: Borrow<Scene>> ScenePosing<S> {
     /// Prepares posing of `scene`. Skins use `method`; with dual quaternions each joint stretches about its bind
     /// position. Meshes without a skin move with their bone, including its scale.
     ///
     /// # Errors
     /// The parts of a mesh differ in size or do not match the scene's armature.
-    pub fn new(scene: S, method: SkinningMethod) -> Result<Self, PosingError> {
+    pub fn new(scene: S, method: SkinningMethod) -> Result<Self, FormatError> {
         let Scene {
             armature, meshes, ..
         } = scene.borrow();
@@ -116,7 +58,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     /// # Errors
     /// The pose belongs to another armature, or a number is not finite. With dual quaternions also a joint that mirrors
     /// or is singular.
-    pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
+    pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, FormatError> {
         self.update_placements(pose)?;
         let meshes = 0..self.scene.borrow().meshes.len();
         meshes.map(|index| self.posed(index, pose)).collect()
@@ -127,7 +69,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     ///
     /// # Errors
     /// As [`meshes`](Self::meshes), or a buffer without one entry for each vertex or normal of all meshes.
-    pub fn deform(&mut self, pose: &Pose, posed: PosedVertices<'_>) -> Result<(), PosingError> {
+    pub fn deform(&mut self, pose: &Pose, posed: PosedVertices<'_>) -> Result<(), FormatError> {
         self.update_placements(pose)?;
         let meshes = &self.scene.borrow().meshes;
         let total = |count: fn(&TriangleMesh) -> usize| meshes.iter().map(|m| count(&m.mesh)).sum();
@@ -158,13 +100,13 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
             update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
             self.weights[index]
                 .deform(method, &self.posed_from_mesh, rest, mesh_vertices)
-                .map_err(PosingError::skinning(mesh))?;
+                .map_err(skinning_error(mesh))?;
             (positions, normals) = (positions_after, normals_after);
         }
         Ok(())
     }
 
-    fn update_placements(&mut self, pose: &Pose) -> Result<(), PosingError> {
+    fn update_placements(&mut self, pose: &Pose) -> Result<(), FormatError> {
         let armature = &self.scene.borrow().armature;
         armature.rest().check_same_size(pose)?;
         armature.local_to_model(pose, &mut self.model_from_bone)?;
@@ -184,7 +126,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     ///
     /// # Errors
     /// As [`meshes`](Self::meshes).
-    pub fn mesh(&mut self, pose: &Pose) -> Result<TriangleMesh, PosingError> {
+    pub fn mesh(&mut self, pose: &Pose) -> Result<TriangleMesh, FormatError> {
         let meshes = self.meshes(pose)?;
         let with_normals = meshes
             .iter()
@@ -203,17 +145,17 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
             );
         }
         let joined = TriangleMesh::new(positions, normals, triangles);
-        joined.map_err(PosingError::mesh("all"))
+        joined.map_err(mesh_error("all"))
     }
 
-    fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, PosingError> {
+    fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, FormatError> {
         let mesh = &self.scene.borrow().meshes[index];
         let method = self.method_of(mesh);
         update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
         let morphed = morphed(mesh, pose)?;
         let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
         let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
-        let moved = moved.map_err(PosingError::skinning(mesh))?;
+        let moved = moved.map_err(skinning_error(mesh))?;
         let mirrors = |bone: &Affine3A| bone.matrix3.determinant() < 0.0;
         if mesh.skin.is_some() || !self.posed_from_mesh.iter().any(mirrors) {
             return Ok(moved);
@@ -221,7 +163,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
         let flipped = moved.triangles().iter().map(|&[a, b, c]| [a, c, b]);
         let (positions, normals) = (moved.positions().to_vec(), moved.normals().to_vec());
         let flipped = TriangleMesh::new(positions, normals, flipped.collect());
-        flipped.map_err(PosingError::mesh(&mesh.name))
+        flipped.map_err(mesh_error(&mesh.name))
     }
 }
 
@@ -257,7 +199,7 @@ fn weights_of(skin: &Skin) -> MeshWeights {
 }
 
 /// The mesh with its morph targets applied; `None` if all weights are 0.
-fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, PosingError> {
+fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, FormatError> {
     let weights = pose
         .morph_weights()
         .get(mesh.morph_weights())
@@ -270,22 +212,28 @@ fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, Posing
     let applied = mesh
         .morph_targets
         .apply(weights, &mut positions, &mut normals, &mut []);
-    applied.map_err(|problem| {
-        let mesh = mesh.name.clone();
-        PosingError::Morph { mesh, problem }
-    })?;
+    applied.map_err(skinning_error(mesh))?;
     let morphed = mesh.mesh.with_vertices(positions, normals);
-    morphed.map(Some).map_err(PosingError::mesh(&mesh.name))
+    morphed.map(Some).map_err(mesh_error(&mesh.name))
 }
 
 /// Weights of a mesh that moves with one bone.
-fn all_of_one_bone(mesh: &SceneMesh) -> Result<SkinWeights, PosingError> {
+fn all_of_one_bone(mesh: &SceneMesh) -> Result<SkinWeights, FormatError> {
     let vertices = mesh.mesh.positions().len();
     let mut builder = SkinWeights::builder(vertices, 1);
     let added = (0..vertices).try_for_each(|vertex| builder.add(vertex, 0, 1.0));
     let built = added.and_then(|()| builder.build());
-    built.map_err(|problem| PosingError::Weights {
-        mesh: mesh.name.clone(),
-        problem,
-    })
+    built.map_err(skinning_error(mesh))
+}
+
+/// Error of the skin, weights or morph targets of a mesh.
+fn skinning_error(mesh: &SceneMesh) -> impl FnOnce(SkinningError) -> FormatError {
+    let mesh = mesh.name.clone();
+    |problem| FormatError::MeshSkinning { mesh, problem }
+}
+
+/// Error of a posed mesh.
+fn mesh_error(name: &str) -> impl FnOnce(MeshError) -> FormatError {
+    let mesh = name.to_owned();
+    |problem| FormatError::Mesh { mesh, problem }
 }

@@ -9,7 +9,8 @@ use super::json::{BoneEntry, Constraints, RigFile};
 use super::{interpolation, names};
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
 use crate::io::{Place, ReadError};
-use kinopt_kinematics::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
+use kinopt_kinematics::model::ModelError;
+use kinopt_kinematics::skeleton::{Bone, BoneId, Skeleton};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
 /// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
@@ -43,7 +44,7 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
     let stem = Path::new(name).file_stem().and_then(OsStr::to_str);
     Skeleton::new(stem.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
-            SkeletonError::DuplicateName { name } => second_path(name),
+            ModelError::DuplicateName { kind: "bone", name } => second_path(name),
             _ => None,
         };
         let path = path.unwrap_or_else(|| "bones".into());
@@ -183,8 +184,8 @@ pub(super) fn clip(
     });
     clip.map_err(|error| {
         let path = match error {
-            ClipError::DuplicateBone { track, .. } => format!("fk_animation[{track}].bone_id"),
-            ClipError::NonFiniteTime { track, key, .. }
+            ClipError::DuplicateTrack { track, .. } => format!("fk_animation[{track}].bone_id"),
+            ClipError::NonFiniteKeyTime { track, key, .. }
             | ClipError::NotIncreasing { track, key, .. } => {
                 format!("fk_animation[{track}].keys[{key}].t")
             }
@@ -192,9 +193,7 @@ pub(super) fn clip(
                 format!("fk_animation[{track}].keys[{key}].xzx")
             }
             // Reading already checked the number and size of controls.
-            ClipError::ControlCount { .. }
-            | ClipError::NonFiniteControls { .. }
-            | ClipError::Curve { .. } => "fk_animation".into(),
+            _ => "fk_animation".into(),
         };
         error_at(name, path, error.to_string())
     })

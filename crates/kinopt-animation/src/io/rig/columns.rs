@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::check::error_at;
 use super::json::RigFile;
 use crate::io::{Place, ReadError};
-use crate::skinning::{SkinWeights, WeightsError};
+use crate::skinning::{SkinWeights, SkinningError};
 use kinopt_mesh::mesh::TriangleMesh;
 
 /// Assigns each column of the table to the bone with its `weight_id`.
@@ -41,7 +41,7 @@ pub(super) fn weights(
             return Err(error_at(name, path(), problem));
         }
     }
-    let fail = |error: WeightsError| {
+    let fail = |error: SkinningError| {
         let part = file.weights.as_ref().map_or("", |part| &part.file);
         let error = ReadError::new(part, Place::File, error);
         ReadError::referred(name, Place::Json("weights.file".into()), error)

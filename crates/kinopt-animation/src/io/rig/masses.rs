@@ -2,8 +2,10 @@
 
 use super::Rig;
 use crate::skinning::{AutomaticWeights, bone_volumes};
-use kinopt_kinematics::kinematics::{CentreOfMassError, ForwardKinematics, centre_of_mass};
-use kinopt_kinematics::model::{FrameId, MassError, Masses, PointMass};
+use kinopt_kinematics::kinematics::KinematicsError;
+use kinopt_kinematics::kinematics::{ForwardKinematics, centre_of_mass};
+use kinopt_kinematics::model::ModelError;
+use kinopt_kinematics::model::{FrameId, Masses, PointMass};
 use kinopt_kinematics::spatial::Vector3;
 
 impl Rig {
@@ -12,8 +14,8 @@ impl Rig {
     ///
     /// # Errors
     /// No mesh, or a mesh that does not enclose a volume. Also a density that is negative, 0 or not finite.
-    pub fn masses(&self, density: f64) -> Result<Masses, MassError> {
-        let no_volume = |reason: &dyn std::fmt::Display| MassError::NoVolume(reason.to_string());
+    pub fn masses(&self, density: f64) -> Result<Masses, ModelError> {
+        let no_volume = |reason: &dyn std::fmt::Display| ModelError::NoVolume(reason.to_string());
         let mesh = self.mesh.as_ref();
         let mesh = mesh.ok_or_else(|| no_volume(&"the rig has no mesh"))?;
         let computed;
@@ -48,7 +50,7 @@ impl Rig {
     ///
     /// # Errors
     /// As [`masses`](Self::masses), or an invalid configuration.
-    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
+    pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, KinematicsError> {
         Ok(centre_of_mass(
             self.skeleton.model(),
             &self.masses(1.0)?,

@@ -31,7 +31,7 @@ mod posing;
 mod write;
 
 pub use note::RigNote;
-pub use posing::{RigPosing, RigPosingError};
+pub use posing::RigPosing;
 
 use std::path::Path;
 

@@ -6,12 +6,11 @@ use std::sync::Arc;
 use glam::Affine3A;
 
 use super::Rig;
-use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::animation::{Armature, Pose};
+use crate::io::FormatError;
 use crate::skinning::{
-    AutomaticWeights, AutomaticWeightsError, MeshWeights, PosedVertices, SkinningError,
-    SkinningMethod, single_precision_transform,
+    AutomaticWeights, MeshWeights, PosedVertices, SkinningMethod, single_precision_transform,
 };
-use kinopt_kinematics::kinematics::KinematicsError;
 use kinopt_kinematics::skeleton::Posing;
 use kinopt_mesh::mesh::TriangleMesh;
 
@@ -30,27 +29,6 @@ pub struct RigPosing<R> {
     posed_from_rest: Vec<Affine3A>,
 }
 
-/// Error of posing a rig's mesh.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RigPosingError {
-    /// The rig has no mesh.
-    #[error("the rig has no mesh")]
-    NoMesh,
-    /// The rig has no weights, and automatic weights failed.
-    #[error("the rig has no skin weights, and they cannot be computed: {0}")]
-    Weights(AutomaticWeightsError),
-    /// A configuration of another skeleton, or one that is not finite.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
-    /// A pose of another skeleton.
-    #[error(transparent)]
-    Size(#[from] SizeMismatch),
-    /// An error of skinning.
-    #[error(transparent)]
-    Skinning(#[from] SkinningError),
-}
-
 impl Rig {
     /// The mesh in the pose of the joint angles `q` (radians), such as those of a [`Solution`](kinopt_solver::Solution):
     /// positions, and normals if the mesh has them. Use [`posing`](Self::posing) for many poses.
@@ -61,7 +39,7 @@ impl Rig {
         &self,
         q: &[f64],
         method: SkinningMethod,
-    ) -> Result<TriangleMesh, RigPosingError> {
+    ) -> Result<TriangleMesh, FormatError> {
         self.posing(method)?.mesh(q)
     }
 
@@ -70,7 +48,7 @@ impl Rig {
     ///
     /// # Errors
     /// The rig has no mesh, or it has no weights and automatic weights failed.
-    pub fn posing(&self, method: SkinningMethod) -> Result<RigPosing<&Self>, RigPosingError> {
+    pub fn posing(&self, method: SkinningMethod) -> Result<RigPosing<&Self>, FormatError> {
         RigPosing::new(self, method)
     }
 }
@@ -80,20 +58,20 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     ///
     /// # Errors
     /// As [`Rig::posing`].
-    pub fn new(rig: R, method: SkinningMethod) -> Result<Self, RigPosingError> {
+    pub fn new(rig: R, method: SkinningMethod) -> Result<Self, FormatError> {
         let Rig {
             skeleton,
             mesh,
             weights,
             ..
         } = rig.borrow();
-        let mesh = mesh.as_ref().ok_or(RigPosingError::NoMesh)?;
+        let mesh = mesh.as_ref().ok_or(FormatError::NoMesh)?;
         let automatic = weights.is_none();
         let weights = match weights {
             Some(weights) => weights.clone(),
             None => AutomaticWeights::default()
                 .for_skeleton(mesh, skeleton)
-                .map_err(RigPosingError::Weights)?,
+                .map_err(FormatError::NoWeights)?,
         };
         Ok(Self {
             method,
@@ -117,7 +95,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     ///
     /// # Errors
     /// A different number of angles, or a number that is not finite.
-    pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, RigPosingError> {
+    pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, FormatError> {
         self.update_transforms(q)?;
         self.skin()
     }
@@ -127,7 +105,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), or a buffer without one entry per vertex.
-    pub fn deform(&mut self, q: &[f64], posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
+    pub fn deform(&mut self, q: &[f64], posed: PosedVertices<'_>) -> Result<(), FormatError> {
         self.update_transforms(q)?;
         self.skin_into(posed)
     }
@@ -136,7 +114,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     ///
     /// # Errors
     /// A pose of another armature, or a number that is not finite.
-    pub fn mesh_of_pose(&mut self, pose: &Pose) -> Result<TriangleMesh, RigPosingError> {
+    pub fn mesh_of_pose(&mut self, pose: &Pose) -> Result<TriangleMesh, FormatError> {
         self.update_transforms_of_pose(pose)?;
         self.skin()
     }
@@ -149,13 +127,13 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         &mut self,
         pose: &Pose,
         posed: PosedVertices<'_>,
-    ) -> Result<(), RigPosingError> {
+    ) -> Result<(), FormatError> {
         self.update_transforms_of_pose(pose)?;
         self.skin_into(posed)
     }
 
     /// Computes the transform of each bone for `q`, rest → posed.
-    fn update_transforms(&mut self, q: &[f64]) -> Result<(), RigPosingError> {
+    fn update_transforms(&mut self, q: &[f64]) -> Result<(), FormatError> {
         let pose = self.posing.pose(q)?;
         self.posed_from_rest.clear();
         let transforms = pose.skinning_transforms(&self.rig.borrow().skeleton);
@@ -165,7 +143,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
     }
 
     /// Computes the transform of each bone in a pose, rest → posed.
-    fn update_transforms_of_pose(&mut self, pose: &Pose) -> Result<(), RigPosingError> {
+    fn update_transforms_of_pose(&mut self, pose: &Pose) -> Result<(), FormatError> {
         let placed = &mut self.model_from_bone;
         self.armature.local_to_model(pose, placed)?;
         self.armature
@@ -173,21 +151,21 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         Ok(())
     }
 
-    fn skin(&self) -> Result<TriangleMesh, RigPosingError> {
+    fn skin(&self) -> Result<TriangleMesh, FormatError> {
         let mesh = self.rest()?;
         let transforms = &self.posed_from_rest;
         Ok(self.weights.mesh(self.method, mesh, transforms)?)
     }
 
-    fn skin_into(&self, posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
+    fn skin_into(&self, posed: PosedVertices<'_>) -> Result<(), FormatError> {
         let mesh = self.rest()?;
         let rest = posed.rest_of(mesh);
         let transforms = &self.posed_from_rest;
         Ok(self.weights.deform(self.method, transforms, rest, posed)?)
     }
 
-    fn rest(&self) -> Result<&TriangleMesh, RigPosingError> {
+    fn rest(&self) -> Result<&TriangleMesh, FormatError> {
         let mesh = self.rig.borrow().mesh.as_ref();
-        mesh.ok_or(RigPosingError::NoMesh)
+        mesh.ok_or(FormatError::NoMesh)
     }
 }

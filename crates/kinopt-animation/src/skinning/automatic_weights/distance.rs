@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
-use super::AutomaticWeightsError;
 use super::neighbours::Neighbours;
 use super::segments::{self, Segment, distance};
 use super::smooth_pruning::Strongest;
-use crate::skinning::SkinWeights;
+use crate::skinning::{SkinWeights, SkinningError};
 use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::skeleton::Skeleton;
 use kinopt_mesh::mesh::TriangleMesh;
@@ -62,7 +61,7 @@ impl AutomaticWeights {
         &self,
         mesh: &TriangleMesh,
         skeleton: &Skeleton,
-    ) -> Result<SkinWeights, AutomaticWeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         self.for_segments(mesh, &segments::of_skeleton(skeleton))
     }
 
@@ -74,10 +73,10 @@ impl AutomaticWeights {
         &self,
         mesh: &TriangleMesh,
         segments: &[[DVec3; 2]],
-    ) -> Result<SkinWeights, AutomaticWeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         segments::check(segments, self.most)?;
         if !(self.falloff > 0.0 && self.falloff.is_finite()) {
-            return Err(AutomaticWeightsError::Falloff(self.falloff));
+            return Err(SkinningError::Falloff(self.falloff));
         }
         let points: Vec<DVec3> = mesh.positions().iter().map(|p| p.as_dvec3()).collect();
         let nearest = nearest_distances(&points, segments);

@@ -1,7 +1,6 @@
 //! Automatic skin weights: by distance from the bones, or by bone heat weighting.
 
 mod distance;
-mod error;
 #[cfg(feature = "heat")]
 mod heat;
 mod neighbours;
@@ -9,6 +8,5 @@ mod segments;
 mod smooth_pruning;
 
 pub use distance::AutomaticWeights;
-pub use error::AutomaticWeightsError;
 #[cfg(feature = "heat")]
 pub use heat::HeatWeights;

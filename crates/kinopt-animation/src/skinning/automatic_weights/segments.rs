@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::AutomaticWeightsError;
+use crate::skinning::SkinningError;
 use kinopt_kinematics::skeleton::Skeleton;
 
 /// Tail and tip of a bone; equal for a bone of length 0.
@@ -17,17 +17,14 @@ pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
 }
 
 /// Checks that there are bones, that their ends are finite, and that `max_influences` is at least 1.
-pub(super) fn check(
-    segments: &[Segment],
-    max_influences: usize,
-) -> Result<(), AutomaticWeightsError> {
+pub(super) fn check(segments: &[Segment], max_influences: usize) -> Result<(), SkinningError> {
     if max_influences == 0 {
-        return Err(AutomaticWeightsError::NoInfluences);
+        return Err(SkinningError::NoInfluences);
     }
     let is_not_finite = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());
     match segments.iter().position(is_not_finite) {
-        Some(bone) => Err(AutomaticWeightsError::NonFiniteBone { bone }),
-        None if segments.is_empty() => Err(AutomaticWeightsError::NoBones),
+        Some(bone) => Err(SkinningError::NonFiniteBone { bone }),
+        None if segments.is_empty() => Err(SkinningError::NoBones),
         None => Ok(()),
     }
 }

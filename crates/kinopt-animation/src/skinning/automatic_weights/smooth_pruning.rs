@@ -1,7 +1,7 @@
 //! Pruning of skin weights to the strongest influences, with smooth transitions.
 
 use super::neighbours::Neighbours;
-use crate::skinning::{SkinWeights, WeightsError};
+use crate::skinning::{SkinWeights, SkinningError};
 
 /// Largest removed weight that needs no smoothing.
 const MAX_UNSMOOTHED_WEIGHT: f64 = 1e-2;
@@ -53,7 +53,7 @@ impl Strongest {
         bones: usize,
         point_of: &[usize],
         neighbours: &Neighbours,
-    ) -> Result<SkinWeights, WeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         let mut removed: Vec<f64> = Vec::with_capacity(self.rows.len());
         removed.extend(
             self.rows

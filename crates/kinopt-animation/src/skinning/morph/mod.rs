@@ -1,13 +1,12 @@
 //! Morph targets (blend shapes): shapes blended into the mesh at rest, before skinning.
 
-mod error;
 mod target;
 
-pub use error::MorphError;
 pub use target::MorphTarget;
 
 use glam::{Vec3, Vec4};
 
+use crate::skinning::SkinningError;
 use kinopt_kinematics::SizeMismatch;
 
 /// The morph targets of one mesh.
@@ -22,12 +21,12 @@ impl MorphTargets {
     ///
     /// # Errors
     /// A target refers to a vertex outside the mesh.
-    pub fn new(vertex_count: usize, targets: Vec<MorphTarget>) -> Result<Self, MorphError> {
+    pub fn new(vertex_count: usize, targets: Vec<MorphTarget>) -> Result<Self, SkinningError> {
         for target in &targets {
             // The indices ascend, so the last is the largest.
             let last = target.vertices.last();
             if let Some(&vertex) = last.filter(|&&v| v as usize >= vertex_count) {
-                return Err(MorphError::VertexOutOfRange {
+                return Err(SkinningError::TargetVertexOutOfRange {
                     target: target.name.clone(),
                     vertex,
                     vertices: vertex_count,
@@ -76,7 +75,7 @@ impl MorphTargets {
         positions: &mut [Vec3],
         normals: &mut [Vec3],
         tangents: &mut [Vec4],
-    ) -> Result<(), MorphError> {
+    ) -> Result<(), SkinningError> {
         self.check_weights(weights)?;
         let sizes = [
             ("positions", positions.len()),
@@ -112,10 +111,10 @@ impl MorphTargets {
         Ok(())
     }
 
-    fn check_weights(&self, weights: &[f32]) -> Result<(), MorphError> {
+    fn check_weights(&self, weights: &[f32]) -> Result<(), SkinningError> {
         if weights.len() != self.targets.len() {
             let names: Vec<&str> = self.targets.iter().map(MorphTarget::name).collect();
-            return Err(MorphError::WeightCount {
+            return Err(SkinningError::TargetWeightCount {
                 given: weights.len(),
                 targets: self.targets.len(),
                 names: names.join(", "),
@@ -124,7 +123,7 @@ impl MorphTargets {
         let mut named = self.targets.iter().zip(weights);
         if let Some((target, &weight)) = named.find(|(_, weight)| !weight.is_finite()) {
             let target = target.name.clone();
-            return Err(MorphError::NonFiniteWeight { target, weight });
+            return Err(SkinningError::NonFiniteTargetWeight { target, weight });
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::MorphError;
+use crate::skinning::SkinningError;
 use kinopt_mesh::mesh::TriangleMesh;
 
 /// Sparse differences of one shape from the rest shape.
@@ -27,7 +27,7 @@ impl MorphTarget {
         positions: Vec<Vec3>,
         normals: Vec<Vec3>,
         tangents: Vec<Vec3>,
-    ) -> Result<Self, MorphError> {
+    ) -> Result<Self, SkinningError> {
         let target: String = name.into();
         let lists = [
             ("position delta", &positions, false),
@@ -36,7 +36,7 @@ impl MorphTarget {
         ];
         for (what, list, optional) in lists {
             if list.len() != vertices.len() && !(optional && list.is_empty()) {
-                return Err(MorphError::DeltaCount {
+                return Err(SkinningError::DeltaCount {
                     target,
                     what,
                     given: list.len(),
@@ -45,7 +45,7 @@ impl MorphTarget {
             }
             let invalid = list.iter().zip(&vertices).find(|(d, _)| !d.is_finite());
             if let Some((_, &vertex)) = invalid {
-                return Err(MorphError::NonFinite {
+                return Err(SkinningError::NonFiniteDelta {
                     target,
                     what,
                     vertex,
@@ -54,7 +54,7 @@ impl MorphTarget {
         }
         let descent = vertices.windows(2).find(|pair| pair[0] >= pair[1]);
         if let Some(&[_, vertex]) = descent {
-            return Err(MorphError::Order { target, vertex });
+            return Err(SkinningError::TargetOrder { target, vertex });
         }
         Ok(Self {
             name: target,
@@ -78,13 +78,13 @@ impl MorphTarget {
         rest: &TriangleMesh,
         shape: &TriangleMesh,
         threshold: f32,
-    ) -> Result<Self, MorphError> {
+    ) -> Result<Self, SkinningError> {
         let mut target = Self {
             name: name.into(),
             ..Self::default()
         };
         if shape.positions().len() != rest.positions().len() {
-            return Err(MorphError::ShapeCount {
+            return Err(SkinningError::TargetShapeCount {
                 target: target.name,
                 given: shape.positions().len(),
                 vertices: rest.positions().len(),

@@ -1,6 +1,6 @@
 //! Packed skin weights: four influences per vertex.
 
-use crate::skinning::{Influence, SkinWeights, WeightsError};
+use crate::skinning::{Influence, SkinWeights, SkinningError};
 
 /// Number of influences per vertex.
 pub(super) const MAX_INFLUENCES: usize = 4;
@@ -32,23 +32,23 @@ impl PackedWeights {
     ///
     /// # Errors
     /// A vertex has more than four influences, or there are more than 65 536 bones.
-    pub fn new(weights: &SkinWeights) -> Result<Self, WeightsError> {
+    pub fn new(weights: &SkinWeights) -> Result<Self, SkinningError> {
         let bones = weights.bone_count();
         if bones > 1 << 16 {
-            return Err(WeightsError::TooManyBones { bones });
+            return Err(SkinningError::TooManyBones { bones });
         }
         let pack = |(vertex, influences): (usize, &[Influence])| {
             // Checked again because the unsafe kernel relies on it.
             let is_out_of_range = |i: &&Influence| i.bone as usize >= bones;
             if let Some(influence) = influences.iter().find(is_out_of_range) {
                 let bone = influence.bone as usize;
-                return Err(WeightsError::BoneOutOfRange {
+                return Err(SkinningError::BoneOutOfRange {
                     vertex,
                     bone,
                     bones,
                 });
             }
-            four(influences).ok_or(WeightsError::TooManyInfluences {
+            four(influences).ok_or(SkinningError::TooManyInfluences {
                 vertex,
                 influences: influences.len(),
             })

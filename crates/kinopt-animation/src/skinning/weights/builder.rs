@@ -1,6 +1,7 @@
 //! Builder of skin weights, which checks or repairs them.
 
-use super::{Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, WeightsError};
+use super::{Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights};
+use crate::skinning::SkinningError;
 
 /// Changes made by [`SkinWeightsBuilder::build_repaired`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,14 +35,14 @@ impl SkinWeightsBuilder {
     ///
     /// # Errors
     /// The weight is not finite, or the vertex or bone does not exist.
-    pub fn add(&mut self, vertex: usize, bone: usize, weight: f64) -> Result<(), WeightsError> {
+    pub fn add(&mut self, vertex: usize, bone: usize, weight: f64) -> Result<(), SkinningError> {
         if vertex >= self.vertex_count {
-            return Err(WeightsError::VertexOutOfRange {
+            return Err(SkinningError::VertexOutOfRange {
                 vertex,
                 vertices: self.vertex_count,
             });
         }
-        let out_of_range = WeightsError::BoneOutOfRange {
+        let out_of_range = SkinningError::BoneOutOfRange {
             vertex,
             bone,
             bones: self.bone_count,
@@ -50,7 +51,7 @@ impl SkinWeightsBuilder {
             return Err(out_of_range);
         }
         if !weight.is_finite() {
-            return Err(WeightsError::NonFinite {
+            return Err(SkinningError::NonFiniteWeight {
                 vertex,
                 bone,
                 weight,
@@ -68,15 +69,15 @@ impl SkinWeightsBuilder {
     /// # Errors
     /// A vertex and bone occur twice, a weight is below −[`NEGATIVE_TOLERANCE`], or the weights of a vertex do not sum
     /// to 1.
-    pub fn build(self) -> Result<SkinWeights, WeightsError> {
+    pub fn build(self) -> Result<SkinWeights, SkinningError> {
         self.rows(|vertex, influences| {
             let sum = sum(influences);
             if !sums_to_one(sum) {
-                return Err(WeightsError::Sum { vertex, sum });
+                return Err(SkinningError::WeightSum { vertex, sum });
             }
             let negative = influences.iter().find(|i| i.weight < -NEGATIVE_TOLERANCE);
             negative.map_or(Ok(()), |low| {
-                Err(WeightsError::Negative {
+                Err(SkinningError::NegativeWeight {
                     vertex,
                     bone: low.bone as usize,
                     weight: low.weight,
@@ -90,7 +91,7 @@ impl SkinWeightsBuilder {
     ///
     /// # Errors
     /// A vertex and bone occur twice, or the weights of a vertex sum to zero or overflow.
-    pub fn build_repaired(self) -> Result<(SkinWeights, WeightRepair), WeightsError> {
+    pub fn build_repaired(self) -> Result<(SkinWeights, WeightRepair), SkinningError> {
         let mut repair = WeightRepair::default();
         let weights = self.rows(|vertex, influences| {
             let before = influences.len();
@@ -101,7 +102,7 @@ impl SkinWeightsBuilder {
                 return Ok(());
             }
             if !(sum.is_finite() && sum > 0.0) {
-                return Err(WeightsError::Sum { vertex, sum });
+                return Err(SkinningError::WeightSum { vertex, sum });
             }
             for influence in influences {
                 influence.weight /= sum;
@@ -119,8 +120,8 @@ impl SkinWeightsBuilder {
     /// Builds compressed sparse rows; `judge` checks or changes the influences of each vertex.
     fn rows(
         mut self,
-        mut judge: impl FnMut(usize, &mut Vec<Influence>) -> Result<(), WeightsError>,
-    ) -> Result<SkinWeights, WeightsError> {
+        mut judge: impl FnMut(usize, &mut Vec<Influence>) -> Result<(), SkinningError>,
+    ) -> Result<SkinWeights, SkinningError> {
         self.triples
             .sort_by_key(|&(vertex, influence)| (vertex, influence.bone));
         let mut starts = vec![0];
@@ -135,7 +136,7 @@ impl SkinWeightsBuilder {
                     .last()
                     .is_some_and(|last: &Influence| last.bone == influence.bone)
                 {
-                    return Err(WeightsError::Duplicate {
+                    return Err(SkinningError::DuplicateWeight {
                         vertex,
                         bone: influence.bone as usize,
                     });

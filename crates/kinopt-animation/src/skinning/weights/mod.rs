@@ -1,12 +1,13 @@
 //! Skin weights: the influence of each bone on each vertex.
 
 mod builder;
-mod error;
+mod tolerances;
 
+use crate::skinning::SkinningError;
 use nalgebra::DMatrix;
 
 pub use builder::{SkinWeightsBuilder, WeightRepair};
-pub use error::{NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, WeightsError};
+pub use tolerances::{NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE};
 
 /// Influence of one bone on a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +43,8 @@ impl SkinWeights {
     /// Creates weights from a table with a row per vertex and a column per bone. Zeros are left out.
     ///
     /// # Errors
-    /// A [`WeightsError`] that names the vertex.
-    pub fn from_table(table: &DMatrix<f64>) -> Result<Self, WeightsError> {
+    /// A [`SkinningError`] that names the vertex.
+    pub fn from_table(table: &DMatrix<f64>) -> Result<Self, SkinningError> {
         let mut builder = Self::builder(table.nrows(), table.ncols());
         for (bone, column) in table.column_iter().enumerate() {
             for (vertex, &weight) in column.iter().enumerate() {

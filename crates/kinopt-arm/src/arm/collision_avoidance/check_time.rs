@@ -3,9 +3,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::CollisionAvoidance;
-use crate::arm::arm::Arm;
-use crate::arm::dispatch::Query;
 use kinopt_kinematics::clock::Instant;
 
 /// The time that is kept is at most this part of the time limit.
@@ -19,9 +16,9 @@ const DECAY_CHECKS: u64 = 64;
 pub(super) struct CheckTime(AtomicU64);
 
 impl CheckTime {
-    /// Runs a check, and measures it if the arm has a time limit.
-    pub(super) fn measured<T>(&self, arm: &Arm, check: impl FnOnce() -> T) -> T {
-        let Some(limit) = arm.options.time_limit else {
+    /// Runs a check, and measures it if there is a time limit.
+    pub(super) fn measured<T>(&self, limit: Option<Duration>, check: impl FnOnce() -> T) -> T {
+        let Some(limit) = limit else {
             return check();
         };
         let start = Instant::now();
@@ -41,23 +38,7 @@ impl CheckTime {
         result
     }
 
-    fn get(&self) -> Duration {
+    pub(super) fn get(&self) -> Duration {
         Duration::from_nanos(self.0.load(Ordering::Relaxed))
-    }
-}
-
-impl CollisionAvoidance {
-    /// Returns true if a query has no time for this many more checks.
-    pub(super) fn is_late(&self, query: &Query<'_>, checks: u32) -> bool {
-        query.is_late_by(self.check_time.get() * checks)
-    }
-
-    /// The query with its deadline earlier by one check.
-    pub(super) fn with_time_for_check<'q>(&self, query: &Query<'q>) -> Query<'q> {
-        let brought_forward = |at: Instant| at.checked_sub(self.check_time.get()).unwrap_or(at);
-        Query {
-            deadline: query.deadline.map(brought_forward),
-            ..*query
-        }
     }
 }

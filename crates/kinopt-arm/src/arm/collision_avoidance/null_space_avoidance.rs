@@ -1,9 +1,10 @@
 //! Null-space search for a collision-free configuration.
 
-use super::{CollisionAvoidance, CollisionWorkspace};
+use super::avoidance::CollisionAvoidance;
+use super::workspace::CollisionWorkspace;
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
-use crate::arm::dispatch::Query;
+use crate::arm::query::{Query, simd_solver_within};
 use crate::arm::workspace::{ArmWorkspace, Errors};
 
 /// Initial and smallest step of the search, radians.
@@ -20,124 +21,120 @@ pub(super) struct NullSpaceSteps {
     pub(super) iterations: usize,
 }
 
-impl Arm {
-    /// Moves the workspace's x along the null space of the goal until it is collision-free. Returns true if that
-    /// succeeds, and the cost.
-    ///
-    /// The method is compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3). Each
-    /// step tries both signs of each direction, and takes the first configuration with less penetration. If there is
-    /// none, the step halves. `min_distance` is the distance of the worst pair at x, metres; `max_attempts` is the
-    /// largest number of attempts.
-    pub(super) fn avoid_in_null_space(
-        &self,
-        avoidance: &CollisionAvoidance,
-        workspace: &mut ArmWorkspace,
-        checks: &mut CollisionWorkspace,
-        query: &Query<'_>,
-        (mut min_distance, max_attempts): (f64, usize),
-    ) -> Result<(bool, NullSpaceSteps), QueryError> {
-        let mut steps = NullSpaceSteps::default();
-        if !self.has_null_space() {
-            return Ok((false, steps));
-        }
-        let n = self.joint_count();
-        let (mut centre, mut q) = (workspace.x.clone(), vec![0.0; n]);
-        let [mut step, min_step] = STEP_RANGE;
-        while step >= min_step {
-            workspace.compute_twists(self, &centre);
-            let mut directions: Vec<Vec<f64>> = Vec::new();
-            let mut improved = false;
-            'directions: for joint in 0..n {
-                for displacement in [step, -step] {
-                    if avoidance.is_late(query, 2)
-                        || steps.attempts >= max_attempts.min(MAX_ATTEMPTS)
-                    {
-                        return Ok((false, steps));
-                    }
-                    if !self.perturb_in_null_space(workspace, &centre, joint, displacement)
-                        || directions
-                            .iter()
-                            .any(|direction| is_along(direction, &workspace.trial, &centre))
-                    {
-                        continue;
-                    }
-                    let direction = workspace
-                        .trial
+/// Moves the workspace's x along the null space of the goal until it is collision-free. Returns true if that
+/// succeeds, and the cost.
+///
+/// The method is compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3). Each
+/// step tries both signs of each direction, and takes the first configuration with less penetration. If there is
+/// none, the step halves. `min_distance` is the distance of the worst pair at x, metres; `max_attempts` is the
+/// largest number of attempts.
+pub(super) fn avoid_in_null_space(
+    arm: &Arm,
+    avoidance: &CollisionAvoidance,
+    workspace: &mut ArmWorkspace,
+    checks: &mut CollisionWorkspace,
+    query: &Query<'_>,
+    (mut min_distance, max_attempts): (f64, usize),
+) -> Result<(bool, NullSpaceSteps), QueryError> {
+    let mut steps = NullSpaceSteps::default();
+    if !arm.has_null_space() {
+        return Ok((false, steps));
+    }
+    let n = arm.joint_count();
+    let (mut centre, mut q) = (workspace.x.clone(), vec![0.0; n]);
+    let [mut step, min_step] = STEP_RANGE;
+    while step >= min_step {
+        workspace.compute_twists(arm, &centre);
+        let mut directions: Vec<Vec<f64>> = Vec::new();
+        let mut improved = false;
+        'directions: for joint in 0..n {
+            for displacement in [step, -step] {
+                if avoidance.is_late(query, 2) || steps.attempts >= max_attempts.min(MAX_ATTEMPTS) {
+                    return Ok((false, steps));
+                }
+                if !perturb_in_null_space(arm, workspace, &centre, joint, displacement)
+                    || directions
                         .iter()
-                        .zip(&centre)
-                        .map(|(to, centre)| to - centre);
-                    directions.push(direction.collect());
-                    let Some(simd_solver) = self.simd_solver_within(&workspace.bounded_simd_solver)
-                    else {
-                        return Ok((false, steps));
-                    };
-                    let (target, deadline) = (workspace.target(), query.deadline);
-                    let outcome =
-                        simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
-                    steps.attempts += 1;
-                    steps.iterations += outcome.iterations as usize;
-                    if !outcome.reached {
-                        continue;
-                    }
-                    let distance = avoidance.min_distance(self, checks, &q)?;
-                    if distance > min_distance {
-                        (min_distance, improved) = (distance, true);
-                        centre.copy_from_slice(&q);
-                        workspace.x.copy_from_slice(&q);
-                        workspace.errors = Errors::of(&outcome);
-                        break 'directions;
-                    }
+                        .any(|direction| is_along(direction, &workspace.trial, &centre))
+                {
+                    continue;
+                }
+                let direction = workspace
+                    .trial
+                    .iter()
+                    .zip(&centre)
+                    .map(|(to, centre)| to - centre);
+                directions.push(direction.collect());
+                let Some(simd_solver) = simd_solver_within(arm, &workspace.bounded_simd_solver)
+                else {
+                    return Ok((false, steps));
+                };
+                let (target, deadline) = (workspace.target(), query.deadline);
+                let outcome =
+                    simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
+                steps.attempts += 1;
+                steps.iterations += outcome.iterations as usize;
+                if !outcome.reached {
+                    continue;
+                }
+                let distance = avoidance.min_distance(arm, checks, &q)?;
+                if distance > min_distance {
+                    (min_distance, improved) = (distance, true);
+                    centre.copy_from_slice(&q);
+                    workspace.x.copy_from_slice(&q);
+                    workspace.errors = Errors::of(&outcome);
+                    break 'directions;
                 }
             }
-            if min_distance.is_infinite() {
-                return Ok((true, steps));
-            }
-            if !improved {
-                step *= 0.5;
-            }
         }
-        Ok((false, steps))
+        if min_distance.is_infinite() {
+            return Ok((true, steps));
+        }
+        if !improved {
+            step *= 0.5;
+        }
     }
+    Ok((false, steps))
+}
 
-    /// Writes a configuration near `from` to the workspace's trial, along the null-space part of a joint's motion.
-    ///
-    /// The motion is `displacement` radians long (prismatic joints by the metres that weigh as much), clamped to the bounds.
-    /// The workspace must hold the Jacobian at `from`. Returns false if the joint has no null-space motion.
-    pub(super) fn perturb_in_null_space(
-        &self,
-        workspace: &mut ArmWorkspace,
-        from: &[f64],
-        joint: usize,
-        displacement: f64,
-    ) -> bool {
-        // The buffer holds the motion first, so that nothing is allocated.
-        let mut motion = std::mem::take(&mut workspace.trial);
-        motion.fill(0.0);
-        motion[joint] = displacement;
-        workspace.project_to_null(from, &motion, 0.0);
-        workspace.trial = motion;
-        let squares = workspace
-            .projected
-            .iter()
-            .map(|component| component * component);
-        let length = squares.sum::<f64>().sqrt();
-        if length < 1e-3 * displacement.abs() {
-            return false;
-        }
-        let bounds = workspace
-            .question
-            .lower
-            .iter()
-            .zip(&workspace.question.upper);
-        let moves = workspace.projected.iter().zip(&self.scale).zip(bounds);
-        for ((trial, from), ((direction, scale), (lower, upper))) in
-            workspace.trial.iter_mut().zip(from).zip(moves)
-        {
-            let moved = from + displacement.abs() * direction / (length * scale);
-            *trial = moved.max(*lower).min(*upper);
-        }
-        true
+/// Writes a configuration near `from` to the workspace's trial, along the null-space part of a joint's motion.
+///
+/// The motion is `displacement` radians long (prismatic joints by the metres that weigh as much), clamped to the bounds.
+/// The workspace must hold the Jacobian at `from`. Returns false if the joint has no null-space motion.
+pub(super) fn perturb_in_null_space(
+    arm: &Arm,
+    workspace: &mut ArmWorkspace,
+    from: &[f64],
+    joint: usize,
+    displacement: f64,
+) -> bool {
+    // The buffer holds the motion first, so that nothing is allocated.
+    let mut motion = std::mem::take(&mut workspace.trial);
+    motion.fill(0.0);
+    motion[joint] = displacement;
+    workspace.project_to_null(from, &motion, 0.0);
+    workspace.trial = motion;
+    let squares = workspace
+        .projected
+        .iter()
+        .map(|component| component * component);
+    let length = squares.sum::<f64>().sqrt();
+    if length < 1e-3 * displacement.abs() {
+        return false;
     }
+    let bounds = workspace
+        .question
+        .lower
+        .iter()
+        .zip(&workspace.question.upper);
+    let moves = workspace.projected.iter().zip(&arm.scale).zip(bounds);
+    for ((trial, from), ((direction, scale), (lower, upper))) in
+        workspace.trial.iter_mut().zip(from).zip(moves)
+    {
+        let moved = from + displacement.abs() * direction / (length * scale);
+        *trial = moved.max(*lower).min(*upper);
+    }
+    true
 }
 
 /// Returns true if the direction from `from` to `configuration` is about the known one.

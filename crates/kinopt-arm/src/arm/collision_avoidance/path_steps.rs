@@ -1,9 +1,14 @@
 //! Steps of a path that stop before a collision.
 
-use super::{CollisionAvoidance, CollisionWorkspace};
+use super::avoidance::CollisionAvoidance;
+use super::checks::with_collision_workspace;
+use super::null_space_avoidance::perturb_in_null_space;
+use super::workspace::CollisionWorkspace;
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
-use crate::arm::follower::MAX_JOINT_STEP;
+use crate::arm::distances::{MAX_JOINT_STEP, largest_joint_move};
+use crate::arm::move_bounds::bound_by_limits;
+use crate::arm::recording::{judge, record_configuration};
 use crate::arm::workspace::ArmWorkspace;
 use kinopt_collision::collision::MotionCheck;
 use kinopt_kinematics::clock::is_past;
@@ -17,94 +22,92 @@ pub(super) const STAND_OFF: f64 = 1e-4;
 /// Null-space motions that are tried to avoid an obstacle in one step, radians.
 const AVOIDANCE_MOTIONS: [f64; 3] = [0.04, 0.12, -0.04];
 
-impl Arm {
-    /// Avoids a collision on a step of a path by null-space motion, or cuts the step short before it.
-    ///
-    /// The solution then lists the collision, or the pairs that are still in contact.
-    pub(in crate::arm) fn avoid_step_collision(
-        &self,
-        from: &[f64],
-        target: &Placement<f64>,
-        solution: &mut Solution,
-    ) -> Result<(), QueryError> {
-        let Some(avoidance) = &self.collisions else {
-            return Ok(());
-        };
-        self.with_collision_workspace(avoidance, |workspace, checks| {
-            let motion = avoidance.way_from_contact(self, checks, from, &solution.q)?;
-            let begins_in_contact = motion.begins_touching();
-            if let Some(collision) = motion.blocked_by {
-                workspace.set_target(target);
-                self.bound_by_limits(workspace);
-                let found_detour = solution.reached
-                    && self.find_detour_in_null_space(avoidance, workspace, checks, from)?;
-                if !found_detour {
-                    let fraction = avoidance.cautious_fraction(self, checks, from, &solution.q)?;
-                    let ends = from.iter().zip(&solution.q);
-                    for (x, (from, to)) in workspace.x.iter_mut().zip(ends) {
-                        *x = from + fraction * (to - from);
-                    }
-                }
-                let mut result =
-                    SearchResult::single_attempt(Termination::CannotContinue, solution.iterations);
-                self.judge(workspace, &mut result);
-                self.record_configuration(&result, workspace, solution);
-                if !found_detour {
-                    solution.set_collisions(vec![collision]);
+/// Avoids a collision on a step of a path by null-space motion, or cuts the step short before it.
+///
+/// The solution then lists the collision, or the pairs that are still in contact.
+pub(in crate::arm) fn avoid_step_collision(
+    arm: &Arm,
+    from: &[f64],
+    target: &Placement<f64>,
+    solution: &mut Solution,
+) -> Result<(), QueryError> {
+    let Some(avoidance) = &arm.collisions else {
+        return Ok(());
+    };
+    with_collision_workspace(arm, avoidance, |workspace, checks| {
+        let motion = avoidance.way_from_contact(arm, checks, from, &solution.q)?;
+        let begins_in_contact = motion.begins_touching();
+        if let Some(collision) = motion.blocked_by {
+            workspace.set_target(target);
+            bound_by_limits(arm, workspace);
+            let found_detour = solution.reached
+                && find_detour_in_null_space(arm, avoidance, workspace, checks, from)?;
+            if !found_detour {
+                let fraction = avoidance.cautious_fraction(arm, checks, from, &solution.q)?;
+                let ends = from.iter().zip(&solution.q);
+                for (x, (from, to)) in workspace.x.iter_mut().zip(ends) {
+                    *x = from + fraction * (to - from);
                 }
             }
-            if begins_in_contact && solution.collisions().is_empty() {
-                let contacts = avoidance.collisions(self, checks, &solution.q)?;
-                solution.set_collisions(contacts);
-            }
-            Ok(())
-        })
-    }
-
-    /// Looks for another configuration near `from` that reaches the target, by null-space motion.
-    ///
-    /// Leaves the nearest one with a collision-free motion in the workspace's x. Returns true if there is one.
-    fn find_detour_in_null_space(
-        &self,
-        avoidance: &CollisionAvoidance,
-        workspace: &mut ArmWorkspace,
-        checks: &mut CollisionWorkspace,
-        from: &[f64],
-    ) -> Result<bool, QueryError> {
-        let Some(simd_solver) = self.simd_solver.as_ref().filter(|_| self.has_null_space()) else {
-            return Ok(false);
-        };
-        workspace.compute_twists(self, from);
-        let n = self.joint_count();
-        let mut q = vec![0.0; n];
-        // One deadline for all attempts.
-        let deadline = self.deadline();
-        let mut best = f64::INFINITY;
-        for joint in 0..n {
-            for displacement in AVOIDANCE_MOTIONS {
-                if is_past(deadline) {
-                    return Ok(best.is_finite());
-                }
-                if !self.perturb_in_null_space(workspace, from, joint, displacement) {
-                    continue;
-                }
-                let target = workspace.target();
-                let outcome =
-                    simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
-                let (_, distance) = self.largest_joint_move(from, &q);
-                let is_nearer = outcome.reached && distance <= MAX_JOINT_STEP && distance < best;
-                let is_free = |checks: &mut CollisionWorkspace| -> Result<bool, QueryError> {
-                    let motion = avoidance.way_from_contact(self, checks, from, &q)?;
-                    Ok(motion.blocked_by.is_none())
-                };
-                if is_nearer && is_free(checks)? {
-                    best = distance;
-                    workspace.x.copy_from_slice(&q);
-                }
+            let mut result =
+                SearchResult::single_attempt(Termination::CannotContinue, solution.iterations);
+            judge(arm, workspace, &mut result);
+            record_configuration(arm, &result, workspace, solution);
+            if !found_detour {
+                solution.set_collisions(vec![collision]);
             }
         }
-        Ok(best.is_finite())
+        if begins_in_contact && solution.collisions().is_empty() {
+            let contacts = avoidance.collisions(arm, checks, &solution.q)?;
+            solution.set_collisions(contacts);
+        }
+        Ok(())
+    })
+}
+
+/// Looks for another configuration near `from` that reaches the target, by null-space motion.
+///
+/// Leaves the nearest one with a collision-free motion in the workspace's x. Returns true if there is one.
+fn find_detour_in_null_space(
+    arm: &Arm,
+    avoidance: &CollisionAvoidance,
+    workspace: &mut ArmWorkspace,
+    checks: &mut CollisionWorkspace,
+    from: &[f64],
+) -> Result<bool, QueryError> {
+    let Some(simd_solver) = arm.simd_solver.as_ref().filter(|_| arm.has_null_space()) else {
+        return Ok(false);
+    };
+    workspace.compute_twists(arm, from);
+    let n = arm.joint_count();
+    let mut q = vec![0.0; n];
+    // One deadline for all attempts.
+    let deadline = arm.deadline();
+    let mut best = f64::INFINITY;
+    for joint in 0..n {
+        for displacement in AVOIDANCE_MOTIONS {
+            if is_past(deadline) {
+                return Ok(best.is_finite());
+            }
+            if !perturb_in_null_space(arm, workspace, from, joint, displacement) {
+                continue;
+            }
+            let target = workspace.target();
+            let outcome =
+                simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
+            let (_, distance) = largest_joint_move(arm, from, &q);
+            let is_nearer = outcome.reached && distance <= MAX_JOINT_STEP && distance < best;
+            let is_free = |checks: &mut CollisionWorkspace| -> Result<bool, QueryError> {
+                let motion = avoidance.way_from_contact(arm, checks, from, &q)?;
+                Ok(motion.blocked_by.is_none())
+            };
+            if is_nearer && is_free(checks)? {
+                best = distance;
+                workspace.x.copy_from_slice(&q);
+            }
+        }
     }
+    Ok(best.is_finite())
 }
 
 impl CollisionAvoidance {

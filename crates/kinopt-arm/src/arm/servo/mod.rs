@@ -11,14 +11,14 @@
 mod report;
 mod straight_line;
 
+use super::distances::{MAX_JOINT_STEP, pose_distance};
 use std::cmp::Ordering;
 
 use self::straight_line::StraightLine;
 use super::arm::Arm;
 use super::branch::Branch;
-use super::follower::{MAX_JOINT_STEP, MAX_NULL_SPACE_STEP};
 use super::local_descent::LocalDescent;
-use super::redundancy::STEP_FRACTION;
+use super::redundancy::{MAX_NULL_SPACE_STEP, STEP_FRACTION};
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use kinopt_kinematics::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
@@ -112,37 +112,14 @@ pub struct Servo<'a> {
     collisions: Vec<Collision>,
 }
 
-impl Arm {
-    /// Starts a servo at rest at `start`, which takes a target every `time_step` seconds.
-    ///
-    /// Velocity, acceleration and jerk limits hold in every cycle. They come from the robot's files, or from
-    /// [`with_velocity_limits`](Servo::with_velocity_limits),
-    /// [`with_acceleration_limits`](Servo::with_acceleration_limits) and
-    /// [`with_jerk_limits`](Servo::with_jerk_limits). A joint without a velocity limit moves by at most 0.1 rad per cycle (a
-    /// prismatic joint by the metres that weigh as much). A joint faster than 0.1 rad/s comes to rest for a cycle
-    /// before it reverses.
-    ///
-    /// Within reach the arm keeps its branch. For a target out of reach it comes to rest at the closest pose, with status
-    /// [`Nearest`](ServoStatus::Nearest). Branches meet there: on about 1 % of lines out of reach and back, the arm
-    /// returns on another branch.
-    ///
-    /// An arm with a [checker](Self::with_checker) brakes before a collision, with status
-    /// [`Blocked`](ServoStatus::Blocked). It does not go round the obstacle.
-    ///
-    /// The null space of a redundant arm goes to the posture of the start, or to a
-    /// [given one](super::ArmBuilder::with_posture). It uses half of the velocity limits while the target moves. A joint
-    /// that starts outside its position limits returns at its velocity limit.
-    ///
-    /// # Errors
-    /// Returns an error for a start of the wrong length or not finite, or a time step that is not a positive number.
-    pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
-        let n = self.joint_count();
-        self.check_length("the start", start.len(), n)?;
-        self.check_query(0, &Placement::identity(), start)?;
+impl<'a> Servo<'a> {
+    /// Servo of an arm at rest at a validated start.
+    pub(super) fn new(arm: &'a Arm, start: &[f64], time_step: f64) -> Result<Self, QueryError> {
         if !(time_step > 0.0 && time_step.is_finite()) {
             return Err(QueryError::TimeStep(time_step));
         }
-        let map = &self.serial.map;
+        let n = arm.joint_count();
+        let map = &arm.serial.map;
         let ends = map.lower().iter().zip(map.upper());
         let goal = start.iter().zip(ends).map(|(q, (l, u))| q.max(*l).min(*u));
         let goal: Vec<f64> = goal.collect();
@@ -153,20 +130,20 @@ impl Arm {
             change: 0.0,
             change_rate: 0.0,
         };
-        let mut servo = Servo {
-            arm: self,
-            workspace: ArmWorkspace::new(&self.serial, &self.options)?,
+        let mut servo = Self {
+            arm,
+            workspace: ArmWorkspace::new(&arm.serial, &arm.options)?,
             time_step,
-            velocity_limits: self.velocity_limits().to_vec(),
-            acceleration_limits: self.acceleration_limits().to_vec(),
-            jerk_limits: self.jerk_limits().to_vec(),
+            velocity_limits: arm.velocity_limits().to_vec(),
+            acceleration_limits: arm.acceleration_limits().to_vec(),
+            jerk_limits: arm.jerk_limits().to_vec(),
             limits: vec![unset; n],
             damping: 0.0,
             fading: 1.0,
             target: None,
-            approached: self.base_from_tool(&goal)?,
+            approached: arm.base_from_tool(&goal)?,
             line: None,
-            branch: Branch::begin(self, &goal),
+            branch: Branch::begin(arm, &goal),
             history: GoalHistory::resting_at(&goal),
             goal,
             goal_error: 0.0,
@@ -183,14 +160,6 @@ impl Arm {
         servo.set_damping(DAMPING);
         servo.set_cycle_limits();
         Ok(servo)
-    }
-
-    /// Velocity limits of the free joints from the robot's file, base to tip, rad/s or m/s; infinite for none.
-    ///
-    /// The limits of mimic joints count for the joint that drives them.
-    #[must_use]
-    pub fn velocity_limits(&self) -> &[f64] {
-        &self.rates.velocity
     }
 }
 
@@ -507,13 +476,13 @@ impl Servo<'_> {
         let arm = self.arm;
         let mut ended = Termination::IterationLimit;
         self.drop_free_parts(target);
-        if self.line.is_none() && arm.pose_distance(target, &self.approached) > LEAD && !rests {
+        if self.line.is_none() && pose_distance(arm, target, &self.approached) > LEAD && !rests {
             self.follow_own_motion();
             self.drop_free_parts(target);
             self.catches_up = true;
         }
         for lead in 0..MAX_LEADS {
-            let distance = arm.pose_distance(target, &self.approached);
+            let distance = pose_distance(arm, target, &self.approached);
             let share = match &mut self.line {
                 Some(line) => {
                     let ends = [&self.approached, target];

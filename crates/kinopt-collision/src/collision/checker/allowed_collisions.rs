@@ -1,6 +1,6 @@
 //! Allowed collisions of obstacles, by name.
 
-use super::CheckerError;
+use crate::collision::WorldError;
 use crate::collision::{CollisionModel, World};
 use kinopt_kinematics::model::{FrameId, FrameRef, UnknownName};
 
@@ -16,7 +16,7 @@ impl<'a> AllowedCollisions<'a> {
     ///
     /// # Errors
     /// Returns an error if a name belongs neither to the robot nor to the world.
-    pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, CheckerError> {
+    pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, WorldError> {
         let mut entries = Vec::new();
         for (number, obstacle) in world.with_allowed_collisions() {
             for name in &obstacle.allowed_collisions {
@@ -25,7 +25,7 @@ impl<'a> AllowedCollisions<'a> {
                 if !exists && !world.may_be_missing(name) {
                     let links = model.links().iter().map(|link| model.name_of(*link));
                     let others = world.obstacles().map(|obstacle| obstacle.name.as_str());
-                    return Err(CheckerError::MayTouch {
+                    return Err(WorldError::MayTouch {
                         obstacle: obstacle.name.clone(),
                         unknown: UnknownName::new("link or obstacle", name, links.chain(others)),
                     });

@@ -4,7 +4,6 @@ mod allowed_collisions;
 mod clearance;
 mod close_pairs;
 mod continuous_check;
-mod error;
 mod motion_bound;
 mod motion_checker;
 mod of_robot;
@@ -20,7 +19,6 @@ use std::sync::Arc;
 
 pub use clearance::Clearance;
 pub use continuous_check::MotionCheck;
-pub use error::CheckerError;
 pub use motion_checker::MotionChecker;
 #[doc(hidden)]
 pub use parts::FIRST_PLANE;
@@ -28,6 +26,7 @@ pub use workspace::CheckerWorkspace;
 
 use super::world::Change;
 use super::{CollisionModel, ROUNDING, SphereModel, World};
+use crate::collision::WorldError;
 use allowed_collisions::AllowedCollisions;
 use kinopt_kinematics::kinematics::KinematicsError;
 use kinopt_kinematics::model::FrameId;
@@ -119,7 +118,7 @@ impl Checker {
     /// # Errors
     /// Returns an error if an obstacle is attached to a frame that the robot does not have. Returns an error if an
     /// obstacle is allowed to collide with an unknown name. The error lists the valid names.
-    pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
+    pub fn with_world(mut self, world: &World) -> Result<Self, WorldError> {
         let changes = self.world.changes(world);
         let mut scene = self.scene.changed(&changes);
         let has_allowed_collisions =
@@ -141,7 +140,7 @@ impl Checker {
     ///
     /// # Errors
     /// Returns an error if the margin is negative or not finite.
-    pub fn with_margin(mut self, metres: f64) -> Result<Self, CheckerError> {
+    pub fn with_margin(mut self, metres: f64) -> Result<Self, WorldError> {
         kinopt_kinematics::bad_option::BadOption::check(
             "margin",
             metres,

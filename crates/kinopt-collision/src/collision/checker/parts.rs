@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::CheckerError;
 use super::allowed_collisions::AllowedCollisions;
 use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneWorkspace;
 use super::sphere_cover::{Cover, PlacedCover};
+use crate::collision::WorldError;
 use crate::collision::dynamic_aabb_tree::DynamicAabbTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
@@ -59,7 +59,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, CheckerError> {
+    pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, WorldError> {
         let planes = model.planes().iter().map(|plane| &plane.obstacle);
         let all = world.numbered().chain((FIRST_PLANE..).zip(planes));
         let fixed_obstacles = all.filter_map(|(number, obstacle)| {
@@ -88,7 +88,7 @@ impl Scene {
         self,
         model: &CollisionModel,
         world: &World,
-    ) -> Result<Self, CheckerError> {
+    ) -> Result<Self, WorldError> {
         let link = |link: &FrameId| Part {
             name: model.name_of(*link).to_owned(),
             kind: BodyKind::Link,
@@ -106,7 +106,7 @@ impl Scene {
                 continue;
             };
             let frame = FrameRef::from(frame.as_str()).resolve(model.model());
-            let frame = frame.map_err(|unknown| CheckerError::Attached {
+            let frame = frame.map_err(|unknown| WorldError::Attached {
                 obstacle: obstacle.name.clone(),
                 unknown,
             })?;

@@ -8,6 +8,7 @@ mod geodesic;
 mod height_field;
 mod hull_climb;
 mod near_welds;
+mod nearest_on_solid;
 mod point_cloud;
 mod scaled;
 mod signed_distance;
@@ -21,10 +22,9 @@ pub use convex_hull::ConvexHull;
 pub(in crate::collision) use error::MAX_LENGTH;
 pub use error::{ShapeError, ShapeNote};
 pub use height_field::HeightField;
+pub(crate) use nearest_on_solid::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 pub use point_cloud::PointCloud;
-pub(crate) use signed_distance::{
-    Nearest, hull_tree, nearest_on_cuboid, nearest_on_cylinder, nearest_on_hull,
-};
+pub(crate) use signed_distance::{hull_tree, nearest_on_hull};
 pub(crate) use triangle_mesh::Feature;
 pub use triangle_mesh::TriangleMesh;
 

@@ -3,9 +3,10 @@
 use super::Obstacle;
 use crate::collision::shape::{MAX_LENGTH, ShapeError};
 use kinopt_kinematics::bad_option::BadOption;
+use kinopt_kinematics::model::UnknownName;
 use kinopt_kinematics::spatial::RigidDefect;
 
-/// Reason why a world cannot be changed.
+/// Reason why a world cannot be changed, or a checker of a robot and a world cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldError {
@@ -66,6 +67,22 @@ pub enum WorldError {
         /// Reason why the shape is invalid.
         #[source]
         error: ShapeError,
+    },
+    /// An obstacle attached to a frame that the robot does not have.
+    #[error("obstacle `{obstacle}`: it cannot be attached to the robot: {unknown}")]
+    Attached {
+        /// Name of the obstacle.
+        obstacle: String,
+        /// Name of the frame, and the valid names.
+        unknown: UnknownName,
+    },
+    /// An obstacle that may collide with an unknown link or obstacle.
+    #[error("obstacle `{obstacle}`: invalid allowed collision: {unknown}")]
+    MayTouch {
+        /// Name of the obstacle.
+        obstacle: String,
+        /// Unknown name, and the valid names.
+        unknown: UnknownName,
     },
 }
 

@@ -5,14 +5,12 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::edited::EditedClip;
 use super::posed_bones::Hinges;
 use super::root_bone::{ancestors, branching_above};
-use super::solving::solve;
 use super::{ClipIkError, Reach};
 use crate::motion::ContactDetection;
 use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
-use kinopt_animation::animation::{Armature, ChannelError, Clip};
+use kinopt_animation::animation::{Armature, Clip, ClipError};
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::{BoneId, Skeleton};
 use kinopt_kinematics::spatial::Vector3;
@@ -200,23 +198,8 @@ impl<'a> ClipIk<'a> {
         self
     }
 
-    /// Solves a clip.
-    ///
-    /// # Errors
-    /// Returns an error for:
-    /// - no reach and no planted bone,
-    /// - a bone of another armature, a bone with two tasks at one time, or a bone that is not below the root,
-    /// - a span that does not overlap the clip or is shorter than its two fades,
-    /// - options out of range.
-    ///
-    /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.
-    pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
-        let request = self.check(clip)?;
-        solve(self, &request, clip)
-    }
-
     /// Checks the tasks and options against a clip.
-    fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
+    pub(super) fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
         SizeMismatch::check("bones in the clip", clip.bones(), self.armature.bones())?;
         for (index, bone) in self
             .skeleton
@@ -233,7 +216,7 @@ impl<'a> ClipIk<'a> {
             detection.check()?;
         }
         let up = self.up.try_normalize();
-        let up = up.ok_or(ChannelError::BadUp {
+        let up = up.ok_or(ClipError::BadUp {
             up: self.up.to_array(),
         })?;
         let span = clip.span().map(f64::from);

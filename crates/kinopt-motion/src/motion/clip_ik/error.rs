@@ -1,7 +1,7 @@
 //! Errors of inverse kinematics over a clip.
 
 use crate::motion::trajectory::MotionError;
-use kinopt_animation::animation::{ChannelError, ClipError, SampleError};
+use kinopt_animation::animation::ClipError;
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::bad_option::BadOption;
 use kinopt_kinematics::curve::KeyError;
@@ -78,16 +78,13 @@ pub enum ClipIkError {
     NoKeys,
     /// The new keys make no valid clip.
     #[error("new keys: {0}")]
-    Keys(#[from] ClipError),
-    /// The clip cannot be sampled at some time.
-    #[error(transparent)]
-    Sample(#[from] SampleError),
+    Keys(#[source] ClipError),
     /// An option is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// The clip's channels are invalid.
+    /// The clip's channels are invalid, or the clip cannot be sampled at some time.
     #[error(transparent)]
-    Channel(#[from] ChannelError),
+    Clip(#[from] ClipError),
     /// The clip is of another armature.
     #[error(transparent)]
     Size(#[from] SizeMismatch),

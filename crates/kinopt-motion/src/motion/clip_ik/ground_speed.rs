@@ -6,7 +6,7 @@ use super::ClipIkError;
 use super::clip_solver::single;
 use super::posed_bones::PosedBones;
 use super::sampling::{limb_motions, sample_times};
-use kinopt_animation::animation::{Armature, ChannelError, Clip};
+use kinopt_animation::animation::{Armature, Clip, ClipError};
 use kinopt_kinematics::skeleton::BoneId;
 use kinopt_kinematics::spatial::Vector3;
 
@@ -30,7 +30,7 @@ pub fn ground_speed(
     let up = single(up);
     let axis = up.try_normalize();
     let up = axis
-        .ok_or(ChannelError::BadUp { up: up.to_array() })?
+        .ok_or(ClipError::BadUp { up: up.to_array() })?
         .as_dvec3();
     let (times, rate) = sample_times(clip, keys_per_second, std::iter::empty())?;
     let names = armature.names().len();

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::ClipIkError;
 use super::posed_bones::PosedBones;
-use kinopt_animation::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
+use kinopt_animation::animation::{Armature, Clip, ClipError, Cursor, Playback, Pose};
 use kinopt_kinematics::skeleton::BoneId;
 
 /// Number of frames above which a rate is rejected as a mistake.
@@ -24,7 +24,7 @@ pub(super) fn sample_times(
     let steps = (clip.duration() * rate).ceil();
     if !(rate > 0.0 && steps < MAX_FRAMES) {
         let keys_per_second = rate;
-        return Err(ChannelError::BadRate { keys_per_second }.into());
+        return Err(ClipError::BadRate { keys_per_second }.into());
     }
     let steps = steps.max(1.0);
     let step = (end - start) / steps;

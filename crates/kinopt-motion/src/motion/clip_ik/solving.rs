@@ -23,11 +23,24 @@ const MAX_STRETCH_RATIO: f64 = 0.998;
 /// Largest number of passes that add keys where a foot in contact drifts.
 const MAX_REFINEMENTS: usize = 3;
 
-pub(super) fn solve(
-    ik: &ClipIk<'_>,
-    request: &ClipRequest,
-    clip: &Clip,
-) -> Result<EditedClip, ClipIkError> {
+impl ClipIk<'_> {
+    /// Solves a clip.
+    ///
+    /// # Errors
+    /// Returns an error for:
+    /// - no reach and no planted bone,
+    /// - a bone of another armature, a bone with two tasks at one time, or a bone that is not below the root,
+    /// - a span that does not overlap the clip or is shorter than its two fades,
+    /// - options out of range.
+    ///
+    /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.
+    pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
+        let request = self.check(clip)?;
+        solve(self, &request, clip)
+    }
+}
+
+fn solve(ik: &ClipIk<'_>, request: &ClipRequest, clip: &Clip) -> Result<EditedClip, ClipIkError> {
     let spans = ik.reaches.iter().flat_map(|reach| reach.span(request.span));
     let (times, rate) = sample_times(clip, ik.rate, spans)?;
     let mut posed = PosedBones::new(ik.armature, request.root, &request.bones, |bone| {

@@ -1,10 +1,9 @@
 //! Errors of retargeting.
 
 use crate::motion::trajectory::MotionError;
-use kinopt_animation::animation::{ChannelError, LocalError, ReachError};
+use kinopt_animation::animation::{ClipError, LayerError};
 use kinopt_kinematics::bad_option::BadOption;
 use kinopt_kinematics::model::{ModelError, UnknownName};
-use kinopt_kinematics::skeleton::SkeletonError;
 
 /// Reason why a motion cannot be retargeted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -19,10 +18,7 @@ pub enum RetargetError {
     /// The tasks or the trajectory problem are invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The bones do not form a valid skeleton.
-    #[error(transparent)]
-    Skeleton(#[from] SkeletonError),
-    /// The skeleton cannot be put on a free base.
+    /// The bones do not form a valid skeleton, or the skeleton cannot be put on a free base.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The bones of the armature and the skeleton differ.
@@ -33,15 +29,12 @@ pub enum RetargetError {
         /// Bone of the skeleton.
         bone: String,
     },
-    /// The bones cannot have that pose.
-    #[error(transparent)]
-    Pose(#[from] LocalError),
     /// The angles do not correspond to a pose.
     #[error(transparent)]
-    Angles(#[from] ReachError),
-    /// The poses do not form a valid clip.
+    Angles(#[from] LayerError),
+    /// The bones cannot have that pose, or the poses do not form a valid clip.
     #[error(transparent)]
-    Clip(#[from] ChannelError),
+    Clip(#[from] ClipError),
     /// The count of numbers does not match whole capture frames.
     #[error(
         "the capture has {numbers} numbers: each frame needs three for each of the {joints} joints"

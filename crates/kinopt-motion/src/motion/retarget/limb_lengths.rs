@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use super::limb::Limb;
 use super::limb_tree::joints_above;
-use super::limbs::Limb;
 use super::{Capture, RetargetError, UpAxis};
 use kinopt_kinematics::kinematics::ForwardKinematics;
 use kinopt_kinematics::model::{JointId, Model};

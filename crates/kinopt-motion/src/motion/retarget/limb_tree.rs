@@ -1,6 +1,6 @@
 //! Hierarchy of limbs.
 
-use super::limbs::Limb;
+use super::limb::Limb;
 use kinopt_kinematics::model::{FrameId, JointId, Model};
 use kinopt_kinematics::spatial::Vector3;
 

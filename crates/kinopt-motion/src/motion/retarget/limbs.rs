@@ -1,5 +1,6 @@
 //! Target positions of a model from captured joint positions.
 
+use super::limb::Limb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::pelvis_heading::HipLine;
@@ -8,35 +9,13 @@ use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::motion::contact_detection::mean_position;
 use kinopt_kinematics::kinematics::{ForwardKinematics, KinematicsError};
-use kinopt_kinematics::model::{FrameId, Model, UnknownName};
+use kinopt_kinematics::model::{Model, UnknownName};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// Limb length, relative to the body, below which a limb counts as missing and is not scaled.
 const MIN_LIMB_RATIO: f64 = 1e-6;
 /// Quantile of the heights of a contact point that counts as the ground.
 const GROUND_QUANTILE: f64 = 0.05;
-
-/// Driven frame, with the limb that ends there.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Limb {
-    /// Index of the captured joint.
-    pub(super) joint: usize,
-    pub(super) frame: FrameId,
-    pub(super) offset: Vector3<f64>,
-    pub(super) weight: f64,
-    /// Index of the parent limb, which comes earlier; `None` for the root.
-    pub(super) parent: Option<usize>,
-    /// Ratio of the model's limb length to the subject's.
-    pub(super) scale: f64,
-    /// True if the point makes contact.
-    pub(super) makes_contact: bool,
-    /// True if the point was moved from the mapped frame to the foot's frame.
-    pub(super) is_heel: bool,
-    /// Height above the ground in the model's stance, metres.
-    pub(super) clearance: f64,
-    /// Height of the subject's joint on the ground, in the capture's unit.
-    ground: f64,
-}
 
 /// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]

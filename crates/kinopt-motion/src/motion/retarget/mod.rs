@@ -24,6 +24,7 @@ mod frame_errors;
 mod frame_problem;
 mod initial_pose;
 mod known_maps;
+mod limb;
 mod limb_lengths;
 mod limb_tree;
 mod limbs;

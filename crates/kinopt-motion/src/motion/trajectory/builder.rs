@@ -44,6 +44,14 @@ impl std::fmt::Debug for MotionProblemBuilder<'_> {
     }
 }
 
+impl MotionProblem {
+    /// Creates a builder for `frames` samples that are `time_step_s` seconds apart, with all joints free.
+    #[must_use]
+    pub fn builder(model: &Model, frames: usize, time_step_s: f64) -> MotionProblemBuilder<'_> {
+        MotionProblemBuilder::new(model, frames, time_step_s)
+    }
+}
+
 impl<'m> MotionProblemBuilder<'m> {
     pub(super) fn new(model: &'m Model, frames: usize, time_step_s: f64) -> Self {
         Self {

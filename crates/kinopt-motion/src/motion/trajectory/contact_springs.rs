@@ -5,7 +5,7 @@
 use nalgebra::DMatrix;
 
 use super::block_banded::BlockBanded;
-use super::evaluator::Stretch;
+use super::stretch::Stretch;
 use super::{Contact, MotionError, MotionProblem};
 use kinopt_kinematics::model::{Model, ParameterMap};
 use kinopt_solver::problem::{Evaluation, Problem, ProblemInstance, Scratch};

@@ -5,7 +5,6 @@ use kinopt_kinematics::bad_option::BadOption;
 use kinopt_kinematics::model::{ModelError, UnknownName};
 use kinopt_solver::ik::SolveError;
 use kinopt_solver::problem::ProblemError;
-use kinopt_solver::solver::SearchError;
 
 /// Reason why a trajectory cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -23,10 +22,7 @@ pub enum MotionError {
     /// A configuration is not valid for the model.
     #[error(transparent)]
     Configuration(#[from] ModelError),
-    /// The initial trajectory cannot start a search.
-    #[error(transparent)]
-    Search(#[from] SearchError),
-    /// The start configuration is invalid.
+    /// The start configuration or the initial trajectory is invalid.
     #[error(transparent)]
     Start(#[from] SolveError),
     /// The caller's flag cancelled the search.

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::block_banded::BlockBanded;
 use super::contact_springs::ContactSprings;
 use super::frame_residuals::FrameResiduals;
+use super::stretch::Stretch;
 use super::{MotionCounts, MotionError, MotionProblem};
 use kinopt_solver::solver::{InnerProducts, dot, half_squared};
 
@@ -25,15 +26,6 @@ pub(super) struct Evaluator<'a> {
     pub(super) curved: bool,
     pub(super) contact_springs: ContactSprings<'a>,
     pub(super) counts: MotionCounts,
-}
-
-/// Consecutive samples, the first of which only contribute to differences.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
-    /// Index of the first sample in the trajectory.
-    pub(super) first: usize,
-    /// Number of leading samples that stay fixed.
-    pub(super) fixed_count: usize,
 }
 
 impl<'a> Evaluator<'a> {

@@ -24,6 +24,7 @@ mod rate_cost;
 mod solution;
 mod space;
 mod step_limits;
+mod stretch;
 
 pub use builder::MotionProblemBuilder;
 pub use contact::Contact;

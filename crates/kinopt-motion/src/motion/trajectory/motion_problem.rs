@@ -4,12 +4,10 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::MotionProblemBuilder;
 use super::bounds::FrameBounds;
 use super::contact::Contact;
 use super::rate_cost::CompiledRateCost;
 use super::space::FrameSpace;
-use kinopt_kinematics::model::Model;
 use kinopt_solver::problem::{Problem, ProblemError, Targets, TaskSubset};
 use kinopt_solver::search::slide_per_radian;
 
@@ -93,12 +91,6 @@ impl fmt::Debug for MotionProblem {
 }
 
 impl MotionProblem {
-    /// Creates a builder for `frames` samples that are `time_step_s` seconds apart, with all joints free.
-    #[must_use]
-    pub fn builder(model: &Model, frames: usize, time_step_s: f64) -> MotionProblemBuilder<'_> {
-        MotionProblemBuilder::new(model, frames, time_step_s)
-    }
-
     /// Number of samples.
     #[must_use]
     pub fn frames(&self) -> usize {

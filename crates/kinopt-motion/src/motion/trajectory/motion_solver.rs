@@ -3,11 +3,12 @@
 use std::sync::atomic::AtomicBool;
 
 use super::bounds::Inward;
-use super::evaluator::{Evaluator, Stretch};
+use super::evaluator::Evaluator;
 use super::frame_residuals::FrameResiduals;
 use super::interior_point::{Limits, Window};
 use super::per_frame::per_frame;
 use super::solution::Report;
+use super::stretch::Stretch;
 use super::{MotionError, MotionProblem, MotionSolution};
 use kinopt_kinematics::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption};
 use kinopt_solver::search::check_start;

@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::MotionProblem;
-use super::evaluator::{Evaluator, Stretch};
+use super::evaluator::Evaluator;
 use super::interior_point::Outcome;
+use super::stretch::Stretch;
 use kinopt_solver::problem::{ReportNames, TaskSubset};
 use kinopt_solver::solver::Side;
 use kinopt_solver::task::{Quantity, Role};

@@ -162,10 +162,10 @@ impl<'a> SolutionDerivative<'a> {
     ///
     /// # Errors
     /// Returns an error for a model of another shape.
-    pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, DerivativeError> {
+    pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, SolveError> {
         let problem = self.instance.problem();
         if !problem.is_of(model) {
-            return Err(DerivativeError::ForeignModel {
+            return Err(SolveError::ForeignModel {
                 given: model.name().to_owned(),
                 expected: problem.names().model.clone(),
             });
@@ -193,16 +193,12 @@ impl<'a> SolutionDerivative<'a> {
     ///
     /// # Errors
     /// Returns an error if a slice has the wrong length.
-    pub fn slope_by_velocity(
-        &self,
-        q: &[f64],
-        slope_by_q: &[f64],
-    ) -> Result<Vec<f64>, DerivativeError> {
+    pub fn slope_by_velocity(&self, q: &[f64], slope_by_q: &[f64]) -> Result<Vec<f64>, SolveError> {
         let problem = self.instance.problem();
         let expected = problem.configuration_len();
         for given in [q.len(), slope_by_q.len()] {
             if given != expected {
-                return Err(DerivativeError::ConfigurationLength { given, expected });
+                return Err(SolveError::ConfigurationLength { given, expected });
             }
         }
         let mut slope_by_v = vec![0.0; self.degrees_of_freedom()];
@@ -266,45 +262,4 @@ impl Parts {
             Flatness::Undecided => Differentiability::Unique,
         }
     }
-}
-
-/// Reason why a product cannot be computed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DerivativeError {
-    /// A velocity, or a gradient by one, has the wrong length.
-    #[error("the velocity has {given} numbers: {expected} are needed")]
-    Length {
-        /// Number of given elements.
-        given: usize,
-        /// Degrees of freedom of the model.
-        expected: usize,
-    },
-    /// A configuration, or a gradient by one, has the wrong length.
-    #[error("the configuration has {given} numbers: {expected} are needed")]
-    ConfigurationLength {
-        /// Number of given elements.
-        given: usize,
-        /// Length of a configuration of the model.
-        expected: usize,
-    },
-    /// The parameters belong to another problem, or have joint origins although no model is set.
-    #[error("the parameters do not fit this problem: create them by `parameters`")]
-    ForeignParameters,
-    /// The task does not exist.
-    #[error("task {given} does not exist: the problem has {tasks} tasks, counted from 0")]
-    NoSuchTask {
-        /// Given index.
-        given: usize,
-        /// Number of tasks.
-        tasks: usize,
-    },
-    /// The model is not that of the problem.
-    #[error("the joints are of model `{given}`: those of `{expected}` are needed")]
-    ForeignModel {
-        /// Name of the given model.
-        given: String,
-        /// Name of the problem's model.
-        expected: String,
-    },
 }

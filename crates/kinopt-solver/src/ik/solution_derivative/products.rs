@@ -4,8 +4,9 @@ use nalgebra::DMatrix;
 
 use super::kkt_point::Evaluator;
 use super::system::inner;
-use super::{DerivativeError, Parts, SolutionDerivative};
+use super::{Parts, SolutionDerivative};
 use crate::problem::{ParameterVector, ProblemInstance};
+use crate::search::SolveError;
 use kinopt_kinematics::buffer::refill;
 use kinopt_kinematics::model::Model;
 
@@ -16,11 +17,7 @@ impl SolutionDerivative<'_> {
     ///
     /// # Errors
     /// Returns an error if `rates` has another shape or `v` has the wrong length.
-    pub fn velocity(
-        &mut self,
-        rates: &ParameterVector,
-        v: &mut [f64],
-    ) -> Result<(), DerivativeError> {
+    pub fn velocity(&mut self, rates: &ParameterVector, v: &mut [f64]) -> Result<(), SolveError> {
         self.check(v.len(), rates)?;
         let (instance, model) = (self.instance, self.model);
         if let Some((mut evaluator, parts)) = self.memory.split(instance) {
@@ -39,7 +36,7 @@ impl SolutionDerivative<'_> {
         &mut self,
         slope: &[f64],
         gradient: &mut ParameterVector,
-    ) -> Result<(), DerivativeError> {
+    ) -> Result<(), SolveError> {
         self.check(slope.len(), gradient)?;
         gradient.clear();
         let (instance, model) = (self.instance, self.model);
@@ -54,10 +51,10 @@ impl SolutionDerivative<'_> {
     ///
     /// # Errors
     /// Returns an error if the task does not exist.
-    pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, DerivativeError> {
+    pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, SolveError> {
         let problem = self.instance.problem();
         if task >= problem.tasks() {
-            return Err(DerivativeError::NoSuchTask {
+            return Err(SolveError::NoSuchTask {
                 given: task,
                 tasks: problem.tasks(),
             });
@@ -80,10 +77,10 @@ impl SolutionDerivative<'_> {
         Ok(matrix)
     }
 
-    fn check(&self, len: usize, parameters: &ParameterVector) -> Result<(), DerivativeError> {
+    fn check(&self, len: usize, parameters: &ParameterVector) -> Result<(), SolveError> {
         let expected = self.degrees_of_freedom();
         if len != expected {
-            return Err(DerivativeError::Length {
+            return Err(SolveError::VelocityLength {
                 given: len,
                 expected,
             });
@@ -91,7 +88,7 @@ impl SolutionDerivative<'_> {
         let joints = self.model.map(|model| model.joints().len());
         match parameters.fits(self.instance.problem(), joints) {
             true => Ok(()),
-            false => Err(DerivativeError::ForeignParameters),
+            false => Err(SolveError::ForeignParameters),
         }
     }
 }

@@ -1,16 +1,14 @@
 //! Two-bone IK of limbs, in closed form.
 
-mod error;
 mod goal;
 mod plane;
 mod reach;
 
-pub use error::LimbError;
 pub use goal::{EndRotation, LimbGoal};
 
 use glam::Vec3A;
 
-use crate::animation::Armature;
+use crate::animation::{Armature, LayerError};
 use kinopt_kinematics::skeleton::BoneId;
 
 /// Two bones and an end point to be moved to a target: thigh and shin, or upper arm and forearm. Bones between the two
@@ -66,15 +64,15 @@ impl Limb {
     /// Limb that ends in a point in the lower bone's coordinates, such as the tip of a leaf bone.
     ///
     /// # Errors
-    /// A [`LimbError`].
+    /// A [`LayerError`].
     pub fn new(
         armature: &Armature,
         upper: BoneId,
         lower: BoneId,
         end: Vec3A,
-    ) -> Result<Self, LimbError> {
+    ) -> Result<Self, LayerError> {
         if !end.is_finite() {
-            return Err(LimbError::BadEnd);
+            return Err(LayerError::BadEnd);
         }
         Self::checked(armature, [upper, lower], End::Point(end))
     }
@@ -83,13 +81,13 @@ impl Limb {
     /// rotation of that bone.
     ///
     /// # Errors
-    /// A [`LimbError`].
+    /// A [`LayerError`].
     pub fn to_bone(
         armature: &Armature,
         upper: BoneId,
         lower: BoneId,
         end: BoneId,
-    ) -> Result<Self, LimbError> {
+    ) -> Result<Self, LayerError> {
         check_descendant(armature, end, lower)?;
         Self::checked(armature, [upper, lower], End::Bone(end))
     }
@@ -98,7 +96,7 @@ impl Limb {
         armature: &Armature,
         [upper, lower]: [BoneId; 2],
         end: End,
-    ) -> Result<Self, LimbError> {
+    ) -> Result<Self, LayerError> {
         check_descendant(armature, lower, upper)?;
         Ok(Self {
             upper,
@@ -116,9 +114,9 @@ impl Limb {
     /// # Errors
     /// The axis is not finite or zero.
     /// An axis that is not finite or has no length.
-    pub fn with_hinge(mut self, axis: impl Into<Vec3A>) -> Result<Self, LimbError> {
+    pub fn with_hinge(mut self, axis: impl Into<Vec3A>) -> Result<Self, LayerError> {
         let axis = axis.into();
-        self.hinge = Some(axis.try_normalize().ok_or(LimbError::BadHinge)?);
+        self.hinge = Some(axis.try_normalize().ok_or(LayerError::BadHinge)?);
         Ok(self)
     }
 
@@ -129,9 +127,9 @@ impl Limb {
     ///
     /// # Errors
     /// The fraction is outside [0, 1].
-    pub fn with_softening(mut self, share: f32) -> Result<Self, LimbError> {
+    pub fn with_softening(mut self, share: f32) -> Result<Self, LayerError> {
         if !(0.0..=1.0).contains(&share) {
-            return Err(LimbError::BadSoftening { share });
+            return Err(LayerError::BadSoftening { share });
         }
         self.softened_from = share;
         Ok(self)
@@ -139,18 +137,18 @@ impl Limb {
 }
 
 /// Checks that a bone is a descendant of another.
-fn check_descendant(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbError> {
+fn check_descendant(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LayerError> {
     let bones = armature.bones();
     let name = |bone: BoneId| {
         let bone = bone.index();
         let name = armature.names().get(bone).cloned();
-        name.ok_or(LimbError::UnknownBone { bone, bones })
+        name.ok_or(LayerError::UnknownBone { bone, bones })
     };
     let (upper_name, lower_name) = (name(upper)?, name(lower)?);
     let mut ancestors = armature.bone_and_ancestors(armature.parent(lower));
     match ancestors.any(|bone| bone == upper) {
         true => Ok(()),
-        false => Err(LimbError::NotAbove {
+        false => Err(LayerError::NotAbove {
             lower: lower_name,
             upper: upper_name,
         }),

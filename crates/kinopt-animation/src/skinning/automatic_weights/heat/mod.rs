@@ -13,11 +13,10 @@ use self::sources::Sources;
 use self::stiffness::Stiffness;
 use self::surface::Surface;
 use self::system::System;
-use super::AutomaticWeightsError;
 use super::neighbours::Neighbours;
 use super::segments;
 use super::smooth_pruning::Strongest;
-use crate::skinning::SkinWeights;
+use crate::skinning::{SkinWeights, SkinningError};
 use kinopt_kinematics::skeleton::Skeleton;
 use kinopt_mesh::mesh::TriangleMesh;
 
@@ -71,7 +70,7 @@ impl HeatWeights {
         &self,
         mesh: &TriangleMesh,
         skeleton: &Skeleton,
-    ) -> Result<SkinWeights, AutomaticWeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         self.for_segments(mesh, &segments::of_skeleton(skeleton))
     }
 
@@ -84,10 +83,10 @@ impl HeatWeights {
         &self,
         mesh: &TriangleMesh,
         segments: &[[DVec3; 2]],
-    ) -> Result<SkinWeights, AutomaticWeightsError> {
+    ) -> Result<SkinWeights, SkinningError> {
         segments::check(segments, self.most)?;
         if !(self.heat > 0.0 && self.heat.is_finite()) {
-            return Err(AutomaticWeightsError::Heat(self.heat));
+            return Err(SkinningError::Heat(self.heat));
         }
         let surface = Surface::new(mesh);
         let stiffness = Stiffness::new(&surface);

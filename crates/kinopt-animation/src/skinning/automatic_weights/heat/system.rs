@@ -4,10 +4,10 @@ use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 use nalgebra_sparse::factorization::CscCholesky;
 
-use super::super::AutomaticWeightsError;
 use super::dissection;
 use super::stiffness::Stiffness;
 use super::surface::Surface;
+use crate::skinning::SkinningError;
 
 /// Cholesky factor of L + A H.
 pub(super) struct System {
@@ -24,7 +24,7 @@ impl System {
         surface: &Surface,
         stiffness: &Stiffness,
         given: &[f64],
-    ) -> Result<Self, AutomaticWeightsError> {
+    ) -> Result<Self, SkinningError> {
         let count = surface.points.len();
         let mut neighbours = vec![Vec::new(); count];
         let mut diagonal = given.to_vec();
@@ -56,10 +56,10 @@ impl System {
             starts.push(rows.len());
         }
         let matrix = CscMatrix::try_from_csc_data(count, count, starts, rows, values);
-        let matrix = matrix.map_err(|_| AutomaticWeightsError::Unsolvable)?;
+        let matrix = matrix.map_err(|_| SkinningError::Unsolvable)?;
         let factor = CscCholesky::factor(&matrix);
         Ok(Self {
-            factor: factor.map_err(|_| AutomaticWeightsError::Unsolvable)?,
+            factor: factor.map_err(|_| SkinningError::Unsolvable)?,
             equation_of,
             column: DMatrix::zeros(count, 1),
         })

@@ -173,8 +173,9 @@ impl<'a> KeyframeIk<'a> {
             bone,
             keys: Vec::new(),
         });
-        let clip = EulerClip::new(tracks.into_iter().chain(keyless).collect())?
-            .interpolated(|track| clip.interpolation(track.bone).clone())?;
+        let clip = EulerClip::new(tracks.into_iter().chain(keyless).collect())
+            .and_then(|new| new.interpolated(|track| clip.interpolation(track.bone).clone()))
+            .map_err(ClipIkError::Keys)?;
         Ok(EditedKeys {
             clip,
             led: results.collect(),

@@ -1,12 +1,19 @@
-//! Errors of writing BVH files.
+//! Errors of writing motion as BVH, and of posing the meshes of rigs and scenes.
 
-use crate::animation::SizeMismatch;
-use crate::io::WriteError;
+use super::WriteError;
+#[cfg(feature = "gltf")]
+use super::gltf::SceneError;
+use crate::skinning::SkinningError;
+use kinopt_kinematics::SizeMismatch;
+use kinopt_kinematics::kinematics::KinematicsError;
+use kinopt_mesh::mesh::MeshError;
 
-/// Error of writing motion as BVH. Frames are counted from 0.
+/// Error of writing motion as BVH, or of posing the mesh of a rig or the meshes of a scene.
+///
+/// Frames are counted from 0.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum BvhError {
+pub enum FormatError {
     /// An armature without bones.
     #[error("the armature has no bones; a BVH file needs at least one root")]
     NoBones,
@@ -61,12 +68,44 @@ pub enum BvhError {
         /// Largest number of frames.
         most: usize,
     },
-    /// The motion is of another armature.
+    /// The motion or the pose is of another armature or skeleton.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The rig has no mesh.
+    #[error("the rig has no mesh")]
+    NoMesh,
+    /// The rig has no weights, and automatic weights failed.
+    #[error("the rig has no skin weights, and they cannot be computed: {0}")]
+    NoWeights(SkinningError),
+    /// A configuration of another skeleton, or one that is not finite.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// An error of skinning the mesh of a rig.
+    #[error(transparent)]
+    Skinning(#[from] SkinningError),
+    /// The parts of a scene's mesh do not match.
+    #[cfg(feature = "gltf")]
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// An error of a mesh's skin, weights or morph targets; bone indices are indices of the skin's joints.
+    #[error("mesh `{mesh}`: {problem}")]
+    MeshSkinning {
+        /// Name of the mesh.
+        mesh: String,
+        /// The problem.
+        problem: SkinningError,
+    },
+    /// The posed vertices of a scene's mesh are not finite.
+    #[error("mesh `{mesh}`: {problem}")]
+    Mesh {
+        /// Name of the mesh.
+        mesh: String,
+        /// The problem.
+        problem: MeshError,
+    },
 }
 
 fn at(frame: &Option<usize>) -> String {

@@ -1,14 +1,40 @@
-//! Changes of tool, goal and search of an existing arm, which share its seed atlas.
+//! Construction of arms: from a model, and from another arm with another tool, goal, search or default start.
 
 use super::arm::Arm;
-use super::builder::check_tool;
+use super::arm_model::ArmModel;
+use super::builder::{ArmBuilder, Base, check_tool};
+#[cfg(feature = "xml")]
+use super::default_start::srdf_start;
 use super::options::{Options, Search, check_goal};
 use super::serial_chain::Serial;
 use super::{ArmError, PoseBounds};
-use crate::simd_ik::{LaneOptions, PoseSolver};
+use kinopt_kinematics::model::FrameRef;
 use kinopt_kinematics::spatial::Placement;
 
 impl Arm {
+    /// Builds the arm from `base` to the frame `tip` with default options; see [`builder`](Self::builder) for others.
+    ///
+    /// # Errors
+    /// Returns the errors of [`ArmBuilder::build`].
+    pub fn new<'a>(
+        arm_model: &impl ArmModel,
+        base: impl Into<Base<'a>>,
+        tip: impl Into<FrameRef<'a>>,
+    ) -> Result<Self, ArmError> {
+        Self::builder(arm_model, base, tip).build()
+    }
+
+    /// Starts the builder of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
+    ///
+    /// Any two frames of the tree will do: the chain leads from the base up to the common ancestor and down to the tip.
+    pub fn builder<'m, 'a>(
+        arm_model: &'m impl ArmModel,
+        base: impl Into<Base<'a>>,
+        tip: impl Into<FrameRef<'a>>,
+    ) -> ArmBuilder<'m> {
+        ArmBuilder::new(arm_model, base.into(), tip.into())
+    }
+
     /// The same arm with another tool, given by its placement in the tip's frame, metres; the identity for none.
     ///
     /// All other options stay. Its results are bitwise those of an arm [built](super::ArmBuilder::with_tool) with that
@@ -37,7 +63,11 @@ impl Arm {
     pub fn with_tool(&self, tip_from_tool: impl Into<Placement<f64>>) -> Result<Self, ArmError> {
         let tip_from_tool = tip_from_tool.into();
         check_tool(&tip_from_tool)?;
-        self.with_chain(self.serial.with_tool(tip_from_tool)?, self.options.clone())
+        with_chain(
+            self,
+            self.serial.with_tool(tip_from_tool)?,
+            self.options.clone(),
+        )
     }
 
     /// The same arm with another goal, which shares the seed atlas as [`with_tool`](Self::with_tool) does.
@@ -48,7 +78,7 @@ impl Arm {
         check_goal(&goal)?;
         let mut options = self.options.clone();
         options.goal = goal;
-        self.with_chain(self.serial.clone(), options)
+        with_chain(self, self.serial.clone(), options)
     }
 
     /// The same arm with another search, which shares the seed atlas.
@@ -61,36 +91,29 @@ impl Arm {
         let mut options = self.options.clone();
         options.search = search;
         options.check(&self.joints().collect::<Vec<_>>())?;
-        self.with_chain(self.serial.clone(), options)
+        with_chain(self, self.serial.clone(), options)
     }
 
-    fn with_chain(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
-        options.weigh_radians(serial.model.reach());
-        let simd_solver = self.simd_solver_for(&serial, &options)?;
-        let changed = self.changed(serial, options, simd_solver)?;
-        #[cfg(feature = "collision")]
-        let changed = match &self.collisions {
-            Some(avoidance) => changed.with_checker(avoidance.checker(), avoidance.rest())?,
-            None => changed,
-        };
-        Ok(changed)
+    /// Sets the [default start](Self::default_start) to a state of the SRDF file: `ready`, else `home`, in any case.
+    ///
+    /// The state must have values for joints of the arm. Joints without a value stay at the middle of their limits.
+    #[cfg(feature = "xml")]
+    #[must_use]
+    pub fn with_srdf(mut self, srdf: &kinopt_robot::robot::Srdf) -> Self {
+        let joint_coordinates = &self.coordinates.joint_coordinates;
+        self.default_start = srdf_start(srdf, joint_coordinates, self.limits());
+        self
     }
+}
 
-    /// SIMD solver for another chain and other options, which shares the seed atlas.
-    pub(super) fn simd_solver_for(
-        &self,
-        serial: &Serial,
-        options: &Options,
-    ) -> Result<Option<PoseSolver>, ArmError> {
-        let simd_solver = self.simd_solver.as_ref().zip(serial.chain.as_ref());
-        let simd_solver = simd_solver.map(|(simd_solver, chain)| {
-            let lane_options = LaneOptions {
-                metres_per_radian: options.metres_per_radian,
-                axes: options.goal.into(),
-                ..simd_solver.options().clone()
-            };
-            simd_solver.retargeted(chain, lane_options)
-        });
-        Ok(simd_solver.transpose()?)
-    }
+/// The same arm with another chain and other options, and with the same checker.
+fn with_chain(arm: &Arm, serial: Serial, mut options: Options) -> Result<Arm, ArmError> {
+    options.weigh_radians(serial.model.reach());
+    let changed = arm.changed(serial, options)?;
+    #[cfg(feature = "collision")]
+    let changed = match &arm.collisions {
+        Some(avoidance) => changed.with_checker(avoidance.checker(), avoidance.rest())?,
+        None => changed,
+    };
+    Ok(changed)
 }
