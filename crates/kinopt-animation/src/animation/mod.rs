@@ -83,7 +83,8 @@ pub use kinopt_kinematics::SizeMismatch;
 pub use kinopt_kinematics::curve;
 pub use layer_error::LayerError;
 pub use pose::{Armature, ArmatureBone, LocalTransform, Pose, ScaleNote};
-pub(crate) use pose::{Mirror, Stretch};
+#[doc(hidden)]
+pub use pose::{Mirror, Stretch};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
     ParameterDefault, ParameterValue, StateDefinition, StateEvent, StateMachine,

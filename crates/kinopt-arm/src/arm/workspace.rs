@@ -21,8 +21,7 @@ use kinopt_solver::solver::{
 
 /// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[doc(hidden)]
-pub struct Errors {
+pub(super) struct Errors {
     /// Position error, metres.
     pub(super) position: f64,
     /// Orientation error, radians.

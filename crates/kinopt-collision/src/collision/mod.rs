@@ -37,7 +37,8 @@ pub mod wide_aabb_tree;
 pub(crate) mod world;
 
 pub use bounding_box::BoundingBox;
-pub(crate) use checker::FIRST_PLANE;
+#[doc(hidden)]
+pub use checker::FIRST_PLANE;
 pub use checker::{Checker, CheckerWorkspace, Clearance, MotionCheck, MotionChecker};
 pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};

@@ -18,7 +18,8 @@ mod reverse;
 mod tree;
 
 pub use centre_of_mass::{centre_of_mass, centre_of_mass_jacobian};
-pub(crate) use composites::Composites;
+#[doc(hidden)]
+pub use composites::Composites;
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 #[doc(hidden)]
 pub use forward_pass::TreeState;

@@ -35,9 +35,11 @@ pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind};
 pub use length_unit::LengthUnit;
 pub use limits::Limits;
-pub(crate) use masses::moving_joint;
+#[doc(hidden)]
+pub use masses::moving_joint;
 pub use masses::{Masses, PointMass};
-pub(crate) use parameter_map::check_configuration;
+#[doc(hidden)]
+pub use parameter_map::check_configuration;
 pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;
 pub use reference::{FrameRef, JointRef, Reference};

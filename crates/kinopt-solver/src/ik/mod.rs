@@ -31,7 +31,8 @@ pub use crate::search::{
 pub use drag::{Drag, DragJump};
 pub use hold_postures::hold_postures;
 pub use loop_closure::LoopClosure;
-pub(crate) use minimiser::Minimiser;
+#[doc(hidden)]
+pub use minimiser::Minimiser;
 pub use motion_limits::MotionLimits;
 pub use solution_derivative::{
     DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,

@@ -26,10 +26,14 @@ mod solution;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use crate::solver::{Side, SolveError};
-pub(crate) use attempt::{Attempt, SearchResult};
-pub(crate) use attempts::{Attempts, Engine, run};
-pub(crate) use check_start::{check_start, variables_at};
-pub(crate) use measure::End;
+#[doc(hidden)]
+pub use attempt::{Attempt, SearchResult};
+#[doc(hidden)]
+pub use attempts::{Attempts, Engine, run};
+#[doc(hidden)]
+pub use check_start::{check_start, variables_at};
+#[doc(hidden)]
+pub use measure::End;
 pub use move_limits::MoveLimits;
 #[doc(hidden)]
 pub use move_limits::{slide_per_radian, within};

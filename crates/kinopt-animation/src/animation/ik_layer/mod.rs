@@ -14,7 +14,9 @@ mod shear_correction;
 pub use aim::{Aim, AimGoal};
 pub use ball_pose_map::BallPoseMap;
 pub use euler_pose_map::EulerPoseMap;
-pub(crate) use euler_pose_map::{bone_angles, bone_rotation};
+#[doc(hidden)]
+pub use euler_pose_map::{bone_angles, bone_rotation};
 pub use limb::{EndRotation, Limb, LimbGoal};
 pub use reach::{NoEffector, ReachLayer};
-pub(crate) use shear_correction::{Corrected, ShearCorrection};
+#[doc(hidden)]
+pub use shear_correction::{Corrected, ShearCorrection};

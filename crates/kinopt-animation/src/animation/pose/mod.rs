@@ -16,7 +16,8 @@ mod stretch;
 
 pub use armature::{Armature, ArmatureBone};
 pub use local_transform::LocalTransform;
-pub(crate) use mirror::Mirror;
+#[doc(hidden)]
+pub use mirror::Mirror;
 pub use pose::Pose;
 pub use scale_note::ScaleNote;
 #[doc(hidden)]
