@@ -1,4 +1,4 @@
-//! Curves, clips, poses, state machines and IK on poses.
+//! Promises of kinopt-animation: curves, clips, poses, state machines, skinning and file formats.
 
 mod affine_interpolation;
 mod aims;
@@ -7,6 +7,7 @@ mod averaged_rotations;
 mod baked_clips;
 mod ball_skeletons;
 mod blend_states;
+mod bvh;
 mod clip_channels;
 mod clip_events;
 mod clip_names;
@@ -17,6 +18,7 @@ mod drawn_curves;
 mod easing;
 mod euler_interpolation;
 mod fewer_keys;
+mod gltf;
 mod keyframe_interpolation;
 mod keys_to_skin;
 mod limb_bends;
@@ -30,10 +32,13 @@ mod poses;
 mod quaternion_algebra;
 mod reach_layers;
 mod reach_over_moving_hips;
+mod reference_interpolation;
+mod rig;
 mod root_motion;
 mod rotation_conversions;
 mod rotation_interpolation;
 mod scaled_bones;
+mod skinning;
 mod splines;
 mod state_machine_reports;
 mod state_machine_steps;

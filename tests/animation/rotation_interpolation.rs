@@ -8,7 +8,7 @@ use kinopt::animation::rotation::{
     squad_control,
 };
 use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, Cursor, LocalTransform, Playback};
-use support::random::Random;
+use support::random::{Random, cases};
 
 fn rotation(random: &mut Random) -> Quat {
     let mut part = || random.within(-1.0, 1.0) as f32;
@@ -215,7 +215,7 @@ fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
 #[test]
 fn squad_is_continuous() {
     let mut random = Random::new(15);
-    for _ in 0..support::sample::cases(300, 60) {
+    for _ in cases(300, 60) {
         let keys: Vec<Quat> = (0..6).map(|_| rotation(&mut random)).collect();
         let times = (0..6_u8).map(f32::from).collect();
         let curve = RotationCurve::squad(times, keys).unwrap();

@@ -5,7 +5,8 @@
 
 use kinopt::arm::{Arm, ArmBuilder, ArmError, Base, Search};
 use kinopt::robot::Robot;
-use support::arms::{Random, distance, within_limits};
+use support::arms::{distance, within_limits};
+use support::random::Random;
 use support::urdf_matrices::{IDENTITY, Matrix, Tree, about, apart, placement, product};
 
 /// The elbow has a mimic joint of ratio −½ in the next link. The camera pan is in another branch.
@@ -79,7 +80,7 @@ impl Case<'_> {
                 builder = builder.with_atlas(false);
             }
             let arm = builder.build().unwrap();
-            let mut random = Random(21);
+            let mut random = Random::split_mix(21);
             for _ in 0..count {
                 let truth = random.configuration(&arm);
                 let target = self.base_from_tool(&arm, &truth);

@@ -5,8 +5,8 @@
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
 use nalgebra::{Matrix6, Vector6};
-use support::arms::{Random, robot, within_limits};
-use support::sample::cases;
+use support::arms::{robot, within_limits};
+use support::random::{Random, cases};
 
 /// Threshold of a long joint move, radians or metres, and one safely below it.
 const LONG: f64 = 0.2;
@@ -79,8 +79,8 @@ fn long_steps_do_not_pass_the_near_minimum() {
             .with_metres_per_radian(RADIAN)
             .build()
             .unwrap();
-        let mut random = Random(seed);
-        for case in 0..cases(400, FIRST_CASES) {
+        let mut random = Random::split_mix(seed);
+        for case in cases(400, FIRST_CASES) {
             let start = random.configuration(&arm);
             let mut unit = || 2.0 * random.unit() - 1.0;
             let (by, turn) = (

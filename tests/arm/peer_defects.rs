@@ -7,7 +7,8 @@ use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::Isometry3;
-use support::arms::{Random, apart, panda, robot, within_limits};
+use support::arms::{apart, panda, robot, within_limits};
+use support::random::Random;
 use support::urdf_matrices::Tree;
 
 const X: Vector3<f64> = Vector3::<f64>::UNITS[0];
@@ -52,7 +53,7 @@ fn prismatic_values_are_not_wrapped() {
 #[test]
 fn continuous_joints_stay_near_the_start() {
     let arm = Arm::new(&gantry(1.0), "base", "tip").unwrap();
-    let mut random = Random(9);
+    let mut random = Random::split_mix(9);
     for k in 0..30 {
         let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let mut start = random.configuration(&arm);
@@ -67,7 +68,7 @@ fn continuous_joints_stay_near_the_start() {
 fn success_is_judged_on_the_returned_q() {
     let (robot, base, tip) = panda();
     let arm = Arm::new(&robot, base, tip).unwrap();
-    let mut random = Random(10);
+    let mut random = Random::split_mix(10);
     for _ in 0..20 {
         // Outside the limits: not reachable by clamping.
         let beyond: Vec<f64> = random.configuration(&arm).iter().map(|v| v * 1.5).collect();
@@ -143,7 +144,7 @@ fn fixed_joints_fold_in_the_right_order() {
     let tree = Tree::parse(&text);
     for (base, tip) in [("l0", "l18"), ("l2", "l17"), ("l17", "l1")] {
         let arm = Arm::new(&robot, base, tip).unwrap();
-        let mut random = Random(14);
+        let mut random = Random::split_mix(14);
         for _ in 0..10 {
             let q = random.configuration(&arm);
             let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
@@ -194,7 +195,7 @@ fn two_joints_converge() {
         .with_goal(PoseBounds::position())
         .build()
         .unwrap();
-    let mut random = Random(11);
+    let mut random = Random::split_mix(11);
     for _ in 0..50 {
         let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let solution = arm.solve(goal, &random.configuration(&arm)).unwrap();
@@ -210,7 +211,7 @@ fn metres_and_millimetres_are_equivalent() {
         .with_position_tolerance(1e-3)
         .build()
         .unwrap();
-    let mut random = Random(12);
+    let mut random = Random::split_mix(12);
     for _ in 0..30 {
         let truth = random.configuration(&a);
         let start = random.configuration(&a);
@@ -227,7 +228,7 @@ fn metres_and_millimetres_are_equivalent() {
 fn repeated_solves_are_equal() {
     let (robot, base, tip) = panda();
     let arm = Arm::new(&robot, base, tip).unwrap();
-    let mut random = Random(13);
+    let mut random = Random::split_mix(13);
     for _ in 0..20 {
         let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);

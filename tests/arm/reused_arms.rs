@@ -9,17 +9,17 @@ use kinopt::collision::{Checker, World};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, panda, robot};
+use support::arms::{panda, robot};
 use support::follower_chains::follower_chain;
-use support::sample::cases;
+use support::random::{Random, cases};
 
 /// Solves random targets, one in three far outside, with a reused arm and with copies that have memory of their own.
 fn assert_reuse_equals_new(name: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).build().unwrap();
     let new = arm.clone();
-    let mut random = Random(61);
+    let mut random = Random::split_mix(61);
     let mut reported = [0; 2];
-    for turn in 0..cases(60, 12) {
+    for turn in cases(60, 12) {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
         if turn % 3 == 0 {
@@ -147,7 +147,7 @@ fn reused_batch_outcomes_are_overwritten() {
             None => builder,
         };
         let arm = builder.build().unwrap();
-        let mut random = Random(5);
+        let mut random = Random::split_mix(5);
         let near: Vec<_> = (0..6)
             .map(|_| arm.base_from_tool(&random.configuration(&arm)).unwrap())
             .collect();
@@ -173,7 +173,7 @@ fn reused_batch_outcomes_are_overwritten() {
 #[test]
 fn reused_arm_with_another_checker() {
     let (robot, base, tip) = panda();
-    let mut random = Random(17);
+    let mut random = Random::split_mix(17);
     let mut coordinate = || (random.unit() - 0.5) * 1.2;
     let mut world = World::new();
     for ball in 0..8 {
@@ -189,7 +189,7 @@ fn reused_arm_with_another_checker() {
     let plain = Arm::builder(&robot, base, tip).with_atlas(false);
     let plain = plain.build().unwrap();
     let checked_arm = plain.clone().with_checker(&checker, &shut).unwrap();
-    let mut random = Random(18);
+    let mut random = Random::split_mix(18);
     let queries = (0..6).map(|_| {
         let target = plain.base_from_tool(&random.configuration(&plain)).unwrap();
         (target, random.configuration(&plain))

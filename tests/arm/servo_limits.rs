@@ -9,8 +9,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{robot, within_limits};
 use support::courses::{course, reference, reversals, unexcused};
 use support::lines::{ROBOTS, robots};
-use support::random::Random;
-use support::sample::{cases, few};
+use support::random::{Random, case_count, cases, few};
 
 const CYCLE_RATES: [f64; 3] = [125.0, 250.0, 1000.0];
 
@@ -94,7 +93,7 @@ fn trajectories_keep_limits_without_reversals() {
             if few() && rate > 500.0 {
                 continue;
             }
-            for index in 0..cases(200, 8) {
+            for index in cases(200, 8) {
                 let course = course(&arm, index);
                 let what = format!(
                     "{name} at {rate} Hz, limits {kind}, course {index} ({})",
@@ -338,7 +337,7 @@ fn straight_line_servo_stays_at_a_reached_target() {
     let first = arm.base_from_tool(&START_NEAR_SINGULARITY).unwrap();
     let mut random = Random::new(17);
     let mut reached = 0;
-    for case in 0..cases(100, 12) {
+    for case in cases(100, 12) {
         let mut vector = |size: f64| {
             let v = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
             v * (size / v.norm())
@@ -366,7 +365,7 @@ fn straight_line_servo_stays_at_a_reached_target() {
         reached += usize::from(arrived);
         assert!(worst < 1e-4, "case {case}: {worst} m");
     }
-    assert!(reached * 2 > cases(100, 12), "{reached}");
+    assert!(reached * 2 > case_count(100, 12), "{reached}");
 }
 
 /// A circle of 0.1 m whose speed rises to 0.5 m/s, within the joint limits.

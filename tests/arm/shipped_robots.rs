@@ -5,13 +5,12 @@
 use kinopt::Solution;
 use kinopt::arm::{Arm, Search};
 use kinopt::robot::Robot;
-use support::arms::Random;
-use support::sample::{cases, few};
+use support::random::{Random, case_count, few};
 use support::urdf_matrices::{Tree, apart, from_placement, placement};
 
 fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
     let requested = std::env::var("KINOPT_POSES").ok();
-    let count = cases(count, count / 3);
+    let count = case_count(count, count / 3);
     let count = requested.map_or(count, |count| count.parse().unwrap());
     let file = format!("../models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
@@ -26,7 +25,7 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
             let values: Vec<_> = joints.iter().copied().zip(q.iter().copied()).collect();
             tree.base_from_tip(base, tip, &values)
         };
-        let mut random = Random(11);
+        let mut random = Random::split_mix(11);
         let mut solution = Solution::default();
         for _ in 0..count {
             let truth = random.configuration(&arm);

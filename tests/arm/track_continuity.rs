@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use kinopt::arm::{Arm, Track};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
-use support::arms::{Random, apart, base_from_tip, robot, within_limits};
-use support::sample::{cases, few};
+use support::arms::{apart, base_from_tip, robot, within_limits};
+use support::random::{Random, case_count, few};
 
 const STEPS: usize = 300;
 
@@ -70,7 +70,7 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_global_search_on_miss(true).with_atlas(!few());
     let arm = arm.build().unwrap();
-    let mut random = Random(31);
+    let mut random = Random::split_mix(31);
     let legs = if few() { 1 } else { 4 };
     let mut all = 0;
     for _ in 0..count {
@@ -108,11 +108,11 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
 #[test]
 fn six_joints_never_flip() {
     assert_eq!(
-        follow("universal_ur5e", "base", "flange", 0.05, cases(3, 1)),
+        follow("universal_ur5e", "base", "flange", 0.05, case_count(3, 1)),
         0
     );
     assert_eq!(
-        follow("universal_ur10e", "base", "flange", -0.2, cases(3, 1)),
+        follow("universal_ur10e", "base", "flange", -0.2, case_count(3, 1)),
         0
     );
 }
@@ -120,11 +120,17 @@ fn six_joints_never_flip() {
 #[test]
 fn seven_joints_never_flip() {
     assert_eq!(
-        follow("franka_panda", "base", "flange", 0.15, cases(4, 1)),
+        follow("franka_panda", "base", "flange", 0.15, case_count(4, 1)),
         0
     );
     assert_eq!(
-        follow("rethink_baxter", "torso", "left_tool", 0.15, cases(4, 1)),
+        follow(
+            "rethink_baxter",
+            "torso",
+            "left_tool",
+            0.15,
+            case_count(4, 1)
+        ),
         0
     );
 }
@@ -140,7 +146,7 @@ fn seven_joints_on_limits_rarely_flip() {
         ("franka_panda", -0.2, 10, 1),
         ("kuka_iiwa14", -0.2, 25, 2),
     ] {
-        let count = cases(40, 1);
+        let count = case_count(40, 1);
         let most = (count * percent).div_ceil(100) + more;
         let flipped = follow(name, "base", "flange", margin, count);
         assert!(flipped <= most, "{name}: {flipped} of {count}");
@@ -150,7 +156,7 @@ fn seven_joints_on_limits_rarely_flip() {
 #[test]
 fn scara_never_flips() {
     assert_eq!(
-        follow("adept_cobra_s600", "base", "flange", -0.2, cases(4, 1)),
+        follow("adept_cobra_s600", "base", "flange", -0.2, case_count(4, 1)),
         0
     );
 }
@@ -226,7 +232,7 @@ fn end_of_a_branch_is_reported() {
 #[test]
 fn constant_target_and_single_steps_agree() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    let joint_path = path(&arm, &mut Random(5), 1, 0.3);
+    let joint_path = path(&arm, &mut Random::split_mix(5), 1, 0.3);
     let mut targets: Vec<_> = joint_path
         .iter()
         .map(|q| arm.base_from_tool(q).unwrap())
@@ -256,7 +262,7 @@ fn detour_keeps_null_space_convergence() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
     let arm = arm.build().unwrap();
-    let joint_path = path(&arm, &mut Random(1), 2, -0.2);
+    let joint_path = path(&arm, &mut Random::split_mix(1), 2, -0.2);
     let tool = |q: &Vec<f64>| arm.base_from_tool(q).unwrap();
     let mut targets: Vec<_> = joint_path.iter().step_by(8).map(tool).collect();
     // Tiny steps at the end, so that the null-space motion converges.
@@ -320,7 +326,7 @@ fn reported_jumps_match_the_returned_track() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for (seed, every) in [(1004, 10), (1005, 20), (1006, 10)] {
-        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path = path(&arm, &mut Random::split_mix(seed), 2, 0.05);
         let joint_path: Vec<_> = joint_path.into_iter().step_by(every).collect();
         let targets: Vec<_> = joint_path
             .iter()
@@ -339,7 +345,7 @@ fn detour_is_found_after_an_unreachable_part() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for seed in [1009, 1017, 1030] {
-        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path = path(&arm, &mut Random::split_mix(seed), 2, 0.05);
         let joint_path: Vec<_> = joint_path.into_iter().step_by(10).collect();
         let targets: Vec<_> = joint_path
             .iter()

@@ -9,8 +9,8 @@
 use kinopt::arm::{Arm, ArmError, ArmModel, Axis, PoseBounds, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::arms::{Random, robot};
-use support::sample::cases;
+use support::arms::robot;
+use support::random::{Random, case_count};
 
 const UNIT_Z: Vector3<f64> = Vector3::UNITS[2];
 
@@ -26,7 +26,7 @@ fn tools() -> [Placement<f64>; 3] {
 
 /// Solves reachable and unreachable targets with both arms and compares the results.
 fn assert_equal_results(one: &Arm, other: &Arm, seed: u64) {
-    let mut random = Random(seed);
+    let mut random = Random::split_mix(seed);
     for question in 0..12 {
         let [start, goal] = [(); 2].map(|()| random.configuration(one));
         let mut target = one.base_from_tool(&goal).unwrap();
@@ -203,7 +203,8 @@ fn seeds_work_with_any_tool() {
         let bare = builder().build().unwrap();
         let unseeded = builder().with_atlas(false).build().unwrap();
         let mean = |arm: &Arm| {
-            let (mut random, mut iterations, count) = (Random(11), 0, cases(150, 60));
+            let (mut random, mut iterations, count) =
+                (Random::split_mix(11), 0, case_count(150, 60));
             for _ in 0..count {
                 let [start, goal] = [(); 2].map(|()| random.configuration(arm));
                 let target = arm.base_from_tool(&goal).unwrap();

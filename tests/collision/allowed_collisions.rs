@@ -12,10 +12,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
-
-use crate::arm_avoidance::drawn;
+use support::random::{Random, cases};
 
 /// The Panda's tool is above the table.
 const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
@@ -83,8 +80,8 @@ fn only_allowed_collisions_are_ignored() {
         let lenient = strict.clone().with_world(&lenient).unwrap();
         let arm = bare.clone().with_checker(&lenient, &rest).unwrap();
         let (mut passed, mut clear_where_it_touches) = (0, 0);
-        for _ in 0..cases(60, 12) {
-            let q = drawn(&arm, &mut random);
+        for _ in cases(60, 12) {
+            let q = random.configuration(&arm);
             let whole: Vec<f64> = q.iter().copied().chain([0.0, 0.0]).collect();
             let mut expected = strict.collisions(&whole).unwrap();
             let before = expected.len();

@@ -2,8 +2,7 @@
 
 use kinopt::collision::{Shape, ShapeNote, World, separation};
 use kinopt::spatial::{Placement, Vector3};
-use support::random::Random;
-use support::sample::few;
+use support::random::{Random, few};
 
 const WORLD: &str = r#"{"boxes": [{"name": "a", "size": [1, 2, 3], "position": [0.5, -1e-3, 2]}],
  "cylinders": [{"name": "b", "radius": 0.5, "length": 1, "quaternion": [0.6, 0.8, 0, 0]}],

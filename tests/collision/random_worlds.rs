@@ -5,8 +5,7 @@ use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel, Shape, World, separation};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, cases};
 
 /// Invalid lengths, and valid ones.
 const INVALID_LENGTHS: [f64; 7] = [
@@ -102,7 +101,7 @@ fn invalid_obstacles_are_rejected_by_name() {
         bad: false,
     };
     let (mut refused, mut taken, mut reached) = (0, 0, 0);
-    for _ in 0..cases(300, 40) {
+    for _ in cases(300, 40) {
         let mut world = World::new();
         for _ in 0..8 {
             drawn.bad = false;

@@ -12,8 +12,7 @@ use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Posture, Task};
 use kinopt::{Problem, Solver, Workspace};
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, cases};
 
 /// Small humanoid on its feet.
 struct Nao {
@@ -255,7 +254,7 @@ fn reached_solutions_are_collision_free() {
     let mut random = Random::new(14);
     let mut workspace = Workspace::new();
     let (mut count, mut reached, mut guided, mut blocked) = (0, 0, 0, 0);
-    for _ in 0..cases(60, 25) {
+    for _ in cases(60, 25) {
         let mut world = World::new();
         let at = hand
             + Vector3::new(
@@ -375,7 +374,7 @@ fn clearance_derivative_matches_differences() {
     let mut random = Random::new(2);
     let (rows, n) = (problem.rows(), problem.variables());
     let mut checked = 0;
-    for _ in 0..cases(50, 10) {
+    for _ in cases(50, 10) {
         let mut x = vec![0.0; n];
         problem.parameters().reduce(&nao.stance, &mut x).unwrap();
         for value in &mut x {

@@ -15,8 +15,7 @@ use nalgebra::DMatrix;
 use support::figures::{Figure, Kind};
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 
 /// The last frame's pose and another frame's point at a random configuration, or up to `off` metres away.
 fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {

@@ -12,7 +12,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Task};
 use support::bones::RandomRig;
 use support::planar_arm;
-use support::random::Random;
+use support::random::{Random, case_count};
 use support::tasks::{Curve, OfJoint};
 
 /// Largest joint displacement in a frame, radians, with rounding.
@@ -84,7 +84,7 @@ fn frame_reports_limits_of_the_model() {
 #[test]
 fn drag_beyond_reach_and_back_never_jumps() {
     // KINOPT_CASES sets the number of rigs.
-    for seed in 0..support::sample::cases(4, 1) as u64 {
+    for seed in 0..case_count(4, 1) as u64 {
         let rig = RandomRig::new(seed);
         let start = slightly_bent(&rig.skeleton);
         let (mut drag, hand, from) = drag(&rig, &start);

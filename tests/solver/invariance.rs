@@ -12,8 +12,7 @@ use kinopt::spatial::Placement;
 use kinopt::task::{Orientation, Point, Pose, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::configuration_of;
 use support::{placement, rigid};
 

@@ -15,8 +15,7 @@ use support::bones::RandomRig;
 use support::maps::maps_of;
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 
 fn assert_within(label: &str, values: &[f64], limits: impl Iterator<Item = Limits>) {

@@ -18,8 +18,7 @@ use kinopt::task::{
 use kinopt::{Problem, Solver, Workspace};
 use support::bodies::{Body, direction};
 use support::methods::solvers;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::vector;
 
 /// Adds a task of a random kind at a reachable pose or up to `off` metres from it.
@@ -223,7 +222,7 @@ fn no_result_violates_a_limit() {
     const QUERIES: usize = 4;
     let mut workspace = Workspace::new();
     let mut tally = Tally::default();
-    let case_count = cases(20_000, 600);
+    let case_count = case_count(20_000, 600);
     for seed in 0..case_count / QUERIES {
         let random = &mut Random::new(seed as u64);
         let body = Body::new(random, 2 + seed % 9);

@@ -10,8 +10,7 @@ use kinopt::problem::TaskId;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture};
 use kinopt::{Problem, Solver};
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 
 /// Skeleton with a dragged left hand and its other tips pinned.
 struct Scene {
@@ -109,7 +108,7 @@ impl Scene {
 #[test]
 fn hand_reaches_target_for_any_drag_course() {
     let mut short = 0;
-    let courses = cases(160, 40);
+    let courses = case_count(160, 40);
     // Seed 62 does not come to rest without an escape.
     for seed in (0..courses as u64).chain([62]) {
         let random = &mut Random::new(seed);

@@ -1,4 +1,4 @@
-//! Solvers of task problems.
+//! Promises of kinopt-solver: tasks, solvers, drags, priority levels, closed loops and geometric solvers.
 
 mod attempt_selection;
 mod balance_limits;
@@ -10,10 +10,12 @@ mod contradicting_targets;
 mod custom_collision_constraints;
 mod derivative_existence;
 mod derivative_units;
+mod drag_holds;
 mod drag_limits;
 mod drag_perturbations;
 mod drags;
 mod evaluations_within_bounds;
+mod geometric;
 mod independent_limbs;
 mod inequality_goals;
 mod invariance;
@@ -21,6 +23,7 @@ mod joint_limits;
 mod limit_kinds;
 mod local_minimum_escape;
 mod long_chains;
+mod loops;
 mod low_redundancy;
 mod method_battery;
 mod method_options;
@@ -35,6 +38,7 @@ mod overextended_arm;
 mod posture_drags;
 mod priority_levels;
 mod problem_updates;
+mod reference;
 mod reported_errors;
 mod reproducibility;
 mod restarts;
@@ -54,6 +58,7 @@ mod stopping;
 mod success_rate;
 mod swing_limits;
 mod symmetric_problems;
+mod task;
 mod unreachable_targets;
 mod user_defined_parts;
 mod weighted_soft_tasks;

@@ -10,8 +10,7 @@ use kinopt::{Solution, Workspace};
 use nalgebra as na;
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 

@@ -9,8 +9,7 @@ use kinopt::task::{Point, Pose, Posture, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::bones::RandomRig;
 use support::methods::solvers;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 use support::{placement, planar_arm};
 

@@ -11,8 +11,7 @@ use kinopt::task::{
 };
 use kinopt::{Solver, Workspace};
 use support::arms::panda;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, cases};
 use support::trees::configuration_of;
 
 use crate::soft_task_fixtures::placement_of;
@@ -36,7 +35,7 @@ fn assert_reuse_equals_new(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) 
     let model = robot.model();
     let (mut random, solver) = (Random::new(seed), Solver::default());
     let (mut workspace, mut reported) = (Workspace::new(), [0; 2]);
-    for turn in 0..cases(60, 12) {
+    for turn in cases(60, 12) {
         let [target_q, start] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut target = placement_of(model, tool, &target_q);
         if turn % 2 == 0 {
@@ -124,7 +123,7 @@ fn relocated_drag_equals_a_new_drag() {
         let mut random = Random::new(20 + k as u64);
         let start = configuration_of(model, &mut random);
         let mut used = Drag::new(problem.clone(), &start).unwrap();
-        for turn in 0..cases(12, 4) {
+        for turn in cases(12, 4) {
             let [target_q, other] = [(); 2].map(|()| configuration_of(model, &mut random));
             let mut target = placement_of(model, tool, &target_q);
             let share = if turn % 2 == 0 { 1.6 } else { 1.0 };
@@ -166,7 +165,7 @@ fn reused_derivative_workspace() {
         }),
     ];
     let mut reused = DerivativeWorkspace::default();
-    for turn in 0..cases(60, 16) {
+    for turn in cases(60, 16) {
         let (problem, pose) = &problems[turn / 2 % 2];
         let q = configuration_of(model, &mut random);
         let mut target = placement_of(model, tool, &q);

@@ -7,7 +7,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver, Workspace};
-use support::random::Random;
+use support::random::{Random, case_count};
 
 /// Hands and feet at a random configuration, and a posture far from it, so that joints reach limits.
 #[test]
@@ -22,7 +22,7 @@ fn robot_postures_on_limits_are_stationary() {
     let mut random = Random::new(21);
     let (solver, mut workspace) = (Solver::default(), Workspace::new());
     let mut limits = 0;
-    let cases = support::sample::cases(40, 12);
+    let cases = case_count(40, 12);
     let neutral = model.neutral();
     for case in 0..cases {
         let mut nearby = |by: f64, share: f64| -> Vec<f64> {

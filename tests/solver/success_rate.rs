@@ -6,8 +6,7 @@ use kinopt::problem::Problem;
 use kinopt::task::{Point, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::trees::configuration_of;
 
 const RIGS: u64 = 50;
@@ -16,7 +15,7 @@ const RIGS: u64 = 50;
 fn default_solver_reaches_99_percent() {
     let solver = Solver::default();
     let mut workspace = Workspace::new();
-    let problems = cases(1000, 100) as u64;
+    let problems = case_count(1000, 100) as u64;
     let mut reached = 0;
     let mut missed = Vec::new();
     for k in 0..problems {

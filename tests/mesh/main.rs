@@ -1,0 +1,5 @@
+//! Promises of kinopt-mesh: triangle meshes and their files.
+
+mod malformed_meshes_and_tables;
+mod mesh_file_round_trips;
+mod triangle_mesh;
