@@ -15,7 +15,6 @@ mod near_misses;
 mod null_space;
 mod options;
 mod paths;
-mod peer_defects;
 mod reference_workloads;
 mod reproducibility;
 mod reused_arms;

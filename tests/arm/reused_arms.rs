@@ -6,11 +6,8 @@ use std::time::Duration;
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::collision::{Checker, World};
-use kinopt::model::{Limits, Model};
-use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{panda, robot};
-use support::follower_chains::follower_chain;
+use support::arms::panda;
 use support::random::{Random, cases};
 
 /// Solves random targets, one in three far outside, with a reused arm and with copies that have memory of their own.
@@ -90,49 +87,6 @@ fn reused_arm_with_any_option() {
     let bounds = PoseBounds::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
     assert_reuse_equals_new("room", builder().with_goal(bounds));
     assert_reuse_equals_new("position", builder().with_goal(PoseBounds::position()));
-}
-
-#[test]
-fn reused_arm_of_any_chain() {
-    let slides = robot("adept_cobra_s600");
-    assert_reuse_equals_new("scara", Arm::builder(&slides, "base", "flange"));
-    let mut chains = 0;
-    for number in 0..6 {
-        let (text, tip) = follower_chain(number);
-        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
-            continue;
-        };
-        chains += 1;
-        assert_reuse_equals_new(
-            "followers",
-            Arm::builder(&robot, "l0", &tip).with_attempts(6),
-        );
-    }
-    assert!(chains > 2);
-}
-
-/// A reused solution names no limits of the previous one.
-#[test]
-fn reused_solution_drops_active_limits() {
-    let mut builder = Model::builder("planar");
-    let [x, _, z] = Vector3::UNITS;
-    let (limits, link) = (Limits::new(-0.5, 0.5), Placement::translation(x * 0.5));
-    let first = builder.revolute("first", None, Placement::identity(), z, limits);
-    let second = builder.revolute("second", Some(first), link, z, limits);
-    builder.frame("base", None, Placement::identity());
-    builder.frame("tip", Some(second), link);
-    let model = builder.build().unwrap();
-    let arm = Arm::builder(&model, "base", "tip").with_goal(PoseBounds::position());
-    let arm = arm.build().unwrap();
-    let (mut follower, mut solution) = (arm.follower(&[0.4; 2]).unwrap(), Solution::default());
-    for (position, held) in [([0.3, 0.8, 0.0], true), ([0.89, 0.43, 0.0], false)] {
-        let target = Placement::translation(position.into());
-        for _ in 0..40 {
-            follower.advance(target, &mut solution).unwrap();
-        }
-        assert_eq!(solution.reached, !held);
-        assert_eq!(solution.active_limits().count() > 0, held);
-    }
 }
 
 /// Reused batch outcomes are overwritten, also by arms that solve one by one.

@@ -34,7 +34,6 @@ pub mod maps;
 pub mod methods;
 pub mod path_steps;
 pub mod random;
-pub mod robot_promises;
 pub mod shipped_arms;
 pub mod simd_chains;
 pub mod skins;

@@ -339,7 +339,24 @@ fn damaged_mjcf_is_an_error_or_a_valid_robot() {
             };
             let read = Robot::parse_mjcf(text, "damaged.xml");
             if let Err(error) = &read {
-                assert!(error.to_string().contains("damaged.xml"), "{error}");
+                assert!(error.to_string().starts_with("damaged.xml"), "{error}");
+            }
+            read.inspect(check_robot).is_ok()
+        });
+    }
+}
+
+#[test]
+fn damaged_urdf_is_an_error_or_a_valid_robot() {
+    for (seed, name) in [(14, "universal_ur5e"), (15, "kuka_iiwa14")] {
+        let text = std::fs::read(format!("../models/{name}.urdf")).unwrap();
+        check_damaged(seed, case_count(2_000, 600), &text, |bytes| {
+            let Ok(text) = std::str::from_utf8(bytes) else {
+                return false;
+            };
+            let read = Robot::parse(text, "damaged.urdf");
+            if let Err(error) = &read {
+                assert!(error.to_string().starts_with("damaged.urdf:"), "{error}");
             }
             read.inspect(check_robot).is_ok()
         });
@@ -368,7 +385,7 @@ fn damaged_srdf_is_an_error_or_finite() {
         };
         let read = Srdf::parse(text, "damaged.srdf", &robot);
         if let Err(error) = &read {
-            assert!(error.to_string().contains("damaged.srdf"), "{error}");
+            assert!(error.to_string().starts_with("damaged.srdf"), "{error}");
         }
         read.inspect(|srdf| {
             for state in &srdf.states {

@@ -2,5 +2,4 @@
 
 mod lenient;
 mod malformed;
-mod mutations;
 mod semantics;

@@ -9,7 +9,6 @@ mod lenient;
 mod links;
 mod malformed;
 mod mimic;
-mod mutations;
 mod real_files;
 mod robot_subsets;
 mod shipped_tables;
