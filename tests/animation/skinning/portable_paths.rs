@@ -31,7 +31,7 @@ fn portable_paths_are_opt_in() {
     }
     let takes_them = |value: Option<&str>| {
         let mut command = Command::new(std::env::current_exe().unwrap());
-        let test = "portable_paths::portable_paths_are_opt_in";
+        let test = "skinning::portable_paths::portable_paths_are_opt_in";
         command.args(["--exact", test, "--nocapture"]);
         command
             .env(CHILD_VARIABLE, "1")
