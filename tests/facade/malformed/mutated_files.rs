@@ -27,24 +27,9 @@ fn memory_is_counted() {
     );
 }
 
-const ABSURD_VALUES: [&str; 16] = [
-    "-1",
-    "0",
-    "1",
-    "2",
-    "255",
-    "65536",
-    "2147483647",
-    "2147483648",
-    "4294967295",
-    "4000000000",
-    "9223372036854775807",
-    "18446744073709551615",
-    "1e308",
-    "-1e999",
-    "0.5",
-    "NaN",
-];
+/// Replacements of numbers.
+const ABSURD_VALUES: &str = "-1 0 1 2 255 65536 2147483647 2147483648 4294967295 4000000000 \
+    9223372036854775807 18446744073709551615 1e308 -1e999 0.5 NaN";
 
 fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..=random.below(3) {
@@ -75,7 +60,8 @@ fn swap_a_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     if let Some(start) = bytes[at..].iter().position(digit).map(|i| at + i) {
         let length = bytes[start..].iter().position(|b| !digit(b));
         let end = length.map_or(bytes.len(), |length| start + length);
-        let number = ABSURD_VALUES[random.below(ABSURD_VALUES.len())];
+        let numbers: Vec<&str> = ABSURD_VALUES.split(' ').collect();
+        let number = random.pick(&numbers);
         bytes.splice(start..end, number.bytes());
     }
 }

@@ -4,6 +4,7 @@
 
 use kinopt::model::ModelError;
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
+use support::fault_tables::faults;
 
 /// A valid robot of two joints, to be damaged.
 const VALID_ROBOT: &str = r#"<?xml version="1.0"?>
@@ -43,220 +44,55 @@ fn valid_robot_is_read() {
     assert_eq!(parse(VALID_ROBOT).unwrap().model().degrees_of_freedom(), 2);
 }
 
-/// Original text, replacement, and the complete message.
-const DEFECTS: &[(&str, &str, &str)] = &[
-    // Limits.
-    (
-        r#"<limit lower="-1" upper="2" velocity="1" effort="10"/>"#,
-        "",
-        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit>; type `continuous` has none",
-    ),
-    (
-        r#"<limit lower="0" upper="0.3" velocity="1" effort="10"/>"#,
-        "",
-        "two.urdf:13: joint `elbow`: a prismatic joint needs <limit>",
-    ),
-    (
-        r#"upper="2""#,
-        r#"upper="-1.5""#,
-        "two.urdf:11: joint `shoulder`, <limit>: lower limit -1 is above upper limit -1.5",
-    ),
-    (
-        r#"upper="2""#,
-        r#"upper="inf""#,
-        "two.urdf:11: joint `shoulder`, <limit>: attribute `upper` must be 1 finite number(s), not `inf`",
-    ),
-    (
-        r#"lower="-1""#,
-        r#"lower="NaN""#,
-        "two.urdf:11: joint `shoulder`, <limit>: attribute `lower` must be 1 finite number(s), not `NaN`",
-    ),
-    (
-        r#"upper="2""#,
-        r#"uper="2""#,
-        "two.urdf:11: joint `shoulder`, <limit>: `uper` is not known; `upper` may be meant",
-    ),
-    (
-        r#"effort="10"/>"#,
-        r#"effort="ten"/>"#,
-        "two.urdf:11: joint `shoulder`, <limit>: attribute `effort` must be 1 finite number(s), not `ten`",
-    ),
-    // Axes.
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        r#"<axis xyz="0 0 0"/>"#,
-        "two.urdf:10: joint `shoulder`, <axis>: the axis is zero; it must have a direction",
-    ),
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        "<axis/>",
-        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` is missing or empty",
-    ),
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        r#"<axis xyz="0 1"/>"#,
-        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0 1`",
-    ),
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        r#"<axis xyz="0, 1, 0"/>"#,
-        "two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0, 1, 0`",
-    ),
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        r#"<axis xyz="0 1 0"/><axis xyz="0 1 0"/>"#,
-        "two.urdf:10: joint `shoulder`: <axis> is given twice",
-    ),
-    // The second is reported, whatever follows.
-    (
-        r#"<axis xyz="0 1 0"/>"#,
-        "<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>",
-        "two.urdf:11: joint `shoulder`: <axis> is given twice",
-    ),
-    // Origins.
-    (
-        r#"rpy="0 0.1 0""#,
-        r#"rpy="0 1e999 0""#,
-        "two.urdf:7: joint `shoulder`, <origin>: attribute `rpy` must be 3 finite number(s), not `0 1e999 0`",
-    ),
-    (
-        r#"xyz="0 0 0.5""#,
-        r#"xzy="0 0 0.5""#,
-        "two.urdf:7: joint `shoulder`, <origin>: `xzy` is not known; `xyz` may be meant",
-    ),
-    (
-        "<origin xyz=\"0 0 0.5\"",
-        "<Origin xyz=\"0 0 0.5\"",
-        "two.urdf:7: joint `shoulder`: `Origin` is not known; `origin` may be meant",
-    ),
-    (
-        r#"rpy="0 0.1 0""#,
-        r#"quat_xyzw="0 0 0 1""#,
-        "two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` needs <robot version=\"1.1\">",
-    ),
-    // Types.
-    (
-        "revolute",
-        "hinge",
-        "two.urdf:6: joint `shoulder`: joint type `hinge` is not known; valid types: revolute, continuous, prismatic, fixed, floating, planar, spherical",
-    ),
-    (
-        r#" type="revolute""#,
-        "",
-        "two.urdf:6: joint `shoulder`: attribute `type` is missing or empty",
-    ),
-    // Names.
-    (
-        r#"<joint name="shoulder" "#,
-        "<joint ",
-        "two.urdf:6: <joint>: attribute `name` is missing or empty",
-    ),
-    (
-        r#"<link name="upper"/>"#,
-        r#"<link name=" "/>"#,
-        "two.urdf:4: <link>: attribute `name` is missing or empty",
-    ),
-    (
-        r#" name="two""#,
-        "",
-        "two.urdf:2: <robot>: attribute `name` is missing or empty",
-    ),
-    (
-        r#"name="elbow""#,
-        r#"name="shoulder""#,
-        "two.urdf:13: joint `shoulder`: the name is already used on line 6",
-    ),
-    (
-        r#"<link name="fore"/>"#,
-        r#"<link name="upper"/>"#,
-        "two.urdf:5: link `upper`: the name is already used on line 4",
-    ),
-    (
-        r#"<child link="fore"/>"#,
-        r#"<child link="hand"/>"#,
-        "two.urdf:13: joint `elbow`: no link named `hand`; valid names: base, upper, fore",
-    ),
-    (
-        r#"<parent link="base"/>"#,
-        r#"<parent link="world"/>"#,
-        "two.urdf:6: joint `shoulder`: no link named `world`; valid names: base, upper, fore",
-    ),
-    (
-        r#"<parent link="base"/>"#,
-        "",
-        "two.urdf:6: joint `shoulder`: <parent> is missing",
-    ),
-    (
-        r#"<parent link="base"/>"#,
-        "<parent/>",
-        "two.urdf:8: joint `shoulder`, <parent>: attribute `link` is missing or empty",
-    ),
-    // Tree structure.
-    (
-        r#"<child link="fore"/>"#,
-        r#"<child link="upper"/>"#,
-        "two.urdf:13: joint `elbow`: its child link `upper` is already the child of joint `shoulder`",
-    ),
-    (
-        r#"<parent link="base"/>"#,
-        r#"<parent link="fore"/>"#,
-        "two.urdf:6: joint `shoulder`: the joint is part of a cycle; links and joints must form a tree",
-    ),
-    (
-        r#"<parent link="upper"/>"#,
-        r#"<parent link="fore"/>"#,
-        "two.urdf:13: joint `elbow`: the joint is part of a cycle; links and joints must form a tree",
-    ),
-    (
-        r#"<link name="fore"/>"#,
-        r#"<link name="fore"/><link name="loose"/>"#,
-        "two.urdf:2: <robot>: links base, loose all have no parent joint; a robot has one root",
-    ),
-    // Mimic joints.
-    (
-        "<axis xyz=\"0 0 1\"/>",
-        r#"<axis xyz="0 0 1"/><mimic joint="wrist"/>"#,
-        "two.urdf:13: joint `elbow`: no joint named `wrist`; valid names: shoulder, elbow",
-    ),
-    (
-        "<axis xyz=\"0 0 1\"/>",
-        r#"<axis xyz="0 0 1"/><mimic multiplier="2"/>"#,
-        "two.urdf:17: joint `elbow`, <mimic>: attribute `joint` is missing or empty",
-    ),
-    (
-        "<axis xyz=\"0 0 1\"/>",
-        r#"<axis xyz="0 0 1"/><mimic joint="shoulder" multiplier="two"/>"#,
-        "two.urdf:17: joint `elbow`, <mimic>: attribute `multiplier` must be 1 finite number(s), not `two`",
-    ),
-    (
-        "<axis xyz=\"0 0 1\"/>",
-        r#"<axis xyz="0 0 1"/><mimic joint="elbow"/>"#,
-        "two.urdf: joint `elbow` is its own source through mimic joints",
-    ),
-    // Macros, which need expansion.
-    (
-        r#"<robot name="two">"#,
-        r#"<robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/>"#,
-        "two.urdf:2: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
-    ),
-    (
-        r#"<link name="base"/>"#,
-        r#"<xacro:include filename="arm.xacro"/>"#,
-        "two.urdf:3: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
-    ),
-    (
-        r#"xyz="0 0 0.5""#,
-        r#"xyz="0 0 ${height}""#,
-        "two.urdf:7: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`",
-    ),
-];
+/// Faults that replace one passage, and their complete messages.
+const FAULTS: &str = r#"
+<limit lower="-1" upper="2" velocity="1" effort="10"/> =>  | two.urdf:6: joint `shoulder`: a revolute joint needs <limit>; type `continuous` has none
+<limit lower="0" upper="0.3" velocity="1" effort="10"/> =>  | two.urdf:13: joint `elbow`: a prismatic joint needs <limit>
+upper="2" => upper="-1.5" | two.urdf:11: joint `shoulder`, <limit>: lower limit -1 is above upper limit -1.5
+upper="2" => upper="inf" | two.urdf:11: joint `shoulder`, <limit>: attribute `upper` must be 1 finite number(s), not `inf`
+lower="-1" => lower="NaN" | two.urdf:11: joint `shoulder`, <limit>: attribute `lower` must be 1 finite number(s), not `NaN`
+upper="2" => uper="2" | two.urdf:11: joint `shoulder`, <limit>: `uper` is not known; `upper` may be meant
+effort="10"/> => effort="ten"/> | two.urdf:11: joint `shoulder`, <limit>: attribute `effort` must be 1 finite number(s), not `ten`
+<axis xyz="0 1 0"/> => <axis xyz="0 0 0"/> | two.urdf:10: joint `shoulder`, <axis>: the axis is zero; it must have a direction
+<axis xyz="0 1 0"/> => <axis/> | two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` is missing or empty
+<axis xyz="0 1 0"/> => <axis xyz="0 1"/> | two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0 1`
+<axis xyz="0 1 0"/> => <axis xyz="0, 1, 0"/> | two.urdf:10: joint `shoulder`, <axis>: attribute `xyz` must be 3 finite number(s), not `0, 1, 0`
+<axis xyz="0 1 0"/> => <axis xyz="0 1 0"/><axis xyz="0 1 0"/> | two.urdf:10: joint `shoulder`: <axis> is given twice
+<axis xyz="0 1 0"/> => <axis xyz="0 1 0"/>\n<axis xyz="0 1 0"/>\n<axis xyz="0 1 0"/> | two.urdf:11: joint `shoulder`: <axis> is given twice
+rpy="0 0.1 0" => rpy="0 1e999 0" | two.urdf:7: joint `shoulder`, <origin>: attribute `rpy` must be 3 finite number(s), not `0 1e999 0`
+xyz="0 0 0.5" => xzy="0 0 0.5" | two.urdf:7: joint `shoulder`, <origin>: `xzy` is not known; `xyz` may be meant
+<origin xyz="0 0 0.5" => <Origin xyz="0 0 0.5" | two.urdf:7: joint `shoulder`: `Origin` is not known; `origin` may be meant
+rpy="0 0.1 0" => quat_xyzw="0 0 0 1" | two.urdf:7: joint `shoulder`, <origin>: attribute `quat_xyzw` needs <robot version="1.1">
+revolute => hinge | two.urdf:6: joint `shoulder`: joint type `hinge` is not known; valid types: revolute, continuous, prismatic, fixed, floating, planar, spherical
+ type="revolute" =>  | two.urdf:6: joint `shoulder`: attribute `type` is missing or empty
+<joint name="shoulder"  => <joint  | two.urdf:6: <joint>: attribute `name` is missing or empty
+<link name="upper"/> => <link name=" "/> | two.urdf:4: <link>: attribute `name` is missing or empty
+ name="two" =>  | two.urdf:2: <robot>: attribute `name` is missing or empty
+name="elbow" => name="shoulder" | two.urdf:13: joint `shoulder`: the name is already used on line 6
+<link name="fore"/> => <link name="upper"/> | two.urdf:5: link `upper`: the name is already used on line 4
+<child link="fore"/> => <child link="hand"/> | two.urdf:13: joint `elbow`: no link named `hand`; valid names: base, upper, fore
+<parent link="base"/> => <parent link="world"/> | two.urdf:6: joint `shoulder`: no link named `world`; valid names: base, upper, fore
+<parent link="base"/> =>  | two.urdf:6: joint `shoulder`: <parent> is missing
+<parent link="base"/> => <parent/> | two.urdf:8: joint `shoulder`, <parent>: attribute `link` is missing or empty
+<child link="fore"/> => <child link="upper"/> | two.urdf:13: joint `elbow`: its child link `upper` is already the child of joint `shoulder`
+<parent link="base"/> => <parent link="fore"/> | two.urdf:6: joint `shoulder`: the joint is part of a cycle; links and joints must form a tree
+<parent link="upper"/> => <parent link="fore"/> | two.urdf:13: joint `elbow`: the joint is part of a cycle; links and joints must form a tree
+<link name="fore"/> => <link name="fore"/><link name="loose"/> | two.urdf:2: <robot>: links base, loose all have no parent joint; a robot has one root
+<axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic joint="wrist"/> | two.urdf:13: joint `elbow`: no joint named `wrist`; valid names: shoulder, elbow
+<axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic multiplier="2"/> | two.urdf:17: joint `elbow`, <mimic>: attribute `joint` is missing or empty
+<axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic joint="shoulder" multiplier="two"/> | two.urdf:17: joint `elbow`, <mimic>: attribute `multiplier` must be 1 finite number(s), not `two`
+<axis xyz="0 0 1"/> => <axis xyz="0 0 1"/><mimic joint="elbow"/> | two.urdf: joint `elbow` is its own source through mimic joints
+<robot name="two"> => <robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/> | two.urdf:2: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
+<link name="base"/> => <xacro:include filename="arm.xacro"/> | two.urdf:3: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
+xyz="0 0 0.5" => xyz="0 0 ${height}" | two.urdf:7: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`
+"#;
 
 #[test]
 fn each_defect_is_named_with_its_location() {
-    for (from, to, message) in DEFECTS {
-        match parse(&damaged(from, to)) {
-            Ok(_) => panic!("`{from}` -> `{to}` was read"),
-            Err(error) => assert_eq!(error.to_string(), *message),
+    for fault in faults(FAULTS) {
+        match parse(&damaged(&fault.from, &fault.to)) {
+            Ok(_) => panic!("`{}` -> `{}` was read", fault.from, fault.to),
+            Err(error) => assert_eq!(error.to_string(), fault.parts.concat()),
         }
     }
 }

@@ -1,0 +1,44 @@
+//! Tables of faults in a text: what is replaced, by what, and what the error says.
+
+/// A fault in a valid text.
+pub struct Fault<'a> {
+    /// The passage that is replaced.
+    pub from: String,
+    /// Its replacement.
+    pub to: String,
+    /// Parts of the expected error.
+    pub parts: Vec<&'a str>,
+}
+
+impl Fault<'_> {
+    /// The text with its one such passage replaced.
+    pub fn applied(&self, text: &str) -> String {
+        assert_eq!(text.matches(&self.from).count(), 1, "{}", self.from);
+        text.replace(&self.from, &self.to)
+    }
+
+    /// Checks the error of reading the text with the fault.
+    pub fn check<T, E: ToString>(&self, read: Result<T, E>) {
+        let Err(error) = read else {
+            panic!("`{}` instead of `{}` is accepted", self.to, self.from)
+        };
+        let message = error.to_string();
+        for part in &self.parts {
+            assert!(message.contains(part), "no `{part}` in: {message}");
+        }
+    }
+}
+
+/// Rows `FROM => TO | PART | PART …`, in which `\n` is a line break.
+pub fn faults(table: &str) -> impl Iterator<Item = Fault<'_>> {
+    table.lines().filter(|row| !row.is_empty()).map(|row| {
+        let (from, rest) = row.split_once(" => ").unwrap();
+        let mut parts = rest.split(" | ");
+        let unescaped = |text: &str| text.replace("\\n", "\n");
+        Fault {
+            from: unescaped(from),
+            to: unescaped(parts.next().unwrap()),
+            parts: parts.collect(),
+        }
+    })
+}
