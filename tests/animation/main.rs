@@ -20,7 +20,6 @@ mod euler_interpolation;
 mod fewer_keys;
 mod gltf;
 mod keyframe_interpolation;
-mod keys_to_skin;
 mod limb_bends;
 mod limb_ends;
 mod limb_reach;

@@ -13,28 +13,6 @@ fn points<const N: usize>(random: &mut Random) -> [DVec3; N] {
     std::array::from_fn(|_| DVec3::from(<[f64; 3]>::from(random.vector(1.0))))
 }
 
-#[test]
-fn uniform_segment_equals_the_documented_matrix() {
-    let mut random = Random::new(31);
-    for _ in 0..50 {
-        let p: [DVec3; 4] = points(&mut random);
-        for u in [0.0, 0.2, 0.5, 0.77, 1.0] {
-            let row = [1.0, u, u * u, u * u * u];
-            let matrix = [
-                [0., 2., 0., 0.],
-                [-1., 0., 1., 0.],
-                [2., -5., 4., -1.],
-                [-1., 3., -3., 1.],
-            ];
-            let weight = |k: usize| 0.5 * (0..4).map(|r| row[r] * matrix[r][k]).sum::<f64>();
-            let expected: DVec3 = (0..4).map(|k| p[k] * weight(k)).sum();
-            assert!((catmull_rom(p, u) - expected).length() < 1e-15);
-            let knots = Knots::Uniform.of(&p);
-            assert!((catmull_rom_at_knots(p, knots, u) - expected).length() < 1e-14);
-        }
-    }
-}
-
 /// Barry and Goldman's pyramid as in their paper.
 fn pyramid(p: [DVec3; 4], t: [f64; 4], u: f64) -> DVec3 {
     let at = t[1] + u * (t[2] - t[1]);
@@ -60,6 +38,9 @@ fn any_knots_equal_the_pyramid_algorithm() {
             for u in [0.0, 0.1, 0.5, 0.9, 1.0] {
                 let deviation = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
                 assert!(deviation < 1e-12, "{knots:?} {deviation}");
+                if knots == Knots::Uniform {
+                    assert!((catmull_rom(p, u) - pyramid(p, t, u)).length() < 1e-14);
+                }
             }
         }
     }

@@ -368,31 +368,6 @@ fn miss_returns_the_attempt_from_the_start() {
     assert!(missed > 8, "{missed}");
 }
 
-/// The seed determines the random attempts; another seed gives others.
-#[test]
-fn seed_determines_the_attempts() {
-    let (robot, base, tip) = (0..)
-        .find_map(|number| {
-            let (text, tip) = follower_chain(number);
-            let robot = Robot::parse(&text, "followers.urdf").ok()?;
-            Some((robot, "l0", tip))
-        })
-        .unwrap();
-    let reported = |seed: u64| -> Vec<(usize, Vec<f64>)> {
-        let builder = Arm::builder(&robot, base, tip.as_str()).with_seed(seed);
-        let arm = builder.with_attempts(2).build().unwrap();
-        let mut random = Random::split_mix(5);
-        let mut ask = || {
-            let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
-            let solution = arm.solve(goal, &random.configuration(&arm)).unwrap();
-            (solution.iterations, solution.q)
-        };
-        (0..30).map(|_| ask()).collect()
-    };
-    assert_eq!(reported(1), reported(1));
-    assert_ne!(reported(1), reported(2));
-}
-
 /// A mimic joint in another branch restricts its source joint in the arm on request.
 #[test]
 fn mimic_outside_the_chain_restricts_on_request() {

@@ -243,13 +243,6 @@ fn protrusion_of_capsules_is_the_maximum() {
 }
 
 #[test]
-fn cover_is_reproducible() {
-    let model = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let twice = [0, 1].map(|_| SphereModel::of(&model, Resolution::MaxProtrusion(0.04)).unwrap());
-    assert_eq!(twice[0], twice[1]);
-}
-
-#[test]
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {

@@ -121,46 +121,6 @@ fn valid_file_is_read() {
 }
 
 #[test]
-fn deleted_words_are_errors() {
-    for word in words() {
-        let damaged = read(&with(&word, ""));
-        // Without a frame time the first number is used as the frame time.
-        let may_lack = is_value(&word) || VALID_FILE[word.clone()] == *"0.04";
-        let lacks_frame = damaged
-            .as_ref()
-            .is_ok_and(|read| read.frames == 1 && read.notes.len() == 1);
-        assert!(
-            damaged.is_err() || may_lack && lacks_frame,
-            "without `{}` of line {}",
-            &VALID_FILE[word.clone()],
-            line_of(&word)
-        );
-    }
-}
-
-#[test]
-fn doubled_words_are_errors() {
-    let mut names = 0;
-    for word in words() {
-        let text = &VALID_FILE[word.clone()];
-        let damaged = read(&with(&word, &format!("{text} {text}")));
-        // `ROOT ROOT Hips` and `JOINT Leg Leg` are names with a space.
-        if is_name(&word) || matches!(text, "ROOT" | "JOINT") {
-            names += 1;
-            let doubled = damaged.unwrap().armature.names().concat();
-            assert!(doubled.contains(&format!("{text} ")), "{doubled}");
-        } else {
-            assert!(
-                damaged.is_err(),
-                "`{text}` twice on line {}",
-                line_of(&word)
-            );
-        }
-    }
-    assert_eq!(names, 6);
-}
-
-#[test]
 fn replaced_words_are_errors_with_their_line() {
     let good = read(VALID_FILE).unwrap();
     for word in words() {

@@ -254,45 +254,6 @@ fn target_in_an_obstacle_is_reported() {
 }
 
 #[test]
-fn equal_arms_give_equal_results() {
-    let mut random = Random::new(7);
-    let world = cluttered(&mut random);
-    let panda_a = panda(Search::Start).with_world(&world, 0.0);
-    let panda_b = panda(Search::Start).with_world(&world, 0.0);
-    for _ in cases(60, 10) {
-        let (goal, start) = (
-            panda_a.collision_free_configuration(&mut random),
-            random.configuration(&panda_a.arm),
-        );
-        let target = panda_a.arm.base_from_tool(&goal).unwrap();
-        let a = panda_a.arm.solve(target, &start).unwrap();
-        let b = panda_b.arm.solve(target, &start).unwrap();
-        assert_eq!((a.q, a.reached, a.attempts), (b.q, b.reached, b.attempts));
-    }
-}
-
-#[test]
-fn batch_results_equal_single_solves() {
-    let mut random = Random::new(8);
-    let panda = panda(Search::Start).with_world(&cluttered(&mut random), 0.01);
-    let (mut targets, mut starts) = (Vec::new(), Vec::new());
-    for _ in cases(300, 40) {
-        targets.push(
-            panda
-                .arm
-                .base_from_tool(&panda.collision_free_configuration(&mut random))
-                .unwrap(),
-        );
-        starts.extend(random.configuration(&panda.arm));
-    }
-    let together = panda.arm.solve_batch(&targets, &starts).unwrap();
-    for ((target, start), batched) in targets.iter().zip(starts.chunks(7)).zip(together) {
-        let alone = panda.arm.solve(*target, start).unwrap();
-        assert_eq!((batched.q, batched.reached), (alone.q, alone.reached));
-    }
-}
-
-#[test]
 fn changed_tool_keeps_the_checker() {
     let mut random = Random::new(21);
     let world = cluttered(&mut random);

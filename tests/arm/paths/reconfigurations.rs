@@ -64,22 +64,6 @@ fn reported_length_and_jumps_equal_the_rows() {
     assert!((length - solution.length).abs() < 1e-9);
 }
 
-/// The same path has bitwise the same solution.
-#[test]
-fn same_path_has_bitwise_the_same_solution() {
-    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    let begin = arm
-        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
-        .unwrap();
-    let along = |k: u32| begin.translation + Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
-    let points: Vec<_> = (0..80)
-        .map(|k| Placement::new(begin.rotation, along(k)))
-        .collect();
-    let path = CartesianPath::new(points).unwrap();
-    let solver = PathSolver::new(&arm);
-    assert_eq!(solver.solve(&path).unwrap(), solver.solve(&path).unwrap());
-}
-
 /// The path of a redundant arm is no longer than that of a follower from the same start. It is also no longer than its
 /// own path from that start.
 #[test]

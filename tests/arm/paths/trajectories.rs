@@ -547,10 +547,3 @@ fn random_rows_keep_all_limits() {
         }
     }
 }
-
-#[test]
-fn same_rows_have_bitwise_the_same_trajectory() {
-    let limits = TimingLimits::new(&[2.0; 7], &[6.0; 7]).with_jerk_limits(&[100.0; 7]);
-    let [first, second] = [0; 2].map(|_| through(&smooth_rows(80), &limits, 7));
-    assert_eq!(first, second);
-}
