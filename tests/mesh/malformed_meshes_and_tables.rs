@@ -2,18 +2,52 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::{ReadError, dmat, ply};
+use support::fault_tables::faults;
 use support::small_rig::PLY;
 
 fn ply_error(bytes: impl AsRef<[u8]>) -> ReadError {
     ply::from_bytes(bytes.as_ref(), "bad.ply").unwrap_err()
 }
 
+/// Faults of the PLY file of the small rig.
+const PLY_FAULTS: &str = r#"
+element vertex => element corner | no element `vertex` | corner
+element face => element facet | no element `face`
+float y => float w | no property `y`
+float y => float x | twice
+element face => element vertex | twice
+float y => int y | line 10 | 'y'
+uint vertex_indices => float vertex_indices | line 13 | 'vertex_indices'
+vertex_indices => indices | vertex_indices
+vertex 3 => vertex 4000000000 | 4000000000 entries | `vertex` | left in the file
+vertex 3 => vertex 18446744073709551615 | 18446744073709551615 entries
+vertex 3 => vertex 99999999999999999999 | line 3
+vertex 3 => vertex -1 | line 3
+face 1 => face 1000000000 | 1000000000 entries | `face`
+element face => element nothing 4000000000\nelement face | `nothing` | no properties
+3 0 1 2 => 2 0 1 | face 0:  | 2 corners
+3 0 1 2 => 0 | face 0:  | no corners
+3 0 1 2 => 3 0 1 3 | face 0:  | index 3 | 3 vertices
+3 0 1 2 => 2147483648 0 1 2 | line 13 | 2147483648
+3 0 1 2 => 3 0 1 -1 | line 13 | index 2
+1 0 0\n => 1 nan 0\n | line 11
+1 0 0\n => 1 1e60 0\n | vertex 1 | not finite
+1 0 0\n => 1 0\n | line 11
+3 0 1 2\n => 3 0 1 2\n7\n | 2 bytes are left
+"#;
+
 #[test]
 fn malformed_ply_is_named_with_its_location() {
-    let edited = |from: &str, to: &str| {
-        assert!(PLY.contains(from), "{from}");
-        ply_error(PLY.replacen(from, to, 1)).to_string()
-    };
+    for fault in faults(PLY_FAULTS) {
+        let text = PLY.replacen(&fault.from, &fault.to, 1);
+        let error = ply_error(text);
+        let message = error.to_string();
+        assert!(
+            message.starts_with("bad.ply: ") && message.len() < 500,
+            "{message}"
+        );
+        fault.check(Err::<(), _>(error));
+    }
     let cases: Vec<(String, &[&str])> = vec![
         (ply_error("").to_string(), &["byte 0", "end of file"]),
         (ply_error("solid").to_string(), &["line 1", "ply"]),
@@ -22,60 +56,10 @@ fn malformed_ply_is_named_with_its_location() {
             ply_error("ply\nformat ascii 1.0\n").to_string(),
             &["end_header"],
         ),
-        (edited("ascii 1.0\n", "ascii 1.0\n\u{fe}"), &["line 3"]),
         (
-            edited("element vertex", "element corner"),
-            &["no element `vertex`", "corner"],
-        ),
-        (
-            edited("element face", "element facet"),
-            &["no element `face`"],
-        ),
-        (edited("float y", "float w"), &["no property `y`"]),
-        (edited("float y", "float x"), &["twice"]),
-        (edited("element face", "element vertex"), &["twice"]),
-        (edited("float y", "int y"), &["line 10", "'y'"]),
-        (
-            edited("uint vertex_indices", "float vertex_indices"),
-            &["line 13", "'vertex_indices'"],
-        ),
-        (edited("vertex_indices", "indices"), &["vertex_indices"]),
-        (
-            edited("vertex 3", "vertex 4000000000"),
-            &["4000000000 entries", "`vertex`", "left in the file"],
-        ),
-        (
-            edited("vertex 3", "vertex 18446744073709551615"),
-            &["18446744073709551615 entries"],
-        ),
-        (
-            edited("vertex 3", "vertex 99999999999999999999"),
+            ply_error(PLY.replacen("ascii 1.0\n", "ascii 1.0\n\u{fe}", 1)).to_string(),
             &["line 3"],
         ),
-        (edited("vertex 3", "vertex -1"), &["line 3"]),
-        (
-            edited("face 1", "face 1000000000"),
-            &["1000000000 entries", "`face`"],
-        ),
-        (
-            edited("element face", "element nothing 4000000000\nelement face"),
-            &["`nothing`", "no properties"],
-        ),
-        (edited("3 0 1 2", "2 0 1"), &["face 0: ", "2 corners"]),
-        (edited("3 0 1 2", "0"), &["face 0: ", "no corners"]),
-        (
-            edited("3 0 1 2", "3 0 1 3"),
-            &["face 0: ", "index 3", "3 vertices"],
-        ),
-        (
-            edited("3 0 1 2", "2147483648 0 1 2"),
-            &["line 13", "2147483648"],
-        ),
-        (edited("3 0 1 2", "3 0 1 -1"), &["line 13", "index 2"]),
-        (edited("1 0 0\n", "1 nan 0\n"), &["line 11"]),
-        (edited("1 0 0\n", "1 1e60 0\n"), &["vertex 1", "not finite"]),
-        (edited("1 0 0\n", "1 0\n"), &["line 11"]),
-        (edited("3 0 1 2\n", "3 0 1 2\n7\n"), &["2 bytes are left"]),
     ];
     for (message, parts) in cases {
         for part in ["bad.ply: "].iter().chain(parts) {
