@@ -1,4 +1,4 @@
-//! Tables of faults in a text: what is replaced, by what, and what the error says.
+//! Expected errors, and tables of faults in a text: what is replaced, by what, and what the error says.
 
 /// A fault in a valid text.
 pub struct Fault<'a> {
@@ -19,13 +19,13 @@ impl Fault<'_> {
 
     /// Checks the error of reading the text with the fault.
     pub fn check<T, E: ToString>(&self, read: Result<T, E>) {
-        let Err(error) = read else {
-            panic!("`{}` instead of `{}` is accepted", self.to, self.from)
-        };
-        let message = error.to_string();
-        for part in &self.parts {
-            assert!(message.contains(part), "no `{part}` in: {message}");
-        }
+        assert!(
+            read.is_err(),
+            "`{}` instead of `{}` is accepted",
+            self.to,
+            self.from
+        );
+        read.says(&self.parts.join(" | "));
     }
 }
 
@@ -41,4 +41,22 @@ pub fn faults(table: &str) -> impl Iterator<Item = Fault<'_>> {
             parts: parts.collect(),
         }
     })
+}
+
+/// Checks of expected errors.
+pub trait ExpectedError {
+    /// Checks that the error contains parts that are separated by ` | `.
+    fn says(self, parts: &str);
+}
+
+impl<T, E: ToString> ExpectedError for Result<T, E> {
+    fn says(self, parts: &str) {
+        let Err(error) = self else {
+            panic!("was accepted; it should speak of {parts}")
+        };
+        let message = error.to_string();
+        for part in parts.split(" | ") {
+            assert!(message.contains(part), "no `{part}` in: {message}");
+        }
+    }
 }
