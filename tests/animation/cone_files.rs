@@ -4,6 +4,7 @@
 use kinopt::io::cones;
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
+use support::fault_tables::ExpectedError;
 
 #[test]
 fn degrees_become_radians() {
@@ -72,6 +73,5 @@ fn errors_name_the_path() {
             message.starts_with("man.json: ") && parts.all(|part| message.contains(part));
         assert!(is_named, "{row}: {message}");
     }
-    let missing = cones::read("no such file.json").unwrap_err().to_string();
-    assert!(missing.contains("no such file.json"), "{missing}");
+    cones::read("no such file.json").says("no such file.json");
 }

@@ -6,6 +6,7 @@ use kinopt::arm::{Arm, HeldBy, PoseBounds, Servo, ServoStatus};
 use kinopt::model::Limits;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{distance, planar_with_hand, robot, within_limits};
+use support::fault_tables::ExpectedError;
 use support::lines::{Line, ROBOTS, STEP, lines, robots};
 use support::random::{Random, case_count, cases};
 
@@ -379,14 +380,12 @@ fn invalid_servo_options_are_named() {
     let arm = arm("universal_ur5e");
     let start = [0.1; 6];
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = arm.servo(&start, bad).unwrap_err().to_string();
-        assert!(error.contains("time step"), "{error}");
+        arm.servo(&start, bad).says("time step");
     }
     assert!(arm.servo(&[0.0; 5], TICK).is_err());
     let servo = || arm.servo(&start, TICK).unwrap();
     for limits in [&[1.0; 5][..], &[-1.0; 6], &[f64::NAN; 6]] {
-        let error = servo().with_velocity_limits(limits).unwrap_err();
-        assert!(error.to_string().contains("velocity_limits"), "{error}");
+        servo().with_velocity_limits(limits).says("velocity_limits");
     }
     assert!(servo().with_damping(-1.0).is_err() && servo().with_damping(0.0).is_ok());
     let mut servo = servo();

@@ -9,6 +9,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::checked_arms::{cluttered, panda};
+use support::fault_tables::ExpectedError;
 use support::random::{Random, case_count, cases};
 
 #[test]
@@ -332,8 +333,7 @@ fn clear_by_spheres_keeps_a_wide_margin() {
 fn arm_without_checker_reports_an_error() {
     let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0; 7];
-    let message = plain.collisions(&q).unwrap_err().to_string();
-    assert!(message.contains("are unknown"), "{message}");
+    plain.collisions(&q).says("are unknown");
     assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
     let message = plain
         .with_world(&World::new(), None)

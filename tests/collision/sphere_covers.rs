@@ -7,6 +7,7 @@ use kinopt::model::Model;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::convex_shapes::Solid;
+use support::fault_tables::ExpectedError;
 use support::random::{Random, case_count, cases, part};
 
 /// Random point on the surface of a shape, independent of the library.
@@ -246,10 +247,7 @@ fn protrusion_of_capsules_is_the_maximum() {
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let message = SphereModel::of(&model, Resolution::MaxProtrusion(invalid))
-            .unwrap_err()
-            .to_string();
-        assert!(message.contains("max_protrusion"), "{message}");
+        SphereModel::of(&model, Resolution::MaxProtrusion(invalid)).says("max_protrusion");
     }
     assert!(SphereModel::of(&model, Resolution::PerLink(0)).is_err());
 }

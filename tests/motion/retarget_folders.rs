@@ -8,6 +8,7 @@ use std::time::{Duration, SystemTime};
 use kinopt::motion::retarget::folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
 use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
+use support::fault_tables::ExpectedError;
 
 /// Folders of a test, removed at its end.
 struct Folders(PathBuf);
@@ -173,13 +174,10 @@ fn folder_without_a_valid_request_is_rejected() {
         fs::write(folders.out().join("retarget.json"), text).unwrap();
         let half = folders.out().join(".part.one.npz");
         fs::write(&half, "half").unwrap();
-        let refused = folders.find().begin(&query, false).unwrap_err();
-        assert!(
-            refused
-                .to_string()
-                .contains("has results of other settings"),
-            "{refused}"
-        );
+        folders
+            .find()
+            .begin(&query, false)
+            .says("has results of other settings");
         assert!(half.exists());
     }
 }

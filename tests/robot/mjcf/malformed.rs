@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
+use support::fault_tables::ExpectedError;
 
 fn fault(text: &str) -> (u32, String, ParseIssue) {
     match Robot::parse_mjcf(text, "robot.xml") {
@@ -218,13 +219,8 @@ fn fault_of_an_included_file_names_that_file() {
             ),
         ],
     );
-    let error = Robot::read_mjcf(folder.join("main.xml"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("part.xml:3: <body>: attribute `quat` has length zero"),
-        "{error}"
-    );
+    Robot::read_mjcf(folder.join("main.xml"))
+        .says("part.xml:3: <body>: attribute `quat` has length zero");
 }
 
 #[test]
@@ -254,11 +250,5 @@ fn cyclic_and_missing_includes_are_named() {
             "{error}"
         );
     }
-    let error = Robot::read_mjcf(folder.join("missing.xml"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("line 2") && error.contains("nowhere.xml"),
-        "{error}"
-    );
+    Robot::read_mjcf(folder.join("missing.xml")).says("line 2 | nowhere.xml");
 }

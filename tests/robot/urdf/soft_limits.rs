@@ -4,6 +4,7 @@
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Limits};
 use kinopt::robot::Robot;
+use support::fault_tables::ExpectedError;
 use support::random::Random;
 
 fn chain(safety: [&str; 3], elbow: &str) -> String {
@@ -80,15 +81,13 @@ fn empty_soft_limits_name_the_joint() {
     let beyond = "<safety_controller soft_lower_limit='3' soft_upper_limit='4'/>";
     let text = chain([beyond, "", ""], "");
     let robot = Robot::parse(&text, "soft.urdf").unwrap();
-    let error = robot.with_soft_limits().unwrap_err().to_string();
-    assert!(error.contains("`j0`"), "{error}");
+    robot.with_soft_limits().says("`j0`");
 }
 
 #[test]
 fn invalid_soft_limits_fail_unless_lenient() {
     let text = chain(["<safety_controller soft_lower_limit='low'/>", "", ""], "");
-    let error = Robot::parse(&text, "soft.urdf").unwrap_err().to_string();
-    assert!(error.contains("joint `j0`, <safety_controller>"), "{error}");
+    Robot::parse(&text, "soft.urdf").says("joint `j0`, <safety_controller>");
     let robot = Robot::reader().lenient().parse(&text, "soft.urdf").unwrap();
     assert_eq!(robot.repairs().len(), 1);
     assert_eq!(robot.soft_limits(robot.model().joint("j0").unwrap()), None);
