@@ -155,7 +155,7 @@ fn changed_search_equals_a_built_arm() {
         k: 0,
         distance: 0.1,
     });
-    assert!(error.unwrap_err().to_string().contains("distinct k"));
+    error.says("distinct k");
 }
 
 #[test]

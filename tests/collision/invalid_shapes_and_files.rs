@@ -167,14 +167,9 @@ fn mesh_open_by_rounding_is_closed_with_a_note() {
 fn placements_beyond_1e9_are_rejected() {
     let mut world = World::new();
     for coordinate in [1e300, -2e9, 1.1e9] {
-        let error = world
+        world
             .add_sphere("moon", 0.1, Vector3::new(coordinate, 0.0, 0.0))
-            .unwrap_err();
-        let message = error.to_string();
-        assert!(
-            message.contains("moon") && message.contains("1e9"),
-            "{message}"
-        );
+            .says("moon | 1e9");
     }
     world
         .add_sphere("moon", 0.1, Vector3::new(1e9, 0.0, 0.0))

@@ -6,6 +6,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::checked_arms::add_boxes;
+use support::fault_tables::ExpectedError;
 use support::random::{Random, cases};
 
 use crate::sphere_covers::one_link;
@@ -375,12 +376,7 @@ fn spheres_beyond_1e9_are_rejected() {
         ("0.05", "1e200"),
     ] {
         let text = CUROBO.replacen(from, to, 1);
-        let error = SphereModel::parse(text.as_bytes(), "franka.yml", &shapes).unwrap_err();
-        let error = error.to_string();
-        assert!(
-            error.contains("link `") && error.contains("sphere 0"),
-            "{error}"
-        );
+        SphereModel::parse(text.as_bytes(), "franka.yml", &shapes).says("link ` | sphere 0");
     }
     let urdf = "<robot name='r'><link name='hand'><collision><origin xyz='1e300 0 0'/><geometry><sphere radius='1'/></geometry></collision></link></robot>";
     assert!(SphereModel::parse(urdf.as_bytes(), "spheres.urdf", &shapes).is_err());

@@ -261,7 +261,7 @@ fn taken_clip_name_is_rejected_with_all_names() {
         &refused,
         Err(UnwritableScene::ClipNameTaken { .. })
     ));
-    assert!(refused.unwrap_err().to_string().contains("`bend`"));
+    refused.says("`bend`");
     assert_eq!(
         file.to_bytes().unwrap(),
         opened(&numbers.glb(&rest)).to_bytes().unwrap()

@@ -101,10 +101,5 @@ fn cyclic_groups_and_unfit_values_are_named() {
     );
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     Srdf::parse("<mujoco/>", "door.srdf", &robot).says("must be <robot>");
-    assert!(
-        Srdf::read("nowhere.srdf", &robot)
-            .unwrap_err()
-            .to_string()
-            .contains("nowhere.srdf")
-    );
+    Srdf::read("nowhere.srdf", &robot).says("nowhere.srdf");
 }

@@ -6,6 +6,7 @@ use kinopt::Arm;
 use kinopt::model::{JointId, Limits};
 use kinopt::robot::Robot;
 use support::arms::robot;
+use support::fault_tables::ExpectedError;
 use support::planar_arm;
 
 const LIMITS: &str = "
@@ -184,10 +185,5 @@ fn errors_name_the_line() {
         assert!(error.contains(expected), "{text:?}: {error}");
     }
     let missing = robot("franka_panda").with_joint_limits("no/such/file.yaml");
-    assert!(
-        missing
-            .unwrap_err()
-            .to_string()
-            .contains("no/such/file.yaml")
-    );
+    missing.says("no/such/file.yaml");
 }

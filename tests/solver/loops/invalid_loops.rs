@@ -216,8 +216,7 @@ fn unclosable_loops_are_named() {
         (vec![4.1, 0.0, 0.0], "joint `crank` cannot be locked at 4.1"),
     ] {
         let mut given = q.clone();
-        let error = closure.close(&mut given).unwrap_err().to_string();
-        assert!(error.contains(reported), "{error}");
+        closure.close(&mut given).says(reported);
         assert_eq!(format!("{given:?}"), format!("{q:?}"));
     }
     assert!(closure.gaps(&[0.0; 2]).is_err() && closure.gaps(&[f64::NAN; 3]).is_err());
