@@ -4,9 +4,10 @@
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, ArmatureBone, EulerPoseMap, LocalTransform, Pose, ReachLayer};
+use kinopt::animation::{Armature, ArmatureBone, EulerPoseMap, LocalTransform, ReachLayer};
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
+use support::armatures::model_transforms;
 use support::random::Random;
 
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
@@ -28,12 +29,6 @@ fn armature(bones: usize, random: &mut Random) -> Armature {
         });
     }
     Armature::new(made, Vec::new()).unwrap()
-}
-
-fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
-    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
-    armature.local_to_model(pose, &mut model_from_bone).unwrap();
-    model_from_bone
 }
 
 #[test]

@@ -9,12 +9,8 @@ use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::simd_ik::{LaneOptions, PoseSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{panda, robot, within_limits};
+use support::path_steps::largest_difference;
 use support::random::{Random, case_count};
-
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
 
 /// A target 2 cm away with no time: the result is near the start, not at a seed.
 #[test]
@@ -28,7 +24,7 @@ fn interrupted_search_stays_near_the_start() {
         let mut target = arm.base_from_tool(&start).unwrap();
         target.translation += Vector3::new(0.0, 0.012, 0.016);
         let solution = arm.solve(target, &start).unwrap();
-        let moved = longest(&solution.q, &start);
+        let moved = largest_difference(&solution.q, &start);
         assert!(
             solution.reached || moved < 0.5,
             "{moved} {}",

@@ -398,21 +398,6 @@ fn seeds_reproduce_and_vary_results() {
 }
 
 #[test]
-fn attempts_stay_within_the_limit() {
-    for attempts in [1, 3, 20] {
-        let arm = builder().with_attempts(attempts).build().unwrap();
-        let mut random = Random::split_mix(48);
-        for _ in 0..10 {
-            let target = placement(&base_from_tip(&random.configuration(&arm)));
-            let start = random.configuration(&arm);
-            let solution = arm.solve(target, &start).unwrap();
-            let made = solution.attempts;
-            assert!((1..=attempts as usize).contains(&made), "{made}");
-        }
-    }
-}
-
-#[test]
 fn option_out_of_range_is_named() {
     let (nan, inf) = (f64::NAN, f64::INFINITY);
     let b = builder;

@@ -7,7 +7,7 @@
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{distance, robot};
-use support::path_steps::longest;
+use support::path_steps::largest_difference;
 use support::random::{Random, case_count, cases};
 use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
@@ -107,7 +107,7 @@ fn recorded_steps_from_limits_stay_near() {
         assert!(searches.check(target, &start, true, file), "{file}");
         let arms = [&searches.first_attempt, &searches.start, &searches.nearest];
         for arm in arms {
-            let moved = longest(&arm.solve(target, &start).unwrap().q, &start);
+            let moved = largest_difference(&arm.solve(target, &start).unwrap().q, &start);
             assert!(moved < 5e-3, "{file}: {moved}");
         }
     }

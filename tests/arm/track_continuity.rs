@@ -10,6 +10,7 @@ use kinopt::arm::{Arm, Track};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
 use support::arms::{apart, base_from_tip, robot, within_limits};
+use support::path_steps::largest_difference;
 use support::random::{Random, case_count, few};
 
 const STEPS: usize = 300;
@@ -42,23 +43,19 @@ fn path(arm: &Arm, random: &mut Random, legs: usize, margin: f64) -> Vec<Vec<f64
     path
 }
 
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
 /// Steps in which a joint moves more than 0.2 rad, with that displacement.
 pub(crate) fn far_steps(track: &Track) -> Vec<(usize, f64)> {
     let steps = track.solutions.windows(2).enumerate();
-    let moves = steps.map(|(step, ends)| (step + 1, longest(&ends[0].q, &ends[1].q)));
+    let moves = steps.map(|(step, ends)| (step + 1, largest_difference(&ends[0].q, &ends[1].q)));
     moves.filter(|(_, moved)| *moved > 0.2).collect()
 }
 
 /// Steps that flip.
 fn flips(joint_path: &[Vec<f64>], track: &Track) -> Vec<usize> {
     let steps = joint_path.windows(2).zip(track.solutions.windows(2));
-    let excess =
-        steps.map(|(pair, ours)| longest(&ours[0].q, &ours[1].q) - longest(&pair[0], &pair[1]));
+    let excess = steps.map(|(pair, ours)| {
+        largest_difference(&ours[0].q, &ours[1].q) - largest_difference(&pair[0], &pair[1])
+    });
     let jumps = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
     jumps.map(|(step, _)| step + 1).collect()
 }
@@ -390,6 +387,10 @@ fn far_step_follows_the_straight_line() {
         let target = arm.base_from_tool(&to).unwrap();
         let jump = follower.advance(target, &mut solution).unwrap().unwrap();
         assert!(solution.reached && jump.continuous, "{jump:?}");
-        assert!(longest(&solution.q, &to) < 1e-4, "{:?}", solution.q);
+        assert!(
+            largest_difference(&solution.q, &to) < 1e-4,
+            "{:?}",
+            solution.q
+        );
     }
 }

@@ -9,6 +9,7 @@ use kinopt::arm::Arm;
 use kinopt::spatial::Placement;
 use support::arms::{robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
+use support::path_steps::largest_difference;
 use support::random::{Random, case_count, few};
 
 /// Counts of one way to follow a line.
@@ -21,17 +22,12 @@ struct Counts {
     unreached_jumps: usize,
 }
 
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
 impl Counts {
     fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
         assert!(within_limits(arm, &to.q));
         self.steps += 1;
         self.missed += usize::from(!to.reached);
-        let is_jump = longest(from, &to.q) > 0.2;
+        let is_jump = largest_difference(from, &to.q) > 0.2;
         self.jumps += usize::from(is_jump);
         self.unreached_jumps += usize::from(is_jump && !to.reached);
     }
@@ -138,7 +134,7 @@ fn count_returns(rest: usize) -> (usize, usize) {
                 continue;
             }
             free += 1;
-            let distance = longest(&track[track.len() - 1].q, &track[0].q);
+            let distance = largest_difference(&track[track.len() - 1].q, &track[0].q);
             on_other_branch += usize::from(distance > 1e-3);
         }
     }

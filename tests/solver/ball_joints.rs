@@ -85,7 +85,7 @@ fn no_solution_violates_a_limit() {
     }
 }
 
-fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
+pub(crate) fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
     let problem = &problem.clone().with_derivatives(route);
     let mut scratch = problem.scratch();
     let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);

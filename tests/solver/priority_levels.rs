@@ -110,32 +110,6 @@ fn lower_level_is_stationary_within_the_first() {
 }
 
 #[test]
-fn attempts_stay_within_the_limit() {
-    let mut missed = 0;
-    for seed in 0..6 {
-        let conflict = Conflict::new(seed);
-        let first: Add<'_> = &|builder| {
-            builder.add(conflict.tool());
-        };
-        let second: Add<'_> = &|builder| {
-            builder.add(Task::new(conflict.elbow()).at_level(1));
-        };
-        for limit in [1, 2, 7] {
-            let solver = Solver::default().with_restarts(Restarts::default().with_attempts(limit));
-            let both = conflict.problem(&[first, second]);
-            let solution = solver.solve_once(&both, &conflict.start).unwrap();
-            assert!(
-                (1..=limit).contains(&solution.attempts),
-                "{}",
-                solution.explain()
-            );
-            missed += usize::from(!solution.reached);
-        }
-    }
-    assert!(missed > 6, "hardly anything conflicts");
-}
-
-#[test]
 fn lower_level_does_not_increase_a_miss() {
     let mut gained = 0;
     for seed in 0..case_count(40, 3) as u64 {

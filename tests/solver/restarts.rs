@@ -246,47 +246,6 @@ fn miss_costs_as_much_as_a_few_attempts() {
     }
 }
 
-#[test]
-fn marginally_better_restart_is_ignored() {
-    // Two arms on one trunk with unreachable targets to the left and right: mirror images.
-    use kinopt::spatial::{Placement, Vector3};
-    let mut builder = Model::builder("two arms");
-    let [x, y, z] = Vector3::UNITS;
-    let limits = kinopt::model::Limits::new(-1.5, 1.5);
-    let origin = Placement::identity();
-    let trunk = builder.revolute("trunk", None, origin, z, limits);
-    let chest = builder.revolute("chest", Some(trunk), Placement::translation(y), z, limits);
-    let mut tips = Vec::new();
-    for (side, out) in [("left", -x), ("right", x)] {
-        let at = Placement::translation(out * 0.2);
-        let upper = builder.revolute(format!("{side} shoulder"), Some(chest), at, z, limits);
-        let at = Placement::translation(out);
-        let fore = builder.revolute(format!("{side} elbow"), Some(upper), at, z, limits);
-        tips.push(builder.frame(side, Some(fore), at));
-    }
-    let model = builder.build().unwrap();
-    for height in [0.5, 1.0, 2.0, 4.0] {
-        let mut tasks = Problem::builder(&model);
-        for (&tip, side) in tips.iter().zip([-1.0, 1.0]) {
-            tasks.add(Point::new(tip, [3.0 * side, height, 0.0]));
-        }
-        let problem = tasks.build().unwrap();
-        for seed in 0..4 {
-            let restarts = Restarts::default().with_seed(seed);
-            let solver = Solver::default().with_restarts(restarts);
-            let q = solver.solve_once(&problem, &[0.0; 6]).unwrap().q;
-            for (what, sum) in [
-                ("trunk", q[0]),
-                ("chest", q[1]),
-                ("shoulders", q[2] + q[4]),
-                ("elbows", q[3] + q[5]),
-            ] {
-                assert!(sum.abs() < 1e-3, "{height}, {seed}: {what} {sum}, {q:?}");
-            }
-        }
-    }
-}
-
 /// Both elbow branches are equally near an out-of-plane target; the start's branch is kept.
 #[test]
 fn earliest_of_equal_misses_is_kept() {

@@ -2,7 +2,7 @@
 
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Limits, Model};
-use kinopt::robot::Robot;
+use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -123,4 +123,10 @@ pub fn planar_with_hand(shoulder: Limits) -> Arm {
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     arm.build().unwrap()
+}
+
+/// The shipped NAO with a free base.
+pub fn floating_nao() -> Robot {
+    let nao = robot("aldebaran_nao");
+    nao.with_base_joint(BaseJoint::FREE).unwrap()
 }

@@ -99,3 +99,14 @@ pub fn add_boxes(world: &mut World, random: &mut Random) {
         added.unwrap();
     }
 }
+
+/// The Panda with a world and collision shapes alone, without spheres.
+pub fn panda_in(world: &World) -> Arm {
+    let robot = robot("franka_panda");
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
+    let checker = Checker::new(bodies).with_world(world).unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let rest = vec![0.0; robot.model().configuration_len()];
+    arm.with_checker(&checker, &rest).unwrap()
+}

@@ -2,22 +2,13 @@
 //! short and names the obstacle, and the arm returns with the path.
 
 use kinopt::arm::{Arm, ServoStatus};
-use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::collision::World;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{distance, robot};
+use support::arms::distance;
+use support::checked_arms::panda_in;
 use support::random::cases;
 
 const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
-
-fn panda(world: &World) -> Arm {
-    let robot = robot("franka_panda");
-    let bodies = CollisionModel::of(&robot).unwrap();
-    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-    let checker = Checker::new(bodies).with_world(world).unwrap();
-    let arm = Arm::new(&robot, "base", "flange").unwrap();
-    let rest = vec![0.0; robot.model().configuration_len()];
-    arm.with_checker(&checker, &rest).unwrap()
-}
 
 /// From the tool's pose to the side and back, in `steps` steps each.
 fn out_and_back(arm: &Arm, offset: Vector3<f64>, steps: usize) -> Vec<Placement<f64>> {
@@ -56,9 +47,9 @@ fn wall(arm: &Arm, gap: f64) -> World {
 
 #[test]
 fn path_into_a_wall_stops_and_returns() {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     for case in cases(10, 2) {
-        let arm = panda(&wall(&alone, 0.16 + 0.01 * case as f64));
+        let arm = panda_in(&wall(&alone, 0.16 + 0.01 * case as f64));
         let path = out_and_back(&arm, Vector3::new(0.0, 0.3, 0.0), 60);
         let track = arm.track(&path, &Q).unwrap();
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
@@ -82,8 +73,8 @@ fn path_into_a_wall_stops_and_returns() {
 
 #[test]
 fn servo_stops_at_a_wall_and_leaves_it() {
-    let alone = panda(&World::new());
-    let arm = panda(&wall(&alone, 0.18));
+    let alone = panda_in(&World::new());
+    let arm = panda_in(&wall(&alone, 0.18));
     let path = out_and_back(&arm, Vector3::new(0.0, 0.3, 0.0), 60);
     let mut servo = arm.servo(&Q, 0.01).unwrap();
     let (mut last, mut blocked) = (Q.to_vec(), 0);
@@ -99,14 +90,14 @@ fn servo_stops_at_a_wall_and_leaves_it() {
 
 /// A table whose top is `deep` metres above the lowest point of the arm; the arm, and a path straight up.
 fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     let mut near = World::new();
     let tool = alone.base_from_tool(&Q).unwrap();
     let top = Vector3::new(0.0, 0.0, -0.5);
     near.add_box("table", [0.4, 0.4, 1.0], tool.translation + top)
         .unwrap();
     // Height of the table from the initial contacts.
-    let touching = panda(&near).collisions(&Q).unwrap();
+    let touching = panda_in(&near).collisions(&Q).unwrap();
     let touching = touching.iter().map(|pair| pair.distance);
     let depth = touching.fold(0.0, f64::min);
     near.move_to(
@@ -114,7 +105,7 @@ fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
         tool.translation + top + Vector3::new(0.0, 0.0, depth + deep),
     )
     .unwrap();
-    let arm = panda(&World::new()).with_world(&near, margin).unwrap();
+    let arm = panda_in(&World::new()).with_world(&near, margin).unwrap();
     let path = (0..=100).map(|k| {
         let up = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
         Placement::new(tool.rotation, tool.translation + up)

@@ -8,18 +8,9 @@ use kinopt::motion::path::{CartesianPath, MissReason, PathError, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
+use support::checked_arms::panda_in;
 
 const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
-
-fn panda(world: &World) -> Arm {
-    let robot = robot("franka_panda");
-    let bodies = CollisionModel::of(&robot).unwrap();
-    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-    let checker = Checker::new(bodies).with_world(world).unwrap();
-    let arm = Arm::new(&robot, "base", "flange").unwrap();
-    let rest = vec![0.0; robot.model().configuration_len()];
-    arm.with_checker(&checker, &rest).unwrap()
-}
 
 fn sideways(arm: &Arm, steps: u32) -> Vec<Placement<f64>> {
     let begin = arm.base_from_tool(&Q).unwrap();
@@ -40,7 +31,7 @@ fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
 
 #[test]
 fn elbow_avoids_an_obstacle() {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     let points = sideways(&alone, 60);
     let path = CartesianPath::new(points).unwrap();
     let plain = PathSolver::new(&alone).solve(&path).unwrap();
@@ -50,7 +41,7 @@ fn elbow_avoids_an_obstacle() {
     world
         .add_sphere("ball", 0.08, Vector3::new(-0.25, 0.0, 0.65))
         .unwrap();
-    let arm = panda(&world);
+    let arm = panda_in(&world);
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     assert!(solution.missed.is_empty() && solution.blocked.is_empty());
     let rows: Vec<&[f64]> = solution.rows().collect();
@@ -66,7 +57,7 @@ fn elbow_avoids_an_obstacle() {
 /// A path does not begin or end in a given configuration that is in collision.
 #[test]
 fn end_in_collision_is_rejected() {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     let path = CartesianPath::new(sideways(&alone, 2)).unwrap();
     let rows = PathSolver::new(&alone).solve(&path).unwrap();
     let ends = [rows.rows().next().unwrap(), rows.rows().last().unwrap()];
@@ -74,7 +65,7 @@ fn end_in_collision_is_rejected() {
     world
         .add_sphere("ball", 0.3, Vector3::new(0.0, 0.0, 0.8))
         .unwrap();
-    let arm = panda(&world);
+    let arm = panda_in(&world);
     for end in ends {
         assert!(!arm.collisions(end).unwrap().is_empty());
     }
@@ -191,12 +182,12 @@ fn shapes_decide_where_spheres_touch() {
 
 #[test]
 fn unavoidable_contact_is_reported() {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     let points = sideways(&alone, 60);
     let middle = points[30].translation;
     let mut world = World::new();
     world.add_sphere("stone", 0.02, middle).unwrap();
-    let arm = panda(&world);
+    let arm = panda_in(&world);
     let path = CartesianPath::new(points).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     let at_stone = solution
@@ -221,7 +212,7 @@ fn unavoidable_contact_is_reported() {
 /// points between those at which branches are compared.
 #[test]
 fn reported_contacts_have_no_easily_found_solution() {
-    let alone = panda(&World::new());
+    let alone = panda_in(&World::new());
     let points = sideways(&alone, 300);
     let path = CartesianPath::new(points.clone()).unwrap();
     let plain = PathSolver::new(&alone).solve(&path).unwrap();
@@ -241,7 +232,7 @@ fn reported_contacts_have_no_easily_found_solution() {
         let at = placed[link.index()].translation + direction * (0.07 + 0.04 * random.unit());
         let mut world = World::new();
         world.add_sphere("ball", 0.01, at).unwrap();
-        let arm = panda(&world);
+        let arm = panda_in(&world);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         for missed in &solution.missed {
             reported += 1;

@@ -8,7 +8,7 @@ use kinopt::arm::Track;
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
-use support::path_steps::longest;
+use support::path_steps::largest_difference;
 use support::random::{Random, case_count};
 use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
@@ -147,7 +147,7 @@ fn closed_paths_from_a_start_need_no_reconfiguration() {
             points.extend(path.points().iter().rev().skip(1).copied());
             let track = arm.track(&points, &start).unwrap();
             let end = track.solutions.last().map(|last| last.q.clone()).unwrap();
-            if rank(&track) != (0, 0) || longest(&end, &start) > 0.1 {
+            if rank(&track) != (0, 0) || largest_difference(&end, &start) > 0.1 {
                 continue;
             }
             followed += 1;

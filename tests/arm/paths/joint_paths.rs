@@ -12,7 +12,7 @@ use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
 use support::arms::{apart, base_from_tip, robot, within_limits};
 use support::follower_chains::follower_chain;
-use support::path_steps::{is_led, longest};
+use support::path_steps::{is_led, largest_difference};
 use support::random::{Random, case_count, few};
 
 /// A smooth joint motion through three random configurations, with `steps` points from one to the next.
@@ -69,7 +69,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
-            let is_jump = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
+            let is_jump = largest_difference(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
             is_jump && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
         assert_eq!(untold, None, "{name} {case}: {reported:?}");
@@ -176,7 +176,7 @@ fn jump_within_a_self_motion_is_distributed() {
         let rows: Vec<&[f64]> = solution.rows().collect();
         assert!(
             rows.windows(2)
-                .all(|pair| longest(pair[0], pair[1]) <= 0.2 + 1e-9)
+                .all(|pair| largest_difference(pair[0], pair[1]) <= 0.2 + 1e-9)
         );
     }
 }

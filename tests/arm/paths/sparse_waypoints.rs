@@ -9,7 +9,7 @@ use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
-use support::path_steps::{is_led, longest};
+use support::path_steps::{is_led, largest_difference};
 use support::random::{Random, case_count, few};
 
 /// A straight segment of at most 35 cm with a rotation of at most 1.5 rad, from a random pose.
@@ -93,7 +93,7 @@ fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usiz
                 .reconfigurations
                 .iter()
                 .any(|reported| reported.index == row);
-            let short = longest(steps[0], steps[1]) <= 0.2 + 1e-9;
+            let short = largest_difference(steps[0], steps[1]) <= 0.2 + 1e-9;
             assert!(
                 reported || short || is_led(&arm, [points[row - 1], points[row]], steps),
                 "{name} {case}: {row}"

@@ -8,6 +8,7 @@ use kinopt::model::Limits;
 use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot, with_endless_joint};
+use support::path_steps::largest_difference;
 
 fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
     let point = |k: u32| {
@@ -16,11 +17,6 @@ fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64
         Placement::new(begin.rotation, begin.translation + offset)
     };
     (0..points).map(point).collect()
-}
-
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
 }
 
 #[test]
@@ -43,7 +39,7 @@ fn cyclic_path_ends_where_it_begins() {
         );
         let rows: Vec<&[f64]> = solution.rows().collect();
         assert_eq!(rows.len(), 100);
-        assert!(longest(rows[99], rows[0]) < 0.1, "{name}");
+        assert!(largest_difference(rows[99], rows[0]) < 0.1, "{name}");
         let from_there = PathSolver::new(&arm).with_start(&q).solve(&path).unwrap();
         assert_eq!(from_there.rows().next().unwrap(), q);
         assert!(from_there.is_whole(), "{name}");
@@ -231,7 +227,7 @@ fn motion_to_a_given_end_is_distributed() {
         let rows: Vec<&[f64]> = solution.rows().collect();
         let steps: Vec<f64> = rows
             .windows(2)
-            .map(|pair| longest(pair[0], pair[1]))
+            .map(|pair| largest_difference(pair[0], pair[1]))
             .collect();
         assert_eq!((rows[0], rows[count]), (&start[..], &end[..]));
         assert!(solution.is_whole());
@@ -312,7 +308,7 @@ fn joint_without_limits_never_rewinds() {
         // The step from the last point to the first is as long as the others.
         let gone = rows[99][5] - rows[0][5];
         assert!((gone.abs() - 0.99 * TAU).abs() < 1e-3, "{gone}");
-        assert!(longest(&rows[99][..5], &rows[0][..5]) < 1e-3);
+        assert!(largest_difference(&rows[99][..5], &rows[0][..5]) < 1e-3);
     }
 }
 

@@ -21,6 +21,8 @@ use support::figures::Figure;
 use support::random::Random;
 use support::{placement, vector};
 
+use crate::ball_joints::jacobian;
+
 /// Masses on every frame, heavier towards the tips.
 fn masses_of(figure: &Figure) -> Masses {
     let parts = figure.frames.iter().enumerate();
@@ -30,14 +32,6 @@ fn masses_of(figure: &Figure) -> Masses {
         mass: 1.0 + k as f64,
     });
     Masses::new(&figure.model, parts).unwrap()
-}
-
-fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
-    let problem = &problem.clone().with_derivatives(route);
-    let mut scratch = problem.scratch();
-    let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
-    Evaluation::new(problem, &mut scratch).jacobian(x, &mut jacobian);
-    jacobian
 }
 
 type Add<'a> = (&'static str, Box<dyn Fn(&mut ProblemBuilder<'_>) + 'a>);
