@@ -7,11 +7,11 @@ use kinopt::collision::{
 };
 use kinopt::ik::Drag;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
-use support::arms::robot;
+use support::arms::{floating_nao, robot};
 use support::fault_tables::ExpectedError;
 use support::random::{Random, cases};
 
@@ -287,8 +287,7 @@ fn permissions_do_not_depend_on_insertion_order() {
 /// A robot on its feet: its clearance, solver and drag ignore the floor under them.
 #[test]
 fn robot_stands_in_a_floor_its_feet_may_touch() {
-    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let robot = floating_nao();
     let model = robot.model();
     let rest = model.neutral();
     let mut kinematics = ForwardKinematics::new(model);

@@ -3,15 +3,16 @@
 
 use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::{Drag, Restarts, crouched_configuration};
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Loop, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, TaskId};
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Posture, Task};
 use kinopt::{Problem, Solver, Workspace};
+use support::arms::floating_nao;
+use support::bones::humanoid;
 use support::fault_tables::ExpectedError;
 use support::random::{Random, cases};
 
@@ -25,8 +26,7 @@ struct Nao {
 
 impl Nao {
     fn standing() -> Self {
-        let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let robot = floating_nao();
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|foot| model.frame(foot).unwrap());
         let up = Vector3::UNITS[2];
@@ -422,7 +422,7 @@ fn checker_of_another_model_is_rejected() {
 
 #[test]
 fn characters_hand_stops_at_its_belly() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let skeleton = &rig.skeleton;
     let checker = Checker::new(CollisionModel::of_skin(skeleton, mesh, weights).unwrap());

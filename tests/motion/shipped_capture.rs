@@ -4,7 +4,7 @@
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::ContactDetection;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
-use kinopt::robot::{BaseJoint, Robot};
+use support::arms::floating_nao;
 use support::fault_tables::ExpectedError;
 
 /// A NAO is a third as tall as the subject, so its speed limit in contact is a third as well.
@@ -12,8 +12,7 @@ const MAX_CONTACT_SPEED: f64 = 0.06;
 
 #[test]
 fn capture_of_steps_is_retargeted_to_the_nao() {
-    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let robot = floating_nao();
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     assert_eq!(read.frames, 181);
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();

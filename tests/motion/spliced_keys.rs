@@ -6,6 +6,7 @@ use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{Armature, Channel, Clip, EulerCurve};
 use kinopt::motion::clip_ik::{ClipIk, Reach};
+use support::bones::humanoid;
 
 use crate::clip_ik::{figure, pose};
 
@@ -192,8 +193,7 @@ fn limits_of_a_skeleton_are_kept() {
 /// A rig whose root is rotated in its clip reaches equally, relative to its root.
 #[test]
 fn rig_with_a_rotated_root_reaches_equally() {
-    use kinopt::io::rig::Rig;
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let armature = Armature::of_skeleton(&rig.skeleton);
     let id = |name: &str| armature.bone(name).unwrap();
     let (root, hand) = (id("pelvis"), id("right_hand"));

@@ -3,13 +3,13 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Drag;
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::TaskId;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture};
 use kinopt::{Problem, Solver};
+use support::bones::humanoid;
 use support::random::{Random, case_count};
 
 /// Skeleton with a dragged left hand and its other tips pinned.
@@ -25,7 +25,7 @@ struct Scene {
 
 impl Scene {
     fn new() -> Self {
-        let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+        let rig = humanoid();
         let (model, rest) = (rig.skeleton.model(), rig.skeleton.model().neutral());
         let hand = rig.skeleton.bone("left_hand").unwrap();
         let tips: Vec<FrameId> = (rig.constrained.iter())

@@ -4,17 +4,15 @@
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::robot::{BaseJoint, Robot};
 use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver, Workspace};
+use support::arms::floating_nao;
 use support::random::{Random, case_count};
 
 /// Hands and feet at a random configuration, and a posture far from it, so that joints reach limits.
 #[test]
 fn robot_postures_on_limits_are_stationary() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
-    let robot = Robot::read(file).unwrap();
-    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let robot = floating_nao();
     let model = robot.model();
     let ends = ["left_sole", "right_sole", "left_hand", "right_hand"];
     let ends = ends.map(|name| model.frame(name).unwrap());

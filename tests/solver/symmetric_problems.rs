@@ -8,17 +8,10 @@ use kinopt::problem::{Problem, TaskId};
 use kinopt::skeleton::Skeleton;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Quantity};
+use support::bones::humanoid;
 
 /// Largest allowed difference of the two sides, metres, from the tolerance and flat directions.
 const SYMMETRY_TOLERANCE: f64 = 1e-3;
-
-fn humanoid() -> Rig {
-    let models = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
-    Rig::read(models).unwrap()
-}
 
 /// All tips pinned, and the tasks of the two hands.
 fn problem(rig: &Rig, start: &[f64]) -> (Problem, [TaskId<Point>; 2]) {

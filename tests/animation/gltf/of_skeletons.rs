@@ -3,12 +3,12 @@
 
 use kinopt::animation::{Clip, Cursor, Playback};
 use kinopt::io::gltf::{self, Scene, ScenePosing, WriteOptions};
-use kinopt::io::rig::Rig;
 use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
+use support::bones::humanoid;
 
 #[test]
 fn skin_of_the_scene_moves_as_that_of_the_rig() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
     // Morph targets that are added later use the armature's first weights.
@@ -61,7 +61,7 @@ fn skin_of_the_scene_moves_as_that_of_the_rig() {
 
 #[test]
 fn skeleton_without_mesh_is_a_scene() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let scene = Scene::of_skeleton(&rig.skeleton, None).unwrap();
     let bytes = gltf::to_bytes(&scene, &WriteOptions::default()).unwrap();
     let again = gltf::from_bytes(&bytes, "bones.glb", |_| unreachable!()).unwrap();

@@ -5,14 +5,11 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use kinopt::animation::{Armature, EulerPoseMap};
-use kinopt::io::rig::{Rig, RigPosing, RigPosingError};
+use kinopt::io::rig::{RigPosing, RigPosingError};
 use kinopt::skinning::{MeshWeights, PosedVertices, SkinningMethod, single_precision_transform};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
-
-fn humanoid() -> Rig {
-    Rig::read("../models/humanoid/humanoid.json").unwrap()
-}
+use support::bones::humanoid;
 
 #[test]
 fn solution_poses_the_mesh() {

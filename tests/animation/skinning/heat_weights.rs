@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Vec3};
-use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, HeatWeights, SkinWeights};
 use nalgebra::{DMatrix, DVector};
+use support::bones::humanoid;
 use support::random::Random;
 use support::skins::{closed_tube, steepest};
 
@@ -356,11 +356,7 @@ fn weights_are_unit_invariant() {
 /// The humanoid: limbs follow their own bones, and no weight jumps along an edge.
 #[test]
 fn humanoid_weights_are_smooth_and_local() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
-    let rig = Rig::read(path).unwrap();
+    let rig = humanoid();
     let (mesh, given) = (rig.mesh.unwrap(), rig.weights.unwrap());
     let made = HeatWeights::default()
         .for_skeleton(&mesh, &rig.skeleton)

@@ -6,13 +6,13 @@ use std::ops::ControlFlow;
 use kinopt::Problem;
 use kinopt::geometric::{Fabrik, Geometric, Span, fabrik};
 use kinopt::ik::Restarts;
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::Model;
 use kinopt::solver::{Iteration, Termination};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Task};
 use nalgebra as na;
+use support::bones::humanoid;
 use support::random::Random;
 use support::{planar_arm, vector};
 
@@ -326,19 +326,11 @@ fn success_with_a_higher_cost_is_returned() {
     assert!(costs[solution.iterations] > costs[0]);
 }
 
-fn humanoid() -> Rig {
-    Rig::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    ))
-    .unwrap()
-}
-
 /// A joint that several bones share moves to the mean of their positions, for any placement of the skeleton. A few
 /// passes give equal angles here and five metres away.
 #[test]
 fn placed_skeleton_bends_equally() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let displacement = Vector3::new(3.0, -4.0, 1.0);
     let placement = kinopt::spatial::Placement::translation(displacement);
     let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {

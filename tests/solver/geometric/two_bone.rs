@@ -3,13 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Orientation, Point, Ray};
 use kinopt::{Problem, Solution};
 use nalgebra as na;
+use support::bones::humanoid;
 use support::fault_tables::ExpectedError;
 use support::random::Random;
 use support::{planar_arm, planar_tip, vector};
@@ -167,11 +167,7 @@ fn arm_on_a_rotating_base_is_solved() {
 /// its elbow.
 #[test]
 fn rig_limb_follows_its_pole() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
-    let rig = Rig::read(path).unwrap();
+    let rig = humanoid();
     let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
     let limits: Vec<Limits> = model.limits().collect();
     let limbs = [
