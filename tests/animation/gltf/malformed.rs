@@ -17,9 +17,9 @@ fn changed(from: &str, to: &str) -> String {
 }
 
 #[track_caller]
-fn says(error: &str, words: &[&str]) {
+fn says(error: &str, words: &str) {
     assert!(error.contains("own.gltf"), "{error}");
-    for word in words {
+    for word in words.split(" | ") {
         assert!(error.contains(word), "no {word} in {error}");
     }
 }
@@ -76,10 +76,10 @@ fn faults_are_named() {
 #[test]
 fn document_errors_are_named() {
     let versions = |to: &str| changed(r#""version":"2.0""#, to);
-    says(&versions(r#""version":"1.0""#), &["asset", "1.0", "2.0"]);
-    says(&versions(r#""version":"2.1","minVersion":"2.1""#), &["2.1"]);
+    says(&versions(r#""version":"1.0""#), "asset | 1.0 | 2.0");
+    says(&versions(r#""version":"2.1","minVersion":"2.1""#), "2.1");
     assert_eq!(versions(r#""version":"2.1","minVersion":"2.0""#), "");
-    says(&versions(r#""version":2"#), &["asset.version"]);
+    says(&versions(r#""version":2"#), "asset.version");
     let extension = |name: &str| {
         versions(&format!(
             r#""version":"2.0"}},"extensionsRequired":["{name}"],"x":{{"#
@@ -87,20 +87,16 @@ fn document_errors_are_named() {
     };
     says(
         &extension("KHR_draco_mesh_compression"),
-        &[
-            "extensionsRequired[0]",
-            "`KHR_draco_mesh_compression`",
-            "KHR_mesh_quantization",
-        ],
+        "extensionsRequired[0] | `KHR_draco_mesh_compression` | KHR_mesh_quantization",
     );
     assert_eq!(extension("KHR_texture_transform"), "");
     for rubbish in [&b""[..], b"rubbish", b"[1]"] {
         says(
             &read(rubbish).unwrap_err().to_string(),
-            &["not a glTF file", "no JSON object"],
+            "not a glTF file | no JSON object",
         );
     }
-    says(&read(b"{}").unwrap_err().to_string(), &["asset"]);
+    says(&read(b"{}").unwrap_err().to_string(), "asset");
 }
 
 #[test]
@@ -112,12 +108,12 @@ fn container_errors_are_named() {
         bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
         read(&bytes).unwrap_err().to_string()
     };
-    says(&with(4, 1), &["byte 4", "version 1"]);
+    says(&with(4, 1), "byte 4 | version 1");
     // Shorter than its own header.
-    says(&with(8, 4), &["JSON"]);
-    says(&with(8, u32::MAX), &["byte 8", "4294967295"]);
-    says(&with(12, u32::MAX), &["byte 12", "4294967295"]);
-    says(&with(16, 7), &["no JSON chunk"]);
+    says(&with(8, 4), "JSON");
+    says(&with(8, u32::MAX), "byte 8 | 4294967295");
+    says(&with(12, u32::MAX), "byte 12 | 4294967295");
+    says(&with(16, 7), "no JSON chunk");
     // A chunk of another kind is skipped, at any position.
     let mut longer = good.clone();
     longer.extend([4, 0, 0, 0, b'A', b'B', b'C', b'D', 1, 2, 3, 4]);
@@ -141,19 +137,16 @@ fn buffer_errors_are_named() {
         let text = format!("{}{uri}{}", &text[..start], &text[end..]);
         read(text.as_bytes()).unwrap_err().to_string()
     };
-    says(&with("data:,abc"), &["buffers[0].uri", "base64"]);
-    says(&with("data:;base64,a*b"), &["buffers[0].uri", "base64"]);
+    says(&with("data:,abc"), "buffers[0].uri | base64");
+    says(&with("data:;base64,a*b"), "buffers[0].uri | base64");
     says(
         &with("data:;base64,AAAA"),
-        &["buffers[0].byteLength", "3 are left"],
+        "buffers[0].byteLength | 3 are left",
     );
-    says(
-        &with("https://example.org/a.bin"),
-        &["is not a relative URI"],
-    );
+    says(&with("https://example.org/a.bin"), "is not a relative URI");
     says(
         &with("legs%20and%20arms.bin"),
-        &["buffers[0].uri", "legs and arms.bin"],
+        "buffers[0].uri | legs and arms.bin",
     );
     let opened = |file: &str| {
         assert_eq!(file, "a b.bin");
@@ -164,7 +157,7 @@ fn buffer_errors_are_named() {
     let error = gltf::from_bytes(text.as_bytes(), "own.gltf", opened).unwrap_err();
     says(
         &error.to_string(),
-        &["accessors[6].sparse.indices", "`tube`", "increase"],
+        "accessors[6].sparse.indices | `tube` | increase",
     );
 }
 
@@ -173,15 +166,15 @@ fn node_errors_are_named() {
     let child = r#""name":"upper","#;
     says(
         &changed(child, r#""name":"upper","children":[9],"#),
-        &["nodes[0].children[0]", "node 9", "0 to 3"],
+        "nodes[0].children[0] | node 9 | 0 to 3",
     );
     says(
         &changed(child, r#""name":"upper","children":[1],"#),
-        &["node `lower`", "`upper`"],
+        "node `lower` | `upper`",
     );
     says(
         &changed(child, r#""name":"upper","children":[3],"#),
-        &["below itself"],
+        "below itself",
     );
 }
 
@@ -198,14 +191,9 @@ fn skin_and_mesh_errors_are_named() {
     };
     says(
         &over(indices),
-        &[
-            "primitives[0].indices",
-            "`m`",
-            "index 2 is out of range",
-            "2 vertices",
-        ],
+        "primitives[0].indices | `m` | index 2 is out of range | 2 vertices",
     );
-    says(&over(five), &["primitives[0].indices", "5 corners"]);
+    says(&over(five), "primitives[0].indices | 5 corners");
 }
 
 #[test]
@@ -224,43 +212,40 @@ fn accessor_errors_are_named() {
     let vec3 = |more: &str| mesh(&format!(r#"{{"componentType":5126,"type":"VEC3",{more}}}"#));
     says(
         &vec3(r#""bufferView":0,"count":6"#),
-        &["accessors[0].bufferView", "`m`", "72", "64 are left"],
+        "accessors[0].bufferView | `m` | 72 | 64 are left",
     );
     says(
         &vec3(r#""bufferView":0,"count":5,"byteOffset":5"#),
-        &["byte 5"],
+        "byte 5",
     );
     says(
         &vec3(r#""bufferView":0,"count":1,"byteOffset":18446744073709551615"#),
-        &["18446744073709551615"],
+        "18446744073709551615",
     );
     says(
         &vec3(r#""bufferView":0,"count":0"#),
-        &["accessors[0].count", "0"],
+        "accessors[0].count | 0",
     );
-    says(&vec3(r#""bufferView":4,"count":1"#), &["view 4 of 1"]);
+    says(&vec3(r#""bufferView":4,"count":1"#), "view 4 of 1");
     // More zeros without a buffer than the file's size justifies.
     says(
         &vec3(r#""count":4000000000"#),
-        &["accessors[0]", "out of proportion"],
+        "accessors[0] | out of proportion",
     );
     says(
         &vec3(r#""count":18446744073709551615"#),
-        &[
-            "meshes[0].primitives[0]",
-            "more vertices than can be counted",
-        ],
+        "meshes[0].primitives[0] | more vertices than can be counted",
     );
     says(
         &mesh(r#"{"componentType":5124,"type":"VEC3","count":1,"bufferView":0}"#),
-        &["componentType", "5126"],
+        "componentType | 5126",
     );
     let sparse = |indices: &str| {
         vec3(&format!(
             r#""count":3,"sparse":{{"count":2,"indices":{{"bufferView":0,"componentType":5121{indices}}},"values":{{"bufferView":0}}}}"#
         ))
     };
-    says(&sparse(""), &["accessors[0].sparse.indices", "increase"]);
+    says(&sparse(""), "accessors[0].sparse.indices | increase");
     // Entries 1 and 2 exist; 3 does not.
     for (last, is_valid) in [(2, true), (3, false)] {
         let mut numbers = Numbers::default();
@@ -276,13 +261,13 @@ fn accessor_errors_are_named() {
             Ok(_) => assert!(is_valid),
             Err(error) => {
                 assert!(!is_valid, "{error}");
-                says(&error.to_string(), &["sparse.indices", "the 3 entries"]);
+                says(&error.to_string(), "sparse.indices | the 3 entries");
             }
         }
     }
     says(
         &sparse(r#","byteOffset":64"#),
-        &["sparse.indices.bufferView", "byte 64"],
+        "sparse.indices.bufferView | byte 64",
     );
 }
 
@@ -308,10 +293,10 @@ fn animation_errors_are_named() {
         ),
     ] {
         let error = keys(&times, &values);
-        says(&error, &location);
-        says(&error, &words);
+        says(&error, &location.join(" | "));
+        says(&error, &words.join(" | "));
     }
-    says(&keys(&[[0.0], [1.0]], &[zero]), &["1 values for 2 keys"]);
+    says(&keys(&[[0.0], [1.0]], &[zero]), "1 values for 2 keys");
 }
 
 /// Weights for a mesh without morph targets are an error.
@@ -326,12 +311,7 @@ fn weights_without_morph_targets_are_rejected() {
     ));
     says(
         &error,
-        &[
-            "animations[0].samplers[0]",
-            "`hop`",
-            "node `hip`",
-            "mesh `tube` has no morph targets",
-        ],
+        "animations[0].samplers[0] | `hop` | node `hip` | mesh `tube` has no morph targets",
     );
 }
 
@@ -350,14 +330,14 @@ fn numbers_not_finite_are_rejected() {
     let nan = f32::NAN;
     says(
         &refused([[0.0; 3], [0.0, nan, 0.0], [0.0; 3]], one),
-        &["`m`", "vertex 1", "position"],
+        "`m` | vertex 1 | position",
     );
     says(
         &refused(flat, [one[0], one[0], [0.5, nan, 0.0, 0.0]]),
-        &["`m`", "vertex 2", "bone 1"],
+        "`m` | vertex 2 | bone 1",
     );
     says(
         &refused(flat, [one[0], [0.0, -1.0, 0.0, 0.0], one[0]]),
-        &["meshes[0]", "`m`", "vertex 1", "sum to 0"],
+        "meshes[0] | `m` | vertex 1 | sum to 0",
     );
 }

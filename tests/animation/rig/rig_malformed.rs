@@ -24,10 +24,6 @@ fn assert_rig_rejected(case: &str, rig: &SmallRig, parts: &[&str]) {
     }
 }
 
-fn remove(value: &mut Value, key: &str) {
-    value.as_object_mut().unwrap().remove(key).unwrap();
-}
-
 #[test]
 fn valid_rig_is_read() {
     let rig = SmallRig::with_json(JSON).parse().unwrap();
@@ -53,7 +49,7 @@ const FAULTS: &str = r#"
 /bones/2/length => -0.1 | bones[2].length:  | -0.1
 /bones/1/xzx_min => [0, 91, 0] | bones[1].xzx_min[1]:  | 91 | xzx_max[1] | 90
 /bones/1/xzx_min => [0, 0, 1e10] | bones[1].xzx_min[2]:  | 1e10
-/ik_constraints => u64::MAX | ik_constraints: 
+/ik_constraints => 18446744073709551615 | ik_constraints: 
 /fk_animation/0/keys/1/t => -1 | fk_animation[0].keys[1].t:  | -1
 /fk_animation/0/keys/1/t => 0.75 | fk_animation[0].keys[1].t:  | 0.75
 /bones/2/weight_id => 0 | bones[2].weight_id:  | bone 1
@@ -63,6 +59,53 @@ const FAULTS: &str = r#"
 /model/file => nothing | model:  | missing field `file`
 /fk_animation/0/keys => nothing | fk_animation[0]:  | `keys`
 /fk_animation/0/keys/1/t => nothing | fk_animation[0].keys[1]:  | `t`
+/bones/1/parent_id => 1 | bones[1].parent_id:  | 1 | cycles
+/bones/1/parent_id => 2 | bones[1].parent_id:  | 2 | cycles
+/bones/1/parent_id => 3 | bones[1].parent_id:  | 3 | cycles
+/bones/1/parent_id => -2 | bones[1].parent_id:  | -2 | cycles
+/bones/1/parent_id => 9223372036854775807 | bones[1].parent_id:  | 9223372036854775807 | cycles
+/bones/1/parent_id => -9223372036854775808 | bones[1].parent_id:  | -9223372036854775808 | cycles
+/bones/1/name => "" | bones[1].name:  | empty
+/bones/1/name => null | bones[1].name | null
+/bones/1/name => 7 | bones[1].name | string
+/bones/1/name => "arm/tip" | bones[1].name:  | `arm/tip` | slash
+/bones/1/name => "bone/2" | bones[1].name:  | `bone/2` | `bone/1`
+/fk_animation/0/bone_id => 3 | fk_animation[0].bone_id:  | 3 | 0 to 2
+/ik_constraints => 3 | ik_constraints:  | 3 | 0 to 2
+/ik_constraints => [0, 3] | ik_constraints[1]:  | 3
+/fk_animation/0/bone_id => -1 | fk_animation[0].bone_id:  | -1 | 0 to 2
+/ik_constraints => -1 | ik_constraints:  | -1 | 0 to 2
+/ik_constraints => [0, -1] | ik_constraints[1]:  | -1
+/fk_animation/0/bone_id => -9223372036854775808 | fk_animation[0].bone_id:  | -9223372036854775808 | 0 to 2
+/ik_constraints => -9223372036854775808 | ik_constraints:  | -9223372036854775808 | 0 to 2
+/ik_constraints => [0, -9223372036854775808] | ik_constraints[1]:  | -9223372036854775808
+/bones/1/rest_T/0/0 => 1.01 | bones[1].rest_T:  | rigid | orthonormal
+/bones/1/rest_T/0/1 => 0.01 | bones[1].rest_T:  | rigid | orthonormal
+/bones/1/rest_T/2/2 => -1 | bones[1].rest_T:  | rigid | reflection
+/bones/1/rest_T/1/1 => 0 | bones[1].rest_T:  | rigid
+/bones/1/rest_T/1/1 => 1e300 | bones[1].rest_T:  | rigid
+/bones/1/rest_T/3/0 => 0.1 | bones[1].rest_T[3]:  | 0 0 0 1
+/bones/1/rest_T/3/3 => 2 | bones[1].rest_T[3]:  | 0 0 0 1
+/bones/1/rest_T/3/3 => 0 | bones[1].rest_T[3]:  | 0 0 0 1
+/bones/1/rest_T/3/3 => -1 | bones[1].rest_T[3]:  | 0 0 0 1
+/bones/1/rest_T/3/1 => -0.1 | bones[1].rest_T[3]:  | 0 0 0 1
+/bones/1/weight_id => 2 | bones[1].weight_id:  | 2 | 2 columns
+/bones/1/weight_id => -2 | bones[1].weight_id:  | -2 | 2 columns
+/bones/1/weight_id => 9223372036854775807 | bones[1].weight_id:  | 9223372036854775807 | 2 columns
+/bones/1/parent_id => nothing | bones[1]:  | missing field `parent_id`
+/bones/2/parent_id => null | bones[2].parent_id | null
+/bones/2/parent_id => "1" | bones[2].parent_id | string
+/bones/1/weight_id => nothing | bones[1]:  | missing field `weight_id`
+/bones/2/weight_id => null | bones[2].weight_id | null
+/bones/2/weight_id => "1" | bones[2].weight_id | string
+/bones/1/length => nothing | bones[1]:  | missing field `length`
+/bones/2/length => null | bones[2].length | null
+/bones/2/length => "1" | bones[2].length | string
+/bones/1/rest_T => nothing | bones[1]:  | missing field `rest_T`
+/bones/2/rest_T => null | bones[2].rest_T | null
+/bones/2/rest_T => "1" | bones[2].rest_T | string
+/bones/2/rest_T => [[1,0,0,0],[0,1,0,0],[0,0,1,0]] | bones[2].rest_T:  | 3 rows
+/bones/2/rest_T/1 => [0,1,0] | bones[2].rest_T[1]:  | 3 numbers
 "#;
 
 #[test]
@@ -82,18 +125,39 @@ fn faults_are_named() {
 }
 
 #[test]
-fn missing_keys_and_wrong_types_are_named() {
-    for key in ["parent_id", "weight_id", "length", "rest_T"] {
-        let expected = format!("missing field `{key}`");
-        assert_rejected(
-            key,
-            |j| remove(&mut j["bones"][1], key),
-            &["bones[1]: ", &expected],
-        );
-        let path = format!("bones[2].{key}");
-        assert_rejected(key, |j| j["bones"][2][key] = Value::Null, &[&path, "null"]);
-        assert_rejected(key, |j| j["bones"][2][key] = json!("1"), &[&path, "string"]);
-    }
+fn faults_of_several_values_are_named() {
+    assert_rejected(
+        "cycle",
+        |j| {
+            j["bones"][1]["parent_id"] = json!(2);
+            j["bones"][2]["parent_id"] = json!(1);
+        },
+        &["bones[1].parent_id"],
+    );
+    assert_rejected(
+        "twice",
+        |j| {
+            j["bones"][0]["name"] = json!("arm");
+            j["bones"][2]["name"] = json!("arm");
+        },
+        &["bones[2].name: ", "`arm`", "twice"],
+    );
+    assert_rejected(
+        "upper end",
+        |j| {
+            j["bones"][1]["xzx_min"] = json!([-1e10, 0, 0]);
+            j["bones"][1]["xzx_max"] = json!([-1e10, 0, 0]);
+        },
+        &["bones[1].xzx_max[0]: ", "-1", "no limit"],
+    );
+    assert_rejected(
+        "two tracks",
+        |j| {
+            let track = j["fk_animation"][0].clone();
+            j["fk_animation"].as_array_mut().unwrap().push(track);
+        },
+        &["fk_animation[1].bone_id: ", "bone 1"],
+    );
 }
 
 #[test]
@@ -131,165 +195,7 @@ fn invalid_json_is_named() {
 }
 
 #[test]
-fn wrong_sizes_are_named() {
-    assert_rejected(
-        "rows",
-        |j| remove_last(&mut j["bones"][2]["rest_T"]),
-        &["bones[2].rest_T: ", "3 rows"],
-    );
-    assert_rejected(
-        "columns",
-        |j| remove_last(&mut j["bones"][2]["rest_T"][1]),
-        &["bones[2].rest_T[1]: ", "3 numbers"],
-    );
-}
-
-fn remove_last(value: &mut Value) {
-    value.as_array_mut().unwrap().pop().unwrap();
-}
-
-#[test]
-fn invalid_trees_are_named() {
-    for parent in [1, 2, 3, -2, i64::MAX, i64::MIN] {
-        let number = parent.to_string();
-        assert_rejected(
-            "parent",
-            |j| j["bones"][1]["parent_id"] = json!(parent),
-            &["bones[1].parent_id: ", &number, "cycles"],
-        );
-    }
-    assert_rejected(
-        "cycle",
-        |j| {
-            j["bones"][1]["parent_id"] = json!(2);
-            j["bones"][2]["parent_id"] = json!(1);
-        },
-        &["bones[1].parent_id"],
-    );
-}
-
-#[test]
-fn invalid_names_are_named() {
-    let named = |case: &str, name: Value, parts: &[&str]| {
-        assert_rejected(case, |j| j["bones"][1]["name"] = name, parts);
-    };
-    named("empty", json!(""), &["bones[1].name: ", "empty"]);
-    named("null", Value::Null, &["bones[1].name", "null"]);
-    named("number", json!(7), &["bones[1].name", "string"]);
-    named(
-        "slash",
-        json!("arm/tip"),
-        &["bones[1].name: ", "`arm/tip`", "slash"],
-    );
-    named(
-        "other",
-        json!("bone/2"),
-        &["bones[1].name: ", "`bone/2`", "`bone/1`"],
-    );
-    assert_rejected(
-        "twice",
-        |j| {
-            j["bones"][0]["name"] = json!("arm");
-            j["bones"][2]["name"] = json!("arm");
-        },
-        &["bones[2].name: ", "`arm`", "twice"],
-    );
-}
-
-#[test]
-fn numbers_out_of_range_are_named() {
-    assert_rejected(
-        "upper end",
-        |j| {
-            j["bones"][1]["xzx_min"] = json!([-1e10, 0, 0]);
-            j["bones"][1]["xzx_max"] = json!([-1e10, 0, 0]);
-        },
-        &["bones[1].xzx_max[0]: ", "-1", "no limit"],
-    );
-    for bone in [3, -1, i64::MIN] {
-        let number = bone.to_string();
-        assert_rejected(
-            "track",
-            |j| j["fk_animation"][0]["bone_id"] = json!(bone),
-            &["fk_animation[0].bone_id: ", &number, "0 to 2"],
-        );
-        assert_rejected(
-            "one",
-            |j| j["ik_constraints"] = json!(bone),
-            &["ik_constraints: ", &number, "0 to 2"],
-        );
-        assert_rejected(
-            "many",
-            |j| j["ik_constraints"] = json!([0, bone]),
-            &["ik_constraints[1]: ", &number],
-        );
-    }
-    assert_rejected(
-        "two tracks",
-        |j| {
-            let track = j["fk_animation"][0].clone();
-            j["fk_animation"].as_array_mut().unwrap().push(track);
-        },
-        &["fk_animation[1].bone_id: ", "bone 1"],
-    );
-}
-
-#[test]
-fn non_rigid_rest_placements_are_named() {
-    let rest = |case: &str, row: usize, column: usize, value: f64, parts: &[&str]| {
-        assert_rejected(
-            case,
-            |j| j["bones"][1]["rest_T"][row][column] = json!(value),
-            parts,
-        );
-    };
-    rest(
-        "scaled",
-        0,
-        0,
-        1.01,
-        &["bones[1].rest_T: ", "rigid", "orthonormal"],
-    );
-    rest(
-        "sheared",
-        0,
-        1,
-        0.01,
-        &["bones[1].rest_T: ", "rigid", "orthonormal"],
-    );
-    rest(
-        "mirrored",
-        2,
-        2,
-        -1.0,
-        &["bones[1].rest_T: ", "rigid", "reflection"],
-    );
-    rest("zero", 1, 1, 0.0, &["bones[1].rest_T: ", "rigid"]);
-    rest("overflowing", 1, 1, 1e300, &["bones[1].rest_T: ", "rigid"]);
-    rest(
-        "projective",
-        3,
-        0,
-        0.1,
-        &["bones[1].rest_T[3]: ", "0 0 0 1"],
-    );
-    for (column, value) in [(3, 2.0), (3, 0.0), (3, -1.0), (1, -0.1)] {
-        let parts = &["bones[1].rest_T[3]: ", "0 0 0 1"];
-        rest("projective", 3, column, value, parts);
-    }
-}
-
-#[test]
 fn mismatched_weights_are_named() {
-    for id in [2, -2, i64::MAX] {
-        let number = id.to_string();
-        assert_rejected(
-            "column",
-            |j| j["bones"][1]["weight_id"] = json!(id),
-            &["bones[1].weight_id: ", &number, "2 columns"],
-        );
-    }
-
     let table = |case: &str, dmat: &str, parts: &[&str]| {
         let rig = SmallRig {
             dmat: Some(dmat.into()),
