@@ -102,6 +102,8 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
     let whole = retargeting.whole().unwrap();
     for (found, most) in [(&live, 1e-3), (&whole, 1e-3)] {
         check_limits(&robot, found);
+        let json = serde_json::to_string(found).unwrap();
+        assert_eq!(serde_json::from_str::<Retargeted>(&json).unwrap(), *found);
         assert_eq!(found.frames(), 90);
         assert_eq!(found.contact_frames, ["left_sole", "right_sole"]);
         assert!(found.slip < most, "{} m", found.slip);

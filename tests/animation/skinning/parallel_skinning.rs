@@ -1,4 +1,4 @@
-//! Promise: skinning on a rayon pool equals single-threaded skinning bitwise.
+//! Promise: skinning on a rayon pool, by buffer and by range of vertices equals skinning as a whole bitwise.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Affine3A;
@@ -9,8 +9,36 @@ use kinopt::skinning::{
 use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
 
+/// Skinning by buffer, and of 21 vertices from the twelfth on, equals that of the whole.
+fn assert_parts_equal_the_whole(rest: &Vertices, whole: &Vertices, deformation: &impl Deformation) {
+    let mut parts = Vertices {
+        positions: Vec::new(),
+        normals: Vec::new(),
+        tangents: Vec::new(),
+    };
+    deformation
+        .positions_into(&rest.positions, &mut parts.positions)
+        .unwrap();
+    deformation
+        .normals_into(&rest.normals, &mut parts.normals)
+        .unwrap();
+    deformation
+        .tangents_into(&rest.tangents, &mut parts.tangents)
+        .unwrap();
+    assert!(parts == *whole);
+    let range = |all: &Vertices| Vertices {
+        positions: all.positions[11..32].to_vec(),
+        normals: all.normals[11..32].to_vec(),
+        tangents: all.tangents[11..32].to_vec(),
+    };
+    let (rest, mut posed) = (range(rest), range(rest));
+    deformation.deform_range(11, rest.rest(), posed.posed());
+    assert!(posed == range(whole));
+}
+
 fn assert_parallel_equals_serial(rest: &Vertices, deformation: &impl Deformation) {
     let serial = rest.deformed(deformation);
+    assert_parts_equal_the_whole(rest, &serial, deformation);
     let mut parallel = rest.clone();
     deformation
         .deform_parallel(rest.rest(), parallel.posed())
