@@ -1,6 +1,5 @@
 //! Promise: the skeleton of an armature has the armature's placements in every pose, and the optimiser can drag its
 //! bones.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
 use kinopt::Solver;

@@ -1,6 +1,5 @@
 //! Promise: a clip of given poses passes through them. A baked clip equals its source at its samples, and motionless
 //! channels need no keys.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
 use support::armatures::{armature, difference, pose};

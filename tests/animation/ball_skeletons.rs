@@ -1,6 +1,5 @@
 //! Promise: the bones of an armature on ball joints have the placements of the armature's own matrices. They rest in
 //! its rest pose, reproduce its poses, and stay within their cones.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,4 @@
 //! Promise: a state that blends clips by a number shows their weighted mean and keeps them in phase.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

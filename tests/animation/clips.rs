@@ -1,5 +1,4 @@
 //! Promise: a clip's pose is the value of each channel's curve at that time, whatever was played before.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};

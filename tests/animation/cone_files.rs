@@ -1,5 +1,4 @@
 //! Promise: a file of cones gives the limits of bones in degrees, and the error of an invalid file names the place.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::io::cones;
 use kinopt::model::Limits;

@@ -1,6 +1,5 @@
 //! Promise: easings start at 0, end at 1, and have the value of their formula in the middle. A Bézier easing is solved
 //! for its time.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::animation::{BezierEasing, Easing};
 use support::fault_tables::ExpectedError;

@@ -1,6 +1,5 @@
 //! Promise: the angles of bones follow the requested interpolation between keys: linear, Catmull-Rom or
 //! Kochanek-Bartels. A rig's file selects it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
 use kinopt::animation::curve::TensionContinuityBias;

@@ -1,6 +1,5 @@
 //! Promise: keyframes are interpolated by Catmull-Rom segments over their own times. The curve passes every key
 //! exactly, has no kink, and equals the classic matrix at even times.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback, SampleError};
 use kinopt::model::Limits;

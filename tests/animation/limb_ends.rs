@@ -1,5 +1,4 @@
 //! Promise: the bone at the end of a limb has the goal's rotation, by its own weight.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, EndRotation, Limb, LimbError, LimbGoal, Pose};

@@ -1,4 +1,5 @@
 //! Promises of kinopt-animation: curves, clips, poses, state machines, skinning and file formats.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod affine_interpolation;
 mod aims;

@@ -1,6 +1,5 @@
 //! Promise: poses blend by their rotations (slerp, shortest arc), masks exclude bones, and additive layers add exactly
 //! their difference.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Quat;
 use kinopt::animation::rotation::slerp;

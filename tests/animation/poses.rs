@@ -1,6 +1,5 @@
 //! Promise: placements of a pose follow from its matrices, and skeletons animated by local transforms have the
 //! placements of their angles.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

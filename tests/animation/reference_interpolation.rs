@@ -1,5 +1,4 @@
 //! Promise: interpolants, Euler angles and polar decompositions equal SciPy's.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
 use kinopt::animation::Decomposition;

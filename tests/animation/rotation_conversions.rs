@@ -1,6 +1,5 @@
 //! Promise: conversions between Euler angles of all twelve orders, axis and angle, quaternion and matrix are lossless,
 //! also in and near gimbal lock.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

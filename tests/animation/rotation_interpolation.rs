@@ -1,6 +1,5 @@
 //! Promise: rotations are interpolated along the shortest arc at constant angular speed, also if the two are nearly
 //! equal or opposite. Curves through rotations have no kink.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3, Vec4};
 use kinopt::animation::rotation::{

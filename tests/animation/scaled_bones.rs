@@ -1,6 +1,5 @@
 //! Promise: below unevenly scaled and mirrored bones, inverse kinematics brings the bones of the armature itself to
 //! their targets, according to its own forward kinematics.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::Solver;

@@ -1,5 +1,4 @@
 //! Promise: between keys a curve follows its easing or its Bézier handles, alone and in a clip.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Quat, Vec3A};
 use kinopt::animation::curve::{BezierHandle, KeyError, KeyedCurve};

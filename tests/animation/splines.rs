@@ -1,6 +1,5 @@
 //! Promise: splines pass through their points, join without a kink, and equal the classic splines where those are
 //! defined.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
 use kinopt::animation::curve::{

@@ -1,5 +1,4 @@
 //! Promise: a state machine reports its state and parameters, and its data survives a round trip.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

@@ -1,5 +1,4 @@
 //! Promise: a state machine acts according to its data. The error for invalid data names the place and the valid names.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! Promise: chains between any two frames of a tree are solved. This includes mimic, prismatic and continuous joints, a
 //! base in another branch, tools, and subsets of joints. Independent kinematics of the file check results to 1e-6 m and
 //! 1e-6 rad.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, ArmError, Base, Search};
 use kinopt::robot::Robot;

@@ -1,6 +1,5 @@
 //! Promise: the default start of an arm is a state of its SRDF file or the middle of its limits. Near targets have near
 //! solutions from it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::arm::{Arm, PoseBounds};
 use kinopt::robot::{Robot, Srdf};

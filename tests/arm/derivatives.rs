@@ -1,6 +1,5 @@
 //! Promise: the derivative of an arm's solution with respect to its target is exact for six joints and minimum-norm for
 //! more. Joints on active limits stay on them, which is reported.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
 use kinopt::ik::Differentiability;

@@ -1,6 +1,5 @@
 //! Promise: a file with numbers of any size is rejected, or its arm reports only reached poses that independent
 //! matrices confirm. If placements cannot resolve the tolerance, nothing is reached.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Base};
 use kinopt::model::{Limits, Model};

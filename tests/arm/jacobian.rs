@@ -1,6 +1,5 @@
 //! Promise: an arm's Jacobian is the derivative of its tool pose, between any two frames and with mimic joints.
 //! Non-finite input is named in the error.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, QueryError};
 use kinopt::robot::Robot;

@@ -1,6 +1,5 @@
 //! Promise: a requested jump leads to the nearest solution, modulo whole turns. The following motion equals that of a
 //! follower that starts there, because a jump is not extrapolated.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,5 @@
 //! Promises of kinopt-arm: poses, batches, Cartesian paths, servos and collision avoidance.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod any_chain;
 mod avoidance;

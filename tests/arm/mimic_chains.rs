@@ -2,7 +2,6 @@
 //! search.
 //!
 //! Longer run: `KINOPT_CASES=2500 cargo test --release --test arm mimic_chains`.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, PoseBounds, Search};
 use kinopt::robot::Robot;

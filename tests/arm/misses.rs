@@ -1,6 +1,5 @@
 //! Promise: a miss returns the attempt from the start, also if time ends or costs overflow. Options that bound a search
 //! have their documented effect.
-#![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
 

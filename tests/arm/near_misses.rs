@@ -1,6 +1,5 @@
 //! Promise: a miss ends near its start if gradient descent from there ends near it. Its cost is as low, however long
 //! the steps of an attempt.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};

@@ -1,5 +1,4 @@
 //! Promise: every option of an arm has its documented effect, checked by independent kinematics of the file.
-#![allow(clippy::unwrap_used)]
 
 use std::sync::OnceLock;
 

@@ -1,6 +1,5 @@
 //! Promise: equal input gives bitwise equal results: in repeated runs, with another equal arm, alone and in batches,
 //! and with 1, 2 and 8 threads.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::problem::{Preferences, Problem};

@@ -1,5 +1,4 @@
 //! Promise: an arm that solved other problems gives bitwise the results of a new arm, for every search and option.
-#![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
 

@@ -1,6 +1,5 @@
 //! Promise: a chain with base and tip exchanged is the same chain. A start outside the limits counts from its
 //! projection.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
 use support::arms::{panda, robot};

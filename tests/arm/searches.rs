@@ -1,6 +1,6 @@
 //! Promise: the nearest search returns the nearest solution, and the distinct search returns different solutions.
 //! `KINOPT_CASES` sets the number of cases for each robot (best with `--release`).
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
 use kinopt::model::{Limits, Model};

@@ -1,6 +1,5 @@
 //! Promise: a servo at 1 kHz keeps velocity and joint limits exactly for any targets. It rests if its target rests,
 //! and returns to its start after nearly all lines out of reach. `KINOPT_CASES` sets the number of lines for each robot.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, HeldBy, PoseBounds, Servo, ServoStatus};
 use kinopt::model::Limits;

@@ -1,7 +1,6 @@
 //! Promise: a servo keeps position, velocity, acceleration and jerk limits in every cycle and reverses no joint between
 //! cycles. It follows targets within the limits without lag, and point-to-point motions take the shortest time.
 //! `KINOPT_CASES` sets the number of trajectories.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
 use kinopt::ik::Side;

@@ -1,6 +1,5 @@
 //! Promise: every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by independent kinematics, exactly
 //! within the file's limits. `KINOPT_POSES` sets the number of poses for each chain (best with `--release`).
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, Search};

@@ -2,7 +2,7 @@
 //! their limits.
 //!
 //! Longer run of 10 000 steps for each arm: `KINOPT_CASES=10000 cargo test --release --test arm small_steps`.
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::{Placement, Vector3};

@@ -1,6 +1,5 @@
 //! Promise: every search solves from difficult starts within limits: on a limit, singular, outside the limits, or at
 //! the solution. An invalid start is named in the error.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -1,6 +1,5 @@
 //! Promise: a time limit ends a search at the next check of the clock, which is near. The best result so far is
 //! returned, within limits, with its errors. A limit that is not met changes nothing.
-#![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
 

@@ -2,7 +2,6 @@
 //! own joints; otherwise the track reports the step.
 //!
 //! A debug build follows one path of each kind; `KINOPT_CASES` sets their number.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,5 @@
 //! Promise: an unreachable target ends after bounded evaluations at a configuration that no free joint improves. The
 //! report has its errors and exactly the active limits.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 

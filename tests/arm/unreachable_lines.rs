@@ -2,7 +2,6 @@
 //! closest pose of its branch.
 //!
 //! A debug build follows a few lines; `KINOPT_CASES` sets their number for each robot.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::Arm;

@@ -1,6 +1,5 @@
 //! Promise: for joints with a range above one turn, the turn nearest to the start is returned, as far as limits allow.
 //! This includes move limits.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,4 @@
 //! Promise: the reported winner is the attempt that gave the result.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, PoseOutcome, Search};
 use support::arms::panda;

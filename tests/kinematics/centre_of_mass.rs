@@ -4,7 +4,6 @@
 //! The numbers are of pin 4.1.0 from PyPI, by `centerOfMass`, `jacobianCenterOfMass` and `computeTotalMass` of
 //! `buildModelFromUrdf("leaning.urdf")` at (0.3, -0.7, 1.9, 0.12). The second model has a JointModelFreeFlyer, a
 //! JointModelSpherical at 0.9 rad about z and a JointModelRY with the masses below (row-major).
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::{Limits, MassError, Masses, Model, PointMass};

@@ -1,4 +1,5 @@
 //! Promises of kinopt-kinematics: rotations, placements, models, forward kinematics and Jacobians.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
 mod canonical_bones;

@@ -1,6 +1,5 @@
 //! Promise: a parameter map gives every coordinate its specified value: free, locked within limits, or coupled. Bounds
 //! of a variable are those of all coordinates that depend on it.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::kinematics::ForwardKinematics;

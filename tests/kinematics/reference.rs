@@ -7,7 +7,6 @@
 //!
 //! `tests/robot/urdf/kinematics.rs` compares placements of robots. The references were written by
 //! `notebooks-ref/1-kinematics.ipynb`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! Promise: errors of malformed PLY or DMAT files name the file, the location and the problem.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::{ReadError, dmat, ply};
 use support::fault_tables::faults;

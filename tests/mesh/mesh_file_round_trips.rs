@@ -1,5 +1,4 @@
 //! Promise: meshes and matrices round trip through files bitwise.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Vec3;
 use kinopt::io::dmat::{self, DmatEncoding};

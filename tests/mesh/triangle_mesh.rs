@@ -1,5 +1,4 @@
 //! Promise: a mesh's measures equal those of its solid, and an invalid mesh is rejected.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Vec3;
 use kinopt::mesh::{MeshError, TriangleMesh};

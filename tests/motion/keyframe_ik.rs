@@ -1,7 +1,6 @@
 //! Promise: a hand follows a curve within a time span by its rig's own keys, and nothing else changes.
 //!
 //! Limits hold between keys as well. No small change of these keys within the limits has a lower cost.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback};

@@ -1,5 +1,5 @@
 //! Promises of kinopt-motion: trajectories, clip IK and retargeting.
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
 mod clip_ik;

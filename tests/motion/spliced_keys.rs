@@ -1,5 +1,4 @@
 //! Promise: new keys replace those in the solved spans, and a clip's own keys remain elsewhere.
-#![allow(clippy::unwrap_used)]
 
 use glam::{DVec3, Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

@@ -1,7 +1,6 @@
 //! Promise: a robot whose hand target on the last of three levels is unreachable leans until balance limits it. At the
 //! result, reactions of feet, polygon edges and joint limits cancel the gradient of the hand task. Each reaction acts
 //! in its allowed direction only.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solver;
 use kinopt::ik::{Restarts, crouched_configuration};

@@ -1,6 +1,5 @@
 //! Promise: models with free and ball joints are solved like all others. Reachable targets are reached, all derivative
 //! routes agree, and no cone, twist, base bound or joint limit is violated. The blocking limit is named.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,5 @@
 //! Promise: a search for targets that cannot be reached together ends at a stationary point. Large residuals do not
 //! slow it until a limit of iterations ends it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
 use kinopt::ik::Restarts;

@@ -1,6 +1,5 @@
 //! Promise: a derivative does not depend on earlier derivatives of its workspace, and a resumed derivative equals the
 //! factorised one.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solver;
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};

@@ -1,6 +1,5 @@
 //! Promise: a character that is dragged by one limb stays in place. Its root chain and the ends of its other limbs are
 //! pinned, for any skeleton.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
 use kinopt::problem::{Evaluation, Problem};

@@ -1,5 +1,4 @@
 //! Promise: a drag with a time step keeps position, velocity, acceleration and jerk limits in every frame.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, MotionLimits, crouched_configuration};

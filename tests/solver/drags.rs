@@ -1,7 +1,6 @@
 //! Promise: a drag follows its targets on one branch. No joint jumps when a target becomes unreachable, enters limits
 //! or returns. Only a requested search may jump, and the jump is reported. A frame that misses costs no more than a few
 //! frames that reach.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Scalar;
 use kinopt::ik::{Drag, Restarts};

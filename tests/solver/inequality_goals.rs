@@ -1,6 +1,5 @@
 //! Promise: an inequality of a required task constrains lower priorities at its boundary, and only while they pull
 //! outward.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Limits, Model};

@@ -1,5 +1,4 @@
 //! Promise: results do not depend on the unit of length or on the model's placement in the world.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

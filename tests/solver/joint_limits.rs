@@ -1,6 +1,5 @@
 //! Promise: no iterate and no result violates a limit, exactly, for every method, derivative route and start, reached
 //! or not.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

@@ -3,7 +3,6 @@
 //! Quaternions have unit length to 1e-12.
 //!
 //! Longer run: `KINOPT_CASES=1000000 cargo test --release --test solver limit_kinds`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::{BoundKind, Drag, MoveLimits, Restarts, Solution};

@@ -1,6 +1,5 @@
 //! Promise: a drag at rest short of a target that is reachable on its branch moves on to it. The motion keeps the
 //! frame's move bound and the pinned tips. A drag without such an escape stays at rest, and none flips.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Drag;
 use kinopt::kinematics::ForwardKinematics;

@@ -1,4 +1,5 @@
 //! Promises of kinopt-solver: tasks, solvers, drags, priority levels, closed loops and geometric solvers.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod attempt_selection;
 mod balance_limits;

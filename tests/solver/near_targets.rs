@@ -1,6 +1,6 @@
 //! Promise: near targets of a whole robot are solved by the attempt from the start whenever it reaches them, also from
 //! joint limits.
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;

@@ -1,6 +1,5 @@
 //! Promise: non-finite numbers of a target, start or custom residual end a solve with a finite q within its bounds and
 //! the right reason.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{
     DerivativeWorkspace, Differentiability, NoDerivative, Restarts, SolutionDerivative, SolveError,

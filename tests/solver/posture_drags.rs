@@ -1,5 +1,4 @@
 //! Promise: drags of whole bodies with a posture do not oscillate.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, crouched_configuration};

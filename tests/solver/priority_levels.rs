@@ -1,5 +1,4 @@
 //! Promise: tasks of a lower level are met as closely as possible at no cost to higher levels, whatever their weights.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Drag, Restarts};
 use kinopt::model::{Limits, Model, ParameterMap};

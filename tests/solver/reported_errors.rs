@@ -1,6 +1,5 @@
 //! Promise: errors, cost, reached flags and blocking limits of a solution match the returned q. The tests recompute
 //! them from q alone.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
 use kinopt::problem::{Preferences, Problem};

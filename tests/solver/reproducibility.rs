@@ -1,5 +1,4 @@
 //! Promise: equal input gives bitwise equal results, whatever the workspace solved before.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::Limits;

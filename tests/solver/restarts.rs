@@ -1,6 +1,5 @@
 //! Promise: restarts are numbered and seeded. The first attempt is the caller's start. All others are within bounds and
 //! depend on the seed and their number only. The lowest success is returned.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

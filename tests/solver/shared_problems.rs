@@ -1,6 +1,5 @@
 //! Promise: a problem is immutable. Threads solve it with targets of their own, and each result equals bitwise that of
 //! a problem built with those targets.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::problem::{ProblemError, TaskId};
 use kinopt::task::{Orientation, Point};

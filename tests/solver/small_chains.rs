@@ -1,5 +1,4 @@
 //! Promise: chains of one and two joints converge, also for overdetermined tasks and joint values far outside (−π, π].
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;

@@ -1,6 +1,5 @@
 //! Promise: soft tasks act in the null space of the required tasks. A reachable required task is reached whatever the
 //! weights, and soft tasks are at a minimum within it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, JointId, Model};

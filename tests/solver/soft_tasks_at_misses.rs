@@ -1,6 +1,5 @@
 //! Promise: soft tasks do not increase the miss of an unreachable required task. They use the freedom that the miss
 //! leaves.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;

@@ -1,6 +1,5 @@
 //! Promise: soft tasks of a whole robot are stationary within the freedom of required tasks and limits. A Newton step
 //! with all second derivatives is zero there.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;

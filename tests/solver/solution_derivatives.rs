@@ -1,6 +1,5 @@
 //! Promise: derivatives of a solution with respect to targets, weights and joint origins equal finite differences of
 //! repeated solves. This includes limits, cones, misses and soft tasks. A missing derivative is reported.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;

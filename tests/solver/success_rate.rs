@@ -1,6 +1,5 @@
 //! Promise: the default solver reaches at least 99 % of five-tip targets from rest, to 1e-8 of the size. Targets come
 //! from random poses of rigs with 19 to 22 bones over their full limits. A reported success is one.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::problem::Problem;
 use kinopt::task::{Point, Quantity};

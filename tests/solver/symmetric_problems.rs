@@ -1,6 +1,5 @@
 //! Promise: a symmetric skeleton with symmetric targets settles symmetrically, within and beyond reach, unless
 //! asymmetry brings it closer.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::io::rig::Rig;

@@ -1,6 +1,5 @@
 //! Promise: residuals, tasks and methods from outside the library have the features of built-in ones: exact
 //! derivatives, bounds, restarts, reports and soft tasks.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

@@ -1,6 +1,5 @@
 //! Promise: a capture is written with the channels, frames and frame time of its file, and is read back as the same
 //! motion.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write;
 

@@ -1,6 +1,5 @@
 //! Promise: a damaged motion capture file gives an error with its name, the line and the fault, or a valid capture. It
 //! never causes a panic, and no memory is allocated for counts without data.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::Range;
 

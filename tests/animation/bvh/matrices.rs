@@ -1,5 +1,4 @@
 //! Reference evaluation of BVH files by 3 × 3 matrices in double precision, independent of the library.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write;
 

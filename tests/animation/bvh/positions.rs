@@ -1,6 +1,5 @@
 //! Promise: joints of a motion capture file have the positions of the product of its matrices, for every order of
 //! channels and every frame.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::bvh::matrices::{File, Joint, distance};
 use glam::{Affine3A, Quat, Vec3};

@@ -1,6 +1,5 @@
 //! Promise: motion written as BVH is read back as the same motion, to single precision. This includes changed captures
 //! and bones that are rotated at rest. Motion that the format cannot represent is an error.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::PI;
 

@@ -2,7 +2,7 @@
 //! every frame, and every bone has a constant length. Written and read again, it is the same motion.
 //!
 //! The file is not shipped: set `KINOPT_SHARED` to a folder that contains it as `assets/bvh/01_01.bvh`.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use crate::bvh::matrices::{File, distance};
 use glam::Affine3A;

@@ -1,7 +1,7 @@
 //! Promise: files written by other programs are read, posed and written again.
 //!
 //! They are not shipped: set `KINOPT_SHARED` to a folder that contains them in `assets/gltf/`.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use std::path::PathBuf;
 

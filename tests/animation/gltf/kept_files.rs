@@ -1,5 +1,4 @@
 //! Promise: a file with an added clip or posed nodes keeps everything else byte for byte, known to the reader or not.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

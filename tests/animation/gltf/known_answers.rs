@@ -1,6 +1,5 @@
 //! Promise: a posed scene agrees with its glTF file. The expected values are computed here by 4×4 matrices and the
 //! formulas of the specification, independent of the library.
-#![allow(clippy::unwrap_used)]
 
 use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
 use kinopt::animation::Pose;

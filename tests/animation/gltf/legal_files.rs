@@ -1,5 +1,4 @@
 //! Promise: files that the specification allows are read. Unsupported content is omitted with a note.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::io::gltf::{Note, Scene};
 use support::gltf_text::{Numbers, read, small};

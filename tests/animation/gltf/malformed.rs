@@ -1,5 +1,4 @@
 //! Promise: the error for an invalid glTF file names the file, the place and the fault.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::io::gltf;
 use support::fault_tables::faults;

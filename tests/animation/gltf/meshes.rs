@@ -1,6 +1,5 @@
 //! Promise: meshes of a glTF file are read as it draws them: strips and fans, sparse morph targets, mirrored nodes, and
 //! normalised weights.
-#![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
 

@@ -1,5 +1,4 @@
 //! Promise: a rig written as a scene is one animated file. Read again, its skin has the rig's positions.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Clip, Cursor, Playback};
 use kinopt::io::gltf::{self, Scene, ScenePosing, WriteOptions};

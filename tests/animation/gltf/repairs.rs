@@ -1,6 +1,5 @@
 //! Promise: numbers of a glTF file with rounding errors, or missing ones that other readers supply, are read with a
 //! note.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::io::gltf::{Note, Scene};
 use support::gltf_text::Numbers;

@@ -1,6 +1,5 @@
 //! Promise: a scene written as .glb is read back exactly in single precision if the format can represent it, and
 //! sampled otherwise.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, EulerRot, Quat, Vec3, Vec3A, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};

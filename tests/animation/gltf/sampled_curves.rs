@@ -1,6 +1,5 @@
 //! Promise: curves that glTF cannot represent are written as linear keys through samples, and clips keep their
 //! duration.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3, Vec3A, Vec4};
 use kinopt::animation::curve::{BezierHandle, KeyedCurve};

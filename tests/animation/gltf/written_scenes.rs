@@ -1,6 +1,5 @@
 //! Promise: each mesh of a written scene is read back with its own skin, in order, although equal skins are written
 //! once. Content that the format cannot represent is an error or omitted.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Vec3, Vec3A};
 use kinopt::animation::Armature;

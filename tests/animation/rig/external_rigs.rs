@@ -1,7 +1,6 @@
 //! Promise: rigs of other programs are read and round trip through files.
 //!
 //! They have no licence and are not shipped: `KINOPT_SHARED` names the folder that has them under `rigs/`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(clippy::print_stderr)] // Reports that nothing was tested.
 
 use kinopt::io::rig::Rig;

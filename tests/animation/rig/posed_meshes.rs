@@ -1,5 +1,4 @@
 //! Promise: one call from joint angles to a posed mesh equals the separate steps.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

@@ -1,5 +1,4 @@
 //! Promise: errors of malformed rigs name the file, the location and the problem.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::rig::{Rig, RigNote};
 use kinopt::io::{Place, ReadProblem, dmat, ply};

@@ -1,5 +1,4 @@
 //! Promise: a rig is read as its format specifies, and round trips through files.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

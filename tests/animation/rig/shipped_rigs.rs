@@ -1,6 +1,5 @@
 //! Promise: the rigs under `models/` are sound. Skins are closed, smooth weights sum to 1, keyframes are within limits,
 //! tips are finite, and files are small.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
 

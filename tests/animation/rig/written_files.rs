@@ -1,6 +1,5 @@
 //! Promise: overwriting a file keeps its links and permissions and leaves no temporary file. Non-regular files and
 //! files beyond the size limit are not read.
-#![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 

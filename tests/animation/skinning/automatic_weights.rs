@@ -1,5 +1,4 @@
 //! Promise: automatic weights follow the nearest bones, sum to 1, are smooth along edges and are reproducible.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 

@@ -1,6 +1,5 @@
 //! Promise: blend shapes give the weighted mean of whole poses. Weights that do not sum to 1 are rejected, and morph
 //! targets relative to one of the shapes give the same mesh.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Vec3, Vec4};
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};

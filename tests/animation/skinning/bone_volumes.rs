@@ -1,6 +1,5 @@
 //! Promise: the volume of a closed mesh is distributed to its bones by weight, to a thousandth of the whole. A rig's
 //! masses and centre follow from it. Meshes without an inside are rejected.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

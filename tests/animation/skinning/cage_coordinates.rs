@@ -1,6 +1,5 @@
 //! Promise: mean value coordinates reproduce points and linear functions, inside, outside, and on vertices, edges and
 //! faces. They are continuous across the surface.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use kinopt::mesh::TriangleMesh;

@@ -1,6 +1,5 @@
 //! Promise: dual quaternion skinning moves rigid parts rigidly, blends along the short arc, and rejects transforms that
 //! dual quaternions cannot represent.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::PI;
 

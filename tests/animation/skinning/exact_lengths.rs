@@ -1,6 +1,5 @@
 //! Promise: packed skinning normalises normals and tangents with exact roots and divisions, so results are bitwise
 //! equal on all processors.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Vec3};
 use kinopt::skinning::{

@@ -1,6 +1,5 @@
 //! Promise: bone heat weights solve their equations, sum to 1, are within 0 and 1 and vary smoothly along the skin, not
 //! through air. This includes damaged surfaces. Results are reproducible.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Vec3};
 use kinopt::mesh::TriangleMesh;

@@ -1,6 +1,5 @@
 //! Promise: linear blend skinning in single precision equals the formula in double precision to 1e-6 of the model's
 //! size.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3};
 use kinopt::mesh::TriangleMesh;

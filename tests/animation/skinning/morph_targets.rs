@@ -1,6 +1,5 @@
 //! Promise: morph targets blend shapes by the documented formula, sparsely and before skinning, and reject invalid
 //! input.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use kinopt::animation::curve::KeyedCurve;

@@ -1,6 +1,5 @@
 //! Promise: packed skinning of four influences equals the general path to rounding, with and without AVX2, for any
 //! number of vertices.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3, Vec4};
 use kinopt::skinning::{

@@ -1,5 +1,4 @@
 //! Promise: skinning on a rayon pool, by buffer and by range of vertices equals skinning as a whole bitwise.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Affine3A;
 use kinopt::skinning::{

@@ -1,5 +1,4 @@
 //! Promise: point handles deform a mesh like bones, each about its own point.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform};

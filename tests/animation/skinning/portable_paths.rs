@@ -1,5 +1,5 @@
 //! Promise: `KINOPT_PORTABLE` selects the portable code paths of a process, unless it is empty or 0.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use std::process::Command;
 

@@ -1,7 +1,6 @@
 //! Promise: skinned vertices of the shipped rigs equal another implementation to 1e-5 of the model's size.
 //!
 //! The methods are linear blend and dual quaternions; the reference is NumPy and SciPy in double precision.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

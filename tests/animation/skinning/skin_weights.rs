@@ -1,6 +1,5 @@
 //! Promise: skin weights are kept as given, in order. Invalid ones are rejected by name, or repaired and pruned with a
 //! report.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::skinning::{Influence, Pruning, SkinWeights, WeightRepair, WeightsError};
 use nalgebra::dmatrix;

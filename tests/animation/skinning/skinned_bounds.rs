@@ -1,5 +1,4 @@
 //! Promise: the bounding box from bone boxes contains every vertex of linear blend skinning.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3};
 use kinopt::skinning::{BoneBoxes, Deformation, LinearBlend, SkinWeights, SkinningError};

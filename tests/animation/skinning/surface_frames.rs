@@ -1,6 +1,5 @@
 //! Promise: normals stay orthogonal to a skinned surface and tangents stay in it. This includes bones with uneven
 //! scale, shear or reflection, and their blends.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec4};
 use kinopt::skinning::{Deformation, LinearBlend, SkinWeights};

@@ -1,6 +1,5 @@
 //! Promise: a twisted tube collapses under linear blend by the theoretical amount, to a point in the middle of a half
 //! turn. Under dual quaternions it keeps its shape.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,4 @@
 //! Collision avoidance of arms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod arm_avoidance;
 mod free_path_following;

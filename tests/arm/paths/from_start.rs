@@ -1,7 +1,7 @@
 //! Promise: a path solved from a given start is no worse than the path that `Arm::track` follows from there.
 //!
 //! `KINOPT_CASES=1000 cargo test --release --test arm from_start` solves 1 000 lines with each shipped arm.
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::Arm;
 use kinopt::arm::Track;

@@ -1,5 +1,4 @@
 //! Cartesian paths of arms and their times.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bounds;
 mod collisions;

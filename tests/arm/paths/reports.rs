@@ -1,6 +1,5 @@
 //! Promise: a path's report is correct: the reason why a point is unreached, and the joint that moves furthest in a
 //! jump. A path is not entered where more points are unreached.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,5 @@
 //! Promise: SIMD lanes compute what `f64` computes. Sine and cosine are accurate to 1e-15; the portable and the fused
 //! kernels agree.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Scalar;
 use kinopt::simd_ik::lane::Lanes;

@@ -1,5 +1,4 @@
 //! Promise: no q returned by the SIMD solver exceeds its bounds by a single bit, whether the target is reached or not.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::random::Random;

@@ -1,5 +1,4 @@
 //! Promise: the same target and start have bitwise the same result, however a batch is split.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,

@@ -1,5 +1,4 @@
 //! Promise: the errors reported with a q are those of that q, according to nalgebra's kinematics.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};

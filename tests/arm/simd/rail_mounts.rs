@@ -1,6 +1,5 @@
 //! Promise: an arm whose mount is tilted from its vertical rail by rounding needs no more attempts than an exactly
 //! upright one. The tilt may have any direction.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};

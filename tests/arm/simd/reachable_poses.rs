@@ -1,5 +1,4 @@
 //! Promise: every reachable pose is solved, on arms of all sizes and kinds.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,

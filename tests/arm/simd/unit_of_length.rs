@@ -1,6 +1,5 @@
 //! Promise: results do not depend on the unit of length. A chain with targets and tolerances in another unit has the
 //! same angles, bitwise where the units differ by a power of two.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,

@@ -1,6 +1,5 @@
 //! Promise: after the first few queries an arm allocates nothing, alone and in batches, with any options, also where
 //! the target is out of reach.
-#![allow(clippy::unwrap_used)]
 
 use crate::counting_allocator::allocations;
 use kinopt::Solution;

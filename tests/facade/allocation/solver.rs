@@ -1,6 +1,5 @@
 //! Promise: after the first solve with a workspace, a solve allocates nothing, with any method on the exact derivative
 //! routes. A moved target does not change this.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::counting_allocator::allocations;
 use kinopt::problem::{Derivatives, Problem, Targets, TaskId};

@@ -1,5 +1,4 @@
 //! Promise: a computation that is interrupted ends early; one that is not interrupted has the usual result.
-#![allow(clippy::unwrap_used)]
 
 use std::cell::Cell;
 

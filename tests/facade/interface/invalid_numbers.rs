@@ -1,6 +1,5 @@
 //! Promise: numbers of the wrong count, or not finite, are an `Err` that says so in all of the interface. None is
 //! dropped, filled up, taken as 0 or passed on.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::error::Error;
 

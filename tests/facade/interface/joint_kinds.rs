@@ -1,5 +1,4 @@
 //! Promise: only the files that CONTRIBUTING.md names contain knowledge about single kinds of joints.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! Promise: the tables of docs/reference/options.md name every option of a builder or setter, and no others.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 

@@ -1,6 +1,5 @@
 //! Promise: every public type can be printed, copied, shared between threads and sent to another. Every error works
 //! with `?` and `anyhow`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::error::Error;
 use std::fmt::Debug;

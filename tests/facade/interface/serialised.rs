@@ -1,6 +1,5 @@
 //! Promise: models, skeletons, options, solutions and clips survive serde bitwise. Deserialised values are validated
 //! like built ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Debug;
 

@@ -2,7 +2,6 @@
 //!
 //! Thousands of valid files are damaged by a fixed pseudo-random sequence: bits are flipped, bytes removed, inserted or
 //! repeated, numbers replaced by extreme ones. Whatever can still be read fulfils the promises of its type.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::counting_allocator::peak;
 use kinopt::io::bvh;

@@ -4,7 +4,6 @@
 //! Thousands of references are made by a fixed pseudo-random sequence: absolute paths, `..`, percent encodings, URLs,
 //! backslashes and symbolic links. They lead to files outside, which are damaged, or valid and contain a secret.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Debug;
 use std::os::unix::fs::symlink;

@@ -1,6 +1,5 @@
 //! Promise: linear joint equalities give mimic joints, for any `ref`. Others are dropped with a note. Loops are read
 //! unless they are inactive or involve a mocap body.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::model::LoopKind;
 use kinopt::robot::Robot;

@@ -1,5 +1,4 @@
 //! Promise: included content keeps its position and order, up to 32 nested files.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 

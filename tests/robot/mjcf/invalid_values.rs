@@ -1,5 +1,4 @@
 //! Promise: masses, quaternions, ranges and loops that have no meaning are errors or notes with their names.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 use support::fault_tables::ExpectedError;

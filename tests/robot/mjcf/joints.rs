@@ -1,5 +1,4 @@
 //! Promise: ranges apply as in MuJoCo, in its units, and a ball joint stays within its total angle.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointKind, Limits};
 use kinopt::robot::{RepairKind, Robot};

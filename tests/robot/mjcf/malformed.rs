@@ -1,5 +1,4 @@
 //! Promise: errors of an MJCF file name the line and the element.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::PathBuf;
 

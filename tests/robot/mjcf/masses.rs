@@ -1,6 +1,5 @@
 //! Promise: body masses equal those of MuJoCo 4.0.0, or a note names the mesh whose file is needed. No mass is dropped
 //! silently.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::MassError;
 use kinopt::robot::{Link, MissingInertia, Robot};

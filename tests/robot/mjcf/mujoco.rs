@@ -1,6 +1,5 @@
 //! Promise: placements of bodies and sites equal MuJoCo's to 1e-12 at its `qpos`, and ranges, masses and loops are
 //! equal too. `mujoco_placements.json` has the results of MuJoCo 4.0.0 for these files: see `mujoco_placements.py`.
-#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 

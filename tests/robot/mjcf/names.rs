@@ -1,6 +1,5 @@
 //! Promise: unnamed elements are named after their bodies, and attributes come from classes. The root element
 //! distinguishes MJCF from URDF.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{Geometry, MissingInertia, Robot};
 use kinopt::spatial::Vector3;

@@ -1,6 +1,5 @@
 //! Promise: the lenient reader omits exactly the elements that name unknown things, and lists each with its line. The
 //! strict reader rejects the same file.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::robot::{ParseIssue, RepairKind, Robot, Srdf};
 

@@ -1,6 +1,5 @@
 //! Promise: an error in an SRDF file, or a mismatch with the robot, is reported with its line and name. No damaged file
 //! makes the reader panic.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError, Srdf};
 use support::fault_tables::ExpectedError;

@@ -1,6 +1,5 @@
 //! Promise: a group consists of its joints and of those of its links, chains and groups. States are configurations. A
 //! map of the driven joints holds the passive joints fixed; a map of a group holds all others fixed.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{BaseJoint, Robot, Srdf};
 use support::fault_tables::ExpectedError;

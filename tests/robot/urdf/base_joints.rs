@@ -1,6 +1,5 @@
 //! Promise: a robot moves with a given base joint, and with floating, planar and spherical joints of its file.
 //! Everything else is unchanged.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointKind, Limits, ModelError};

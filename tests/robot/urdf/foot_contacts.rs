@@ -1,6 +1,5 @@
 //! Promise: the foot contact of a frame consists of the links fixed to it and the corners of their shapes, in the
 //! frame's axes.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;

@@ -1,6 +1,5 @@
 //! Promise: MoveIt's joint_limits.yaml adds velocity and acceleration limits and narrower positions to a robot. Errors
 //! name the line.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
 use kinopt::model::{JointId, Limits};

@@ -1,6 +1,5 @@
 //! Promise: joints are read as specified where other readers differ. Fixed joints combine in order, axes of any length
 //! move by the joint value, and limits and kinds are those of the file.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointKind, Limits};

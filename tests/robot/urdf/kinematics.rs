@@ -1,5 +1,4 @@
 //! Promise: forward kinematics of every URDF file here equals Pinocchio's to 1e-12.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::ParameterMap;

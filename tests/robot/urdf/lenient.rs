@@ -1,6 +1,5 @@
 //! Promise: defaults of the standard are applied with a note. Violations of the standard are errors, unless the reader
 //! is lenient: then each repair is listed with its line.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
 use kinopt::robot::{RepairKind, Robot};

@@ -1,5 +1,4 @@
 //! Promise: shapes and masses are kept as in the file. Faults in them are noted and do not reject the robot.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{Geometry, Link, Robot};
 use kinopt::spatial::Placement;

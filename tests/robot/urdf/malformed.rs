@@ -1,6 +1,5 @@
 //! Promise: every defect of a URDF file is an error that names the file, line, element and problem. None becomes a
 //! silent default.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::ModelError;
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};

@@ -1,6 +1,5 @@
 //! Promise: mimic joints follow through any number of source joints. Their ranges restrict the source joint only on
 //! request.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::robot::Robot;
 use support::fault_tables::ExpectedError;

@@ -1,6 +1,6 @@
 //! Promise: every URDF below the folder `KINOPT_URDFS` is read, or rejected by name; the test prints which and why.
 //! Without the variable only the files of this repository are read.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
 

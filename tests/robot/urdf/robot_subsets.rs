@@ -1,6 +1,5 @@
 //! Promise: any base and tip, any subset of joints and a tool on any frame are accepted. Unknown names are reported
 //! with the valid ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointId, ModelError};

@@ -1,6 +1,5 @@
 //! Promise: the robots in `models/` have the makers' published parameters and limits. The test multiplies
 //! Denavit-Hartenberg rows independently of any URDF.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 // Limits are as published: -1.5707 is one of them.
 #![allow(clippy::approx_constant)]
 

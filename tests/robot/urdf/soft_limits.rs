@@ -1,5 +1,4 @@
 //! Promise: soft limits are read and apply only on request: then no solution violates them.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Limits};

@@ -1,6 +1,5 @@
 //! Promise: with every attribute and element of every shipped robot damaged in turn, nothing panics. A fault in the
 //! kinematics is an error with its location. Files that are still readable give models from which arms can be built.
-#![allow(clippy::unwrap_used)]
 
 use std::ops::Range;
 

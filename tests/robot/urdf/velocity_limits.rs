@@ -1,5 +1,4 @@
 //! Promise: the velocity limit of a joint is kept; a joint without one is unlimited.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::JointKind;
 use kinopt::robot::Robot;

@@ -1,6 +1,5 @@
 //! Promise: cyclic coordinate descent rotates each joint by its signed angle and never increases the cost. It handles
 //! tips, poses, prismatic and mimic joints.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

@@ -1,5 +1,4 @@
 //! Promise: FABRIK keeps every length, reaches reachable targets, and detects unreachable ones in advance.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

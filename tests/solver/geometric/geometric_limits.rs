@@ -1,5 +1,4 @@
 //! Promise: geometric methods never violate joint limits, also between start and end, and report misses correctly.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

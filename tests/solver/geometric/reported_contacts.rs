@@ -1,5 +1,4 @@
 //! Promise: geometric methods do not avoid collisions, but report contacts: a result in contact is not reached.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};

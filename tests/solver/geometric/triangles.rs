@@ -1,6 +1,5 @@
 //! Promise: a two-bone triangle has the bones' lengths and reports by how much its target is too far or too near. The
 //! requested number of agreeing attempts ends a search.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::geometric::{Ccd, Fabrik, Geometric, Span, triangle};

@@ -1,6 +1,5 @@
 //! Promise: the two-bone solver reaches targets exactly, with the elbow on the requested side, and reports unreachable
 //! ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
 use kinopt::kinematics::ForwardKinematics;

@@ -1,5 +1,4 @@
 //! Promise: geometric methods give equal results in any unit of length.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::geometric::{Fabrik, Geometric};

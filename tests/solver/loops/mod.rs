@@ -1,5 +1,4 @@
 //! Models with closed loops.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod drags;
 mod four_bars;

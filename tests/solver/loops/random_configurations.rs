@@ -1,5 +1,4 @@
 //! Promise: if few random configurations lead to closed loops, more are sampled until one does.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::LoopClosure;
 use kinopt::model::{Limits, Loop, Model, ParameterMap};

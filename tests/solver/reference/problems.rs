@@ -1,5 +1,4 @@
 //! The problems of `minima.json`, each stated as a [`Problem`].
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! Promise: errors are zero within an interval and are measured from its end, in metres and radians. A target relative
 //! to a frame that the same joints move is met in that frame, and is never taken for a world target.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Geometric};
 use kinopt::model::{FrameId, Limits, Masses, Model, PointMass};

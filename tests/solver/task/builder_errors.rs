@@ -1,5 +1,4 @@
 //! Promise: errors in a model, map, problem, skeleton or start name the culprit, and for names the valid ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Display;
 

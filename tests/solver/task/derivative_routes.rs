@@ -4,7 +4,6 @@
 //! "Relative" is the largest entry-wise difference of two Jacobians over the largest entry (or 1 if that is larger).
 //! Near the origin the exact routes agree to 1e-12. Far away, coordinates have a resolution of ε · 10⁶ m = 2.2e-10 m,
 //! and levers are differences of coordinates. So 64 such roundings are allowed in addition.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{FrameId, Limits};
 use kinopt::problem::{Derivatives, Evaluation};

@@ -1,6 +1,5 @@
 //! Promise: a task's error is reported, weighted and judged in the unit of its quantity. The unit is metres or radians;
 //! for a joint coupling it is that of the first joint.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::model::{Limits, Model};

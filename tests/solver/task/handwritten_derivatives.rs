@@ -1,5 +1,4 @@
 //! Promise: handwritten derivatives of a residual are weighted row by row, in any storage form.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Evaluation;

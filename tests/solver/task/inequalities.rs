@@ -1,5 +1,4 @@
 //! Promise: the rows of an inequality are zero where all its slacks are nonnegative, and only there.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Masses, PointMass};

@@ -1,5 +1,4 @@
 //! Promise: a frame that looks exactly away from its target rotates towards it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::solver::LeastSquares;

@@ -1,6 +1,5 @@
 //! Promise: a numeric residual is equivalent to one over scalars. Values, solutions and derivatives by every route are
 //! equal. Without derivatives it uses differences.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::{Derivatives, Evaluation};

@@ -1,6 +1,5 @@
 //! Promise: `by_range` weights each joint by half its range. `upright` weights root-chain joints five times as much as
 //! limbs, whatever additional frames the model has.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};

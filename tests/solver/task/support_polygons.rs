@@ -1,6 +1,5 @@
 //! Promise: a support polygon does not depend on the order of its points, also if many are on one line. Points, margin
 //! and vertical may be set in any order.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
 use kinopt::problem::Evaluation;

@@ -1,5 +1,4 @@
 //! Promise: handwritten derivatives with respect to a task's target equal those by dual numbers.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, Model};
 use kinopt::scalar::{Dual, Scalar};

@@ -1,6 +1,5 @@
 //! Promise: a target that is moved by a small step within the residual, as derivatives of solutions do, equals one
 //! moved by the task's setter.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};

@@ -1,5 +1,4 @@
 //! Promise: the residual of every task equals its formula to 1e-12 of the numbers involved.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
 use kinopt::model::{Limits, Model};

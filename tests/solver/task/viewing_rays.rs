@@ -1,6 +1,5 @@
 //! Promise: an end effector follows a viewing ray, by its distance from the line or its distance in the image. Pinned
 //! tips stay at rest.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
 use kinopt::problem::{Evaluation, Problem};

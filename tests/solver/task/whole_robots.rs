@@ -1,7 +1,6 @@
 //! Promise: whole-body tasks work on free bases and ball joints. Reachable targets are reached, tasks within bounds
 //! cost nothing, and derivatives agree by every route, also near half a turn and at the identity. Invalid input is
 //! rejected by name.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 

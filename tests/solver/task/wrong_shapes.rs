@@ -1,6 +1,5 @@
 //! Promise: slices of wrong length, foreign ids and indices out of range give NaN, nothing or a named error, never a
 //! panic.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::Range;
 
