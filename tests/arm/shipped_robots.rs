@@ -1,5 +1,5 @@
 //! Promise: every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by independent kinematics, exactly
-//! within the file's limits. `KINOPT_POSES` sets the number of poses for each chain (best with `--release`).
+//! within the file's limits. `KINOPT_CASES` sets the number of poses for each chain (best with `--release`).
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, Search};
@@ -8,9 +8,7 @@ use support::random::{Random, case_count, few};
 use support::urdf_matrices::{Tree, apart, from_placement, placement};
 
 fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
-    let requested = std::env::var("KINOPT_POSES").ok();
     let count = case_count(count, count / 3);
-    let count = requested.map_or(count, |count| count.parse().unwrap());
     let file = format!("../models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
     for search in [Search::Start, Search::First] {

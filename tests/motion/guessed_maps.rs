@@ -114,26 +114,28 @@ fn naming_conventions_are_recognised() {
     let humanoid = model(&words(HUMANOID));
     let conventions = [
         // Exporters that do not allow a colon omit it.
-        "mixamorigHips mixamorigLeftUpLeg mixamorig_LeftLeg mixamorig1LeftFoot mixamorig10_LeftToe \
-         mixamorigLeftArm mixamorigLeftForeArm mixamorigLeftHand mixamorigRightUpLeg mixamorigHead",
-        "hips thighL shinL footL toeL upperArmL forearmL handL thighR head",
-        "pelvis thigh_01_l calf_01_l foot_01_l ball_01_l upperarm_01_l lowerarm_01_l hand_01_l \
-         thigh_01_r head_01",
-        "hips thigh.L shin.L foot.L toe.L upper_arm.L forearm.L hand.L thigh.R head",
-        "pelvis thigh_l calf_l foot_l ball_l upperarm_l lowerarm_l hand_l thigh_r head",
-        "Hips LeftUpLeg LeftLeg LeftFoot LeftToe LeftArm LeftForeArm LeftHand RightUpLeg Head",
-        "Bip01 Pelvis Bip01 L Thigh Bip01 L Calf Bip01 L Foot Bip01 L Toe Bip01 L UpperArm Bip01 L \
-         Forearm Bip01 L Hand Bip01 R Thigh Bip01 Head",
-        "pelvis leftUpperLeg leftLowerLeg leftFoot leftToes leftUpperArm leftLowerArm leftHand \
-         rightUpperLeg head",
-        "Pelvis LHip LKnee LAnkle LFoot LShoulder LElbow LWrist RHip Head",
-        "Pelvis L_Hip L_Knee L_Ankle L_Foot L_Shoulder L_Elbow L_Wrist R_Hip Head",
+        "mixamorigHips, mixamorigLeftUpLeg, mixamorig_LeftLeg, mixamorig1LeftFoot, \
+         mixamorig10_LeftToe, mixamorigLeftArm, mixamorigLeftForeArm, mixamorigLeftHand, \
+         mixamorigRightUpLeg, mixamorigHead",
+        "hips, thighL, shinL, footL, toeL, upperArmL, forearmL, handL, thighR, head",
+        "pelvis, thigh_01_l, calf_01_l, foot_01_l, ball_01_l, upperarm_01_l, lowerarm_01_l, \
+         hand_01_l, thigh_01_r, head_01",
+        "hips, thigh.L, shin.L, foot.L, toe.L, upper_arm.L, forearm.L, hand.L, thigh.R, head",
+        "pelvis, thigh_l, calf_l, foot_l, ball_l, upperarm_l, lowerarm_l, hand_l, thigh_r, head",
+        "Hips, LeftUpLeg, LeftLeg, LeftFoot, LeftToe, LeftArm, LeftForeArm, LeftHand, \
+         RightUpLeg, Head",
+        "Bip01 Pelvis, Bip01 L Thigh, Bip01 L Calf, Bip01 L Foot, Bip01 L Toe, Bip01 L UpperArm, \
+         Bip01 L Forearm, Bip01 L Hand, Bip01 R Thigh, Bip01 Head",
+        "pelvis, leftUpperLeg, leftLowerLeg, leftFoot, leftToes, leftUpperArm, leftLowerArm, \
+         leftHand, rightUpperLeg, head",
+        "Pelvis, LHip, LKnee, LAnkle, LFoot, LShoulder, LElbow, LWrist, RHip, Head",
+        "Pelvis, L_Hip, L_Knee, L_Ankle, L_Foot, L_Shoulder, L_Elbow, L_Wrist, R_Hip, Head",
     ];
     let driven = "pelvis left_thigh left_shin left_foot left_toes left_upper_arm left_forearm left_hand \
         right_thigh head";
     let driven = words(driven);
     for names in conventions {
-        let names = words(names);
+        let names: Vec<&str> = names.split(", ").collect();
         let joints: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
         let guess = BodyMap::guess(&capture(&joints), &humanoid).unwrap();
         let reported = drives(&guess.map);
