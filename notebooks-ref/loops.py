@@ -150,7 +150,7 @@ def gripper():
 
 
 def knee():
-    """tests/loops/files/knee.xml with a fixed pelvis: hip, knee's motor, knee, ankle's motor, ankle; x and z."""
+    """tests/solver/loops/files/knee.xml with a fixed pelvis: hip, knee's motor, knee, ankle's motor, ankle; x and z."""
     x, target = ca.SX.sym("x", 5), ca.SX.sym("target", 4)
     about_y = lambda angle, v: ca.vertcat(ca.cos(angle) * v[0] + ca.sin(angle) * v[1],
                                           -ca.sin(angle) * v[0] + ca.cos(angle) * v[1])

@@ -1,6 +1,5 @@
 //! Promise: affine maps are interpolated by their parts, so the middle of two rotations is a rotation. Mirrored and
 //! singular maps are decomposed as well.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use kinopt::animation::{Decomposition, interpolate_affine};

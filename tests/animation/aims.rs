@@ -1,5 +1,4 @@
 //! Promise: an aimed bone points at its target, upright if possible, by its weight.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::animation::{Aim, AimGoal, Armature, LayerError, Pose};

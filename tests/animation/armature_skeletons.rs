@@ -1,12 +1,12 @@
 //! Promise: the skeleton of an armature has the armature's placements in every pose, and the optimiser can drag its
 //! bones.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, ArmatureBone, EulerPoseMap, LocalTransform, Pose, ReachLayer};
+use kinopt::animation::{Armature, ArmatureBone, EulerPoseMap, LocalTransform, ReachLayer};
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
+use support::armatures::model_transforms;
 use support::random::Random;
 
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
@@ -28,12 +28,6 @@ fn armature(bones: usize, random: &mut Random) -> Armature {
         });
     }
     Armature::new(made, Vec::new()).unwrap()
-}
-
-fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
-    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
-    armature.local_to_model(pose, &mut model_from_bone).unwrap();
-    model_from_bone
 }
 
 #[test]

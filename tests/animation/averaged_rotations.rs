@@ -1,6 +1,5 @@
 //! Promise: the mean of rotation matrices is no rotation, which linear blend skinning shows. Dual quaternions give a
 //! rotation.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::FRAC_PI_2;
 

@@ -1,10 +1,9 @@
 //! Promise: a clip of given poses passes through them. A baked clip equals its source at its samples, and motionless
 //! channels need no keys.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Armature, Channel, Clip, ClipError, Cursor, Playback, Pose};
-use kinopt::io::rig::Rig;
 use support::armatures::{armature, difference, pose};
+use support::bones::humanoid;
 use support::random::Random;
 
 pub(crate) fn at(clip: &Clip, armature: &Armature, time: f32) -> Pose {
@@ -68,7 +67,7 @@ fn constant_channels_have_one_key_or_none() {
 
 #[test]
 fn baked_clip_equals_the_clip_at_samples() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let armature = Armature::of_skeleton(&rig.skeleton);
     let mut builder = Clip::builder("keys", &armature);
     builder.euler_clip(&rig.clip).unwrap();

@@ -1,7 +1,6 @@
 //! Promise: a clip lists its channels relative to the rest pose of any armature of its size. Moving channels keep their
 //! motion, constant ones that differ from the rest pose get one key, and none is listed twice. On that armature the
 //! channels give the same clip.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

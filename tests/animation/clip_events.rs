@@ -1,5 +1,4 @@
 //! Promise: each event of a clip fires exactly once each time playback passes it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::animation::{Armature, Clip, Playback, Playhead};
 use support::random::Random;

@@ -1,5 +1,4 @@
 //! Promise: a clip is found by its full name, or by the part after a separator if exactly one clip has it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 //! Promise: a frame of a crowd equals the frames of its characters by their parts. It is bitwise equal over the threads
 //! of a rayon pool.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

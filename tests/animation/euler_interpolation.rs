@@ -1,11 +1,11 @@
 //! Promise: the angles of bones follow the requested interpolation between keys: linear, Catmull-Rom or
 //! Kochanek-Bartels. A rig's file selects it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
 use kinopt::animation::curve::TensionContinuityBias;
 use kinopt::animation::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, Playback};
 use kinopt::io::rig::Rig;
+use support::bones::humanoid;
 use support::random::Random;
 use support::small_rig::SmallRig;
 
@@ -265,7 +265,7 @@ fn invalid_interpolations_are_named_with_path() {
 /// A clip lasts from the first key of any bone to the last key of any bone.
 #[test]
 fn clip_spans_the_keys_of_all_bones() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let track = |bone: usize, times: [f64; 2]| EulerTrack {
         bone: rig.skeleton.bone_at(bone).unwrap(),
         keys: times

@@ -1,6 +1,5 @@
 //! Promise: a clip with fewer keys is within the stated error of the original clip at all its key times. It has no
 //! redundant keys on straight lines.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

@@ -1,5 +1,4 @@
 //! Promise: a limb bends in its plane, towards its pole and about its hinge, and moves without jumps.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::{Armature, LayerError, Limb, LimbGoal};

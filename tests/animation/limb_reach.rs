@@ -1,5 +1,4 @@
 //! Promise: a limb over an animated pose brings its end to its target by its weight, and changes nothing else.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
 use kinopt::animation::{LayerError, Limb, LimbGoal};

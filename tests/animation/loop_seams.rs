@@ -1,5 +1,4 @@
 //! Promise: a clip with a closed seam ends as it starts, is unchanged before its last seconds, and has no jumps.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Clip, ClipError};
 use support::armatures::{armature, difference, pose};

@@ -1,4 +1,5 @@
-//! Curves, clips, poses, state machines and IK on poses.
+//! Promises of kinopt-animation: curves, clips, poses, state machines, skinning and file formats.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod affine_interpolation;
 mod aims;
@@ -7,18 +8,18 @@ mod averaged_rotations;
 mod baked_clips;
 mod ball_skeletons;
 mod blend_states;
+mod bvh;
 mod clip_channels;
 mod clip_events;
 mod clip_names;
 mod clips;
 mod cone_files;
 mod crowds;
-mod drawn_curves;
 mod easing;
 mod euler_interpolation;
 mod fewer_keys;
+mod gltf;
 mod keyframe_interpolation;
-mod keys_to_skin;
 mod limb_bends;
 mod limb_ends;
 mod limb_reach;
@@ -30,10 +31,14 @@ mod poses;
 mod quaternion_algebra;
 mod reach_layers;
 mod reach_over_moving_hips;
+mod reference_interpolation;
+mod rig;
 mod root_motion;
 mod rotation_conversions;
 mod rotation_interpolation;
 mod scaled_bones;
+mod segment_easing;
+mod skinning;
 mod splines;
 mod state_machine_reports;
 mod state_machine_steps;

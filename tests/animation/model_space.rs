@@ -1,6 +1,5 @@
 //! Promise: a bone that is placed, rotated or moved in model coordinates is there afterwards. The bones above it do not
 //! move, and those below it move along.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, ClipError, LocalTransform, Pose};

@@ -1,6 +1,5 @@
 //! Promise: affine maps of the plane are interpolated by their parts, so a rotating square keeps its size. Any map is
 //! the product of its parts.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_4, PI};
 

@@ -1,5 +1,4 @@
 //! Promise: quaternions multiply by Hamilton's rules, and q X q̄ rotates by twice the angle in q.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::spatial::{Quaternion, Vector3};
 use nalgebra as na;

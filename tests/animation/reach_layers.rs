@@ -1,6 +1,5 @@
 //! Promise: a reach layer over animated poses brings tips and pinned bones to their targets by their weights, and
 //! leaves every other bone exactly unchanged.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::{

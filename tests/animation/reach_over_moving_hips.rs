@@ -1,6 +1,5 @@
 //! Promise: a reach layer reports the placements of the posed bones, also if the pose moves or scales bones that are
 //! motionless at rest.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(clippy::print_stderr)] // Reports that nothing was tested.
 
 use glam::{Quat, Vec3A};

@@ -1,6 +1,5 @@
 //! Promise: an in-place clip and its root motion together are the original clip. The in-place clip keeps its start
 //! position, and the root motion continues across the ends of loops.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::{Armature, Clip, ClipError, Playback, Pose};

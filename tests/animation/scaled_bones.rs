@@ -1,6 +1,5 @@
 //! Promise: below unevenly scaled and mirrored bones, inverse kinematics brings the bones of the armature itself to
 //! their targets, according to its own forward kinematics.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::Solver;
@@ -14,6 +13,7 @@ use kinopt::motion::clip_ik::{ClipIk, Reach};
 use kinopt::problem::Problem;
 use kinopt::skeleton::{BallSkeleton, BoneId, Cones, SkeletonRoot};
 use kinopt::task::Point;
+use support::armatures::model_transforms;
 use support::random::Random;
 
 /// Scales of the root and of the fourth bone.
@@ -49,12 +49,6 @@ fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
         },
     });
     Armature::new(bones.collect(), Vec::new()).unwrap()
-}
-
-fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
-    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
-    armature.local_to_model(pose, &mut model_from_bone).unwrap();
-    model_from_bone
 }
 
 /// The armature in another pose: each bone is rotated by up to `max_angle` radians about each axis.

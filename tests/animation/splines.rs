@@ -1,38 +1,16 @@
 //! Promise: splines pass through their points, join without a kink, and equal the classic splines where those are
 //! defined.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
 use kinopt::animation::curve::{
     CubicBezier, KeyError, KeyRepair, KeyedCurve, Knots, TensionContinuityBias, catmull_rom,
     catmull_rom_at_knots, lerp, repair_keys,
 };
+use support::fault_tables::ExpectedError;
 use support::random::Random;
 
 fn points<const N: usize>(random: &mut Random) -> [DVec3; N] {
     std::array::from_fn(|_| DVec3::from(<[f64; 3]>::from(random.vector(1.0))))
-}
-
-#[test]
-fn uniform_segment_equals_the_documented_matrix() {
-    let mut random = Random::new(31);
-    for _ in 0..50 {
-        let p: [DVec3; 4] = points(&mut random);
-        for u in [0.0, 0.2, 0.5, 0.77, 1.0] {
-            let row = [1.0, u, u * u, u * u * u];
-            let matrix = [
-                [0., 2., 0., 0.],
-                [-1., 0., 1., 0.],
-                [2., -5., 4., -1.],
-                [-1., 3., -3., 1.],
-            ];
-            let weight = |k: usize| 0.5 * (0..4).map(|r| row[r] * matrix[r][k]).sum::<f64>();
-            let expected: DVec3 = (0..4).map(|k| p[k] * weight(k)).sum();
-            assert!((catmull_rom(p, u) - expected).length() < 1e-15);
-            let knots = Knots::Uniform.of(&p);
-            assert!((catmull_rom_at_knots(p, knots, u) - expected).length() < 1e-14);
-        }
-    }
 }
 
 /// Barry and Goldman's pyramid as in their paper.
@@ -60,6 +38,9 @@ fn any_knots_equal_the_pyramid_algorithm() {
             for u in [0.0, 0.1, 0.5, 0.9, 1.0] {
                 let deviation = (catmull_rom_at_knots(p, t, u) - pyramid(p, t, u)).length();
                 assert!(deviation < 1e-12, "{knots:?} {deviation}");
+                if knots == Knots::Uniform {
+                    assert!((catmull_rom(p, u) - pyramid(p, t, u)).length() < 1e-14);
+                }
             }
         }
     }
@@ -290,8 +271,7 @@ fn invalid_keys_are_named_or_repaired() {
             previous: 2.0
         }
     );
-    let duplicate = curve(&[0.0, 0.0], &[0.0; 2]).unwrap_err();
-    assert!(duplicate.to_string().contains("key 1"), "{duplicate}");
+    curve(&[0.0, 0.0], &[0.0; 2]).says("key 1");
     let value = curve(&[0.0], &[f32::INFINITY]).unwrap_err();
     assert!(matches!(
         value,
@@ -300,8 +280,7 @@ fn invalid_keys_are_named_or_repaired() {
             what: "value"
         }
     ));
-    let several = curve(&[0.0, 1.0, 2.0], &[0.0, f32::NAN, f32::NAN]).unwrap_err();
-    assert!(several.to_string().contains("key 1"), "{several}");
+    curve(&[0.0, 1.0, 2.0], &[0.0, f32::NAN, f32::NAN]).says("key 1");
     let count = curve(&[0.0], &[1.0, 2.0]).unwrap_err();
     assert_eq!(
         count.to_string(),

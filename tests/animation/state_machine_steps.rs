@@ -1,5 +1,4 @@
 //! Promise: a long step of a state machine ends where many short steps end, and no step is endless.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 

@@ -1,11 +1,12 @@
 //! Promise: chains between any two frames of a tree are solved. This includes mimic, prismatic and continuous joints, a
 //! base in another branch, tools, and subsets of joints. Independent kinematics of the file check results to 1e-6 m and
 //! 1e-6 rad.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, ArmError, Base, Search};
 use kinopt::robot::Robot;
-use support::arms::{Random, distance, within_limits};
+use support::arms::{distance, within_limits};
+use support::fault_tables::ExpectedError;
+use support::random::Random;
 use support::urdf_matrices::{IDENTITY, Matrix, Tree, about, apart, placement, product};
 
 /// The elbow has a mimic joint of ratio −½ in the next link. The camera pan is in another branch.
@@ -79,7 +80,7 @@ impl Case<'_> {
                 builder = builder.with_atlas(false);
             }
             let arm = builder.build().unwrap();
-            let mut random = Random(21);
+            let mut random = Random::split_mix(21);
             for _ in 0..count {
                 let truth = random.configuration(&arm);
                 let target = self.base_from_tool(&arm, &truth);
@@ -278,21 +279,12 @@ fn invalid_arms_are_named_in_errors() {
     assert!(
         matches!(&error, ArmError::NoFreeJoint { base, tip } if base == "world" && tip == "mount")
     );
-    let error = Arm::new(&robot, "world", "hook").unwrap_err().to_string();
-    assert!(
-        error.contains("hook") && error.contains("camera"),
-        "{error}"
-    );
+    Arm::new(&robot, "world", "hook").says("hook | camera");
     let builder = || Arm::builder(&robot, "world", "hand");
-    let error = builder()
+    builder()
         .with_locked("wrist", 0.0)
         .build()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("wrist") && error.contains("shoulder"),
-        "{error}"
-    );
+        .says("wrist | shoulder");
     // The first of several is named.
     let several = builder().with_locked("knee", 0.0).with_locked("wrist", 0.0);
     let error = several.build().unwrap_err().to_string();
@@ -302,18 +294,16 @@ fn invalid_arms_are_named_in_errors() {
     );
     for value in [9.0, f64::NAN, f64::INFINITY] {
         let error = builder().with_locked("lift", value);
-        let error = error.build().unwrap_err().to_string();
-        assert!(error.contains("lift"), "{error}");
+        error.build().says("lift");
     }
     let twice = builder().with_locked("lift", 0.1);
     let twice = twice.with_locked("lift", 0.2).build();
     let error = twice.unwrap_err().to_string();
     assert_eq!(error, "joint `lift` is locked twice");
-    let error = builder()
+    builder()
         .with_only(["lift", "wrist"], &[])
         .build()
-        .unwrap_err();
-    assert!(error.to_string().contains("wrist"), "{error}");
+        .says("wrist");
 }
 
 /// Frames and joints by id equal those by name, and the world equals the frame of that name.
@@ -342,12 +332,8 @@ fn ids_and_world_equal_names() {
     // An id of a larger model is reported like an unknown name.
     let larger = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let foreign_frame = larger.model().frame_ids().last().unwrap();
-    let error = Arm::new(&robot, Base::World, foreign_frame)
-        .unwrap_err()
-        .to_string();
-    assert!(error.contains("camera"), "{error}");
+    Arm::new(&robot, Base::World, foreign_frame).says("camera");
     let foreign_frame = larger.model().joint_ids().last().unwrap();
     let builder = Arm::builder(&robot, Base::World, "hand").with_only([foreign_frame], &[]);
-    let error = builder.joints().unwrap_err().to_string();
-    assert!(error.contains("shoulder"), "{error}");
+    builder.joints().says("shoulder");
 }

@@ -1,5 +1,4 @@
 //! Promise: an arm that stretched towards an unreachable target returns with its elbow on the same branch.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::Arm;

@@ -1,6 +1,5 @@
 //! Promise: an arm with all axes reversed moves its joints by the opposite values, into limits, out of reach and back,
 //! with equal reports.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ServoStatus};
 use kinopt::robot::Robot;

@@ -1,12 +1,12 @@
 //! Promise: an arm's Jacobian is the derivative of its tool pose, between any two frames and with mimic joints.
 //! Non-finite input is named in the error.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, QueryError};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::arms::{Random, robot};
+use support::arms::robot;
 use support::follower_chains::follower_chain;
+use support::random::Random;
 
 const STEP: f64 = 1e-6;
 
@@ -33,7 +33,7 @@ fn twist(arm: &Arm, q: &[f64], joint: usize) -> [f64; 6] {
 }
 
 fn holds_for(arm: &Arm, seed: u64) {
-    let mut random = Random(seed);
+    let mut random = Random::split_mix(seed);
     let mut jacobian = arm.jacobian().unwrap();
     for _ in 0..4 {
         let q = random.configuration(arm);

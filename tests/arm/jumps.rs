@@ -1,13 +1,13 @@
 //! Promise: a requested jump leads to the nearest solution, modulo whole turns. The following motion equals that of a
 //! follower that starts there, because a jump is not extrapolated.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, Axis, PoseBounds};
 use kinopt::spatial::Placement;
-use support::arms::{Random, distance, robot};
+use support::arms::{distance, robot};
+use support::random::Random;
 
 use crate::track_continuity::far_steps;
 
@@ -31,7 +31,7 @@ fn jumps_are_short_and_leave_no_state() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_global_search_on_miss(true);
     let arm = arm.build().unwrap();
-    let mut random = Random(7);
+    let mut random = Random::split_mix(7);
     let (mut jumps, mut too_long, mut after) = (0, 0, [0, 0]);
     for _ in 0..40 {
         let start = random.configuration(&arm);
@@ -92,7 +92,7 @@ fn reported_jumps_are_those_of_the_track() {
         let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);
         let arm = arm.with_atlas(false).with_global_search_on_miss(true);
         let arm = arm.build().unwrap();
-        let mut random = Random(seed);
+        let mut random = Random::split_mix(seed);
         let ends = [(); 3].map(|()| random.configuration(&arm));
         let [first, second, third] = ends.each_ref().map(|q| arm.base_from_tool(q).unwrap());
         let mut points = Vec::new();

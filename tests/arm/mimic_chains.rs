@@ -2,18 +2,17 @@
 //! search.
 //!
 //! Longer run: `KINOPT_CASES=2500 cargo test --release --test arm mimic_chains`.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, PoseBounds, Search};
 use kinopt::robot::Robot;
-use support::arms::{Random, robot, within_limits};
+use support::arms::{robot, within_limits};
 use support::follower_chains::follower_chain;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::urdf_matrices::{Tree, apart, placement};
 
 /// Solves random poses and returns the number of misses.
 fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: usize) -> usize {
-    let mut random = Random(seed);
+    let mut random = Random::split_mix(seed);
     let forward_kinematics = |q: &[f64]| {
         let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
         tree.base_from_tip(base, tip, &values)
@@ -42,7 +41,7 @@ fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
 
 #[test]
 fn random_mimic_chains_reach_their_poses() {
-    let count = cases(60, 6);
+    let count = case_count(60, 6);
     for number in 0..24 {
         let Some((arm, text, tip)) = follower_arm(number) else {
             continue;
@@ -76,7 +75,7 @@ fn attempts_end_in_different_solutions() {
         if arm.joint_count() < 6 {
             continue;
         }
-        let mut random = Random(number);
+        let mut random = Random::split_mix(number);
         let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let found = arm.solve_all(target, &random.configuration(&arm)).unwrap();
         assert!(found.len() >= 110, "chain {number}: {}", found.len());
@@ -98,7 +97,7 @@ fn poses_in_narrow_valleys_are_reached() {
             &Tree::parse(&text),
             ("l0", &tip),
             seed,
-            cases(200, 100),
+            case_count(200, 100),
         );
         assert_eq!(missed, 0, "of chain {number}");
     }
@@ -112,7 +111,7 @@ fn nao_reaches_from_foot_to_foot() {
     );
     for ends in [("left_sole", "right_sole"), ("right_sole", "left_sole")] {
         let arm = Arm::new(&nao, ends.0, ends.1).unwrap();
-        assert_eq!(missed(&arm, &tree, ends, 3, cases(200, 20)), 0);
+        assert_eq!(missed(&arm, &tree, ends, 3, case_count(200, 20)), 0);
     }
 }
 
@@ -125,7 +124,10 @@ fn nearest_search_starts_from_seeds_too() {
         .with_search(Search::Nearest)
         .build()
         .unwrap();
-    assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 5)), 0);
+    assert_eq!(
+        missed(&nearest, &tree, ("l0", &tip), 5, case_count(60, 5)),
+        0
+    );
 }
 
 /// The winner reached and ended the search, so it is the last attempt.
@@ -136,7 +138,7 @@ fn winner_is_the_last_attempt() {
         let Some((arm, ..)) = follower_arm(number) else {
             continue;
         };
-        let mut random = Random(number);
+        let mut random = Random::split_mix(number);
         for _ in 0..4 {
             let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
             let start = random.configuration(&arm);
@@ -212,7 +214,7 @@ fn wide_joints_return_nearest_turn_within_limits() {
         distance: 0.1,
     };
     let arm = arm.with_search(search).with_attempts(12).build().unwrap();
-    let (mut random, mut held) = (Random(15), 0);
+    let (mut random, mut held) = (Random::split_mix(15), 0);
     for _ in 0..40 {
         let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = [18.0 * random.unit() - 9.0, 2.0 * random.unit() - 1.0];
@@ -260,7 +262,7 @@ fn mimic_joints_stay_within_requested_limits() {
     use kinopt::model::{Limits, Model};
     use kinopt::robot::{Mimic, Robot};
     use kinopt::spatial::{Placement, Vector3};
-    let mut random = Random(12);
+    let mut random = Random::split_mix(12);
     for _ in 0..100 {
         let mut builder = Model::builder("pair");
         let (at, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
@@ -322,7 +324,7 @@ fn any_source_joint_keeps_its_turn() {
     let goal = kinopt::arm::PoseBounds::position();
     let arm = Arm::builder(&robot, "l0", "l5").with_goal(goal);
     let arm = arm.with_atlas(false).build().unwrap();
-    let mut random = Random(9);
+    let mut random = Random::split_mix(9);
     let mut reached = 0;
     for _ in 0..30 {
         let q: Vec<f64> = (0..arm.joint_count())
@@ -350,7 +352,7 @@ fn miss_returns_the_attempt_from_the_start() {
         let robot = Robot::parse(&text, "followers.urdf").unwrap();
         let own_way = Arm::builder(&robot, "l0", &tip).with_atlas(false);
         let own_way = own_way.with_attempts(1).build().unwrap();
-        let mut random = Random(number);
+        let mut random = Random::split_mix(number);
         let start = random.configuration(&arm);
         let mut goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         goal.translation = goal.translation * 1.3;
@@ -363,31 +365,6 @@ fn miss_returns_the_attempt_from_the_start() {
         assert_eq!(all.q, once.q, "{number}");
     }
     assert!(missed > 8, "{missed}");
-}
-
-/// The seed determines the random attempts; another seed gives others.
-#[test]
-fn seed_determines_the_attempts() {
-    let (robot, base, tip) = (0..)
-        .find_map(|number| {
-            let (text, tip) = follower_chain(number);
-            let robot = Robot::parse(&text, "followers.urdf").ok()?;
-            Some((robot, "l0", tip))
-        })
-        .unwrap();
-    let reported = |seed: u64| -> Vec<(usize, Vec<f64>)> {
-        let builder = Arm::builder(&robot, base, tip.as_str()).with_seed(seed);
-        let arm = builder.with_attempts(2).build().unwrap();
-        let mut random = Random(5);
-        let mut ask = || {
-            let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
-            let solution = arm.solve(goal, &random.configuration(&arm)).unwrap();
-            (solution.iterations, solution.q)
-        };
-        (0..30).map(|_| ask()).collect()
-    };
-    assert_eq!(reported(1), reported(1));
-    assert_ne!(reported(1), reported(2));
 }
 
 /// A mimic joint in another branch restricts its source joint in the arm on request.
@@ -434,7 +411,7 @@ fn joint_values_round_trip() {
             continue;
         };
         let robot = Robot::parse(&text, "followers.urdf").unwrap();
-        let mut random = Random(number);
+        let mut random = Random::split_mix(number);
         let values = random.configuration(&arm);
         let mut q = robot.model().neutral();
         arm.configuration(&values, &mut q[..]).unwrap();

@@ -1,6 +1,5 @@
 //! Promise: a miss returns the attempt from the start, also if time ends or costs overflow. Options that bound a search
 //! have their documented effect.
-#![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
 
@@ -8,12 +7,9 @@ use kinopt::Solution;
 use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::simd_ik::{LaneOptions, PoseSolver};
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, panda, robot, within_limits};
-
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
+use support::arms::{panda, robot, within_limits};
+use support::path_steps::largest_difference;
+use support::random::{Random, case_count};
 
 /// A target 2 cm away with no time: the result is near the start, not at a seed.
 #[test]
@@ -21,13 +17,13 @@ fn interrupted_search_stays_near_the_start() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_time_limit(Duration::ZERO).build().unwrap();
-    let mut random = Random(81);
+    let mut random = Random::split_mix(81);
     for _ in 0..20 {
         let start = random.configuration(&arm);
         let mut target = arm.base_from_tool(&start).unwrap();
         target.translation += Vector3::new(0.0, 0.012, 0.016);
         let solution = arm.solve(target, &start).unwrap();
-        let moved = longest(&solution.q, &start);
+        let moved = largest_difference(&solution.q, &start);
         assert!(
             solution.reached || moved < 0.5,
             "{moved} {}",
@@ -161,7 +157,7 @@ fn global_search_on_miss_is_opt_in() {
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     let default_arm = builder().build().unwrap();
     let everywhere = builder().with_global_search_on_miss(true).build().unwrap();
-    let mut random = Random(83);
+    let mut random = Random::split_mix(83);
     let mut better = 0;
     for _ in 0..8 {
         let start = random.configuration(&default_arm);
@@ -191,7 +187,7 @@ fn global_nearest_search_settles_the_best() {
     let builder = builder.with_global_search_on_miss(true).with_attempts(24);
     let every = builder.clone().with_search(Search::Nearest);
     let arms = [builder, every].map(|arm| arm.build().unwrap());
-    let (mut random, mut costs) = (Random(85), [0.0; 2]);
+    let (mut random, mut costs) = (Random::split_mix(85), [0.0; 2]);
     for _ in 0..8 {
         let start = random.configuration(&arms[0]);
         let mut target = (arms[0].base_from_tool(&random.configuration(&arms[0]))).unwrap();
@@ -215,8 +211,8 @@ fn batch_results_equal_single_solves() {
         let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_atlas(false).build().unwrap();
         let n = arm.joint_count();
-        let count = support::sample::cases(300, if name.contains("nao") { 6 } else { 40 });
-        let mut random = Random(84);
+        let count = case_count(300, if name.contains("nao") { 6 } else { 40 });
+        let mut random = Random::split_mix(84);
         let goals: Vec<_> = (0..count)
             .map(|_| arm.base_from_tool(&random.configuration(&arm)).unwrap())
             .collect();
@@ -319,7 +315,7 @@ fn reachable_goal_bounds_are_found() {
     let goal = PoseBounds::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, base, tip).with_goal(goal);
     let arm = arm.build().unwrap();
-    let (mut random, mut count) = (Random(52), 0);
+    let (mut random, mut count) = (Random::split_mix(52), 0);
     while count < 40 {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let length = target.translation.norm();

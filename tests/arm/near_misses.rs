@@ -1,12 +1,12 @@
 //! Promise: a miss ends near its start if gradient descent from there ends near it. Its cost is as low, however long
 //! the steps of an attempt.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
 use nalgebra::{Matrix6, Vector6};
-use support::arms::{Random, robot, within_limits};
-use support::sample::cases;
+use support::arms::{robot, within_limits};
+use support::path_steps::largest_difference;
+use support::random::{Random, cases};
 
 /// Threshold of a long joint move, radians or metres, and one safely below it.
 const LONG: f64 = 0.2;
@@ -21,11 +21,6 @@ const RADIAN: f64 = 0.25;
 /// Largest joint displacement of a descent step, and largest number of steps.
 const STEP: f64 = 2e-3;
 const STEPS: usize = 400;
-
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
 
 /// End of small damped descent steps, and the remaining error.
 fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64) {
@@ -79,8 +74,8 @@ fn long_steps_do_not_pass_the_near_minimum() {
             .with_metres_per_radian(RADIAN)
             .build()
             .unwrap();
-        let mut random = Random(seed);
-        for case in 0..cases(400, FIRST_CASES) {
+        let mut random = Random::split_mix(seed);
+        for case in cases(400, FIRST_CASES) {
             let start = random.configuration(&arm);
             let mut unit = || 2.0 * random.unit() - 1.0;
             let (by, turn) = (
@@ -107,8 +102,8 @@ fn long_steps_do_not_pass_the_near_minimum() {
                 );
             }
             let (end, left) = downhill(&arm, &target, &start);
-            let moved = longest(&solution.q, &start);
-            if longest(&end, &start) < NEAR {
+            let moved = largest_difference(&solution.q, &start);
+            if largest_difference(&end, &start) < NEAR {
                 near += 1;
                 assert!(moved <= LONG, "{name} {case}: {moved}");
                 let above = solution.cost / (0.5 * left * left);

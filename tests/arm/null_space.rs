@@ -1,6 +1,5 @@
 //! Promise: null-space motion approaches the initial or requested posture as closely as the target allows. This holds
 //! with locked joints, near limits, and with weighted prismatic joints.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, PoseBounds};

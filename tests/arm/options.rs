@@ -1,5 +1,4 @@
 //! Promise: every option of an arm has its documented effect, checked by independent kinematics of the file.
-#![allow(clippy::unwrap_used)]
 
 use std::sync::OnceLock;
 
@@ -7,8 +6,8 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{DMatrix, DVector};
-use support::arms::{Random, distance, within_limits};
-use support::sample::cases;
+use support::arms::{distance, within_limits};
+use support::random::{Random, case_count, cases};
 use support::urdf_matrices::{Matrix, Tree, apart, inverse, placement, product};
 
 const FILE: &str = "../models/franka_panda.urdf";
@@ -71,11 +70,11 @@ fn plain(search: Search) -> &'static Arm {
 
 /// Solves random poses from random starts and passes (target, found) to `judge`. Returns the number of solves.
 fn solved(goal: PoseBounds, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> usize {
-    let count = cases(count, count.div_ceil(3));
+    let count = case_count(count, count.div_ceil(3));
     let mut all = 0;
     for search in [Search::Start, Search::First, Search::Nearest] {
         let arm = plain(search).with_goal(goal).unwrap();
-        let mut random = Random(41);
+        let mut random = Random::split_mix(41);
         let count = if search == Search::Nearest {
             count.div_ceil(3)
         } else {
@@ -179,8 +178,8 @@ fn tolerances_are_met() {
     for (metres, radians) in [(1e-2, 1e-1), (1e-4, 1e-8), (1e-10, 1e-10)] {
         let arm = builder().with_position_tolerance(metres);
         let arm = arm.with_orientation_tolerance(radians).build().unwrap();
-        let mut random = Random(42);
-        for _ in 0..cases(30, 10) {
+        let mut random = Random::split_mix(42);
+        for _ in cases(30, 10) {
             let target = base_from_tip(&random.configuration(&arm));
             let start = random.configuration(&arm);
             let solution = arm.solve(placement(&target), &start).unwrap();
@@ -242,7 +241,7 @@ fn posture_is_closest_within_the_null_space() {
         let atlas = search == Search::First;
         let posed = builder().with_search(search).with_atlas(atlas);
         let posed = posed.with_posture(&POSTURE).build().unwrap();
-        let mut random = Random(43);
+        let mut random = Random::split_mix(43);
         let (mut nearer, mut best) = (0, 0);
         for _ in 0..40 {
             let target = base_from_tip(&random.configuration(plain));
@@ -275,8 +274,8 @@ fn joint_weights_define_the_nearest_solution() {
             .sum::<f64>()
             .sqrt()
     };
-    let mut random = Random(44);
-    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, cases(20, 8));
+    let mut random = Random::split_mix(44);
+    let (mut nearer, mut counted, mut best, cases) = (0, 0, 0, case_count(20, 8));
     for _ in 0..cases {
         let target = placement(&base_from_tip(&random.configuration(even)));
         let start = random.configuration(even);
@@ -308,7 +307,7 @@ fn move_limits_hold_exactly() {
     let inf = f64::INFINITY;
     let max_move = [0.3, 0.0, inf, 0.2, 1e-9, inf, 0.5];
     let arm = builder().with_max_move(&max_move).build().unwrap();
-    let mut random = Random(45);
+    let mut random = Random::split_mix(45);
     let (mut reached, mut stuck) = (0, 0);
     for k in 0..40 {
         // Every other start is outside the limits: move limits apply from its projection.
@@ -369,7 +368,7 @@ fn seeds_reproduce_and_vary_results() {
     };
     for search in [Search::First, Search::Start] {
         let (one, again, other) = (arm(search, 1), arm(search, 1), arm(search, 2));
-        let mut random = Random(46);
+        let mut random = Random::split_mix(46);
         let mut changed = 0;
         for _ in 0..30 {
             let target = placement(&base_from_tip(&random.configuration(&one)));
@@ -385,7 +384,7 @@ fn seeds_reproduce_and_vary_results() {
     }
     // From nearby the attempt from the start succeeds, so seeds have no influence.
     let (one, other) = (arm(Search::Start, 1), arm(Search::Start, 2));
-    let mut random = Random(47);
+    let mut random = Random::split_mix(47);
     for _ in 0..20 {
         let start = random.configuration(&one);
         let near: Vec<f64> = (start.iter().zip(one.limits()))
@@ -394,21 +393,6 @@ fn seeds_reproduce_and_vary_results() {
         let target = placement(&base_from_tip(&near));
         let a = one.solve(target, &start).unwrap();
         assert_eq!(a.q, other.solve(target, &start).unwrap().q);
-    }
-}
-
-#[test]
-fn attempts_stay_within_the_limit() {
-    for attempts in [1, 3, 20] {
-        let arm = builder().with_attempts(attempts).build().unwrap();
-        let mut random = Random(48);
-        for _ in 0..10 {
-            let target = placement(&base_from_tip(&random.configuration(&arm)));
-            let start = random.configuration(&arm);
-            let solution = arm.solve(target, &start).unwrap();
-            let made = solution.attempts;
-            assert!((1..=attempts as usize).contains(&made), "{made}");
-        }
     }
 }
 
@@ -486,7 +470,7 @@ fn posture_is_clamped_to_the_limits() {
 #[test]
 fn move_limits_hold_in_every_path_step() {
     let arm = builder().with_max_move(&[0.02; 7]).build().unwrap();
-    let mut random = Random(46);
+    let mut random = Random::split_mix(46);
     for _ in 0..6 {
         let [start, target_q] = [(); 2].map(|()| random.configuration(&arm));
         let target = arm.base_from_tool(&target_q).unwrap();
@@ -517,7 +501,7 @@ fn posture_uses_the_freedom_of_a_position_goal() {
     let posture = [0.1, -1.0, 0.9, -1.2, -0.7, 0.3];
     let plain = builder().build().unwrap();
     let with_posture = builder().with_posture(&posture).build().unwrap();
-    let mut random = Random(47);
+    let mut random = Random::split_mix(47);
     let (mut led_by, mut not_led) = (0.0, 0.0);
     for _ in 0..10 {
         let mut nearby = |size: f64| -> Vec<f64> {

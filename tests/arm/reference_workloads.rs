@@ -3,7 +3,7 @@
 //!
 //! The workloads have no licence and are not shipped: `KINOPT_SHARED` names the folder with `workloads/` and `robots/`.
 //! Best run with `--release`; a debug build takes every tenth pose.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! Promise: equal input gives bitwise equal results: in repeated runs, with another equal arm, alone and in batches,
 //! and with 1, 2 and 8 threads.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::problem::{Preferences, Problem};
@@ -8,8 +7,8 @@ use kinopt::spatial::Placement;
 use kinopt::task::{Point, Posture};
 use kinopt::{Solution, Solver};
 use rayon::prelude::*;
-use support::arms::{Random, panda, robot};
-use support::sample::{cases, part};
+use support::arms::{panda, robot};
+use support::random::{Random, case_count, part};
 
 type Queries = (Vec<Placement<f64>>, Vec<f64>);
 
@@ -23,7 +22,7 @@ fn bits(solutions: &[Solution]) -> Vec<u64> {
 }
 
 fn questions(arm: &Arm, count: usize) -> Queries {
-    let mut random = Random(8);
+    let mut random = Random::split_mix(8);
     let mut goals: Vec<_> = (0..count)
         .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
         .collect();
@@ -92,7 +91,7 @@ fn common_searches_are_reproducible() {
     let (robot, base, tip) = panda();
     for search in [Search::Start, Search::First] {
         let builder = Arm::builder(&robot, base, tip);
-        let fewer = cases(140, 12);
+        let fewer = case_count(140, 12);
         // More than a chunk of a batch, for one search at least.
         let first = search == Search::First;
         let count = if first { 140 } else { fewer };
@@ -100,7 +99,7 @@ fn common_searches_are_reproducible() {
     }
     let six = self::robot("universal_ur5e");
     let builder = Arm::builder(&six, "base", "flange");
-    assert_bitwise_equal(&builder, cases(140, 12));
+    assert_bitwise_equal(&builder, case_count(140, 12));
 }
 
 #[test]
@@ -113,7 +112,7 @@ fn comparing_searches_are_reproducible() {
     for search in [Search::Nearest, distinct] {
         let builder = Arm::builder(&robot, base, tip);
         let builder = builder.with_search(search).with_attempts(30);
-        assert_bitwise_equal(&builder.with_atlas(false), cases(5, 2));
+        assert_bitwise_equal(&builder.with_atlas(false), case_count(5, 2));
     }
 }
 
@@ -121,17 +120,17 @@ fn comparing_searches_are_reproducible() {
 fn general_solver_options_are_reproducible() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    assert_bitwise_equal(&builder().with_posture(&[0.3; 7]), cases(6, 2));
-    assert_bitwise_equal(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
+    assert_bitwise_equal(&builder().with_posture(&[0.3; 7]), case_count(6, 2));
+    assert_bitwise_equal(&builder().with_max_move(&[0.5; 7]), case_count(6, 2));
     let goal = PoseBounds::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
-    assert_bitwise_equal(&builder().with_goal(goal).with_seed(5), cases(6, 2));
+    assert_bitwise_equal(&builder().with_goal(goal).with_seed(5), case_count(6, 2));
 }
 
 #[test]
 fn mimic_chain_is_reproducible() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "left_sole", "right_sole");
-    assert_bitwise_equal(&builder.with_atlas(false), cases(6, 2));
+    assert_bitwise_equal(&builder.with_atlas(false), case_count(6, 2));
 }
 
 #[test]
@@ -144,8 +143,8 @@ fn solve_all_and_track_are_reproducible() {
     let builder = Arm::builder(&robot, base, tip);
     let builder = builder.with_search(distinct).with_atlas(false);
     let arm = builder.build().unwrap();
-    let (goals, starts) = questions(&arm, cases(6, 3));
-    let path: Vec<_> = (0..cases(40, 20))
+    let (goals, starts) = questions(&arm, case_count(6, 3));
+    let path: Vec<_> = (0..case_count(40, 20))
         .map(|k| {
             let s = k as f64 * 0.02;
             let q = [0.1 + s, -0.4, 0.2, -1.8 + s, 0.3, 1.7, 0.5 - s];

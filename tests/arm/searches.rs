@@ -1,13 +1,13 @@
 //! Promise: the nearest search returns the nearest solution, and the distinct search returns different solutions.
 //! `KINOPT_CASES` sets the number of cases for each robot (best with `--release`).
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, distance, robot, within_limits};
-use support::sample::{cases, few};
+use support::arms::{distance, robot, within_limits};
+use support::random::{Random, case_count, cases, few};
 use support::urdf_matrices::{apart, from_placement};
 
 /// Two solutions of one pose to 1e-6 are equally near to the start within this distance, radians.
@@ -38,8 +38,8 @@ fn nearest_search_beats_a_hundred_restarts() {
             builder.with_search(search).build().unwrap()
         };
         let (nearest, restarts) = (build(Search::Nearest), build(Search::Start));
-        let mut random = Random(3);
-        let (cases, mut nearest_count) = (cases(20, 2), 0);
+        let mut random = Random::split_mix(3);
+        let (cases, mut nearest_count) = (case_count(20, 2), 0);
         for _ in 0..cases {
             let truth = random.configuration(&nearest);
             let target = nearest.base_from_tool(&truth).unwrap();
@@ -73,9 +73,9 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
             |q: &[f64]| -> Vec<f64> { q.iter().zip(weights).map(|(v, w)| v * w).collect() };
         distance(&scaled(a), &scaled(b))
     };
-    let mut random = Random(4);
+    let mut random = Random::split_mix(4);
     let mut found = 0;
-    for _ in 0..cases(5, 3) {
+    for _ in cases(5, 3) {
         let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
         let all = arm.solve_all(target, &start).unwrap();
@@ -103,17 +103,17 @@ fn distinct_solutions_differ_and_are_sorted() {
     let robot = robot("universal_ur5e");
     let builder = Arm::builder(&robot, "base", "flange");
     // Eight branches, and whole turns in addition.
-    assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5, 3) * 9 / 10);
-    assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5, 3));
+    assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * case_count(5, 3) * 9 / 10);
+    assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > case_count(5, 3));
 }
 
 #[test]
 fn distinct_solutions_of_a_redundant_arm() {
     let robot = robot("franka_panda");
     let builder = Arm::builder(&robot, "base", "flange");
-    assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * cases(5, 3) * 49);
+    assert!(distinct(&builder, 5, 0.1, &[1.0; 7]) * 50 >= 5 * case_count(5, 3) * 49);
     let weights = [2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.1];
-    assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));
+    assert!(distinct(&builder, 4, 0.5, &weights) > case_count(5, 3));
 }
 
 /// Goal bounds are freedom for the nearest search. Of two prismatic joints on one line the heavier moves less, by the

@@ -1,6 +1,5 @@
 //! Promise: servos and path followers use the null space of their target, at limits, stretched and in any unit. Reports
 //! of a cycle are exact.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, PoseBounds, ServoStatus};

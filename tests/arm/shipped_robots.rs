@@ -1,18 +1,14 @@
 //! Promise: every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by independent kinematics, exactly
-//! within the file's limits. `KINOPT_POSES` sets the number of poses for each chain (best with `--release`).
-#![allow(clippy::unwrap_used)]
+//! within the file's limits. `KINOPT_CASES` sets the number of poses for each chain (best with `--release`).
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, Search};
 use kinopt::robot::Robot;
-use support::arms::Random;
-use support::sample::{cases, few};
+use support::random::{Random, case_count, few};
 use support::urdf_matrices::{Tree, apart, from_placement, placement};
 
 fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
-    let requested = std::env::var("KINOPT_POSES").ok();
-    let count = cases(count, count / 3);
-    let count = requested.map_or(count, |count| count.parse().unwrap());
+    let count = case_count(count, count / 3);
     let file = format!("../models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
     for search in [Search::Start, Search::First] {
@@ -26,7 +22,7 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
             let values: Vec<_> = joints.iter().copied().zip(q.iter().copied()).collect();
             tree.base_from_tip(base, tip, &values)
         };
-        let mut random = Random(11);
+        let mut random = Random::split_mix(11);
         let mut solution = Solution::default();
         for _ in 0..count {
             let truth = random.configuration(&arm);

@@ -2,13 +2,13 @@
 //! their limits.
 //!
 //! Longer run of 10 000 steps for each arm: `KINOPT_CASES=10000 cargo test --release --test arm small_steps`.
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, distance, robot};
-use support::path_steps::longest;
-use support::sample::cases;
+use support::arms::{distance, robot};
+use support::path_steps::largest_difference;
+use support::random::{Random, case_count, cases};
 use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
 /// Largest joint displacement that a reachable target is taken from, radians or metres.
@@ -107,7 +107,7 @@ fn recorded_steps_from_limits_stay_near() {
         assert!(searches.check(target, &start, true, file), "{file}");
         let arms = [&searches.first_attempt, &searches.start, &searches.nearest];
         for arm in arms {
-            let moved = longest(&arm.solve(target, &start).unwrap().q, &start);
+            let moved = largest_difference(&arm.solve(target, &start).unwrap().q, &start);
             assert!(moved < 5e-3, "{file}: {moved}");
         }
     }
@@ -115,12 +115,12 @@ fn recorded_steps_from_limits_stay_near() {
 
 #[test]
 fn small_steps_from_limits_return_the_first_attempt() {
-    let cases = cases(200, 30);
+    let cases = case_count(200, 30);
     for [model, base, tip] in SHIPPED_ARMS {
         let robot = robot(model);
         let searches = Searches::of(&Arm::builder(&robot, base, tip));
         let arm = &searches.start;
-        let (mut random, mut missed, mut shifts) = (Random(49), 0, 0);
+        let (mut random, mut missed, mut shifts) = (Random::split_mix(49), 0, 0);
         for case in 0..cases {
             let on_limits = on_limits(arm, [1, 3][case % 2], &mut random);
             let name = format!("{model} {tip} {case}");
@@ -145,9 +145,9 @@ fn batch_steps_from_limits_return_the_first_attempt() {
         let robot = robot(model);
         let searches = Searches::of(&Arm::builder(&robot, "base", "flange"));
         let arm = &searches.start;
-        let mut random = Random(50);
+        let mut random = Random::split_mix(50);
         let (mut targets, mut starts) = (Vec::new(), Vec::new());
-        for case in 0..cases(2000, 400) {
+        for case in cases(2000, 400) {
             let start = on_limits(arm, [1, 3][case % 2], &mut random);
             targets.push(joint_step(arm, &start, &mut random));
             starts.extend(start);
@@ -176,8 +176,8 @@ fn steps_with_other_options_return_the_first_attempt() {
         let searches = Searches::of(&Arm::builder(&robot, "base", "flange").with_atlas(false));
         let arm = builder.clone().build().unwrap();
         let first = builder.with_attempts(1).build().unwrap();
-        let mut random = Random(51);
-        for _ in 0..cases(400, 200) {
+        let mut random = Random::split_mix(51);
+        for _ in cases(400, 200) {
             let start = on_limits(&searches.start, 3, &mut random);
             let target = joint_step(&arm, &start, &mut random);
             let first = first.solve(target, &start).unwrap();
@@ -193,9 +193,9 @@ fn nearest_random_targets_beat_the_first_attempt() {
     for [model, base, tip] in SHIPPED_ARMS {
         let robot = robot(model);
         let searches = Searches::of(&Arm::builder(&robot, base, tip).with_atlas(false));
-        let mut random = Random(52);
+        let mut random = Random::split_mix(52);
         let mut reached = 0;
-        for case in 0..cases(60, 12) {
+        for case in cases(60, 12) {
             let start = random.configuration(&searches.start);
             let target_q = random.configuration(&searches.start);
             let target = searches.start.base_from_tool(&target_q).unwrap();

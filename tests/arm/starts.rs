@@ -1,6 +1,5 @@
 //! Promise: every search solves from difficult starts within limits: on a limit, singular, outside the limits, or at
 //! the solution. An invalid start is named in the error.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -9,8 +8,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use kinopt::Solution;
 use kinopt::arm::{Arm, QueryError, Search};
 use kinopt::spatial::Placement;
-use support::arms::{Random, robot, within_limits};
-use support::sample::{cases, few, part};
+use support::arms::{robot, within_limits};
+use support::random::{Random, cases, few, part};
 use support::urdf_matrices::{apart, from_placement};
 
 const SEARCHES: [Search; 4] = [
@@ -56,7 +55,7 @@ fn assert_solved(arm: &Arm, target: &Placement<f64>, solution: &Solution, start:
 /// Solves a random reachable pose from each start, by each search.
 fn all_solved_from(name: &'static str, starts: impl Fn(&Arm) -> Vec<Vec<f64>>) {
     for (_, arm) in arms(name).iter() {
-        let mut random = Random(31);
+        let mut random = Random::split_mix(31);
         for start in starts(arm) {
             let truth = random.configuration(arm);
             let target = arm.base_from_tool(&truth).unwrap();
@@ -153,10 +152,10 @@ fn singular_targets_are_solved() {
         ),
     ] {
         for (_, arm) in arms(name).iter() {
-            let mut random = Random(32);
+            let mut random = Random::split_mix(32);
             for truth in &truths {
                 let target = arm.base_from_tool(truth).unwrap();
-                for _ in 0..cases(3, 1) {
+                for _ in cases(3, 1) {
                     let start = random.configuration(arm);
                     assert_solved(arm, &target, &arm.solve(target, &start).unwrap(), &start);
                 }
@@ -170,7 +169,7 @@ fn singular_targets_are_solved() {
 fn start_at_the_solution_is_returned() {
     for name in ROBOTS {
         for (search, arm) in arms(name).iter() {
-            let mut random = Random(33);
+            let mut random = Random::split_mix(33);
             for _ in 0..4 {
                 let truth = random.configuration(arm);
                 let target = arm.base_from_tool(&truth).unwrap();

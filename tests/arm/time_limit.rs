@@ -1,6 +1,5 @@
 //! Promise: a time limit ends a search at the next check of the clock, which is near. The best result so far is
 //! returned, within limits, with its errors. A limit that is not met changes nothing.
-#![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
 
@@ -8,8 +7,8 @@ use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
-use support::arms::{Random, panda, robot, within_limits};
-use support::sample::cases;
+use support::arms::{panda, robot, within_limits};
+use support::random::{Random, case_count, cases};
 use support::urdf_matrices::{apart, from_placement};
 
 const DISTINCT: Search = Search::Distinct {
@@ -42,7 +41,7 @@ fn ends_at_once(what: &str, builder: ArmBuilder<'_>, most_iterations: usize) {
     let arm = builder.with_time_limit(Duration::ZERO).with_atlas(false);
     let arm = arm.build().unwrap();
     let n = arm.joint_count();
-    let mut random = Random(61);
+    let mut random = Random::split_mix(61);
     let (mut goals, mut starts) = (Vec::new(), Vec::new());
     for k in 0..12 {
         let mut goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
@@ -128,8 +127,8 @@ fn interrupted_comparison_is_reported() {
         };
         let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
         let patient = builder().build().unwrap();
-        let mut random = Random(63);
-        let (mut reported, cases) = (0, cases(8, 4));
+        let mut random = Random::split_mix(63);
+        let (mut reported, cases) = (0, case_count(8, 4));
         for case in 0..cases {
             let at_goal = random.configuration(&patient);
             let goal = patient.base_from_tool(&at_goal).unwrap();
@@ -162,7 +161,7 @@ fn zero_time_applies_to_each_batch_problem() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip).with_time_limit(Duration::ZERO);
     let arm = arm.with_atlas(false).build().unwrap();
-    let mut random = Random(64);
+    let mut random = Random::split_mix(64);
     let (mut goals, mut starts) = (Vec::new(), Vec::new());
     for _ in 0..8 {
         let goal = random.configuration(&arm);
@@ -201,8 +200,8 @@ fn unmet_time_limit_changes_nothing() {
         for limit in [Duration::from_secs(86400), Duration::MAX] {
             let limited = builder().with_atlas(false).with_time_limit(limit);
             let limited = limited.build().unwrap();
-            let mut random = Random(62);
-            for _ in 0..cases(6, 2) {
+            let mut random = Random::split_mix(62);
+            for _ in cases(6, 2) {
                 let goal = plain.base_from_tool(&random.configuration(&plain)).unwrap();
                 let start = random.configuration(&plain);
                 let (a, b) = (plain.solve(goal, &start), limited.solve(goal, &start));

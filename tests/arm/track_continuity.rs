@@ -2,15 +2,15 @@
 //! own joints; otherwise the track reports the step.
 //!
 //! A debug build follows one path of each kind; `KINOPT_CASES` sets their number.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 
 use kinopt::arm::{Arm, Track};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
-use support::arms::{Random, apart, base_from_tip, robot, within_limits};
-use support::sample::{cases, few};
+use support::arms::{apart, base_from_tip, robot, within_limits};
+use support::path_steps::largest_difference;
+use support::random::{Random, case_count, few};
 
 const STEPS: usize = 300;
 
@@ -42,23 +42,19 @@ fn path(arm: &Arm, random: &mut Random, legs: usize, margin: f64) -> Vec<Vec<f64
     path
 }
 
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
 /// Steps in which a joint moves more than 0.2 rad, with that displacement.
 pub(crate) fn far_steps(track: &Track) -> Vec<(usize, f64)> {
     let steps = track.solutions.windows(2).enumerate();
-    let moves = steps.map(|(step, ends)| (step + 1, longest(&ends[0].q, &ends[1].q)));
+    let moves = steps.map(|(step, ends)| (step + 1, largest_difference(&ends[0].q, &ends[1].q)));
     moves.filter(|(_, moved)| *moved > 0.2).collect()
 }
 
 /// Steps that flip.
 fn flips(joint_path: &[Vec<f64>], track: &Track) -> Vec<usize> {
     let steps = joint_path.windows(2).zip(track.solutions.windows(2));
-    let excess =
-        steps.map(|(pair, ours)| longest(&ours[0].q, &ours[1].q) - longest(&pair[0], &pair[1]));
+    let excess = steps.map(|(pair, ours)| {
+        largest_difference(&ours[0].q, &ours[1].q) - largest_difference(&pair[0], &pair[1])
+    });
     let jumps = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
     jumps.map(|(step, _)| step + 1).collect()
 }
@@ -70,7 +66,7 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_global_search_on_miss(true).with_atlas(!few());
     let arm = arm.build().unwrap();
-    let mut random = Random(31);
+    let mut random = Random::split_mix(31);
     let legs = if few() { 1 } else { 4 };
     let mut all = 0;
     for _ in 0..count {
@@ -108,11 +104,11 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
 #[test]
 fn six_joints_never_flip() {
     assert_eq!(
-        follow("universal_ur5e", "base", "flange", 0.05, cases(3, 1)),
+        follow("universal_ur5e", "base", "flange", 0.05, case_count(3, 1)),
         0
     );
     assert_eq!(
-        follow("universal_ur10e", "base", "flange", -0.2, cases(3, 1)),
+        follow("universal_ur10e", "base", "flange", -0.2, case_count(3, 1)),
         0
     );
 }
@@ -120,11 +116,17 @@ fn six_joints_never_flip() {
 #[test]
 fn seven_joints_never_flip() {
     assert_eq!(
-        follow("franka_panda", "base", "flange", 0.15, cases(4, 1)),
+        follow("franka_panda", "base", "flange", 0.15, case_count(4, 1)),
         0
     );
     assert_eq!(
-        follow("rethink_baxter", "torso", "left_tool", 0.15, cases(4, 1)),
+        follow(
+            "rethink_baxter",
+            "torso",
+            "left_tool",
+            0.15,
+            case_count(4, 1)
+        ),
         0
     );
 }
@@ -140,7 +142,7 @@ fn seven_joints_on_limits_rarely_flip() {
         ("franka_panda", -0.2, 10, 1),
         ("kuka_iiwa14", -0.2, 25, 2),
     ] {
-        let count = cases(40, 1);
+        let count = case_count(40, 1);
         let most = (count * percent).div_ceil(100) + more;
         let flipped = follow(name, "base", "flange", margin, count);
         assert!(flipped <= most, "{name}: {flipped} of {count}");
@@ -150,7 +152,7 @@ fn seven_joints_on_limits_rarely_flip() {
 #[test]
 fn scara_never_flips() {
     assert_eq!(
-        follow("adept_cobra_s600", "base", "flange", -0.2, cases(4, 1)),
+        follow("adept_cobra_s600", "base", "flange", -0.2, case_count(4, 1)),
         0
     );
 }
@@ -226,7 +228,7 @@ fn end_of_a_branch_is_reported() {
 #[test]
 fn constant_target_and_single_steps_agree() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    let joint_path = path(&arm, &mut Random(5), 1, 0.3);
+    let joint_path = path(&arm, &mut Random::split_mix(5), 1, 0.3);
     let mut targets: Vec<_> = joint_path
         .iter()
         .map(|q| arm.base_from_tool(q).unwrap())
@@ -256,7 +258,7 @@ fn detour_keeps_null_space_convergence() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
     let arm = arm.build().unwrap();
-    let joint_path = path(&arm, &mut Random(1), 2, -0.2);
+    let joint_path = path(&arm, &mut Random::split_mix(1), 2, -0.2);
     let tool = |q: &Vec<f64>| arm.base_from_tool(q).unwrap();
     let mut targets: Vec<_> = joint_path.iter().step_by(8).map(tool).collect();
     // Tiny steps at the end, so that the null-space motion converges.
@@ -320,7 +322,7 @@ fn reported_jumps_match_the_returned_track() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for (seed, every) in [(1004, 10), (1005, 20), (1006, 10)] {
-        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path = path(&arm, &mut Random::split_mix(seed), 2, 0.05);
         let joint_path: Vec<_> = joint_path.into_iter().step_by(every).collect();
         let targets: Vec<_> = joint_path
             .iter()
@@ -339,7 +341,7 @@ fn detour_is_found_after_an_unreachable_part() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for seed in [1009, 1017, 1030] {
-        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path = path(&arm, &mut Random::split_mix(seed), 2, 0.05);
         let joint_path: Vec<_> = joint_path.into_iter().step_by(10).collect();
         let targets: Vec<_> = joint_path
             .iter()
@@ -384,6 +386,10 @@ fn far_step_follows_the_straight_line() {
         let target = arm.base_from_tool(&to).unwrap();
         let jump = follower.advance(target, &mut solution).unwrap().unwrap();
         assert!(solution.reached && jump.continuous, "{jump:?}");
-        assert!(longest(&solution.q, &to) < 1e-4, "{:?}", solution.q);
+        assert!(
+            largest_difference(&solution.q, &to) < 1e-4,
+            "{:?}",
+            solution.q
+        );
     }
 }

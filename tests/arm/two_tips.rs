@@ -1,6 +1,5 @@
 //! Promise: both arms of a torso reach their poses at once to 1e-6 m and 1e-6 rad by independent kinematics, exactly
 //! within limits.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
 use kinopt::robot::Robot;

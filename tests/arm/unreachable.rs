@@ -1,6 +1,5 @@
 //! Promise: an unreachable target ends after bounded evaluations at a configuration that no free joint improves. The
 //! report has its errors and exactly the active limits.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 
@@ -11,8 +10,8 @@ use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use support::arms::{Random, apart, base_from_tip, robot, within_limits};
-use support::sample::{cases, few};
+use support::arms::{apart, base_from_tip, robot, within_limits};
+use support::random::{Random, case_count, cases, few};
 
 /// Metres that weigh as much as a radian.
 const METRES_PER_RADIAN: f64 = 0.25;
@@ -106,9 +105,9 @@ fn stationary(name: &str, base: &str, tip: &str) {
         .with_metres_per_radian(METRES_PER_RADIAN)
         .with_atlas(false);
     let arm = arm.build().unwrap();
-    let mut random = Random(17);
+    let mut random = Random::split_mix(17);
     let (mut missed, mut held) = (0, 0);
-    let count = cases(40, 12);
+    let count = case_count(40, 12);
     for k in 0..count {
         let q = random.configuration(&arm);
         let at = base_from_tip(robot.model(), &arm, &q, base, tip);
@@ -218,8 +217,8 @@ fn proven_out_of_reach_is_reported() {
     let arm = Arm::builder(&panda, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
-    let mut random = Random(5);
-    for _ in 0..cases(100, 10) {
+    let mut random = Random::split_mix(5);
+    for _ in cases(100, 10) {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let near = arm.solve(target, &start).unwrap();
         assert!(near.reached && !near.is_out_of_reach());
@@ -256,8 +255,8 @@ fn target_beyond_reach_takes_one_attempt() {
             let builder = || builder().with_search(search).with_atlas(!few());
             let arm = builder().build().unwrap();
             let many = builder().with_attempts(40).build().unwrap();
-            let mut random = Random(8);
-            for _ in 0..cases(20, 3) {
+            let mut random = Random::split_mix(8);
+            for _ in cases(20, 3) {
                 let q = random.configuration(&arm);
                 let start = random.configuration(&arm);
                 let mut target = arm.base_from_tool(&q).unwrap();
@@ -283,7 +282,7 @@ fn global_search_returns_the_best_miss() {
     let builder = || Arm::builder(&robot, "base", "flange").with_atlas(false);
     let default_arm = builder().build().unwrap();
     let anywhere = builder().with_global_search_on_miss(true).build().unwrap();
-    let (mut random, mut better) = (Random(29), 0);
+    let (mut random, mut better) = (Random::split_mix(29), 0);
     for case in 0..6 {
         let target = default_arm
             .base_from_tool(&random.configuration(&default_arm))

@@ -2,14 +2,14 @@
 //! closest pose of its branch.
 //!
 //! A debug build follows a few lines; `KINOPT_CASES` sets their number for each robot.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
 use kinopt::arm::Arm;
 use kinopt::spatial::Placement;
-use support::arms::{Random, robot, within_limits};
+use support::arms::{robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
-use support::sample::{cases, few};
+use support::path_steps::largest_difference;
+use support::random::{Random, case_count, few};
 
 /// Counts of one way to follow a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,17 +21,12 @@ struct Counts {
     unreached_jumps: usize,
 }
 
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
 impl Counts {
     fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
         assert!(within_limits(arm, &to.q));
         self.steps += 1;
         self.missed += usize::from(!to.reached);
-        let is_jump = longest(from, &to.q) > 0.2;
+        let is_jump = largest_difference(from, &to.q) > 0.2;
         self.jumps += usize::from(is_jump);
         self.unreached_jumps += usize::from(is_jump && !to.reached);
     }
@@ -75,7 +70,7 @@ fn follow(name: &str, follow: Follow, count: usize) -> Counts {
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
     let mut seen = Counts::default();
-    for Line { start, out } in lines(&arm, &mut Random(71), count) {
+    for Line { start, out } in lines(&arm, &mut Random::split_mix(71), count) {
         let back = out.iter().rev();
         let targets: Vec<_> = out.iter().chain(back).copied().collect();
         let solutions = follow(&arm, &targets, &start);
@@ -91,7 +86,7 @@ fn follow(name: &str, follow: Follow, count: usize) -> Counts {
 #[test]
 fn path_follower_never_jumps() {
     for name in robots() {
-        let seen = follow(name, by_follower, cases(8, 1));
+        let seen = follow(name, by_follower, case_count(8, 1));
         assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
         assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
     }
@@ -100,7 +95,7 @@ fn path_follower_never_jumps() {
 #[test]
 fn track_never_jumps() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
-        let seen = follow(name, by_track, cases(4, 1));
+        let seen = follow(name, by_track, case_count(4, 1));
         assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
         assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
     }
@@ -110,7 +105,7 @@ fn track_never_jumps() {
 #[test]
 fn miss_stays_near_the_start() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
-        let seen = follow(name, by_solve, cases(4, 1));
+        let seen = follow(name, by_solve, case_count(4, 1));
         assert_eq!(seen.unreached_jumps, 0, "{name}: {seen:?}");
     }
 }
@@ -123,7 +118,7 @@ fn count_returns(rest: usize) -> (usize, usize) {
         let robot = robot(name);
         let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_atlas(false).build().unwrap();
-        for Line { start, out } in lines(&arm, &mut Random(7), cases(8, 2)) {
+        for Line { start, out } in lines(&arm, &mut Random::split_mix(7), case_count(8, 2)) {
             let end = vec![*out.last().unwrap(); rest];
             let home = vec![out[0]; rest];
             let back = out.iter().rev().chain(&home);
@@ -138,7 +133,7 @@ fn count_returns(rest: usize) -> (usize, usize) {
                 continue;
             }
             free += 1;
-            let distance = longest(&track[track.len() - 1].q, &track[0].q);
+            let distance = largest_difference(&track[track.len() - 1].q, &track[0].q);
             on_other_branch += usize::from(distance > 1e-3);
         }
     }

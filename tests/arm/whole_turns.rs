@@ -1,16 +1,16 @@
 //! Promise: for joints with a range above one turn, the turn nearest to the start is returned, as far as limits allow.
 //! This includes move limits.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 
 use kinopt::arm::Arm;
-use support::arms::{Random, robot, within_limits};
+use support::arms::{robot, within_limits};
+use support::random::Random;
 
 #[test]
 fn returned_turn_is_nearest_to_the_start() {
     let robot = robot("universal_ur5e");
-    let mut random = Random(48);
+    let mut random = Random::split_mix(48);
     for max_move in [3.5, 4.5, 6.0] {
         let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
         let arm = builder.with_max_move(&[max_move; 6]).build().unwrap();

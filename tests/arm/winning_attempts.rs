@@ -1,15 +1,15 @@
 //! Promise: the reported winner is the attempt that gave the result.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, PoseOutcome, Search};
-use support::arms::{Random, panda};
+use support::arms::panda;
+use support::random::Random;
 
 /// Without attempts after the winner the result is equal.
 #[test]
 fn attempts_after_the_winner_change_nothing() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
-    let (mut random, mut later) = (Random(31), [0; 5]);
+    let (mut random, mut later) = (Random::split_mix(31), [0; 5]);
     let ways = [
         // So few iterations that only the first and the best attempt settle.
         builder.clone().with_iterations(40),
@@ -58,7 +58,7 @@ fn batch_keeps_the_attempt_limit() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = builder.with_attempts(2).build().unwrap();
-    let (mut random, mut missed) = (Random(33), 0);
+    let (mut random, mut missed) = (Random::split_mix(33), 0);
     for _ in 0..12 {
         let target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
@@ -80,7 +80,7 @@ fn settling_does_not_reduce_attempts() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let builder = builder.with_attempts(5000);
-    let mut random = Random(32);
+    let mut random = Random::split_mix(32);
     for iterations in [900, 3200] {
         let arm = builder.clone().with_iterations(iterations).build().unwrap();
         let start = random.configuration(&arm);

@@ -2,6 +2,7 @@
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, World};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use support::arms::robot;
@@ -64,4 +65,24 @@ fn object_between_fingers_touches_no_holder() {
             .collect();
         assert!(found.is_empty(), "{frame}: {found:?}");
     }
+}
+
+#[test]
+fn attached_object_moves_with_its_link() {
+    let robot = robot("franka_panda");
+    let at = Vector3::new(0.0, 0.0, 0.3);
+    let q = [0.3, 0.2, 0.5, -1.1, -0.4, 1.7, -0.2, 0.0, 0.0];
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    let hand = robot.model().frame("hand").unwrap().index();
+    let position = kinematics.place(&q).unwrap()[hand].apply(at);
+    let mut world = World::new();
+    world.add_sphere("cup", 0.03, Vector3::zero()).unwrap();
+    world.attach("cup", "hand", at).unwrap();
+    world.add_sphere("there", 0.01, position).unwrap();
+    let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    let found = checker.collisions(&q).unwrap();
+    let cup = found
+        .iter()
+        .find(|pair| [&pair.first, &pair.second].into_iter().any(|n| n == "cup"));
+    assert!((cup.unwrap().distance + 0.04).abs() < 1e-12, "{found:?}");
 }

@@ -296,3 +296,30 @@ fn sphere_centred_in_a_face_leaves_along_normal() {
         }
     }
 }
+
+/// Lengths of a box may differ by a factor of up to 1e12.
+#[test]
+fn slender_boxes_are_measured_or_rejected() {
+    let ball = Shape::sphere(0.1).unwrap();
+    for long in [1e3, 1e6, 1e9] {
+        for thin in [1e-12 * long, 1e-9 * long, 1e-6 * long] {
+            let plate = Shape::cuboid([0.05_f64.max(thin), long, thin]).unwrap();
+            for gap in [-0.02, 0.0, 1e-3, 0.5] {
+                // Above the plate's middle, and off it.
+                for along in [0.0, 0.3 * long] {
+                    let at = Vector3::new(0.01, along, 0.5 * thin + 0.1 + gap);
+                    let found = separation(&plate, &Placement::identity(), &ball, &at.into());
+                    let resolved = 1e-9 + 4.0 * f64::EPSILON * long;
+                    let deviation = found.distance - gap;
+                    assert!(
+                        deviation.abs() < resolved,
+                        "{long:e} {thin:e} {gap} {along}: {deviation:e}"
+                    );
+                }
+            }
+        }
+    }
+    let error = Shape::cuboid([0.05, 1e9, 1e-9]).unwrap_err();
+    let reported = "the length of the box along y is 1e9 and the length of the box along z 1e-9: more than 1e12 times";
+    assert_eq!(error.to_string(), reported);
+}

@@ -8,8 +8,6 @@ use kinopt::spatial::Vector3;
 use support::arms::robot;
 use support::random::Random;
 
-use crate::arm_avoidance::drawn;
-
 /// Each solid of the shipped Baxter's arms ends where the next but one starts.
 #[test]
 fn meeting_solids_do_not_block_targets() {
@@ -22,7 +20,7 @@ fn meeting_solids_do_not_block_targets() {
         let arm = plain.clone().with_checker(&checker, &rest).unwrap();
         let mut count = 0;
         while count < 50 {
-            let q = drawn(&arm, &mut random);
+            let q = random.configuration(&arm);
             // Skips self-collisions beyond rounding.
             let touches = arm.collisions(&q).unwrap();
             if touches.iter().any(|pair| pair.depth() > 1e-6) {

@@ -7,11 +7,8 @@ use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
-
-use crate::arm_avoidance::drawn;
-use crate::sphere_consistency::add_boxes;
+use support::checked_arms::add_boxes;
+use support::random::{Random, cases};
 
 struct Panda {
     checker: Checker,
@@ -68,8 +65,8 @@ fn base_just_above_floor_keeps_sphere_checks() {
     let panda = Panda::covered(0.03);
     let arm = panda.among(&floor(panda.lowest() - 1e-3));
     let (mut free, mut clear_ones) = (0, 0);
-    for _ in 0..cases(1000, 200) {
-        let q = drawn(&arm, &mut random);
+    for _ in cases(1000, 200) {
+        let q = random.configuration(&arm);
         let mut clear = [false];
         arm.clear_by_spheres(&q, &mut clear).unwrap();
         let is_free = arm.collisions(&q).unwrap().is_empty();
@@ -85,8 +82,8 @@ fn base_in_its_floor_starts_no_search() {
     let mut random = Random::new(5);
     let panda = Panda::covered(0.03);
     let (plain, arm) = (Panda::plain(), panda.among(&floor(panda.lowest() + 0.02)));
-    for _ in 0..cases(100, 20) {
-        let (goal, start) = (drawn(&arm, &mut random), drawn(&arm, &mut random));
+    for _ in cases(100, 20) {
+        let (goal, start) = (random.configuration(&arm), random.configuration(&arm));
         let target = arm.base_from_tool(&goal).unwrap();
         let solution = arm.solve(target, &start).unwrap();
         let alone = plain.solve(target, &start).unwrap();
@@ -112,11 +109,11 @@ fn free_plain_solution_is_kept() {
     let panda = Panda::covered(0.1);
     let plain = Panda::plain();
     let (mut unchanged, mut by_shapes) = (0, 0);
-    for _ in 0..cases(500, 100) {
+    for _ in cases(500, 100) {
         let mut world = floor(-0.1);
         add_boxes(&mut world, &mut random);
         let arm = panda.among(&world);
-        let (goal, start) = (drawn(&arm, &mut random), drawn(&arm, &mut random));
+        let (goal, start) = (random.configuration(&arm), random.configuration(&arm));
         let target = arm.base_from_tool(&goal).unwrap();
         let alone = plain.solve(target, &start).unwrap();
         if !alone.reached || !arm.collisions(&alone.q).unwrap().is_empty() {

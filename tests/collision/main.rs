@@ -1,8 +1,7 @@
-//! Collision shapes, distances, worlds and avoidance.
+//! Promises of kinopt-collision: shapes, distances, worlds and avoidance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod allowed_collisions;
-mod arm_avoidance;
 mod attached_objects;
 mod avoidance_priority;
 mod checkers;
@@ -13,32 +12,25 @@ mod depenetration;
 mod distance_certificates;
 mod distance_identities;
 mod exact_contacts;
-mod free_path_following;
 mod grazing_motions;
 mod ground_height;
 mod immobile_links;
 mod invalid_shapes_and_files;
 mod large_hulls;
-mod margin_beyond_reach;
 mod mesh_files;
 mod minimum_penetration;
 mod mjcf_contacts;
-mod narrow_gaps;
 mod package_manifests;
-mod path_avoidance;
-mod random_worlds;
 mod robot_avoidance;
 mod sampled_pairs;
 mod scaled_worlds;
 mod shapes;
 mod skin_capsules;
 mod sphere_checks;
-mod sphere_consistency;
 mod sphere_covers;
 mod sphere_files;
+mod starts_in_contact;
 mod thin_walls;
-mod time_limits;
-mod unobstructed_tracks;
 mod world_files;
 mod world_updates;
 mod worlds;

@@ -1,6 +1,5 @@
 //! Promise: a mesh at `package://NAME/…` is found in the package whose `package.xml` has that name, whatever its folder
 //! is called.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

@@ -4,14 +4,14 @@ use kinopt::collision::{Checker, CollisionModel, Resolution, SphereModel};
 use kinopt::robot::Robot;
 use support::arms::robot;
 use support::lines::ROBOTS;
-use support::sample::cases;
+use support::random::case_count;
 
 /// Pairs that collide in more than this fraction of configurations count as always in contact.
 const MIN_CONTACT_FRACTION: f64 = 0.9;
 
 #[test]
 fn disabled_pair_collides_never_or_always() {
-    let count = cases(10_000, 1_000);
+    let count = case_count(10_000, 1_000);
     for (name, ..) in ROBOTS {
         let robot = robot(name);
         let all = CollisionModel::of(&robot).unwrap();

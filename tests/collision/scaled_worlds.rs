@@ -2,6 +2,7 @@
 
 use kinopt::collision::{Shape, World, WorldError, separation};
 use kinopt::spatial::{Placement, Vector3};
+use support::fault_tables::ExpectedError;
 
 const SCALES: [f64; 3] = [0.7, 1.0, 3.25];
 
@@ -78,11 +79,7 @@ fn attachment_is_kept_and_bad_scales_rejected() {
     let offset = board.placement.translation - at(0.2, 0.0).translation * 2.0;
     assert!(offset.norm() < 1e-15);
     for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let message = world.scaled(invalid).unwrap_err().to_string();
-        assert!(
-            message.contains("times") && message.contains("positive"),
-            "{message}"
-        );
+        world.scaled(invalid).says("times | positive");
     }
     let error = world.scaled(1e-320).unwrap_err();
     assert!(matches!(error, WorldError::Shape { .. }), "{error}");

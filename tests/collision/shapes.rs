@@ -4,13 +4,13 @@ use kinopt::collision::{Checker, Shape, ShapeError, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::box_sides::box_triangles;
+use support::fault_tables::ExpectedError;
 use support::random::Random;
 
 #[test]
 fn lengths_are_positive_and_finite() {
     for invalid in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
-        let message = Shape::sphere(invalid).unwrap_err().to_string();
-        assert!(message.contains("radius of the sphere"), "{message}");
+        Shape::sphere(invalid).says("radius of the sphere");
         assert!(Shape::capsule(1.0, invalid).is_err() && Shape::capsule(invalid, 1.0).is_err());
         assert!(Shape::cylinder(1.0, invalid).is_err() && Shape::cylinder(invalid, 1.0).is_err());
         assert!(Shape::cuboid([1.0, invalid, 1.0]).is_err());

@@ -8,17 +8,18 @@ use kinopt::collision::{
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
-
-use crate::arm_avoidance::{cluttered, drawn, panda};
+use support::checked_arms::{cluttered, panda};
+use support::fault_tables::ExpectedError;
+use support::random::{Random, case_count, cases};
 
 #[test]
 fn clear_by_spheres_is_collision_free() {
     let mut random = Random::new(9);
-    let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
-    let count = cases(1001, 101);
-    let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
+    let panda = panda(Search::Start).with_world(&cluttered(&mut random), 0.01);
+    let count = case_count(1001, 101);
+    let q: Vec<f64> = (0..count)
+        .flat_map(|_| random.configuration(&panda.arm))
+        .collect();
     let mut clear = vec![false; count];
     panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
     for (index, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
@@ -32,11 +33,11 @@ fn clear_by_spheres_is_collision_free() {
     let mut invalid = q[..7].to_vec();
     invalid[3] = f64::NAN;
     let refused = panda.arm.clear_by_spheres(&invalid, &mut [true]);
-    assert!(refused.unwrap_err().to_string().contains("joint4"));
+    refused.says("joint4");
     // The error names the joint, not the index among all numbers.
     let invalid = [&q[..14], &invalid].concat();
     let refused = panda.arm.clear_by_spheres(&invalid, &mut [true; 3]);
-    assert!(refused.unwrap_err().to_string().contains("joint4"));
+    refused.says("joint4");
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
 }
 
@@ -153,11 +154,14 @@ fn obstacle_tree_equals_single_checks() {
     }
     one.add_box("wall", [0.1, 1.3, 1.3], Vector3::new(0.45, 0.0, 0.6))
         .unwrap();
-    let bricks = panda(Search::Start).among(&many, 0.0);
-    let wall = panda(Search::Start).among(&one, 0.0);
+    let bricks = panda(Search::Start).with_world(&many, 0.0);
+    let wall = panda(Search::Start).with_world(&one, 0.0);
     let mut random = Random::new(5);
-    for _ in 0..cases(60, 10) {
-        let (goal, start) = (wall.free(&mut random), wall.drawn(&mut random));
+    for _ in cases(60, 10) {
+        let (goal, start) = (
+            wall.collision_free_configuration(&mut random),
+            random.configuration(&wall.arm),
+        );
         let target = wall.arm.base_from_tool(&goal).unwrap();
         let [a, b] = [&bricks, &wall].map(|p| p.arm.solve(target, &start).unwrap());
         assert_eq!((a.q, a.reached), (b.q, b.reached));
@@ -208,12 +212,12 @@ fn assert_equals_part_by_part([balls, points]: [usize; 2], thick: f64) {
         )
         .unwrap();
     }
-    let many = panda(Search::Start).among(&whole, 0.01);
+    let many = panda(Search::Start).with_world(&whole, 0.01);
     let parts: Vec<_> = (parts.iter())
-        .map(|part| panda(Search::Start).among(part, 0.01))
+        .map(|part| panda(Search::Start).with_world(part, 0.01))
         .collect();
-    let drawn: Vec<f64> = (0..cases(4000, 200))
-        .flat_map(|_| many.drawn(&mut random))
+    let drawn: Vec<f64> = (0..case_count(4000, 200))
+        .flat_map(|_| random.configuration(&many.arm))
         .collect();
     let count = drawn.len() / 7;
     let mut by_parts = vec![true; count];
@@ -265,8 +269,8 @@ fn pairs_added_after_spheres_are_checked() {
     let arm = arm.with_checker(&checker, &rest).unwrap();
     let mut random = Random::new(8);
     let mut touching = 0;
-    for _ in 0..cases(200, 60) {
-        let q = drawn(&arm, &mut random);
+    for _ in cases(200, 60) {
+        let q = random.configuration(&arm);
         if arm.collisions(&q).unwrap().is_empty() {
             continue;
         }
@@ -290,7 +294,7 @@ fn clear_by_spheres_keeps_a_wide_margin() {
         loop {
             let checker = panda.checker.clone().with_margin(margin).unwrap();
             let mut q = panda.q_model.clone();
-            let drawn = panda.drawn(&mut random);
+            let drawn = random.configuration(&panda.arm);
             panda.arm.configuration(&drawn, &mut q).unwrap();
             let touched = checker.collisions(&q).unwrap();
             let Some(pair) = touched.first() else {
@@ -303,10 +307,12 @@ fn clear_by_spheres_keeps_a_wide_margin() {
             panda.checker = Checker::new(bodies).with_spheres(spheres);
         }
         // An earlier, smaller margin no longer applies.
-        let mut panda = panda.among(&World::new(), 0.0);
+        let mut panda = panda.with_world(&World::new(), 0.0);
         panda.arm = panda.arm.with_world(&World::new(), margin).unwrap();
-        let count = cases(1000, 200);
-        let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
+        let count = case_count(1000, 200);
+        let q: Vec<f64> = (0..count)
+            .flat_map(|_| random.configuration(&panda.arm))
+            .collect();
         let mut clear = vec![false; count];
         panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
         let mut near = 0;
@@ -327,8 +333,7 @@ fn clear_by_spheres_keeps_a_wide_margin() {
 fn arm_without_checker_reports_an_error() {
     let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0; 7];
-    let message = plain.collisions(&q).unwrap_err().to_string();
-    assert!(message.contains("are unknown"), "{message}");
+    plain.collisions(&q).says("are unknown");
     assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
     let message = plain
         .with_world(&World::new(), None)

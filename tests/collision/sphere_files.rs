@@ -5,11 +5,10 @@ use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel,
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
+use support::checked_arms::add_boxes;
+use support::fault_tables::ExpectedError;
+use support::random::{Random, cases};
 
-use crate::arm_avoidance::drawn;
-use crate::sphere_consistency::add_boxes;
 use crate::sphere_covers::one_link;
 
 /// As in cuRobo's files: nested, with comments, flow and block style, and a disabled sphere.
@@ -173,7 +172,7 @@ fn reported_gap_bounds_the_uncovered_part() {
         let mut farthest = f64::NEG_INFINITY;
         for object in shapes.objects_of(group.link) {
             let bounds = object.shape.bounding_sphere();
-            for _ in 0..cases(20_000, 2_000) {
+            for _ in cases(20_000, 2_000) {
                 // Nearest points of the shape to random points around it.
                 let about = [(); 3].map(|()| bounds.radius * random.within(-1.2, 1.2));
                 let point = bounds.centre + Vector3::from(about);
@@ -227,7 +226,7 @@ fn arm_with_incomplete_spheres_uses_shapes() {
     let rest = robot.model().neutral();
     let mut random = Random::new(11);
     let (mut reached, mut workspace) = (0, alone.workspace());
-    for _ in 0..cases(60, 15) {
+    for _ in cases(60, 15) {
         let mut world = World::new();
         add_boxes(&mut world, &mut random);
         let by_shapes = alone.clone().with_world(&world).unwrap();
@@ -235,7 +234,7 @@ fn arm_with_incomplete_spheres_uses_shapes() {
         let arm = Arm::new(&robot, "base", "flange").unwrap();
         let arm = arm.with_checker(&covered, &rest).unwrap();
         for _ in 0..4 {
-            let [goal, start] = [(); 2].map(|()| drawn(&arm, &mut random));
+            let [goal, start] = [(); 2].map(|()| random.configuration(&arm));
             let target = arm.base_from_tool(&goal).unwrap();
             let solution = arm.solve(target, &start).unwrap();
             if solution.reached {
@@ -377,12 +376,7 @@ fn spheres_beyond_1e9_are_rejected() {
         ("0.05", "1e200"),
     ] {
         let text = CUROBO.replacen(from, to, 1);
-        let error = SphereModel::parse(text.as_bytes(), "franka.yml", &shapes).unwrap_err();
-        let error = error.to_string();
-        assert!(
-            error.contains("link `") && error.contains("sphere 0"),
-            "{error}"
-        );
+        SphereModel::parse(text.as_bytes(), "franka.yml", &shapes).says("link ` | sphere 0");
     }
     let urdf = "<robot name='r'><link name='hand'><collision><origin xyz='1e300 0 0'/><geometry><sphere radius='1'/></geometry></collision></link></robot>";
     assert!(SphereModel::parse(urdf.as_bytes(), "spheres.urdf", &shapes).is_err());

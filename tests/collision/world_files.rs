@@ -4,6 +4,8 @@
 use kinopt::collision::{Checker, Shape, ShapeKind, World, separation};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
+use support::fault_tables::ExpectedError;
+use support::fault_tables::faults;
 use support::random::Random;
 
 const SCENE: &str = "
@@ -124,136 +126,69 @@ fn json_round_trip_is_exact() {
     }
 }
 
+/// Worlds, the location of their fault, and what is reported.
+const JSON_FAULTS: &str = r#"
+{"boxs": []} | boxs | unknown field
+[] | line 1 | expected an object
+{"boxes": [["a", [1, 1, 1]]]} | boxes[0] | expected an object
+{"boxes": [{"name": " ", "size": [1, 1, 1]}]} | boxes[0] | needs a name
+{"boxes": [{"name": "a", "size": [1, 2]}]} | boxes[0].size | length 2
+{"boxes": [{"name": "a", "size": [1, 0, 2]}]} | boxes[0] | along y is 0
+{"spheres": [{"name": "a", "radius": -1}]} | spheres[0] | radius of the sphere is -1
+{"spheres": [{"name": "a", "radius": 1}], "boxes": [{"name": "a", "size": [1,1,1]}]} | spheres[0] | already
+{"planes": [{"name": "a", "quaternion": [0, 0, 0, 0]}]} | planes[0] | length is 0
+{"planes": [{"name": "a", "rotation": [[1,0,0],[0,1,0],[0,0,-1]]}]} | planes[0] | reflection
+{"planes": [{"name": "a"}], "order": ["b"]} | order[0] | no obstacle "b"
+{"planes": [{"name": "a"}], "order": ["a", "a"]} | order[1] | twice
+{"planes": [{"name": "a"}, {"name": "b"}], "order": ["a"]} | order | "b" is missing
+{"meshes": [{"name": "a", "vertices": [[0,0,0]], "triangles": [[0, 1, 2]]}]} | meshes[0] | vertex 1
+{"meshes": [{"name": "a", "file": "b.obj"}]} | meshes[0] | only for a world
+{"convex": [{"name": "a", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]}]} | convex[0] | one plane
+"#;
+
 #[test]
 fn json_errors_name_the_location() {
-    let reported = |text: &str| {
-        World::from_json(text.as_bytes(), "w.json")
+    for row in JSON_FAULTS.lines().filter(|row| !row.is_empty()) {
+        let mut parts = row.split(" | ");
+        let text = parts.next().unwrap();
+        let message = World::from_json(text.as_bytes(), "w.json")
             .unwrap_err()
-            .to_string()
-    };
-    for (text, location, what) in [
-        (r#"{"boxs": []}"#, "boxs", "unknown field"),
-        ("[]", "line 1", "expected an object"),
-        (
-            r#"{"boxes": [["a", [1, 1, 1]]]}"#,
-            "boxes[0]",
-            "expected an object",
-        ),
-        (
-            r#"{"boxes": [{"name": " ", "size": [1, 1, 1]}]}"#,
-            "boxes[0]",
-            "needs a name",
-        ),
-        (
-            r#"{"boxes": [{"name": "a", "size": [1, 2]}]}"#,
-            "boxes[0].size",
-            "length 2",
-        ),
-        (
-            r#"{"boxes": [{"name": "a", "size": [1, 0, 2]}]}"#,
-            "boxes[0]",
-            "along y is 0",
-        ),
-        (
-            r#"{"spheres": [{"name": "a", "radius": -1}]}"#,
-            "spheres[0]",
-            "radius of the sphere is -1",
-        ),
-        (
-            r#"{"spheres": [{"name": "a", "radius": 1}], "boxes": [{"name": "a", "size": [1,1,1]}]}"#,
-            "spheres[0]",
-            "already",
-        ),
-        (
-            r#"{"planes": [{"name": "a", "quaternion": [0, 0, 0, 0]}]}"#,
-            "planes[0]",
-            "length is 0",
-        ),
-        (
-            r#"{"planes": [{"name": "a", "rotation": [[1,0,0],[0,1,0],[0,0,-1]]}]}"#,
-            "planes[0]",
-            "reflection",
-        ),
-        (
-            r#"{"planes": [{"name": "a"}], "order": ["b"]}"#,
-            "order[0]",
-            "no obstacle \"b\"",
-        ),
-        (
-            r#"{"planes": [{"name": "a"}], "order": ["a", "a"]}"#,
-            "order[1]",
-            "twice",
-        ),
-        (
-            r#"{"planes": [{"name": "a"}, {"name": "b"}], "order": ["a"]}"#,
-            "order",
-            "\"b\" is missing",
-        ),
-        (
-            r#"{"meshes": [{"name": "a", "vertices": [[0,0,0]], "triangles": [[0, 1, 2]]}]}"#,
-            "meshes[0]",
-            "vertex 1",
-        ),
-        (
-            r#"{"meshes": [{"name": "a", "file": "b.obj"}]}"#,
-            "meshes[0]",
-            "only for a world",
-        ),
-        (
-            r#"{"convex": [{"name": "a", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]}]}"#,
-            "convex[0]",
-            "one plane",
-        ),
-    ] {
-        let reported = reported(text);
-        assert!(
-            reported.starts_with("w.json: ")
-                && reported.contains(location)
-                && reported.contains(what),
-            "{text}: {reported}"
-        );
+            .to_string();
+        let is_named = message.starts_with("w.json: ") && parts.all(|part| message.contains(part));
+        assert!(is_named, "{row}: {message}");
     }
 }
 
+/// Faults of the scene.
+const SCENE_FAULTS: &str = r#"
+type: box => type: cone | s.yaml: | "cone" is not box
+[0.14, 0.03] => [0.14] | s.yaml: | cylinder does not have 1 dimensions
+[0.14, 0.03] => [0.14, no] | s.yaml: | not a number
+[0.14, 0.03] => [0.14, -1] | s.yaml: | radius of the cylinder is -1
+[0, 0, 0.6, 0.8] => [0, 0, 0.6, 0.9] | s.yaml: | length is 1.08
+[0, 0, 0.6, 0.8] => [0, 0, 0.6] | s.yaml: | 3 numbers, not 4
+[0, 0, 0.6, 0.8] => [0, 0, 0.6, 0.8, 0] | s.yaml: | 5 numbers, not 4
+[0, 0, 10] => [0, 0, 10, 1] | s.yaml: | 4 numbers, not 3
+id: pen => id: Can1 | s.yaml: | already
+id: Can1 => name: Can1 | s.yaml: | no `id`
+"#;
+
 #[test]
 fn scene_errors_name_the_line() {
-    let message = |text: &str| {
-        World::from_moveit(text.as_bytes(), "s.yaml")
-            .unwrap_err()
-            .to_string()
-    };
-    let scene = |from: &str, to: &str| message(&SCENE.replacen(from, to, 1));
-    for (message, what) in [
-        (message("a: 1"), "no `world`"),
-        (message("a: [1"), "line "),
-        (message(""), "no YAML"),
-        (message("a: &b [1]\nworld: *b"), "line 2: aliases"),
-        (scene("type: box", "type: cone"), "\"cone\" is not box"),
-        (
-            scene("[0.14, 0.03]", "[0.14]"),
-            "cylinder does not have 1 dimensions",
-        ),
-        (scene("[0.14, 0.03]", "[0.14, no]"), "not a number"),
-        (
-            scene("[0.14, 0.03]", "[0.14, -1]"),
-            "radius of the cylinder is -1",
-        ),
-        (
-            scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6, 0.9]"),
-            "length is 1.08",
-        ),
-        (scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6]"), "3 numbers, not 4"),
-        (
-            scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6, 0.8, 0]"),
-            "5 numbers, not 4",
-        ),
-        (scene("[0, 0, 10]", "[0, 0, 10, 1]"), "4 numbers, not 3"),
-        (scene("id: pen", "id: Can1"), "already"),
-        (scene("id: Can1", "name: Can1"), "no `id`"),
+    let read = |text: &str| World::from_moveit(text.as_bytes(), "s.yaml");
+    for fault in faults(SCENE_FAULTS) {
+        fault.check(read(&SCENE.replacen(&fault.from, &fault.to, 1)));
+    }
+    for (text, what) in [
+        ("a: 1", "no `world`"),
+        ("a: [1", "line "),
+        ("", "no YAML"),
+        ("a: &b [1]\nworld: *b", "line 2: aliases"),
     ] {
+        let message = read(text).unwrap_err().to_string();
         assert!(
             message.starts_with("s.yaml: ") && message.contains(what),
-            "{message} ({what})"
+            "{message}"
         );
     }
 }
@@ -311,6 +246,14 @@ world:
       primitive_poses: [{position: [0, 0, 1]}]
 ";
 
+const FRAME_FAULTS: &str = r#"
+frame_id: /camera => frame_id: shelf | s.yaml: | "ball" is in frame "shelf"
+{frame_id: camera} => {frame_id: other} | s.yaml: | "camera"
+{frame_id: hand} => {frame_id: world} | s.yaml: | transform to "hand"
+data: [] => data: [0, 1] | s.yaml: | `octomap` contains cells
+translation: {x: 1 => translation: {u: 1 | s.yaml: | no `x`
+"#;
+
 #[test]
 fn scene_objects_are_placed_in_their_frame() {
     let read = |text: &str| World::from_moveit(text.as_bytes(), "s.yaml");
@@ -325,34 +268,8 @@ fn scene_objects_are_placed_in_their_frame() {
         world.obstacle("pen").unwrap().attached.as_deref(),
         Some("hand")
     );
-    let message =
-        |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
-    for (message, what) in [
-        (
-            message("frame_id: /camera", "frame_id: shelf"),
-            "\"ball\" is in frame \"shelf\"",
-        ),
-        (
-            message("{frame_id: camera}", "{frame_id: other}"),
-            "\"camera\"",
-        ),
-        (
-            message("{frame_id: hand}", "{frame_id: world}"),
-            "transform to \"hand\"",
-        ),
-        (
-            message("data: []", "data: [0, 1]"),
-            "`octomap` contains cells",
-        ),
-        (
-            message("translation: {x: 1", "translation: {u: 1"),
-            "no `x`",
-        ),
-    ] {
-        assert!(
-            message.starts_with("s.yaml: ") && message.contains(what),
-            "{message} ({what})"
-        );
+    for fault in faults(FRAME_FAULTS) {
+        fault.check(read(&FRAMES.replacen(&fault.from, &fault.to, 1)));
     }
     // A scene without frames is in world coordinates.
     let plain = SCENE.replacen(
@@ -366,11 +283,7 @@ fn scene_objects_are_placed_in_their_frame() {
         "- header: {frame_id: panda_link0}\n      id: Can1",
         1,
     );
-    let message = read(&changed).unwrap_err().to_string();
-    assert!(
-        message.contains("panda_link0") && message.contains("\"world\""),
-        "{message}"
-    );
+    read(&changed).says("panda_link0 | \"world\"");
 }
 
 /// Pairs of links belong to the robot: a note says that they are ignored.
@@ -414,11 +327,7 @@ fn scene_matrix_allows_collisions_of_objects() {
             checker.clone().with_world(&world).unwrap();
             // Names in other permissions have to exist.
             world.allow_collision("Can1", "hnad").unwrap();
-            let message = checker.with_world(&world).unwrap_err().to_string();
-            assert!(
-                message.contains("`hnad`") && message.contains("`hand`"),
-                "{message}"
-            );
+            checker.with_world(&world).says("`hnad` | `hand`");
         }
     }
     let held = SCENE.replace(

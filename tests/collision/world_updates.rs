@@ -5,10 +5,7 @@ use kinopt::arm::Arm;
 use kinopt::collision::{Checker, Shape, World};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
-
-use crate::arm_avoidance::drawn;
+use support::random::{Random, case_count};
 
 /// Largest number of edits between two comparisons.
 const MAX_CHANGES: usize = 40;
@@ -123,10 +120,10 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     let mut from = vec![0.0; checker.model().model().configuration_len()];
     let mut several = Vec::new();
     for index in 0..8 {
-        let q = drawn(arm, random);
+        let q = random.configuration(arm);
         several.extend_from_slice(&q);
         // Exact distances to hundreds of obstacles are slow in a debug build.
-        if index >= cases(8, 3) {
+        if index >= case_count(8, 3) {
             continue;
         }
         let mut to = from.clone();
@@ -140,7 +137,7 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         from = to;
         if index % 4 == 0 {
             let target = arm.base_from_tool(&q).unwrap();
-            let solution = arm.solve(target, &drawn(arm, random)).unwrap();
+            let solution = arm.solve(target, &random.configuration(arm)).unwrap();
             let touched = solution.collisions();
             text += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
         }
@@ -217,17 +214,17 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
 
 #[test]
 fn few_obstacles_equal_a_rebuilt_world() {
-    go_along(20, cases(12, 3), 1);
+    go_along(20, case_count(12, 3), 1);
 }
 
 #[test]
 fn listed_obstacles_equal_a_rebuilt_world() {
-    go_along(511, cases(12, 3), 2);
+    go_along(511, case_count(12, 3), 2);
 }
 
 #[test]
 fn many_obstacles_equal_a_rebuilt_world() {
-    go_along(1000, cases(8, 2), 3);
+    go_along(1000, case_count(8, 2), 3);
 }
 
 fn add_small(world: &mut World, index: usize) {
@@ -258,7 +255,7 @@ impl CheckedArm {
         Self {
             plain: Checker::of(&robot).unwrap(),
             rest: robot.model().neutral(),
-            q: (0..40).flat_map(|_| drawn(&arm, &mut random)).collect(),
+            q: (0..40).flat_map(|_| random.configuration(&arm)).collect(),
             arm,
         }
     }

@@ -1,5 +1,4 @@
 //! Promise: a cone may have any axis and is equally wide in all directions, and continuous joints have no range.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Joint, JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};

@@ -1,6 +1,5 @@
 //! Promise: a bone bends and twists in its canonical frame, for any rest placement. The rest's twist selects the
 //! bending direction and moves neither end. Twist, bend and twist give any rotation.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::FRAC_PI_2;
 

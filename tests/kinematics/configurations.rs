@@ -1,6 +1,5 @@
 //! Promise: configurations with free and ball joints integrate, differ and interpolate on their manifold. Frame
 //! placements equal nalgebra's isometries, and the Jacobian is the derivative along velocities.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError, frame_jacobian};
 use kinopt::model::{BallLimits, Limits, Model, ModelError};

@@ -1,6 +1,5 @@
 //! Promise: forward kinematics of any tree, under any parameter map, is the product of its transforms, to 1e-12 of the
 //! coordinates' size.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError};
 use kinopt::model::{FrameId, ParameterMap};

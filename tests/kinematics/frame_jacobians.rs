@@ -1,6 +1,5 @@
 //! Promise: frame Jacobians equal finite differences of forward kinematics and products of screw exponentials. Linear
 //! rows come first, in world axes at the frame's origin; each column is a coordinate or variable.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, Jacobian, KinematicsError, frame_jacobian};
 use kinopt::model::{JointKind, ParameterMap};

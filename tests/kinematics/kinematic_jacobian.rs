@@ -1,7 +1,6 @@
 //! Promise: the Jacobian of tips with respect to stacked Euler angles equals finite differences with h = 1e-7.
 //! Differences and forward mode evaluate once per variable or group of variables; the analytic route evaluates equally
 //! often for sixty variables as for six.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

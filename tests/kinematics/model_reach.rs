@@ -1,6 +1,5 @@
 //! Promise: a model's length scale is that of its moving parts, independent of its placement and its surroundings.
 //! Limits that mean "none" do not increase it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Model;
 use kinopt::model::Limits;

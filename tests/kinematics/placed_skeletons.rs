@@ -1,6 +1,5 @@
 //! Promise: a skeleton's root may have any placement in a scene. Relative rotations, skinning and inverse kinematics
 //! are unchanged, also below any joint.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::ModelError;

@@ -1,6 +1,5 @@
 //! Promise: placements, nalgebra's isometries and glam's affine maps convert into each other, and non-rigid maps are
 //! rejected.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use kinopt::spatial::{Matrix3, Placement, Vector3};

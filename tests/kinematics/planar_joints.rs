@@ -1,6 +1,5 @@
 //! Promise: a planar joint translates by its coordinates along two orthogonal directions, right-handed about its
 //! normal, and rotates about the normal, for any normal.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};

@@ -1,5 +1,4 @@
 //! Promise: a random configuration is within the limits and depends on its seed only.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Placement, Vector3};

@@ -1,6 +1,5 @@
 //! Promise: the rotation exponential and logarithm are inverse to 1e-12, in values and derivatives, at 0, near 0, near
 //! π and at π.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,5 @@
 //! Promise: every function of `Scalar` equals the function it names, and its derivative on dual numbers is exact. This
 //! includes the axes, on which naive formulas divide by zero.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Scalar;
 use kinopt::scalar::Dual;

@@ -1,6 +1,5 @@
 //! Promise: a skeleton's pose is the recursion T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹ of the source
 //! documents, to 1e-12 of its size. Tails coincide with their parents' tips.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::FrameId;

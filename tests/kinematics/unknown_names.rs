@@ -1,5 +1,4 @@
 //! Promise: an unknown name is reported with all names if they are few, and with similar ones if they are many.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Model;
 use kinopt::model::{FrameRef, JointRef, Limits, UnknownName};

@@ -1,5 +1,4 @@
 //! Promise: feet in contact do not slide during a clip, however it travels and whatever other targets it has.
-#![allow(clippy::unwrap_used)]
 
 use std::f32::consts::TAU;
 

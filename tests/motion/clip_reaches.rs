@@ -1,6 +1,5 @@
 //! Promise: during a clip, hands reach for targets within their time spans without a jump. Nothing outside of the spans
 //! changes, and the root moves no further than limbs are too short.
-#![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;

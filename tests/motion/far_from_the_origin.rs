@@ -1,5 +1,4 @@
 //! Promise: a robot far from the origin follows as accurately as near it.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 

@@ -2,11 +2,11 @@
 //! placement of the configurations, in the file's axes.
 
 use kinopt::animation::{Armature, Cursor, Playback};
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::retarget::{
     BodyMap, Capture, FigureTarget, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
+use support::bones::humanoid;
 
 /// Largest distance of the clip's bones from forward kinematics, except for the bones in `still`, and the height of the
 /// figure.
@@ -76,7 +76,7 @@ fn figure_with_several_root_bones_is_placed() {
 
 #[test]
 fn figure_of_a_rig_with_z_up_is_upright() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
     let (largest, tall) = largest_distance(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
     assert!(largest < 2e-6 * tall, "{largest} of {tall}");
@@ -108,7 +108,7 @@ fn up_axis_of_a_figure_is_found_from_its_feet() {
 #[test]
 fn clip_of_another_armature_is_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
     let q = figure.robot().model().neutral();
     let refused = figure.clip("moved", &read.armature, &q, 10.0).unwrap_err();

@@ -1,7 +1,6 @@
 //! Promise: a hand follows a curve within a time span by its rig's own keys, and nothing else changes.
 //!
 //! Limits hold between keys as well. No small change of these keys within the limits has a lower cost.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback};
@@ -9,14 +8,11 @@ use kinopt::glam::DVec3;
 use kinopt::io::rig::Rig;
 use kinopt::motion::clip_ik::{ClipIkError, KeyframeIk, Reach};
 use kinopt::skeleton::{BoneId, Skeleton};
+use support::bones::humanoid;
 use support::random::Random;
 
 const SPAN: [f64; 2] = [1.2, 3.0];
 const HAND: &str = "right_hand";
-
-fn rig() -> Rig {
-    Rig::read("../models/humanoid/humanoid.json").unwrap()
-}
 
 /// Keys every 0.2 s for all bones of the right arm, sampled from the rig's own keys.
 fn dense(rig: &Rig) -> EulerClip {
@@ -71,7 +67,7 @@ fn all_times() -> impl Iterator<Item = f64> {
 /// 60 sample times per second by default.
 #[test]
 fn default_is_sixty_samples_per_second() {
-    let rig = rig();
+    let rig = humanoid();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
     let curve = curve(skeleton, &clip, hand);
@@ -88,7 +84,7 @@ fn default_is_sixty_samples_per_second() {
 
 #[test]
 fn hand_follows_by_keys_within_the_span_alone() {
-    let rig = rig();
+    let rig = humanoid();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
     let curve = curve(skeleton, &clip, hand);
@@ -138,7 +134,7 @@ fn hand_follows_by_keys_within_the_span_alone() {
 
 #[test]
 fn limits_hold_between_keys() {
-    let rig = rig();
+    let rig = humanoid();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
     // Behind the back and far away: shoulder and elbow reach their limits.
@@ -170,7 +166,7 @@ fn limits_hold_between_keys() {
 
 #[test]
 fn no_small_change_of_keys_lowers_the_cost() {
-    let rig = rig();
+    let rig = humanoid();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
     let curve = curve(skeleton, &clip, hand);
@@ -226,7 +222,7 @@ fn no_small_change_of_keys_lowers_the_cost() {
 
 #[test]
 fn invalid_keyframe_ik_is_named() {
-    let rig = rig();
+    let rig = humanoid();
     let clip = dense(&rig);
     let hand = rig.skeleton.bone(HAND).unwrap();
     let reach = || Reach::to(hand, [0.3, -0.3, 1.2]).unwrap();
@@ -305,7 +301,7 @@ fn hand_curve(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
 
 #[test]
 fn track_beyond_its_limit_is_moved_within_it() {
-    let rig = rig();
+    let rig = humanoid();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
@@ -371,7 +367,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
 
 #[test]
 fn key_beyond_its_limit_is_clamped_without_others() {
-    let rig = rig();
+    let rig = humanoid();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
@@ -406,7 +402,7 @@ fn key_beyond_its_limit_is_clamped_without_others() {
 
 #[test]
 fn single_key_track_keeps_its_limit() {
-    let rig = rig();
+    let rig = humanoid();
     let skeleton = &rig.skeleton;
     let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     let limits = skeleton.bones()[forearm.index()].limits[1];
@@ -443,7 +439,7 @@ fn single_key_track_keeps_its_limit() {
 
 #[test]
 fn locked_angle_keeps_its_value_in_the_clip() {
-    let rig = rig();
+    let rig = humanoid();
     let skeleton = &rig.skeleton;
     let [forearm, hand] = [BENT_BONE, HAND].map(|name| skeleton.bone(name).unwrap());
     assert!(skeleton.bones()[forearm.index()].limits[2].is_locked());
@@ -476,7 +472,7 @@ fn locked_angle_keeps_its_value_in_the_clip() {
 /// A last key that is clamped to its limit is taken into account: the other keys compensate.
 #[test]
 fn clamped_last_key_is_compensated_by_others() {
-    let rig = rig();
+    let rig = humanoid();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT_BONE).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];

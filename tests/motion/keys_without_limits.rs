@@ -1,5 +1,4 @@
 //! Promise: an angle without limits, or with a single limit, is solved as one with a distant limit.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
 use kinopt::model::Limits;

@@ -3,7 +3,6 @@
 use glam::Vec3A;
 use kinopt::animation::{Armature, Clip, Limb, LimbGoal, Pose};
 use kinopt::ik::Drag;
-use kinopt::io::rig::Rig;
 use kinopt::model::Model;
 use kinopt::motion::clip_ik::Reach;
 use kinopt::motion::retarget::{
@@ -13,6 +12,7 @@ use kinopt::problem::Problem;
 use kinopt::skeleton::{BallSkeleton, Bone, BoneId, Cones, Skeleton, SkeletonRoot};
 use kinopt::spatial::Vector3;
 use kinopt::task::Point;
+use support::bones::humanoid;
 
 use crate::clip_ik::{figure, planted, walk};
 
@@ -49,7 +49,7 @@ fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
 fn retargeted(unit: f64, rate: f64, solve: impl Fn(&Retargeting<'_>) -> Retargeted) -> Vec<f64> {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, rate).unwrap();
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let figure = FigureTarget::new(&scaled(&rig.skeleton, unit), UpAxis::Z).unwrap();
     let model = figure.robot().model();
     let map = BodyMap::guess(&capture, model).unwrap().map;
@@ -91,14 +91,14 @@ fn retargeted_movement_is_alike_in_all_units() {
 
 /// Frames of a drag of two tips out of reach, on revolute joints.
 fn dragged(unit: f64) -> Vec<f64> {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let skeleton = scaled(&rig.skeleton, unit);
     frames_of_drag(skeleton.model(), &skeleton, unit)
 }
 
 /// Frames of a drag of two tips out of reach, on ball joints and a free root.
 fn dragged_freely(unit: f64) -> Vec<f64> {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let skeleton = scaled(&rig.skeleton, unit);
     let figure = BallSkeleton::new(skeleton, &Cones::new(), SkeletonRoot::FREE).unwrap();
     let frames = frames_of_drag(figure.model(), figure.skeleton(), unit);

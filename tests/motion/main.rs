@@ -1,5 +1,5 @@
-//! Motions: many frames solved together, and Cartesian paths of arms.
-#![allow(clippy::unwrap_used, clippy::panic)]
+//! Promises of kinopt-motion: trajectories, clip IK and retargeting.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod ball_limits;
 mod clip_ik;
@@ -8,7 +8,6 @@ mod clip_reaches;
 mod closed_loops;
 mod contact_heights;
 mod contacts;
-mod cyclic_paths;
 mod driven_points;
 mod far_from_the_origin;
 mod figure_targets;
@@ -18,7 +17,6 @@ mod free_body_rotations;
 mod ground_speeds;
 mod guessed_maps;
 mod invalid_motions;
-mod joint_paths;
 mod jointed_feet;
 mod keyframe_ik;
 mod keys_without_limits;
@@ -28,18 +26,6 @@ mod low_postures;
 mod mimic_joint_speeds;
 mod one_sided_limits;
 mod online_retargeting;
-mod path_bounds;
-mod path_collisions;
-mod path_entries;
-mod path_files;
-mod path_from_start;
-mod path_malformed;
-mod path_reconfigurations;
-mod path_reports;
-mod path_sparse_waypoints;
-mod path_times;
-mod path_traversals;
-mod path_unreached_points;
 mod rate_factors;
 mod retarget_folders;
 mod retargeted_collision_avoidance;
@@ -50,7 +36,6 @@ mod shipped_capture;
 mod slide;
 mod spliced_keys;
 mod swing_phases;
-mod trajectories;
 mod unusual_captures;
 mod up_axis;
 mod walker;

@@ -8,6 +8,8 @@ use std::time::{Duration, SystemTime};
 use kinopt::motion::retarget::folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
 use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
+use support::arms::floating_nao;
+use support::fault_tables::ExpectedError;
 
 /// Folders of a test, removed at its end.
 struct Folders(PathBuf);
@@ -42,11 +44,6 @@ impl Drop for Folders {
     }
 }
 
-fn nao() -> Robot {
-    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    robot.with_base_joint(BaseJoint::FREE).unwrap()
-}
-
 /// The reported differences between a request and the one with which the folder was begun.
 fn differs(folders: &Folders, begun: &FolderQuestion<'_>, query: &FolderQuestion<'_>) -> String {
     folders.find().begin(begun, true).unwrap();
@@ -60,7 +57,7 @@ fn differs(folders: &Folders, begun: &FolderQuestion<'_>, query: &FolderQuestion
 #[test]
 fn finished_files_are_kept_and_partial_ones_removed() {
     let folders = Folders::new("folder-done");
-    let robot = nao();
+    let robot = floating_nao();
     let query = FolderQuestion::new(&robot, RetargetOptions::default());
     let begun = folders.find().begin(&query, false).unwrap();
     let outs = begun
@@ -94,7 +91,7 @@ fn finished_files_are_kept_and_partial_ones_removed() {
 #[test]
 fn equal_requests_are_equal_however_stated() {
     let folders = Folders::new("folder-question");
-    let robot = nao();
+    let robot = floating_nao();
     let drives = "{\"hips\": \"torso\", \"foot\": \"left_sole\"}";
     let all = format!(
         "{{\"joints\": [\"hips\", \"foot\"], \"fps\": 30, \"up\": \"y\", \"drives\": {drives}}}"
@@ -113,7 +110,7 @@ fn equal_requests_are_equal_however_stated() {
 #[test]
 fn differences_between_requests_are_named() {
     let folders = Folders::new("folder-another");
-    let robot = nao();
+    let robot = floating_nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
     let mut others = Vec::new();
     for (name, change) in [
@@ -166,20 +163,17 @@ fn differences_between_requests_are_named() {
 #[test]
 fn folder_without_a_valid_request_is_rejected() {
     let folders = Folders::new("folder-lost");
-    let robot = nao();
+    let robot = floating_nao();
     let query = FolderQuestion::new(&robot, RetargetOptions::default());
     fs::create_dir_all(folders.out()).unwrap();
     for text in ["", "[1]", "{\"kinopt\": "] {
         fs::write(folders.out().join("retarget.json"), text).unwrap();
         let half = folders.out().join(".part.one.npz");
         fs::write(&half, "half").unwrap();
-        let refused = folders.find().begin(&query, false).unwrap_err();
-        assert!(
-            refused
-                .to_string()
-                .contains("has results of other settings"),
-            "{refused}"
-        );
+        folders
+            .find()
+            .begin(&query, false)
+            .says("has results of other settings");
         assert!(half.exists());
     }
 }
@@ -196,7 +190,7 @@ fn written_files_are_never_read_as_motions() {
     assert!(MovementFolder::find(&from, &from, "npz").is_ok());
     // A subfolder: existing files in it are no motions of the folder.
     let into = from.join("deeper");
-    let robot = nao();
+    let robot = floating_nao();
     let query = FolderQuestion::new(&robot, RetargetOptions::default());
     let found = MovementFolder::find(&from, &into, "bvh").unwrap();
     let begun = found.begin(&query, false).unwrap();
@@ -208,7 +202,7 @@ fn written_files_are_never_read_as_motions() {
 #[test]
 fn builder_methods_set_their_fields() {
     let folders = Folders::new("folder-said");
-    let robot = nao();
+    let robot = floating_nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
     let request = || plain.clone();
     for (name, changed_query) in [

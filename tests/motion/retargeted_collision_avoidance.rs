@@ -4,8 +4,9 @@
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
+use support::arms::floating_nao;
 
 const RATE: f64 = 20.0;
 const FRAMES: usize = 40;
@@ -17,11 +18,6 @@ const MAP: &str = r#"{
         "left_hand": "left_hand", "right_hand": "right_hand"
     }
 }"#;
-
-fn nao() -> Robot {
-    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-    robot.with_base_joint(BaseJoint::FREE).unwrap()
-}
 
 /// Subject with its feet apart that brings both hands towards its centre by a fraction of the distance, and back.
 fn clasp(robot: &Robot, share: f64) -> Capture {
@@ -103,7 +99,7 @@ fn keeps_limits(robot: &Robot, found: &Retargeted) -> bool {
 
 #[test]
 fn hands_pulled_into_the_chest_stay_collision_free() {
-    let robot = nao();
+    let robot = floating_nao();
     let checker = checker(&robot);
     let (plain, clear) = both_ways(&robot, &checker, 1.0);
     for (plain, clear) in plain.iter().zip(&clear) {
@@ -127,7 +123,7 @@ fn hands_pulled_into_the_chest_stay_collision_free() {
 
 #[test]
 fn collision_free_motion_is_unchanged() {
-    let robot = nao();
+    let robot = floating_nao();
     let checker = checker(&robot);
     let (plain, clear) = both_ways(&robot, &checker, -0.2);
     assert_eq!(touching(&checker, &plain[0]), 0);
@@ -137,7 +133,7 @@ fn collision_free_motion_is_unchanged() {
 
 #[test]
 fn initial_contact_is_reported_or_resolved() {
-    let robot = nao();
+    let robot = floating_nao();
     let map = BodyMap::from_json(MAP, "").unwrap();
     let capture = clasp(&robot, 1.0);
     // The middle of the motion, where both hands would be in the chest.
@@ -158,7 +154,7 @@ fn initial_contact_is_reported_or_resolved() {
 /// contact frame by frame. Contacts found later are removed at once.
 #[test]
 fn smooth_motion_becomes_collision_free_quickly() {
-    let robot = nao();
+    let robot = floating_nao();
     let checker = checker(&robot);
     let map = BodyMap::from_json(MAP, "").unwrap();
     for share in [0.85, 0.95] {

@@ -1,11 +1,11 @@
 //! Promise: new keys replace those in the solved spans, and a clip's own keys remain elsewhere.
-#![allow(clippy::unwrap_used)]
 
 use glam::{DVec3, Quat, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{Armature, Channel, Clip, EulerCurve};
 use kinopt::motion::clip_ik::{ClipIk, Reach};
+use support::bones::humanoid;
 
 use crate::clip_ik::{figure, pose};
 
@@ -192,8 +192,7 @@ fn limits_of_a_skeleton_are_kept() {
 /// A rig whose root is rotated in its clip reaches equally, relative to its root.
 #[test]
 fn rig_with_a_rotated_root_reaches_equally() {
-    use kinopt::io::rig::Rig;
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let armature = Armature::of_skeleton(&rig.skeleton);
     let id = |name: &str| armature.bone(name).unwrap();
     let (root, hand) = (id("pelvis"), id("right_hand"));

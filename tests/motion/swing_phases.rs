@@ -1,6 +1,5 @@
 //! Promise: a planted foot clears the edge of a step as high as necessary, measured from the lower of its two contacts.
 //! It does not climb anything higher than a step.
-#![allow(clippy::unwrap_used)]
 
 use glam::{DVec3, Vec3};
 use kinopt::animation::{Armature, Clip};

@@ -4,9 +4,10 @@ use kinopt::ik::crouched_configuration;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
 use kinopt::motion::trajectory::{Contact, MotionProblem, RateCost};
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};
+use support::arms::floating_nao;
 
 /// Frames per second.
 pub(crate) const RATE: f64 = 60.0;
@@ -22,8 +23,7 @@ pub(crate) struct Walker {
 
 impl Walker {
     pub(crate) fn new() -> Self {
-        let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
-        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let robot = floating_nao();
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
         let up = Vector3::UNITS[2];

@@ -7,10 +7,11 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::simd_ik::PoseOutcome;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::arms::{Random, robot};
+use support::arms::robot;
 
 use crate::arms::turned;
 use crate::digest::{Digest, Value, check};
+use support::random::Random;
 
 /// Seven free joints: a slide, a joint that follows the one before it, one without ends, one of several turns, and a locked one.
 const MIXED: &str = r#"<robot name="m"><link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="l4"/>
@@ -77,7 +78,7 @@ fn told(digest: &mut Digest, robot: &Robot, arm: &Arm, random: &mut Random) {
 }
 
 fn of_themselves() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(71));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(71));
     let (panda, mixed) = (robot("franka_panda"), mixed());
     let builder = |robot, base, tip| Arm::builder(robot, base, tip).with_atlas(false);
     let rest = [0.1, 0.4, -0.2, 0.3, -0.05, 0.2, 0.5, -0.3, 0.1];
@@ -115,7 +116,7 @@ fn of_themselves() -> Value {
 
 /// One arm, given other tools, goals and searches one after the other.
 fn given_others() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(72));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(72));
     let (ur, mixed) = (robot("universal_ur5e"), mixed());
     for (robot, base, tip) in [(&ur, "base", "flange"), (&mixed, "base", "tip")] {
         let arm = Arm::builder(robot, base, tip)

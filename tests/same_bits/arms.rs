@@ -10,9 +10,10 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use support::arms::{Random, robot};
+use support::arms::robot;
 
 use crate::digest::{Digest, Value, check};
+use support::random::Random;
 
 impl Digest {
     fn outcome(&mut self, outcome: &PoseOutcome) {
@@ -70,7 +71,8 @@ pub(crate) fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Ch
 
 /// Every way to ask the engine, for chains of every shape.
 fn lanes() -> [Value; 2] {
-    let (mut plain, mut weighted, mut random) = (Digest::new(), Digest::new(), Random(21));
+    let (mut plain, mut weighted, mut random) =
+        (Digest::new(), Digest::new(), Random::split_mix(21));
     let shapes = [(2, 0), (4, 1), (6, 0), (6, 2), (7, 0), (8, 2)];
     for (shape, (joints, slides)) in shapes.into_iter().enumerate() {
         let chain = odd_chain(&mut random, joints, slides);
@@ -166,7 +168,7 @@ fn built(builder: ArmBuilder<'_>) -> Arm {
 
 /// Of robots with six and seven joints, under every search and option.
 fn options() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(22));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(22));
     let [iiwa, cobra] = ["kuka_iiwa14", "adept_cobra_s600"].map(robot);
     let builder = || Arm::builder(&iiwa, "base", "flange").with_atlas(false);
     let distinct = Search::Distinct {
@@ -226,7 +228,7 @@ fn options() -> Value {
 
 /// With an atlas, of turning joints and with a slide, and what shares it.
 fn atlases() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(23));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(23));
     let robots: [(Robot, &str); 2] = [
         (robot("adept_cobra_s600"), "flange"),
         (robot("universal_ur5e"), "flange"),
@@ -252,7 +254,7 @@ fn atlases() -> Value {
 
 /// Legs whose joints follow one another go through the core.
 fn followers() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(24));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(24));
     let nao = robot("aldebaran_nao");
     let builder = Arm::builder(&nao, "left_sole", "right_sole");
     reached(&mut digest, &built(builder.with_seed(2)), &mut random, 3);

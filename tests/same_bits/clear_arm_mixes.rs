@@ -8,13 +8,13 @@ use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel,
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random as ArmRandom, robot};
-use support::random::Random;
+use support::arms::robot;
 
 use crate::checker_mixes::spheres;
 use crate::digest::{Digest, Value, check};
 use crate::every_joint::{place, vector};
 use crate::shape_mixes::shape;
+use support::random::Random;
 
 /// Not where an arm is mounted.
 fn aside(random: &mut Random) -> Placement<f64> {
@@ -142,7 +142,7 @@ fn walk(arm: &Arm, from: &[f64], to: &[f64], steps: u32, share: f64) -> Vec<Plac
 
 /// One door of an arm, of the first so many.
 fn ask(digest: &mut Digest, arm: &Arm, doors: usize, random: &mut Random) {
-    let mut drawn = ArmRandom(random.bits());
+    let mut drawn = Random::split_mix(random.bits());
     let n = arm.joint_count();
     let [start, there, other] = [(); 3].map(|()| drawn.configuration(arm));
     let mut target = arm.base_from_tool(&there).unwrap();
@@ -262,7 +262,7 @@ fn arms(seed: u64, count: usize, turns: usize) -> Value {
                     Ok(changed) => arm = changed,
                     Err(error) => digest.text(error.to_string()),
                 }
-                let mut drawn = ArmRandom(random.bits());
+                let mut drawn = Random::split_mix(random.bits());
                 for _ in 0..5 {
                     let [start, there] = [(); 2].map(|()| drawn.configuration(&arm));
                     let target = arm.base_from_tool(&there).unwrap();

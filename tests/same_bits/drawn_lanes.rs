@@ -4,7 +4,6 @@
 
 use kinopt::simd_ik::{AxisGoal, Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3};
-use support::arms;
 use support::random::Random;
 
 use crate::arms::odd_chain;
@@ -130,7 +129,7 @@ fn mixes(cases: u64) -> Value {
     for case in 0..cases {
         let joints = one_of(&mut random, &[1, 2, 3, 5, 6, 6, 7, 8, 9]);
         let slides = random.below(3);
-        let chain = odd_chain(&mut arms::Random(case), joints, slides);
+        let chain = odd_chain(&mut Random::split_mix(case), joints, slides);
         let solver = match PoseSolver::new(&chain, options(&mut random)) {
             Ok(solver) => solver,
             Err(error) => {

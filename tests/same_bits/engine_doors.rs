@@ -5,11 +5,11 @@ use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::Random;
 
 use crate::arm_doors::refused;
 use crate::arms::turned;
 use crate::digest::{Digest, Value, check};
+use support::random::Random;
 
 fn joint(kind: JointKind, lower: f64, upper: f64) -> ChainJoint {
     ChainJoint {
@@ -23,7 +23,7 @@ fn joint(kind: JointKind, lower: f64, upper: f64) -> ChainJoint {
 
 /// The lane engine under options that are not usual, and what it refuses.
 fn engine() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(73));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(73));
     let turning = joint(JointKind::Revolute, -2.0, 2.5);
     let tip = Placement::translation(Vector3::new(0.0, 0.1, 0.1));
     let endless = (f64::NEG_INFINITY, f64::INFINITY);

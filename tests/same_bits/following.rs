@@ -5,9 +5,10 @@
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Axis, HeldBy, Jump, PoseBounds, Search, ServoStatus};
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, robot};
+use support::arms::robot;
 
 use crate::digest::{Digest, Value, check};
+use support::random::Random;
 
 /// Targets out of reach, mostly: places of the arm further out.
 fn missed(digest: &mut Digest, builder: ArmBuilder<'_>, random: &mut Random, count: usize) {
@@ -24,7 +25,7 @@ fn missed(digest: &mut Digest, builder: ArmBuilder<'_>, random: &mut Random, cou
 }
 
 fn misses() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(31));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(31));
     let [iiwa, cobra] = ["kuka_iiwa14", "adept_cobra_s600"].map(robot);
     let tool = Placement::translation(Vector3::new(0.03, -0.05, 0.4));
     let distinct = Search::Distinct {
@@ -64,7 +65,7 @@ fn misses() -> Value {
 
 /// Joints that follow one another go through the core.
 fn misses_of_the_core() -> Value {
-    let (mut digest, mut random) = (Digest::new(), Random(32));
+    let (mut digest, mut random) = (Digest::new(), Random::split_mix(32));
     let nao = robot("aldebaran_nao");
     let builder = || Arm::builder(&nao, "left_sole", "right_sole");
     for builder in [

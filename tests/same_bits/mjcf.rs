@@ -12,7 +12,7 @@ use crate::robot_texts::{add_error, add_text, changed, told};
 const WEIGHTS: &str = include_str!("robots/weights.xml");
 const TOUCHING: &str = include_str!("robots/touching.xml");
 const COUPLED: &str = include_str!("robots/coupled.xml");
-const WALKER: &str = include_str!("../mjcf/files/walker.xml");
+const WALKER: &str = include_str!("../robot/mjcf/files/walker.xml");
 
 const VALUES: [&str; 14] = [
     "", "nan", "0.5", "left", "0 0 0", "-1", "1 2", "true", "1 0 0 0", "1e400", "2 3 4", "0 0 0 0",
@@ -237,7 +237,7 @@ fn compilers() -> Value {
 fn included() -> Value {
     let mut digest = Digest::new();
     for name in ["gripper", "quoted", "walker"] {
-        let path = format!("mjcf/files/{name}.xml");
+        let path = format!("robot/mjcf/files/{name}.xml");
         let text = Robot::mjcf_reader()
             .text_with_includes(&path)
             .unwrap()
@@ -270,10 +270,10 @@ fn included() -> Value {
         let twice = format!(
             "<mujoco>\n<include file=\"{part}.xml\"/>\n<worldbody><include file=\"{part}.xml\"/></worldbody></mujoco>"
         );
-        add(&mut digest, &twice, "mjcf/files/parts/x.xml");
+        add(&mut digest, &twice, "robot/mjcf/files/parts/x.xml");
         let once =
             format!("<mujoco>\n<worldbody><include file=\"{part}.xml\"/></worldbody></mujoco>");
-        add(&mut digest, &once, "mjcf/files/parts/x.xml");
+        add(&mut digest, &once, "robot/mjcf/files/parts/x.xml");
     }
     digest.value()
 }

@@ -8,16 +8,17 @@ use kinopt::ik::Drag;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::task::Point;
-use support::arms::{Random, robot};
+use support::arms::robot;
 
 use crate::digest::{Digest, Value, check};
+use support::random::Random;
 
 /// 200 poses of the Panda from as many starts, by two ways of searching.
 fn poses(search: Search) -> Value {
     let robot = robot("franka_panda");
     let arm = Arm::builder(&robot, "base", "flange").with_search(search);
     let arm = arm.build().unwrap();
-    let mut random = Random(11);
+    let mut random = Random::split_mix(11);
     let mut draw = || random.configuration(&arm);
     let mut digest = Digest::new();
     for _ in 0..200 {

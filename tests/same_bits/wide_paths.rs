@@ -7,12 +7,11 @@ use kinopt::model::{Limits, Model};
 use kinopt::motion::path::{CartesianPath, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use support::arms::Random as ArmRandom;
-use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::paths::{add, bare_arm, through};
+use support::random::Random;
 
 /// So many links of half a metre.
 fn planar(links: usize) -> Arm {
@@ -43,7 +42,7 @@ fn paths() -> Value {
         let mut random = Random::new(7000 + case);
         let place = case as usize % 3;
         let arm = &arms[place];
-        let mut drawn = ArmRandom(case + 1);
+        let mut drawn = Random::split_mix(case + 1);
         let ends = [(); 2].map(|()| drawn.configuration(arm));
         let mut points = through(arm, &ends, 4 + random.below(20));
         let last = points.len() - 1;

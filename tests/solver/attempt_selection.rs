@@ -1,6 +1,5 @@
 //! Promise: a success is preferred to any failure, whatever their costs. The first restarts keep limbs that are at
 //! their targets.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

@@ -1,18 +1,17 @@
 //! Promise: a robot whose hand target on the last of three levels is unreachable leans until balance limits it. At the
 //! result, reactions of feet, polygon edges and joint limits cancel the gradient of the hand task. Each reaction acts
 //! in its allowed direction only.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Solver;
 use kinopt::ik::{Restarts, crouched_configuration};
 use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
 use kinopt::model::{FrameId, Masses, PointMass};
 use kinopt::problem::{Problem, ProblemBuilder};
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{CentreOfMass, Point, Pose, SupportPolygon, Task};
 use nalgebra::{DMatrix, DVector};
-use support::arms::robot;
+use support::arms::floating_nao;
 
 use crate::soft_task_fixtures::linearised;
 
@@ -34,9 +33,7 @@ struct Standing {
 
 impl Standing {
     fn new() -> Self {
-        let robot = robot("aldebaran_nao")
-            .with_base_joint(BaseJoint::FREE)
-            .unwrap();
+        let robot = floating_nao();
         let model = robot.model();
         let frame = |name: &str| model.frame(name).unwrap();
         let weighs = [

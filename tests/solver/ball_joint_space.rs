@@ -1,6 +1,5 @@
 //! Promise: the configuration space of ball joints steps, measures and bounds like one of scalars, also on edges and
 //! beyond half a turn.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::{PI, TAU};
 

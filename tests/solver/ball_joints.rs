@@ -1,6 +1,5 @@
 //! Promise: models with free and ball joints are solved like all others. Reachable targets are reached, all derivative
 //! routes agree, and no cone, twist, base bound or joint limit is violated. The blocking limit is named.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 
@@ -15,8 +14,7 @@ use nalgebra::DMatrix;
 use support::figures::{Figure, Kind};
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 
 /// The last frame's pose and another frame's point at a random configuration, or up to `off` metres away.
 fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
@@ -86,7 +84,7 @@ fn no_solution_violates_a_limit() {
     }
 }
 
-fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
+pub(crate) fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
     let problem = &problem.clone().with_derivatives(route);
     let mut scratch = problem.scratch();
     let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);

@@ -1,5 +1,4 @@
 //! Promise: the configuration space of bounded variables steps, projects, measures and detects active bounds as a box.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::solver::{ConfigurationSpace, Side};
 use support::random::Random;

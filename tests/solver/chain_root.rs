@@ -1,6 +1,5 @@
 //! Promise: an out-of-reach report names the first moving joint of the chain and the chain's length from there,
 //! whatever its fixed base.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Placement, Vector3};

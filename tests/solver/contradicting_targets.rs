@@ -1,18 +1,17 @@
 //! Promise: a search for targets that cannot be reached together ends at a stationary point. Large residuals do not
 //! slow it until a limit of iterations ends it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
 use kinopt::ik::Restarts;
-use kinopt::io::rig::Rig;
 use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::task::Point;
+use support::bones::humanoid;
 use support::random::Random;
 
 #[test]
 fn far_hand_with_pinned_tips_is_stationary() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let model = rig.skeleton.model();
     let rest = model.neutral();
     let pose = rig.skeleton.pose(&rest).unwrap();
@@ -73,7 +72,7 @@ fn far_hand_with_pinned_tips_is_stationary() {
 /// take 17 % more steps.
 #[test]
 fn predicted_decrease_includes_curvature() {
-    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let model = rig.skeleton.model();
     let rest = model.neutral();
     let pose = rig.skeleton.pose(&rest).unwrap();

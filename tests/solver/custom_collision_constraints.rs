@@ -1,6 +1,5 @@
 //! Promise: problems accept collision constraints from outside the library. A robot that is dragged into the obstacle
 //! approaches it and stops. No step through the obstacle is taken, however short.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Drag;

@@ -1,5 +1,4 @@
 //! Promise: the derivative of a solution that is not a smooth function of its input reports its absence and the reason.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{
     DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative, SolveError,

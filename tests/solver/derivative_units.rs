@@ -1,5 +1,4 @@
 //! Promise: the existence and the value of a solution's derivative do not depend on the unit of length.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative};

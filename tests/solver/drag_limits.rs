@@ -1,14 +1,14 @@
 //! Promise: a drag with a time step keeps position, velocity, acceleration and jerk limits in every frame.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, MotionLimits, crouched_configuration};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
 use kinopt::problem::TaskId;
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};
+use support::arms::floating_nao;
 use support::random::Random;
 
 /// Velocity (rad/s), acceleration (rad/s²) and jerk (rad/s³) limits of joints; then m and rad of the base.
@@ -25,9 +25,7 @@ struct Body {
 
 impl Body {
     fn nao() -> Self {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
-        let robot = Robot::read(file).unwrap();
-        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let robot = floating_nao();
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
         let hand = model.frame("left_hand").unwrap();

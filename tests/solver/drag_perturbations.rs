@@ -1,5 +1,4 @@
 //! Promise: a drag at an unstable equilibrium is perturbed and then reaches its target, whatever its soft tasks lose.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
 use kinopt::ik::Drag;

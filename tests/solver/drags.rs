@@ -1,7 +1,6 @@
 //! Promise: a drag follows its targets on one branch. No joint jumps when a target becomes unreachable, enters limits
 //! or returns. Only a requested search may jump, and the jump is reported. A frame that misses costs no more than a few
 //! frames that reach.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Scalar;
 use kinopt::ik::{Drag, Restarts};
@@ -11,8 +10,9 @@ use kinopt::skeleton::Skeleton;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Task};
 use support::bones::RandomRig;
+use support::path_steps::largest_difference;
 use support::planar_arm;
-use support::random::Random;
+use support::random::{Random, case_count};
 use support::tasks::{Curve, OfJoint};
 
 /// Largest joint displacement in a frame, radians, with rounding.
@@ -47,11 +47,6 @@ fn slightly_bent(skeleton: &Skeleton) -> Vec<f64> {
         .collect()
 }
 
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
 /// Active limits are the model's limits, whatever ended the frame. Bounds on the move of a frame are reported
 /// separately.
 #[test]
@@ -84,7 +79,7 @@ fn frame_reports_limits_of_the_model() {
 #[test]
 fn drag_beyond_reach_and_back_never_jumps() {
     // KINOPT_CASES sets the number of rigs.
-    for seed in 0..support::sample::cases(4, 1) as u64 {
+    for seed in 0..case_count(4, 1) as u64 {
         let rig = RandomRig::new(seed);
         let start = slightly_bent(&rig.skeleton);
         let (mut drag, hand, from) = drag(&rig, &start);
@@ -99,7 +94,7 @@ fn drag_beyond_reach_and_back_never_jumps() {
                 .set_target(from + aside * size);
             let solution = drag.advance();
             assert!(
-                furthest(&solution.q, &q) <= MAX_MOVE,
+                largest_difference(&solution.q, &q) <= MAX_MOVE,
                 "{seed}, frame {frame}"
             );
             assert!(
@@ -137,7 +132,7 @@ fn drag_rests_at_unreachable_target() {
     let settled = drag.q().to_vec();
     for _ in 0..20 {
         let solution = drag.advance();
-        assert!(!solution.reached && furthest(&solution.q, &settled) < 1e-6);
+        assert!(!solution.reached && largest_difference(&solution.q, &settled) < 1e-6);
         assert!(!drag.is_speed_limited());
     }
 }
@@ -184,7 +179,7 @@ fn jumping_target_is_followed_with_reported_lag() {
     while !drag.advance().reached {
         assert!(drag.is_speed_limited(), "{}", drag.solution().explain());
         assert!(drag.solution().explain().contains("allowed move"));
-        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
+        assert!(largest_difference(drag.q(), &q) <= MAX_MOVE);
         q.copy_from_slice(drag.q());
         frames += 1;
         assert!(frames < 60);
@@ -213,7 +208,7 @@ fn stretched_arm_bends_for_a_returning_target() {
         let x = (2.5 - 0.02 * f64::from(frame)).max(1.5);
         drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
-        assert!(furthest(drag.q(), &q) <= MAX_MOVE);
+        assert!(largest_difference(drag.q(), &q) <= MAX_MOVE);
         // A joint without influence on any task keeps its value.
         assert_eq!(drag.q()[2], 0.7);
         q.copy_from_slice(drag.q());
@@ -242,7 +237,7 @@ fn drag_jumps_only_with_search_and_reports_it() {
     for _ in 0..60 {
         let before = keen.q().to_vec();
         keen.advance();
-        let moved = furthest(keen.q(), &before);
+        let moved = largest_difference(keen.q(), &before);
         if moved > MAX_MOVE {
             let jump = keen.jump().expect("a leap is told");
             assert_eq!(jump.distance, moved);
@@ -424,13 +419,13 @@ fn settled_drag_continues_in_small_steps() {
         // The following frames start from there, in small steps again.
         for _ in 0..8 {
             body.advance();
-            assert!(furthest(body.q(), &settled.q) < 1e-5);
+            assert!(largest_difference(body.q(), &settled.q) < 1e-5);
         }
         let back = from - Vector3::new(1.0, 0.5, 0.2) * (0.3 * rig.skeleton.size());
         body.target_mut(hand).unwrap().set_target(back);
         let before = body.q().to_vec();
         body.advance();
-        assert!(furthest(body.q(), &before) <= MAX_MOVE);
+        assert!(largest_difference(body.q(), &before) <= MAX_MOVE);
     }
 }
 

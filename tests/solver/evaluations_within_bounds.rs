@@ -1,6 +1,5 @@
 //! Promise: solvers evaluate a problem only within its bounds, also for trial steps and finite differences. The
 //! reported evaluation counts are exact.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::solver::{Counts, LeastSquares, Silent, SolverState, Stopping, minimise};
 use nalgebra::DMatrix;

@@ -1,6 +1,5 @@
 //! Promise: limbs without a shared variable are restarted separately. Reachable targets of all limbs are reached as
 //! often as those of each limb alone.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;

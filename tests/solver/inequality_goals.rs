@@ -1,6 +1,5 @@
 //! Promise: an inequality of a required task constrains lower priorities at its boundary, and only while they pull
 //! outward.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Limits, Model};
@@ -13,8 +12,7 @@ use kinopt::task::{
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
 use support::bodies::sledge;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::trees::configuration_of;
 
 use crate::soft_task_fixtures::{Add, linearised};
@@ -165,7 +163,7 @@ fn sledge_in_triangle_reaches_closest_point() {
     let (model, frame, masses) = sledge();
     let corners = [[0.0, 0.0], [2.0, 0.3], [0.7, 1.9]];
     let triangle = SupportPolygon::new(&masses).with_points(corners.map(|[x, y]| [x, y, 0.0]));
-    for seed in 0..cases(200, 40) as u64 {
+    for seed in 0..case_count(200, 40) as u64 {
         let mut random = Random::new(seed);
         let [start, to] = [(); 2].map(|()| [(); 2].map(|()| random.within(-2.0, 4.0)));
         let best = nearest(corners, to);
@@ -203,7 +201,7 @@ fn closest_point_above_floor_is_vertical() {
     let robot = robot("kuka_iiwa14");
     let model = robot.model();
     let flange = model.frame("flange").unwrap();
-    for seed in 0..cases(200, 20) as u64 {
+    for seed in 0..case_count(200, 20) as u64 {
         let mut random = Random::new(seed);
         let start = configuration_of(model, &mut random);
         let angle = random.within(-3.0, 3.0);
@@ -227,7 +225,7 @@ fn posture_above_floor_is_stationary() {
     let model = robot.model();
     let flange = model.frame("flange").unwrap();
     let (mut on_edge, mut left) = (0, Vec::new());
-    for seed in 0..cases(100, 20) as u64 {
+    for seed in 0..case_count(100, 20) as u64 {
         let mut random = Random::new(1000 + seed);
         let [start, reference] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut builder = Problem::builder(model);

@@ -1,5 +1,4 @@
 //! Promise: results do not depend on the unit of length or on the model's placement in the world.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 
@@ -12,8 +11,7 @@ use kinopt::spatial::Placement;
 use kinopt::task::{Orientation, Point, Pose, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::configuration_of;
 use support::{placement, rigid};
 

@@ -1,6 +1,5 @@
 //! Promise: no iterate and no result violates a limit, exactly, for every method, derivative route and start, reached
 //! or not.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 
@@ -15,8 +14,7 @@ use support::bones::RandomRig;
 use support::maps::maps_of;
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 
 fn assert_within(label: &str, values: &[f64], limits: impl Iterator<Item = Limits>) {

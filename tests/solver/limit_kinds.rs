@@ -3,7 +3,6 @@
 //! Quaternions have unit length to 1e-12.
 //!
 //! Longer run: `KINOPT_CASES=1000000 cargo test --release --test solver limit_kinds`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::{BoundKind, Drag, MoveLimits, Restarts, Solution};
@@ -18,8 +17,7 @@ use kinopt::task::{
 use kinopt::{Problem, Solver, Workspace};
 use support::bodies::{Body, direction};
 use support::methods::solvers;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::vector;
 
 /// Adds a task of a random kind at a reachable pose or up to `off` metres from it.
@@ -223,7 +221,7 @@ fn no_result_violates_a_limit() {
     const QUERIES: usize = 4;
     let mut workspace = Workspace::new();
     let mut tally = Tally::default();
-    let case_count = cases(20_000, 600);
+    let case_count = case_count(20_000, 600);
     for seed in 0..case_count / QUERIES {
         let random = &mut Random::new(seed as u64);
         let body = Body::new(random, 2 + seed % 9);

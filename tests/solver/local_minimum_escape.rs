@@ -1,17 +1,15 @@
 //! Promise: a drag at rest short of a target that is reachable on its branch moves on to it. The motion keeps the
 //! frame's move bound and the pinned tips. A drag without such an escape stays at rest, and none flips.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Drag;
-use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::TaskId;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture};
 use kinopt::{Problem, Solver};
-use support::random::Random;
-use support::sample::cases;
+use support::bones::humanoid;
+use support::random::{Random, case_count};
 
 /// Skeleton with a dragged left hand and its other tips pinned.
 struct Scene {
@@ -26,7 +24,7 @@ struct Scene {
 
 impl Scene {
     fn new() -> Self {
-        let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+        let rig = humanoid();
         let (model, rest) = (rig.skeleton.model(), rig.skeleton.model().neutral());
         let hand = rig.skeleton.bone("left_hand").unwrap();
         let tips: Vec<FrameId> = (rig.constrained.iter())
@@ -109,7 +107,7 @@ impl Scene {
 #[test]
 fn hand_reaches_target_for_any_drag_course() {
     let mut short = 0;
-    let courses = cases(160, 40);
+    let courses = case_count(160, 40);
     // Seed 62 does not come to rest without an escape.
     for seed in (0..courses as u64).chain([62]) {
         let random = &mut Random::new(seed);

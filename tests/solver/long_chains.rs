@@ -1,6 +1,5 @@
 //! Promise: on a long chain whose joints all move the target, an iteration takes a few gradients, not one per joint.
 //! A search for an unreachable target converges to the closest pose.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::Limits;

@@ -1,6 +1,5 @@
 //! Promise: a floating-base robot with hardly more variables than task rows gets more attempts, and basin hopping limb
 //! by limb from low minima.
-#![allow(clippy::expect_used)]
 
 use std::ops::ControlFlow;
 

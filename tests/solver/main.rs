@@ -1,4 +1,5 @@
-//! Solvers of task problems.
+//! Promises of kinopt-solver: tasks, solvers, drags, priority levels, closed loops and geometric solvers.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod attempt_selection;
 mod balance_limits;
@@ -10,10 +11,13 @@ mod contradicting_targets;
 mod custom_collision_constraints;
 mod derivative_existence;
 mod derivative_units;
+mod derivative_workspaces;
+mod drag_holds;
 mod drag_limits;
 mod drag_perturbations;
 mod drags;
 mod evaluations_within_bounds;
+mod geometric;
 mod independent_limbs;
 mod inequality_goals;
 mod invariance;
@@ -21,6 +25,7 @@ mod joint_limits;
 mod limit_kinds;
 mod local_minimum_escape;
 mod long_chains;
+mod loops;
 mod low_redundancy;
 mod method_battery;
 mod method_options;
@@ -35,10 +40,10 @@ mod overextended_arm;
 mod posture_drags;
 mod priority_levels;
 mod problem_updates;
+mod reference;
 mod reported_errors;
 mod reproducibility;
 mod restarts;
-mod reused_workspaces;
 mod shared_problems;
 mod singular_rest_poses;
 mod small_chains;
@@ -54,6 +59,7 @@ mod stopping;
 mod success_rate;
 mod swing_limits;
 mod symmetric_problems;
+mod task;
 mod unreachable_targets;
 mod user_defined_parts;
 mod weighted_soft_tasks;

@@ -1,5 +1,4 @@
 //! Promise: every method finds the known minima of one battery of least-squares problems.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

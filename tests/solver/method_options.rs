@@ -1,6 +1,5 @@
 //! Promise: options of methods have their documented effect. More damping shortens the first step. The rank tolerance
 //! decides whether similar columns count as one.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::{Limits, Model};

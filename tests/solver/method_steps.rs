@@ -1,6 +1,5 @@
 //! Promise: the step of each method equals its formula in dense algebra, over the free variables and clamped to the
 //! bounds.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

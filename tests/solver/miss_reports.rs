@@ -1,5 +1,4 @@
 //! Promise: errors of zero weight are reported, and a miss reports the number of agreeing attempts.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Drag, Restarts};
 use kinopt::model::{FrameId, JointId, Limits, Model};

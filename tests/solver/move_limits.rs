@@ -1,7 +1,6 @@
 //! Promise: no joint moves farther from its start than the move limit; ball joints are limited by rotation angle. The
 //! closest result within the limit is found, and the active limit is named. A ball joint with a total angle limit
 //! behaves the same way.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,5 @@
 //! Promise: a search uses only the variables that its tasks move, for any number of further bones of a character. Its
 //! result equals that of a search over all variables.
-#![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,5 +1,4 @@
 //! Promise: the derivative of a solution is as accurate near full stretch as elsewhere.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::model::{Limits, Model};

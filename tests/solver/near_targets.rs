@@ -1,6 +1,6 @@
 //! Promise: near targets of a whole robot are solved by the attempt from the start whenever it reaches them, also from
 //! joint limits.
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(clippy::print_stdout)]
 
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
@@ -10,8 +10,7 @@ use kinopt::robot::BaseJoint;
 use kinopt::task::{Point, Pose};
 use kinopt::{Solver, Workspace};
 use support::arms::robot;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 
 /// Largest joint displacement that a target is taken from, radians.
 const JOINT_STEP: f64 = 0.1;
@@ -54,7 +53,7 @@ fn problem(model: &Model, target_q: &[f64]) -> Problem {
 
 #[test]
 fn near_targets_keep_the_first_attempt() {
-    let cases = cases(400, 100);
+    let cases = case_count(400, 100);
     for free in [false, true] {
         let mut robot = robot("aldebaran_nao");
         if free {

@@ -1,6 +1,5 @@
 //! Promise: every method points a stretched arm at a target beyond it. Raw Gauss-Newton steps diverge there; damping or
 //! the line search bounds them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
 use kinopt::ik::Restarts;

@@ -1,12 +1,11 @@
 //! Promise: drags of whole bodies with a posture do not oscillate.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, crouched_configuration};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};
+use support::arms::floating_nao;
 
 /// Smallest steps of two consecutive frames that count as a reversal, radians.
 const MIN_REVERSAL_STEP: f64 = 0.01;
@@ -36,9 +35,7 @@ impl Course {
 
     /// Number of frames in which a joint of a standing NAO reverses, and number of missed frames.
     fn reversals(&self) -> (usize, usize) {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
-        let robot = Robot::read(file).unwrap();
-        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let robot = floating_nao();
         let model = robot.model();
         let frames = ["left_sole", "right_sole", self.hand];
         let frames = frames.map(|name| model.frame(name).unwrap());

@@ -1,6 +1,5 @@
 //! Promise: a problem with changed weights or joint origins equals bitwise the problem built with them. It no longer
 //! equals the original problem.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, JointId, Limits};
 use kinopt::problem::{Evaluation, ProblemError};

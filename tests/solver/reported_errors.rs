@@ -1,6 +1,5 @@
 //! Promise: errors, cost, reached flags and blocking limits of a solution match the returned q. The tests recompute
 //! them from q alone.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
 use kinopt::problem::{Preferences, Problem};
@@ -8,10 +7,10 @@ use kinopt::solver::Stopping;
 use kinopt::task::{Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Workspace};
 use nalgebra as na;
+use support::bones::humanoid;
 use support::methods::solvers;
 use support::placement;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 use support::{Rigid, rigid};
 
@@ -215,7 +214,7 @@ fn reports_match_the_returned_configuration() {
 
 #[test]
 fn lengths_are_reported_in_the_models_unit() {
-    let rig = kinopt::io::rig::Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let rig = humanoid();
     let hand = rig.skeleton.tip(rig.skeleton.bone("left_hand").unwrap());
     let mut builder = Problem::builder(rig.skeleton.model());
     builder.add(Point::new(hand, [0.0, 50.0, 0.0]));

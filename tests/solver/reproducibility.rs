@@ -1,5 +1,4 @@
 //! Promise: equal input gives bitwise equal results, whatever the workspace solved before.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::Limits;
@@ -9,8 +8,7 @@ use kinopt::task::{Point, Pose, Posture, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::bones::RandomRig;
 use support::methods::solvers;
-use support::random::Random;
-use support::sample::part;
+use support::random::{Random, part};
 use support::trees::RandomTree;
 use support::{placement, planar_arm};
 

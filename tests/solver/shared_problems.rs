@@ -1,13 +1,11 @@
 //! Promise: a problem is immutable. Threads solve it with targets of their own, and each result equals bitwise that of
 //! a problem built with those targets.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::problem::{ProblemError, TaskId};
 use kinopt::task::{Orientation, Point};
 use kinopt::{Problem, Solver, Workspace};
 use support::bones::RandomRig;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, cases};
 
 /// Point tasks of two tips of a rig.
 fn problem(rig: &RandomRig, places: [[f64; 3]; 2]) -> (Problem, [TaskId<Point>; 2]) {
@@ -30,7 +28,7 @@ fn threads_share_a_problem_with_own_targets() {
                 let mut random = Random::new(seed);
                 let mut workspace = Workspace::new();
                 let mut targets = shared.targets();
-                for _ in 0..cases(5, 2) {
+                for _ in cases(5, 2) {
                     let places = [0; 2].map(|_| random.vector(1.0).into());
                     for (id, position) in ids.into_iter().zip(places) {
                         targets.get_mut(id).unwrap().set_target(position);

@@ -3,7 +3,6 @@
 //!
 //! With the default settings some random targets end in local minima of the limits. More agreeing attempts
 //! (`with_agreeing`) reach all of them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::model::Limits;

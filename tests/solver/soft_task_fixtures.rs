@@ -1,5 +1,4 @@
 //! Fixtures of the tests of soft tasks.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solution;
 use kinopt::model::{Model, ParameterMap};

@@ -1,5 +1,4 @@
 //! Promise: an observer of soft tasks gets the length of each step.
-#![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
 

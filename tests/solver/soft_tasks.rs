@@ -1,6 +1,5 @@
 //! Promise: soft tasks act in the null space of the required tasks. A reachable required task is reached whatever the
 //! weights, and soft tasks are at a minimum within it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, JointId, Model};
@@ -12,13 +11,13 @@ use kinopt::task::{
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
-use support::random::Random;
 use support::trees::configuration_of;
 use support::{planar_arm, planar_tip};
 
 use crate::soft_task_fixtures::{
     Add, drag, placement_of, problem, remaining_gradient, within_limits,
 };
+use support::random::{Random, case_count};
 
 #[test]
 fn panda_reaches_with_default_soft_tasks() {
@@ -28,7 +27,7 @@ fn panda_reaches_with_default_soft_tasks() {
     let frame = model.frame(tool).unwrap();
     let kinds = ["posture", "limit centring", "smoothness"];
     let (mut left, mut steps) = (Vec::new(), [0; 3]);
-    let cases = support::sample::cases(60, 12);
+    let cases = case_count(60, 12);
     for (k, kind) in kinds.iter().enumerate() {
         for seed in 0..cases as u64 {
             let mut random = Random::new(seed);

@@ -1,6 +1,5 @@
 //! Promise: soft tasks do not increase the miss of an unreachable required task. They use the freedom that the miss
 //! leaves.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
@@ -9,7 +8,7 @@ use kinopt::task::{Point, Posture, Quantity, Task};
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::panda;
 use support::planar_arm;
-use support::random::Random;
+use support::random::{Random, case_count};
 use support::tasks::{Curve, OfJoint};
 use support::trees::configuration_of;
 
@@ -17,7 +16,7 @@ use crate::soft_task_fixtures::{Add, drag, problem, pull_of, within_limits};
 
 #[test]
 fn soft_tasks_do_not_increase_a_miss() {
-    for seed in 0..support::sample::cases(4, 1) as u64 {
+    for seed in 0..case_count(4, 1) as u64 {
         let drag = drag(seed);
         let model = drag.rig.skeleton.model();
         let goal: Add<'_> = &|builder| drag.add_goals(builder, 4.0);

@@ -1,20 +1,17 @@
 //! Promise: soft tasks of a whole robot are stationary within the freedom of required tasks and limits. A Newton step
 //! with all second derivatives is zero there.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::robot::{BaseJoint, Robot};
 use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver, Workspace};
-use support::random::Random;
+use support::arms::floating_nao;
+use support::random::{Random, case_count};
 
 /// Hands and feet at a random configuration, and a posture far from it, so that joints reach limits.
 #[test]
 fn robot_postures_on_limits_are_stationary() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
-    let robot = Robot::read(file).unwrap();
-    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let robot = floating_nao();
     let model = robot.model();
     let ends = ["left_sole", "right_sole", "left_hand", "right_hand"];
     let ends = ends.map(|name| model.frame(name).unwrap());
@@ -22,7 +19,7 @@ fn robot_postures_on_limits_are_stationary() {
     let mut random = Random::new(21);
     let (solver, mut workspace) = (Solver::default(), Workspace::new());
     let mut limits = 0;
-    let cases = support::sample::cases(40, 12);
+    let cases = case_count(40, 12);
     let neutral = model.neutral();
     for case in 0..cases {
         let mut nearby = |by: f64, share: f64| -> Vec<f64> {

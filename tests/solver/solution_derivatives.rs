@@ -1,6 +1,5 @@
 //! Promise: derivatives of a solution with respect to targets, weights and joint origins equal finite differences of
 //! repeated solves. This includes limits, cones, misses and soft tasks. A missing derivative is reported.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
@@ -13,8 +12,7 @@ use nalgebra as na;
 use support::bodies::traded_on_a_sledge;
 use support::changed_bodies::{Case, Change, case};
 use support::planar_arm;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::stationary::{Conditions, Limit, limits_at};
 
 fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
@@ -193,7 +191,7 @@ fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
 #[test]
 fn derivatives_match_repeated_solves() {
     let mut seen = Counts::default();
-    let case_count = cases(1000, 20);
+    let case_count = case_count(1000, 20);
     for seed in 0.. {
         check_seed(seed, &mut seen);
         if seen.unique >= case_count {

@@ -1,6 +1,5 @@
 //! Promise: a robot on a free base whose hand is dragged down crouches, stays upright and keeps its feet. Dragged
 //! beyond its reach, it keeps its feet. With a balance task, it leans no farther than its support polygon allows.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, crouched_configuration};

@@ -1,6 +1,5 @@
 //! Promise: a first step of any length, 10 000 as well as 1 000 000, is halved until the cost falls. The full step
 //! would raise it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 

@@ -1,5 +1,4 @@
 //! Promise: a search ends for the reason it reports: time, cancellation, iterations or success.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 use std::time::Duration;

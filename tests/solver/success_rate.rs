@@ -1,13 +1,11 @@
 //! Promise: the default solver reaches at least 99 % of five-tip targets from rest, to 1e-8 of the size. Targets come
 //! from random poses of rigs with 19 to 22 bones over their full limits. A reported success is one.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::problem::Problem;
 use kinopt::task::{Point, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
-use support::random::Random;
-use support::sample::cases;
+use support::random::{Random, case_count};
 use support::trees::configuration_of;
 
 const RIGS: u64 = 50;
@@ -16,7 +14,7 @@ const RIGS: u64 = 50;
 fn default_solver_reaches_99_percent() {
     let solver = Solver::default();
     let mut workspace = Workspace::new();
-    let problems = cases(1000, 100) as u64;
+    let problems = case_count(1000, 100) as u64;
     let mut reached = 0;
     let mut missed = Vec::new();
     for k in 0..problems {

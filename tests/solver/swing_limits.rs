@@ -1,5 +1,4 @@
 //! Promise: a swing outside its cone, round or elliptic, is projected to the closest swing.
-#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::problem::Evaluation;

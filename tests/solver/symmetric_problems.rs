@@ -1,6 +1,5 @@
 //! Promise: a symmetric skeleton with symmetric targets settles symmetrically, within and beyond reach, unless
 //! asymmetry brings it closer.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
 use kinopt::io::rig::Rig;
@@ -8,17 +7,10 @@ use kinopt::problem::{Problem, TaskId};
 use kinopt::skeleton::Skeleton;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Quantity};
+use support::bones::humanoid;
 
 /// Largest allowed difference of the two sides, metres, from the tolerance and flat directions.
 const SYMMETRY_TOLERANCE: f64 = 1e-3;
-
-fn humanoid() -> Rig {
-    let models = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
-    Rig::read(models).unwrap()
-}
 
 /// All tips pinned, and the tasks of the two hands.
 fn problem(rig: &Rig, start: &[f64]) -> (Problem, [TaskId<Point>; 2]) {

@@ -1,5 +1,4 @@
 //! Promise: an unreachable target gives the closest point, `reached: false` and the active limits.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
 use kinopt::model::{Limits, Model};

@@ -1,6 +1,5 @@
 //! Promise: soft tasks that are weighted against required tasks displace them, and the solution names them. An
 //! interrupted or non-finite soft task is reported.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
 use std::time::Duration;

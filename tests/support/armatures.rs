@@ -104,3 +104,10 @@ pub fn model_by_ancestors(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     });
     each.collect()
 }
+
+/// Model transforms of the bones of a pose.
+pub fn model_transforms(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model_from_bone).unwrap();
+    model_from_bone
+}

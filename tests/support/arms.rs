@@ -2,21 +2,13 @@
 
 use kinopt::arm::Arm;
 use kinopt::model::{JointKind, Limits, Model};
-use kinopt::robot::Robot;
+use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// SplitMix64: reproducible numbers with no dependency.
-pub struct Random(pub u64);
+use crate::random::Random;
 
 impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 * 0.5f64.powi(53)
-    }
-
     /// Random configuration within the limits; joints without limits are within half a turn of zero.
     pub fn configuration(&mut self, arm: &Arm) -> Vec<f64> {
         let pi = std::f64::consts::PI;
@@ -131,4 +123,10 @@ pub fn planar_with_hand(shoulder: Limits) -> Arm {
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     arm.build().unwrap()
+}
+
+/// The shipped NAO with a free base.
+pub fn floating_nao() -> Robot {
+    let nao = robot("aldebaran_nao");
+    nao.with_base_joint(BaseJoint::FREE).unwrap()
 }

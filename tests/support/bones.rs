@@ -2,6 +2,7 @@
 
 use super::random::Random;
 use super::{Rigid, placement, rigid};
+use kinopt::io::rig::Rig;
 use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, BoneId};
 use kinopt::spatial::Vector3;
@@ -166,4 +167,13 @@ impl Parts {
             tips,
         }
     }
+}
+
+/// The shipped humanoid.
+pub fn humanoid() -> Rig {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../models/humanoid/humanoid.json"
+    );
+    Rig::read(path).unwrap()
 }

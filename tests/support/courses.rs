@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use kinopt::arm::Arm;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp, rotation_log};
 
-use crate::arms::Random;
+use crate::random::Random;
 
 /// Kinds of courses that [`course`] cycles through.
 pub const KINDS: [&str; 8] = [
@@ -111,7 +111,7 @@ impl Course {
             } => {
                 let sample = (time * HAND_RATE + 1e-9).floor();
                 let time = sample / HAND_RATE;
-                let mut random = Random(seed.wrapping_add(sample as u64));
+                let mut random = Random::split_mix(seed.wrapping_add(sample as u64));
                 let mut jitter = || vector(&mut random) * *noise;
                 let mut offset = jitter();
                 for (amplitude, rate) in amplitudes.iter().zip(rates) {
@@ -136,7 +136,7 @@ fn direction(random: &mut Random) -> Vector3<f64> {
 /// Course number `index` of an arm. The kind cycles with the index; everything else is random.
 pub fn course(arm: &Arm, index: usize) -> Course {
     let kind = KINDS[index % KINDS.len()];
-    let mut random = Random(0x5eed + 7919 * index as u64);
+    let mut random = Random::split_mix(0x5eed + 7919 * index as u64);
     for _ in 0..3 {
         random.unit();
     }

@@ -1,12 +1,12 @@
 //! Random chains with mimic joints as URDF: prismatic, revolute and continuous joints about skew axes, of which two to
 //! seven are free.
 
-use crate::arms::Random;
+use crate::random::Random;
 
 /// URDF of chain `number`, and the name of its last link; the first link is `l0`. Mimic joints may leave no value for
 /// their source joint, in which case the robot is invalid.
 pub fn follower_chain(number: u64) -> (String, String) {
-    let mut random = Random(0xF0_110E + 7919 * number);
+    let mut random = Random::split_mix(0xF0_110E + 7919 * number);
     let free = 2 + (random.unit() * 6.0) as usize;
     let followers = 1 + (random.unit() * 2.0) as usize;
     let joints = free + followers;

@@ -4,8 +4,7 @@ use kinopt::Solution;
 use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3};
 
-use crate::arms::Random;
-use crate::sample::few;
+use crate::random::{Random, few};
 
 /// Shipped robots: file, base, tip.
 pub const ROBOTS: [(&str, &str, &str); 7] = [

@@ -5,8 +5,8 @@ use kinopt::arm::Search;
 use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
 
-/// Largest difference of a joint.
-pub fn longest(a: &[f64], b: &[f64]) -> f64 {
+/// Largest difference of a joint between two configurations.
+pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     moves.fold(0.0, f64::max)
 }
@@ -28,7 +28,7 @@ pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> 
         let gone = arm.solve(Placement::from(target), &start).unwrap();
         // A straight segment near a stretched arm may be unreachable by some micrometres.
         let near = gone.position_error().is_some_and(|metres| metres < 1e-4);
-        (near && longest(q, &gone.q) <= 0.1).then_some(gone.q)
+        (near && largest_difference(q, &gone.q) <= 0.1).then_some(gone.q)
     };
     let share = |smaller: u32| f64::from(smaller) / f64::from(PARTS_PER_SEGMENT * STEPS_PER_PART);
     let mut q = from.to_vec();
@@ -44,5 +44,5 @@ pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> 
         };
         q = gone;
     }
-    longest(&q, to) <= 0.1
+    largest_difference(&q, to) <= 0.1
 }

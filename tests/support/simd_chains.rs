@@ -6,23 +6,11 @@ use kinopt::simd_ik::{Chain, ChainJoint, JointKind};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::{Isometry3, Rotation3, Translation3, Unit, UnitQuaternion};
 
-/// SplitMix64: reproducible numbers with no dependency.
-pub struct Random(pub u64);
+use crate::random::Random;
 
 impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 * 0.5f64.powi(53)
-    }
-
-    pub fn within(&mut self, lower: f64, upper: f64) -> f64 {
-        lower + self.unit() * (upper - lower)
-    }
-
     /// Random configuration within the bounds; joints without bounds are within a turn or a metre of zero.
-    pub fn configuration(&mut self, chain: &Chain) -> Vec<f64> {
+    pub fn chain_configuration(&mut self, chain: &Chain) -> Vec<f64> {
         chain
             .joints()
             .iter()
@@ -104,7 +92,7 @@ pub fn ur5() -> Chain {
 /// Chain of random placements and axes with `slides` prismatic joints. Every fourth revolute joint has no bounds if
 /// `continuous` is true.
 pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -> Chain {
-    let mut random = Random(seed);
+    let mut random = Random::split_mix(seed);
     let length = 1.2 / joints as f64;
     let list = (0..joints)
         .map(|i| {

@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 use serde_json::json;
 
-const LEG: &str = "../tests/loops/files/knee.xml";
+const LEG: &str = "../tests/solver/loops/files/knee.xml";
 const BAXTER: &str = "../models/rethink_baxter.urdf";
 
 #[test]

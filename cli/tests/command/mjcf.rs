@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 use serde_json::json;
 
-const GRIPPER: &str = "../tests/mjcf/files/gripper.xml";
+const GRIPPER: &str = "../tests/robot/mjcf/files/gripper.xml";
 
 #[test]
 fn info_fk_and_solve_take_mjcf() {
@@ -31,7 +31,7 @@ fn info_fk_and_solve_take_mjcf() {
 
 #[test]
 fn info_reports_limits_of_ball_joints() {
-    let walker = "../tests/mjcf/files/walker.xml";
+    let walker = "../tests/robot/mjcf/files/walker.xml";
     let info = answer!("info {walker}");
     let balls = list(&info["joints"])
         .iter()

@@ -1,0 +1,4 @@
+//! Memory allocations of solvers and arms.
+
+mod arm;
+mod solver;

@@ -1,0 +1,4 @@
+//! Minima found by other programs.
+
+mod minima;
+mod problems;

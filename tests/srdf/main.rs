@@ -1,6 +1,0 @@
-//! SRDF: groups, states, passive joints and disabled pairs of a robot.
-
-mod lenient;
-mod malformed;
-mod mutations;
-mod semantics;
