@@ -239,7 +239,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, ModelError> {
         builder.frame(tip_name, Some(twist1), Placement::translation(tip));
     }
     builder.configuration_order(order);
-    Ok(builder.build()?)
+    builder.build()
 }
 
 /// The name, or the first numbered one that no bone has. Results are unique, as names of bones are.

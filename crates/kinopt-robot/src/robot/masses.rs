@@ -71,7 +71,7 @@ impl Robot {
     /// # Errors
     /// As [`masses`](Self::masses), or an invalid configuration.
     pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, KinematicsError> {
-        Ok(centre_of_mass(&self.model, &self.masses()?, q)?)
+        centre_of_mass(&self.model, &self.masses()?, q)
     }
 
     /// Jacobian of the centre of mass: see [`centre_of_mass_jacobian`].
@@ -79,6 +79,6 @@ impl Robot {
     /// # Errors
     /// As [`centre_of_mass`](Self::centre_of_mass).
     pub fn centre_of_mass_jacobian(&self, q: &[f64]) -> Result<Matrix3xX<f64>, KinematicsError> {
-        Ok(centre_of_mass_jacobian(&self.model, &self.masses()?, q)?)
+        centre_of_mass_jacobian(&self.model, &self.masses()?, q)
     }
 }

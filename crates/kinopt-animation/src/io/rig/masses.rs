@@ -51,10 +51,6 @@ impl Rig {
     /// # Errors
     /// As [`masses`](Self::masses), or an invalid configuration.
     pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, KinematicsError> {
-        Ok(centre_of_mass(
-            self.skeleton.model(),
-            &self.masses(1.0)?,
-            q,
-        )?)
+        centre_of_mass(self.skeleton.model(), &self.masses(1.0)?, q)
     }
 }

@@ -111,7 +111,7 @@ impl AutomaticWeights {
             strongest.add(bone, column);
         }
         let rows: Vec<usize> = (0..points.len()).collect();
-        Ok(strongest.build(segments.len(), &rows, &neighbours)?)
+        strongest.build(segments.len(), &rows, &neighbours)
     }
 }
 

@@ -108,6 +108,6 @@ impl HeatWeights {
         let corners = surface.triangles.iter();
         let corners = corners.map(|triangle| triangle.map(|point| point as u32));
         let neighbours = Neighbours::new(surface.points.len(), corners);
-        Ok(strongest.build(segments.len(), &surface.point_of, &neighbours)?)
+        strongest.build(segments.len(), &surface.point_of, &neighbours)
     }
 }
