@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::Placement;
-use support::simd_chains::{Random, panda, target, ur5};
+use support::random::Random;
+use support::simd_chains::{panda, target, ur5};
 
 const POSES: usize = 2000;
 

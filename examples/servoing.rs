@@ -13,7 +13,7 @@ use kinopt::arm::{Arm, ServoStatus};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use serde_json::json;
-use support::arms::Random;
+use support::random::Random;
 use support::lines::{ROBOTS, STEP};
 
 const CYCLE_TIME: f64 = 1e-3;
