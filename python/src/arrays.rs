@@ -11,7 +11,7 @@ use numpy::{
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyOverflowError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::{PyBool, PyDict, PyMapping};
 
 use crate::error::invalid;
 
@@ -565,4 +565,21 @@ pub(crate) fn few(values: &[f64]) -> String {
             texts(&values[values.len() - ENDS..])
         ),
     }
+}
+
+/// Reads the items of a dict, empty for None.
+pub(crate) fn items<'py>(
+    value: Option<&Bound<'py, PyAny>>,
+    what: &str,
+) -> PyResult<Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    let Some(value) = value else {
+        return Ok(Vec::new());
+    };
+    if let Ok(dict) = value.cast::<PyDict>() {
+        return Ok(dict.iter().collect());
+    }
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        return Err(invalid(format!("{what} must be a dict")));
+    };
+    mapping.items()?.iter().map(|item| item.extract()).collect()
 }

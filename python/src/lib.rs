@@ -25,6 +25,7 @@ mod masses;
 mod mesh;
 mod model;
 mod motion;
+mod object;
 mod path;
 mod pickling;
 mod placement;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use kinopt::model::{FrameId, JointId, Loop, LoopKind};
 use kinopt::spatial::Placement;
+use kinopt_bindings::names::{LOOPS, named};
 use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
@@ -55,10 +56,7 @@ impl NamedLoop {
         kind: &str,
         places: Option<[Bound<'_, PyAny>; 2]>,
     ) -> PyResult<Self> {
-        let kinds = [LoopKind::Connect, LoopKind::Weld];
-        let known = kinds.into_iter().find(|known| known.name() == kind);
-        let names = kinds.map(LoopKind::name);
-        let kind = known.ok_or_else(|| kinopt::model::UnknownName::new("loop kind", kind, names));
+        let kind = named("loop kind", kind, &LOOPS);
         let places = match places {
             None => [Placement::identity(); 2],
             Some([first, second]) => [

@@ -4,21 +4,24 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use kinopt::arm::{Base, Search};
 use kinopt::kinematics::Jacobian;
+use kinopt_bindings::option::arm::{apply, options as arm_options};
+use kinopt_bindings::option::check_name;
+use kinopt_bindings::option::servo::ServoOptions;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::servo::ServoOptions;
 use super::track::Track;
-use super::{Follower, Servo, obstacles, options};
+use super::{Follower, Servo, obstacles};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
 use crate::goal::PoseBounds;
 use crate::kinematics::jacobians;
 use crate::model::Model;
+use crate::object::Options;
 use crate::placement::{placement, placements, to_array, to_arrays};
 use crate::pool::Pool;
 use crate::robot::Robot;
@@ -174,7 +177,11 @@ impl Arm {
                 "an arm is made of a Robot or a Model, not {name}"
             )));
         };
-        let builder = options::apply(builder, &options, &model.neutral())?;
+        for name in options.keys() {
+            let name: String = name.extract()?;
+            check_name("option of an arm", &name, &arm_options()).or_raise()?;
+        }
+        let builder = apply(builder, &Options(&options), &model.neutral())?;
         let inner = py.detach(|| builder.build()).or_raise()?;
         let inner = match options.get_item("srdf")?.filter(|srdf| !srdf.is_none()) {
             Some(srdf) => with_srdf(inner, &srdf)?,

@@ -6,7 +6,6 @@ mod batch;
 mod derivative;
 mod follower;
 mod obstacles;
-mod options;
 mod servo;
 mod track;
 

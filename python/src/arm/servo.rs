@@ -2,14 +2,16 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kinopt::arm::{HeldBy, Servo as Controlled, ServoStatus, ServoStep as Cycle};
-use kinopt::ik::Side;
+use kinopt::arm::{Servo as Controlled, ServoStep as Cycle};
+use kinopt_bindings::names::{held_by, servo_status};
+use kinopt_bindings::option::servo::ServoOptions;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
 use crate::arrays;
 use crate::error::OrRaise;
+use crate::object::Object;
 use crate::placement::placement;
 use crate::solution::Collision;
 
@@ -30,17 +32,6 @@ pub(crate) struct Servo {
     cell: Mutex<Cell>,
 }
 
-/// Options of a servo, one number for each free joint; `None` is the default.
-pub(super) struct ServoOptions {
-    pub(super) velocity_limits: Option<Vec<f64>>,
-    pub(super) acceleration_limits: Option<Vec<f64>>,
-    pub(super) jerk_limits: Option<Vec<f64>>,
-    pub(super) velocity: Option<Vec<f64>>,
-    pub(super) acceleration: Option<Vec<f64>>,
-    pub(super) straight_line: bool,
-    pub(super) damping: Option<f64>,
-}
-
 impl Servo {
     pub(super) fn new(
         arm: Arc<kinopt::Arm>,
@@ -49,27 +40,8 @@ impl Servo {
         options: &ServoOptions,
     ) -> PyResult<Self> {
         let cell = Cell::try_new(arm, |arm| {
-            let mut servo = arm.servo(start, time_step).or_raise()?;
-            if let Some(limits) = &options.velocity_limits {
-                servo = servo.with_velocity_limits(limits).or_raise()?;
-            }
-            if let Some(limits) = &options.acceleration_limits {
-                servo = servo.with_acceleration_limits(limits).or_raise()?;
-            }
-            if let Some(limits) = &options.jerk_limits {
-                servo = servo.with_jerk_limits(limits).or_raise()?;
-            }
-            servo = servo.with_straight_line(options.straight_line);
-            if let Some(radians) = options.damping {
-                servo = servo.with_damping(radians).or_raise()?;
-            }
-            if options.velocity.is_some() || options.acceleration.is_some() {
-                let zeros = vec![0.0; start.len()];
-                let velocity = options.velocity.as_ref().unwrap_or(&zeros);
-                let acceleration = options.acceleration.as_ref().unwrap_or(&zeros);
-                servo = servo.with_motion(velocity, acceleration).or_raise()?;
-            }
-            PyResult::Ok(servo)
+            let servo = arm.servo(start, time_step).or_raise()?;
+            options.apply::<Object>(servo)
         })?;
         Ok(Self {
             cell: Mutex::new(cell),
@@ -150,33 +122,6 @@ impl Servo {
     }
 }
 
-fn status_name(status: ServoStatus) -> &'static str {
-    match status {
-        ServoStatus::OnTarget => "on_target",
-        ServoStatus::SpeedLimited => "speed_limited",
-        ServoStatus::Settling => "settling",
-        ServoStatus::Blocked => "blocked",
-        ServoStatus::Touching => "touching",
-        ServoStatus::Stopping => "stopping",
-        ServoStatus::Stopped => "stopped",
-        _ => "nearest",
-    }
-}
-
-fn by_name(by: HeldBy) -> &'static str {
-    match by {
-        HeldBy::Limit(Side::Lower) => "lower limit",
-        HeldBy::Limit(Side::Upper) => "upper limit",
-        HeldBy::Speed(Side::Lower) => "speed down",
-        HeldBy::Speed(Side::Upper) => "speed up",
-        HeldBy::Acceleration(Side::Lower) => "acceleration down",
-        HeldBy::Acceleration(Side::Upper) => "acceleration up",
-        HeldBy::Outside(Side::Lower) => "below lower limit",
-        HeldBy::Outside(Side::Upper) => "above upper limit",
-        _ => "other",
-    }
-}
-
 /// One control cycle of a `Servo`: the commanded configuration and its errors.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ServoStep {
@@ -214,13 +159,13 @@ impl ServoStep {
             q: step.q.to_vec(),
             velocity: step.velocity.to_vec(),
             acceleration: step.acceleration.to_vec(),
-            status: status_name(step.status),
+            status: servo_status(step.status),
             reached: step.reached(),
             position_error: step.position_error,
             orientation_error: step.orientation_error,
             held: step
                 .held()
-                .map(|(joint, by)| (joint.to_owned(), by_name(by)))
+                .map(|(joint, by)| (joint.to_owned(), held_by(by)))
                 .collect(),
             collisions: step
                 .collisions

@@ -2,6 +2,7 @@
 
 use kinopt::model::JointId;
 use kinopt::spatial::Placement;
+use kinopt_bindings::placement::to_rows;
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -61,7 +62,7 @@ impl Joint {
             swing: joint.ball.map(|ball| ball.swing),
             twist: joint.ball.map(|ball| (ball.twist.lower, ball.twist.upper)),
             angle: joint.ball.and_then(|ball| ball.angle),
-            parent_from_joint: placement::to_numbers(&joint.parent_from_joint),
+            parent_from_joint: to_rows(&joint.parent_from_joint),
         }
     }
 }

@@ -247,7 +247,7 @@ fn build(
         (None, Some(robot)) => drop(builder.parameters(robot.get().inner.map().clone())),
         (None, None) => {}
     }
-    for (joint, limits) in problem::items(options.get_item("bounds")?.as_ref(), "bounds")? {
+    for (joint, limits) in arrays::items(options.get_item("bounds")?.as_ref(), "bounds")? {
         let joint = arrays::name(&joint, "a joint of bounds")?;
         builder.bound(joint.as_str(), limits_of(&limits, "bounds")?);
     }
@@ -279,7 +279,7 @@ fn build(
     }
     match (options.get_item("max_speeds")?, robot) {
         (Some(speeds), _) => {
-            for (joint, speed) in problem::items(Some(&speeds), "max_speeds")? {
+            for (joint, speed) in arrays::items(Some(&speeds), "max_speeds")? {
                 let joint = arrays::name(&joint, "a joint of max_speeds")?;
                 if let Ok((linear, angular)) = speed.extract::<(f64, f64)>() {
                     builder.max_free_speed(&joint, linear, angular);
@@ -316,7 +316,7 @@ type CostOfWeight = fn(f64) -> RateCost;
 fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: CostOfWeight) -> PyResult<RateCost> {
     if let Ok((weight, factors)) = value.extract::<(f64, Bound<'_, PyAny>)>() {
         let mut weighted = cost(weight);
-        for (joint, factor) in problem::items(Some(&factors), name)? {
+        for (joint, factor) in arrays::items(Some(&factors), name)? {
             let joint = arrays::name(&joint, &format!("a joint of {name}"))?;
             weighted = weighted.scale(joint, arrays::number(&factor, name)?);
         }

@@ -6,18 +6,21 @@ use kinopt::Workspace;
 use kinopt::collision::Checker;
 use kinopt::model::JointId;
 use kinopt::problem::{Evaluation, ProblemError, ProblemInstance, Targets};
+use kinopt_bindings::names::{DERIVATIVES, PREFERENCES, named};
+use kinopt_bindings::task::{Aimed, BoxedTask};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::task::{self, items};
-use super::{
-    Aimed, AnyTask, DERIVATIVES, Move, PREFERENCES, ParameterMap, named, parameters, raised,
-};
-use crate::arrays;
+use super::{ParameterMap, parameters, raised, task};
+use crate::arrays::{self, items};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::object::Object;
 use crate::pool::Pool;
 use crate::robot::Robot;
+
+/// A converted target.
+pub(crate) type Move = kinopt_bindings::task::Move<Object>;
 
 /// Targets read from Python, with task indices.
 pub(crate) type Moves = Vec<(usize, Move)>;
@@ -25,7 +28,7 @@ pub(crate) type Moves = Vec<(usize, Move)>;
 /// Snapshot of a problem at the start of a solve.
 pub(crate) struct CompiledProblem {
     pub(crate) inner: kinopt::Problem,
-    ids: Vec<Box<dyn AnyTask>>,
+    ids: Vec<BoxedTask<Object>>,
     model: Arc<kinopt::Model>,
     pub(crate) workspaces: Pool<Workspace>,
 }
@@ -65,8 +68,10 @@ impl CompiledProblem {
             }
         }
         let text = |name: &str| options.as_any().get_item(name)?.extract::<String>();
-        builder.derivatives(named("derivatives", &text("derivatives")?, &DERIVATIVES)?);
-        builder.preferences(named("preferences", &text("preferences")?, &PREFERENCES)?);
+        let derivatives = named("derivatives", &text("derivatives")?, &DERIVATIVES);
+        builder.derivatives(derivatives.or_raise()?);
+        let preferences = named("preferences", &text("preferences")?, &PREFERENCES);
+        builder.preferences(preferences.or_raise()?);
         if let Some(checker) = checker {
             builder.keep_clear(checker);
         }
@@ -151,7 +156,7 @@ impl CompiledProblem {
     /// Converts a target of a task.
     pub(crate) fn read(&self, task: usize, value: &Bound<'_, PyAny>) -> PyResult<Move> {
         let name = self.inner.task_name(task).unwrap_or_default();
-        self.ids[task].read(value, &format!("the target of {name}"))
+        self.ids[task].read(&Object::of(value), &format!("the target of {name}"))
     }
 
     /// Converts a dict of targets.

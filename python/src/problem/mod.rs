@@ -1,20 +1,17 @@
 //! Problems: tasks on a model, and bounds.
 
-mod body_tasks;
 mod camera;
 mod compiled;
 mod derivative;
 mod frozen;
 mod parameters;
 mod python_residual;
-mod target;
 mod task;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::collision::Checker;
 use kinopt::nalgebra::DMatrix;
-use kinopt::problem::{Derivatives, Preferences};
 use kinopt::solver::LeastSquares;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -27,13 +24,12 @@ use crate::pickling;
 use crate::solution::Collision;
 use crate::world::World;
 pub(crate) use camera::Camera;
-pub(crate) use compiled::CompiledProblem;
+pub(crate) use compiled::{CompiledProblem, Move};
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
-pub(crate) use target::Target;
-pub(crate) use task::{Aimed, AnyTask, Move, TaskBuilder, add, items, tolerances};
+pub(crate) use task::{add, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
@@ -309,7 +305,7 @@ impl Problem {
             options.get_item("joint_origins")?.as_ref(),
             Some(joint_origins),
         ] {
-            for (joint, origin) in items(origins, "joint_origins")? {
+            for (joint, origin) in arrays::items(origins, "joint_origins")? {
                 all.set_item(joint, origin)?;
             }
         }
@@ -485,30 +481,4 @@ impl Problem {
         let compiled = self.lock().compiled.clone();
         compiled.map_err(invalid)
     }
-}
-
-const DERIVATIVES: [(&str, Derivatives); 4] = [
-    ("analytic", Derivatives::Analytic),
-    ("dual", Derivatives::Dual),
-    ("forward_difference", Derivatives::ForwardDifference),
-    ("central_difference", Derivatives::CentralDifference),
-];
-
-const PREFERENCES: [(&str, Preferences); 2] = [
-    ("within_goals", Preferences::WithinGoals),
-    ("traded", Preferences::Traded),
-];
-
-/// Returns a value by its name.
-pub(crate) fn named<T: Copy>(
-    kind: &'static str,
-    name: &str,
-    known: &[(&'static str, T)],
-) -> PyResult<T> {
-    let entry = known.iter().find(|(word, _)| *word == name);
-    let names = known.iter().map(|(word, _)| *word);
-    entry
-        .map(|(_, value)| *value)
-        .ok_or_else(|| kinopt::model::UnknownName::new(kind, name, names))
-        .or_raise()
 }

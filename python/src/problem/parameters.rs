@@ -7,8 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::task::items;
-use crate::arrays;
+use crate::arrays::{self, items};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;

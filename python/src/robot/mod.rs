@@ -1,6 +1,5 @@
 //! Robots from URDF and MJCF.
 
-mod coordinate_order;
 mod shape;
 mod source;
 
@@ -11,16 +10,15 @@ use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt::model::JointKind;
 use kinopt::motion::retarget::FootShapes;
+use kinopt_bindings::coordinate_order::CoordinateOrder;
+use kinopt_bindings::names::{MIMIC_LIMITS, named};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use coordinate_order::CoordinateOrder;
 pub(crate) use shape::Shape;
 pub(crate) use source::text_of;
-use source::{
-    Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, restricts_sources,
-};
+use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, CollisionOptions};
@@ -152,7 +150,7 @@ impl Robot {
             lenient,
             confine,
             soft_limits,
-            mimic_limits: restricts_sources(mimic_limits)?,
+            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),
@@ -192,7 +190,7 @@ impl Robot {
             lenient: false,
             confine,
             soft_limits: false,
-            mimic_limits: restricts_sources(mimic_limits)?,
+            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),
@@ -226,7 +224,7 @@ impl Robot {
             lenient,
             confine,
             soft_limits,
-            mimic_limits: restricts_sources(mimic_limits)?,
+            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),

@@ -4,15 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kinopt::io::FileAccess;
-use kinopt::model::{Limits, UnknownName};
+use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
+use kinopt_bindings::ErrorKind;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
-use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::error::{OrRaise, invalid, raise};
 use crate::loops::{LoopParts, NamedLoop};
 use crate::placement;
 
@@ -61,18 +62,6 @@ pub(super) type PickledTool<'py> = (String, String, Bound<'py, PyAny>);
 /// Pickled form of [`Loops`]: true if the loops of the file are removed, added loops, passive joints.
 pub(super) type PickledLoops<'py> = (bool, Vec<PickledLoop<'py>>, Option<Vec<String>>);
 type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
-
-/// Values of `mimic_limits`.
-const MIMIC_LIMITS: [&str; 2] = ["source", "both"];
-
-/// Reads `mimic_limits`; true if mimic joints restrict their source joints.
-pub(super) fn restricts_sources(mimic_limits: &str) -> PyResult<bool> {
-    match mimic_limits {
-        "source" => Ok(false),
-        "both" => Ok(true),
-        other => Err(UnknownName::new("mimic_limits", other, MIMIC_LIMITS)).or_raise(),
-    }
-}
 
 impl Source {
     /// Builds the robot.
@@ -241,6 +230,6 @@ pub(crate) fn text_of(path: &Path) -> PyResult<(String, String)> {
     let file = path.display().to_string();
     let bytes = FileAccess::new().read(path).or_raise()?;
     let text = String::from_utf8(bytes)
-        .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
+        .map_err(|_| raise(ErrorKind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
     Ok((text, file))
 }

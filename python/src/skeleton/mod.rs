@@ -8,6 +8,7 @@ use std::sync::Arc;
 use kinopt::model::UnknownName;
 use kinopt::skeleton::{BonePlacements, Posing};
 use kinopt::spatial::Placement;
+use kinopt_bindings::placement::to_rows;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -337,6 +338,6 @@ impl Skeleton {
 /// Writes placements as sixteen numbers each.
 fn write_all(placements: impl Iterator<Item = Placement<f64>>, buffer: &mut [f64]) {
     for (placement, buffer) in placements.zip(buffer.chunks_exact_mut(16)) {
-        buffer.copy_from_slice(&placement::to_numbers(&placement));
+        buffer.copy_from_slice(&to_rows(&placement));
     }
 }

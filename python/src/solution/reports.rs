@@ -2,9 +2,10 @@
 
 use kinopt::ik::{BodyKind, BoundKind, Side};
 use kinopt::task::{Quantity, Role};
+use kinopt_bindings::names;
 use pyo3::prelude::*;
 
-use super::quantity;
+use crate::error::OrRaise;
 use crate::pickling;
 
 /// Number of evaluations of a search.
@@ -178,10 +179,7 @@ impl TaskReport {
     /// "goal" or "preference".
     #[getter]
     fn role(&self) -> &'static str {
-        match self.role {
-            Role::Preference => "preference",
-            _ => "goal",
-        }
+        names::role(self.role)
     }
 
     /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
@@ -199,7 +197,7 @@ impl TaskReport {
     /// Error in rows of a quantity, in its unit: "metres", "radians", "pixels", "joint units", "joint units per second"
     /// or "ratio"; None if the task has no such rows. Another name raises `UnknownNameError`.
     fn error(&self, quantity: &str) -> PyResult<Option<f64>> {
-        let quantity = self::quantity(quantity)?;
+        let quantity = names::quantity(quantity).or_raise()?;
         let errors = self.rows.iter().filter(|rows| rows.quantity == quantity);
         Ok(errors.map(|rows| rows.error).reduce(f64::hypot))
     }
@@ -299,19 +297,13 @@ impl ActiveLimit {
     /// "lower" or "upper".
     #[getter]
     fn side(&self) -> &'static str {
-        match self.side {
-            Side::Lower => "lower",
-            Side::Upper => "upper",
-        }
+        names::side(self.side)
     }
 
     /// "limit" for a joint limit, "move" for a `max_move` of the query.
     #[getter]
     fn kind(&self) -> &'static str {
-        match self.kind {
-            BoundKind::Move => "move",
-            _ => "limit",
-        }
+        names::bound_kind(self.kind)
     }
 
     fn __repr__(&self) -> String {

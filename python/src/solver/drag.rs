@@ -4,13 +4,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::ik::{MotionLimits, Restarts};
 use kinopt::solver::Stopping;
+use kinopt_bindings::task::Aimed;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::problem::{Aimed, CompiledProblem, Problem, raised};
+use crate::problem::{CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
 

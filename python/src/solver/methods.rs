@@ -1,7 +1,5 @@
 //! Methods of Python, with their limits.
 
-use std::time::Duration;
-
 use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, TwoBone};
 use kinopt::ik::Restarts;
 use kinopt::problem::ProblemInstance;
@@ -9,78 +7,12 @@ use kinopt::solver::{
     Damping, FirstStep, GaussNewton, LevenbergMarquardt, Observer, ProjectedGradient, Stopping,
 };
 use kinopt::{Solution, Solver, Workspace};
+use kinopt_bindings::names::named;
+use kinopt_bindings::option::solver::SolverOptions;
 use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::problem::named;
-
-/// Limits as given; `None` is the default of the method.
-#[derive(Clone, Default)]
-pub(super) struct Limits {
-    pub(super) max_iterations: Option<usize>,
-    pub(super) gradient_tolerance: Option<f64>,
-    pub(super) step_tolerance: Option<f64>,
-    /// The inner `None` is unlimited.
-    pub(super) patience: Option<Option<usize>>,
-    pub(super) time_limit: Option<Duration>,
-    pub(super) attempts: Option<usize>,
-    pub(super) seed: Option<u64>,
-    pub(super) agreeing: Option<usize>,
-    pub(super) steps: Option<usize>,
-}
-
-impl Limits {
-    /// Applies the limits to `stopping`.
-    pub(super) fn stopping(&self, mut stopping: Stopping) -> Stopping {
-        if let Some(iterations) = self.max_iterations {
-            stopping = stopping.with_max_iterations(iterations);
-        }
-        if let Some(tolerance) = self.gradient_tolerance {
-            stopping = stopping.with_gradient_tolerance(tolerance);
-        }
-        if let Some(tolerance) = self.step_tolerance {
-            stopping = stopping.with_step_tolerance(tolerance);
-        }
-        if let Some(patience) = self.patience {
-            stopping = stopping.with_patience(patience);
-        }
-        match self.time_limit {
-            Some(limit) => stopping.with_time_limit(limit),
-            None => stopping,
-        }
-    }
-
-    /// Applies the limits to `restarts`.
-    pub(super) fn restarts(&self, mut restarts: Restarts) -> Restarts {
-        if let Some(attempts) = self.attempts {
-            restarts = restarts.with_attempts(attempts);
-        }
-        if let Some(seed) = self.seed {
-            restarts = restarts.with_seed(seed);
-        }
-        if let Some(agreeing) = self.agreeing {
-            restarts = restarts.with_agreeing(agreeing);
-        }
-        match self.steps {
-            Some(steps) => restarts.with_steps(steps),
-            None => restarts,
-        }
-    }
-
-    fn any_of_stopping(&self) -> bool {
-        let numbers = [self.gradient_tolerance, self.step_tolerance];
-        self.max_iterations.is_some()
-            || self.patience.is_some()
-            || self.time_limit.is_some()
-            || numbers.iter().any(Option::is_some)
-    }
-
-    fn any_of_restarts(&self) -> bool {
-        let counts = [self.attempts, self.agreeing, self.steps];
-        self.seed.is_some() || counts.iter().any(Option::is_some)
-    }
-}
 
 /// Solver engine.
 pub(super) enum Engine {
@@ -90,7 +22,7 @@ pub(super) enum Engine {
 
 impl Engine {
     /// Reads a method: an instance of a class in `kinopt.methods`, or a name.
-    pub(super) fn of(method: &Bound<'_, PyAny>, limits: &Limits) -> PyResult<Self> {
+    pub(super) fn of(method: &Bound<'_, PyAny>, limits: &SolverOptions) -> PyResult<Self> {
         let kind = match method.extract::<String>() {
             Ok(name) => return Self::named(&name, method.py(), limits),
             Err(_) => method.getattr_opt("_kind")?,
@@ -113,7 +45,8 @@ impl Engine {
                     ("error_proportional", Damping::ErrorProportional),
                 ];
                 let damping: String = method.getattr("damping")?.extract()?;
-                let method_ = LevenbergMarquardt::new(named("damping rule", &damping, &rules)?);
+                let method_ =
+                    LevenbergMarquardt::new(named("damping rule", &damping, &rules).or_raise()?);
                 solver(Solver::new(match number(method, "initial_damping")? {
                     Some(initial) if initial > 0.0 && initial.is_finite() => {
                         method_.with_initial_damping(initial)
@@ -140,7 +73,7 @@ impl Engine {
                     Ok(step) => return Err(not_positive("first_step", step)),
                     Err(_) => {
                         let rules = [("barzilai_borwein", FirstStep::BarzilaiBorwein)];
-                        named("first step", &first.extract::<String>()?, &rules)?
+                        named("first step", &first.extract::<String>()?, &rules).or_raise()?
                     }
                 };
                 solver(Solver::new(ProjectedGradient::new(first)))
@@ -175,7 +108,7 @@ impl Engine {
                 let elbow = match elbow.extract::<String>() {
                     Ok(side) => {
                         let sides = [("positive", Elbow::Positive), ("negative", Elbow::Negative)];
-                        named("side of an elbow", &side, &sides)?
+                        named("side of an elbow", &side, &sides).or_raise()?
                     }
                     Err(_) => {
                         let pole: [f64; 3] = arrays::array(&elbow, "elbow")?;
@@ -199,7 +132,7 @@ impl Engine {
     }
 
     /// Creates a method with its default settings.
-    fn named(name: &str, py: Python<'_>, limits: &Limits) -> PyResult<Self> {
+    fn named(name: &str, py: Python<'_>, limits: &SolverOptions) -> PyResult<Self> {
         let classes = [
             ("levenberg-marquardt", "LevenbergMarquardt"),
             ("gauss-newton", "GaussNewton"),
@@ -207,7 +140,7 @@ impl Engine {
             ("ccd", "Ccd"),
             ("fabrik", "Fabrik"),
         ];
-        let class = named("method", name, &classes)?;
+        let class = named("method", name, &classes).or_raise()?;
         let method = py.import("kinopt.methods")?.getattr(class)?.call0()?;
         Self::of(&method, limits)
     }

@@ -8,6 +8,7 @@ mod watch;
 
 use std::time::Duration;
 
+use kinopt_bindings::option::solver::SolverOptions;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -18,7 +19,7 @@ use crate::problem::{Problem, raised};
 use crate::solution::Solution;
 pub(crate) use batch::Solutions;
 pub(crate) use drag::{Drag, DragJump};
-use methods::{Engine, Limits};
+use methods::Engine;
 pub(crate) use watch::Iteration;
 use watch::Watch;
 
@@ -38,7 +39,7 @@ use watch::Watch;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solver {
     engine: Engine,
-    limits: Limits,
+    limits: SolverOptions,
     options: Py<PyDict>,
 }
 
@@ -67,21 +68,21 @@ impl Solver {
     fn new(
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<u64>,
         gradient_tolerance: Option<f64>,
         step_tolerance: Option<f64>,
         patience: Option<f64>,
         time_limit: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<usize>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<u64>,
     ) -> PyResult<Self> {
         let counts = [("attempts", attempts), ("agreeing", agreeing)];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
             return Err(invalid(format!("{name} is 0, which is less than 1")));
         }
-        let limits = Limits {
+        let limits = SolverOptions {
             max_iterations,
             gradient_tolerance: at_least_zero("gradient_tolerance", gradient_tolerance)?,
             step_tolerance: at_least_zero("step_tolerance", step_tolerance)?,
@@ -90,7 +91,7 @@ impl Solver {
             attempts,
             seed,
             agreeing,
-            steps: restart_steps,
+            restart_steps,
         };
         let default = "levenberg-marquardt".into_pyobject(py)?.into_any();
         let method = method.unwrap_or(&default);

@@ -1,0 +1,25 @@
+//! Shared part of kinopt's interfaces for other languages.
+//!
+//! An interface implements [`Value`] for the values of its language and [`Arguments`] for a set of named ones. This
+//! crate then reads options and tasks by name, and classifies the library's errors.
+//!
+//! - [`option`]: options of arms, servos and solvers, with type, range, default and documentation
+//! - [`task`]: tasks by kind, and their targets
+//! - [`parameters`]: free, locked, coupled and narrowed joints
+//! - [`names`]: names of enum variants
+//! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
+//! - [`error`]: kinds of errors
+
+pub mod coordinate_order;
+pub mod error;
+pub mod names;
+pub mod option;
+pub mod parameters;
+pub mod placement;
+mod quantities;
+pub mod task;
+mod value;
+
+pub use error::{Classify, ErrorKind};
+pub use quantities::QuantityValues;
+pub use value::{Arguments, ErrorOf, OrRaise, Value};
