@@ -6,6 +6,9 @@ use super::{OptionSpec, Setter};
 use crate::names::{SEARCHES, named};
 use crate::value::{Arguments, ErrorOf, Value};
 
+/// Options that are objects of the interface, or belong to one.
+pub const OBJECTS: [&str; 4] = ["collision_model", "margin", "srdf", "world"];
+
 /// Options of an arm, by name.
 ///
 /// Those with [`Setter::Elsewhere`] are objects of the interface, except `only` and `held`: see [`apply`].

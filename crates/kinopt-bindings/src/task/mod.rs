@@ -10,7 +10,9 @@ mod target;
 use kinopt::Model;
 use kinopt::model::Masses;
 use kinopt::problem::{ProblemBuilder, TaskId};
-use kinopt::task::{Bounded, Task};
+#[cfg(feature = "bodies")]
+use kinopt::task::Bounded;
+use kinopt::task::Task;
 
 pub use options::TaskOptions;
 pub use residual::residual;
@@ -120,6 +122,7 @@ impl<V: Value, B: TaskBuilder<V>> Visit<V> for AddTask<'_, B> {
 }
 
 /// Adds the residual with an interval that costs nothing.
+#[cfg(feature = "bodies")]
 pub struct AddBounded<'a, B> {
     /// Lower end of the interval, in the unit of each row.
     pub lower: f64,
@@ -129,6 +132,7 @@ pub struct AddBounded<'a, B> {
     pub add: AddTask<'a, B>,
 }
 
+#[cfg(feature = "bodies")]
 impl<V: Value, B: TaskBuilder<V>> Visit<V> for AddBounded<'_, B> {
     fn visit<R>(self, residual: R) -> Result<BoxedTask<V>, V::Error>
     where
