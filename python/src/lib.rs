@@ -2,7 +2,6 @@
 //! slices.
 //!
 //! Every class stores the data that rebuild it, for pickling and copying. No object changes through another one.
-//! behind another's back.
 
 use pyo3::prelude::*;
 
@@ -25,6 +24,7 @@ mod masses;
 mod mesh;
 mod model;
 mod motion;
+mod named_loop;
 mod object;
 mod path;
 mod pickling;

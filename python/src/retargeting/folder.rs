@@ -8,7 +8,7 @@ use kinopt_bindings::Classify;
 use pyo3::prelude::*;
 
 use super::request::{Options, foot_shapes_of, read_map, target_of};
-use super::up_axis;
+use super::up_axis::up_axis;
 use crate::error::{OrRaise, raise};
 
 /// Options of reading files and of solving trajectories as a whole.

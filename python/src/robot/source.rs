@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid, raise};
-use crate::loops::{LoopParts, NamedLoop};
+use crate::named_loop::{LoopParts, NamedLoop};
 use crate::placement;
 
 /// Content of a robot's file, and the later changes.
