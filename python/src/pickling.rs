@@ -43,6 +43,34 @@ pub(crate) fn by_json<'py, T: PyTypeInfo>(
     by_rebuild::<T>(py, (serde_json::to_string(value).or_raise()?,))
 }
 
+/// Rebuilds by the class itself, called with a tuple of arguments whose last ones are these keywords.
+pub(crate) fn by_arguments<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
+    keywords: &[&str],
+) -> PyResult<Bound<'py, PyAny>> {
+    let arguments = arguments.into_pyobject(py)?;
+    let (options, count) = (PyDict::new(py), arguments.len() - keywords.len());
+    for (name, value) in keywords.iter().zip(arguments.iter().skip(count)) {
+        options.set_item(name, value)?;
+    }
+    by_keywords::<T>(py, &arguments.get_slice(0, count), &options)
+}
+
+/// Copies of the given keywords, which the caller may change later.
+pub(crate) fn kept<'py>(
+    py: Python<'py>,
+    keywords: &[(&str, Option<&Bound<'py, PyAny>>)],
+) -> PyResult<Bound<'py, PyDict>> {
+    let (options, copy) = (PyDict::new(py), py.import("copy")?);
+    for (name, value) in keywords {
+        if let Some(value) = value {
+            options.set_item(name, copy.call_method1("deepcopy", (value,))?)?;
+        }
+    }
+    Ok(options)
+}
+
 /// Rebuilds by the class itself, called with arguments and keywords.
 pub(crate) fn by_keywords<'py, T: PyTypeInfo>(
     py: Python<'py>,

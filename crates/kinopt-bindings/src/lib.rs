@@ -4,6 +4,7 @@
 //! crate then reads options and tasks by name, and classifies the library's errors.
 //!
 //! - [`option`]: options of arms, servos and solvers, with type, range, default and documentation
+//! - [`method`]: methods of solvers, with their settings
 //! - [`task`]: tasks by kind, and their targets
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
@@ -12,6 +13,7 @@
 
 pub mod coordinate_order;
 pub mod error;
+pub mod method;
 pub mod names;
 pub mod option;
 pub mod parameters;

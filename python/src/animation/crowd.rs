@@ -82,18 +82,7 @@ impl PlayingClip {
             self.elapsed,
             self.share,
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        clip: &Bound<'_, Clip>,
-        playback: &str,
-        speed: f64,
-        elapsed: f64,
-        share: f32,
-    ) -> PyResult<Self> {
-        Self::new(clip, playback, speed, elapsed, share)
+        pickling::by_arguments::<Self>(py, parts, &["speed", "elapsed", "share"])
     }
 
     fn __repr__(&self) -> String {

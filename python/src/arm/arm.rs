@@ -39,39 +39,6 @@ use crate::world::World;
 /// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options, each
 /// None for its default:
 ///
-/// tool: placement of the tool relative to the tip, 4 x 4, metres. Default: the tip itself.
-/// goal: goal bounds, a `PoseBounds`. Default: the full pose.
-/// search: "start" (the solution of the attempt from the start; other attempts only if that fails), "first" (the
-///     fastest) or "nearest" (the nearest to the start). Default: "start".
-/// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
-/// metres_per_radian: distance that weighs as much as a radian, metres. Default: a quarter of the arm's reach.
-/// locked: {joint: value}, radians or metres; up to 1e-3 outside the limits is clamped, as in `held`. Default: none.
-/// only: names of the free joints; all others are locked at `held`, a configuration of the model, shape (model's dof,),
-///     clamped into the limits. Default: all between base and tip; the neutral configuration.
-/// joint_weights: weight of a radian or metre of each joint in joint distances, shape (dof,), above 0. Default: 1 each.
-/// max_move: largest displacement of each joint from its start, shape (dof,), radians or metres; a hard bound. Default:
-///     inf.
-/// posture: nominal posture of a redundant arm, shape (dof,), radians or metres. Default: none.
-/// attempts: largest number of attempts for a query, at least 1; with `world` or `margin` up to twice as many. Default:
-///     200.
-/// iterations: no attempt begins once all attempts together have used this many, at least 1. Default: 2600, or none if
-///     `attempts` is given.
-/// global_search_on_miss: on a miss, return the best of all attempts on any branch. Default: False, the closest pose on
-///     the branch of the start.
-/// limit_avoidance: strength of joint limit avoidance on paths, radians, at least 0. Default: 4.
-/// time_limit: seconds for a query. Default: none; with a time limit, results may differ from run to run.
-/// seed: seed of the attempts after the first. Default: 0.
-/// srdf: an `Srdf` of the robot, whose state "ready" or "home" is `default_start`. Default: none.
-/// world: a `World` to avoid collisions with, copied at this moment; the arm then also avoids collisions with its own
-///     robot. A solution is then reached only if it is collision-free by the exact distances of the robot's collision
-///     shapes (`solution.collisions`). Paths are collision-free between their points too. `with_world` replaces it.
-///     Default: no obstacles.
-/// margin: smallest distance of all pairs, metres, at least 0; without a `world`, of the links of the robot. Default:
-///     0.
-/// collision_model: a `CollisionModel` of the robot, with the shapes and pairs for `world` and `margin`. Default: that
-///     of `robot`, without the pairs that are never, or in a thousand random configurations always, in contact.
-/// atlas: start attempts from a precomputed table of seeds (35 ms to compute, once). Default: True.
-///
 /// Raises `UnknownNameError` for unknown frames, joints and options, `InvalidValueError` for options out of range, and
 /// if no joint between base and tip can move.
 #[pyclass(frozen, module = "kinopt")]

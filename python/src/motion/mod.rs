@@ -43,22 +43,6 @@ pub(crate) struct MotionProblem {
     options: Py<PyDict>,
 }
 
-/// Names of the keywords.
-const OPTIONS: [&str; 12] = [
-    "parameters",
-    "bounds",
-    "tolerance",
-    "targets",
-    "weights",
-    "velocity",
-    "acceleration",
-    "jerk",
-    "max_speeds",
-    "contacts",
-    "first",
-    "last",
-];
-
 #[pymethods]
 impl MotionProblem {
     #[new]
@@ -90,28 +74,21 @@ impl MotionProblem {
         let tasks = tasks.try_iter();
         let tasks = tasks.map_err(|_| invalid("tasks must be a list of tasks"))?;
         let tasks = PyTuple::new(py, tasks.collect::<PyResult<Vec<_>>>()?)?;
-        let options = PyDict::new(py);
-        let values = [
-            parameters.map(Bound::as_any),
-            bounds,
-            tolerance,
-            targets,
-            weights,
-            velocity,
-            acceleration,
-            jerk,
-            max_speeds,
-            contacts,
-            first,
-            last,
+        let keywords = [
+            ("parameters", parameters.map(Bound::as_any)),
+            ("bounds", bounds),
+            ("tolerance", tolerance),
+            ("targets", targets),
+            ("weights", weights),
+            ("velocity", velocity),
+            ("acceleration", acceleration),
+            ("jerk", jerk),
+            ("max_speeds", max_speeds),
+            ("contacts", contacts),
+            ("first", first),
+            ("last", last),
         ];
-        // Copies arguments that the caller may change later.
-        let copy = py.import("copy")?;
-        for (name, value) in OPTIONS.into_iter().zip(values) {
-            if let Some(value) = value {
-                options.set_item(name, copy.call_method1("deepcopy", (value,))?)?;
-            }
-        }
+        let options = pickling::kept(py, &keywords)?;
         let inner = build(model, frames, time_step, &tasks, &options)?;
         let inner_model = model_of(model)?;
         let names = crate::model::Model { inner: inner_model }.coordinate_names();

@@ -98,10 +98,7 @@ impl Problem {
         joint_origins: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
-        let options = PyDict::new(py);
-        options.set_item("parameters", parameters)?;
-        // Copies arguments that the caller may change later.
-        let entries = [
+        let keywords = [
             ("bounds", bounds),
             ("tolerance", tolerance),
             ("world", world),
@@ -110,12 +107,8 @@ impl Problem {
             ("weights", weights),
             ("joint_origins", joint_origins),
         ];
-        for (name, value) in entries {
-            if let Some(value) = value {
-                let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
-                options.set_item(name, copy)?;
-            }
-        }
+        let options = pickling::kept(py, &keywords)?;
+        options.set_item("parameters", parameters)?;
         options.set_item("derivatives", derivatives)?;
         options.set_item("preferences", preferences)?;
         let tasks = match tasks {
@@ -245,33 +238,21 @@ impl Problem {
 
     /// Derivative mode.
     #[getter]
-    fn derivatives(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self
-            .options
-            .bind(py)
-            .as_any()
-            .get_item("derivatives")?
-            .unbind())
+    fn derivatives<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.options.bind(py).as_any().get_item("derivatives")
     }
 
     /// Mode of soft tasks: "within_goals" or "traded".
     #[getter]
-    fn preferences(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self
-            .options
-            .bind(py)
-            .as_any()
-            .get_item("preferences")?
-            .unbind())
+    fn preferences<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.options.bind(py).as_any().get_item("preferences")
     }
 
     /// The problem with another derivative mode.
     ///
     /// Raises `UnknownNameError` for an unknown mode.
     fn with_derivatives(&self, py: Python<'_>, derivatives: &str) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        options.set_item("derivatives", derivatives)?;
-        self.with_options(&options)
+        self.with_option(py, "derivatives", derivatives)
     }
 
     /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `scale` of the tasks.
@@ -284,9 +265,7 @@ impl Problem {
     ///
     /// Raises `InvalidValueError` for another shape, weights below 0 or not finite, and a problem in a world.
     fn with_weights(&self, py: Python<'_>, weights: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        options.set_item("weights", weights)?;
-        self.with_options(&options)
+        self.with_option(py, "weights", weights)
     }
 
     /// The problem with other origins of some joints relative to their parents, {"joint": (x, y, z)} in metres and the
@@ -299,8 +278,7 @@ impl Problem {
         py: Python<'_>,
         joint_origins: &Bound<'_, PyAny>,
     ) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        let all = PyDict::new(py);
+        let (options, all) = (self.options.bind(py), PyDict::new(py));
         for origins in [
             options.get_item("joint_origins")?.as_ref(),
             Some(joint_origins),
@@ -309,8 +287,7 @@ impl Problem {
                 all.set_item(joint, origin)?;
             }
         }
-        options.set_item("joint_origins", all)?;
-        self.with_options(&options)
+        self.with_option(py, "joint_origins", all)
     }
 
     /// The problem with another world, copied at this moment, and another margin in metres; None keeps the margin.
@@ -449,6 +426,18 @@ impl Problem {
 impl Problem {
     fn lock(&self) -> MutexGuard<'_, Current> {
         self.current.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The problem with another value of an option.
+    fn with_option<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        value: impl IntoPyObject<'py>,
+    ) -> PyResult<Py<PyAny>> {
+        let options = self.options.bind(py).copy()?;
+        options.set_item(name, value)?;
+        self.with_options(&options)
     }
 
     fn with_options(&self, options: &Bound<'_, PyDict>) -> PyResult<Py<PyAny>> {

@@ -16,7 +16,7 @@ use pyo3::types::{PyDict, PyType};
 pub(crate) use class::Robot;
 pub(crate) use shape::Shape;
 pub(crate) use source::text_of;
-use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source};
+use source::{Base, PickledBase, PickledLimits, PickledLoops, PickledTool, Source};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, CollisionOptions};
@@ -74,10 +74,8 @@ impl Robot {
             confine,
             soft_limits,
             mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            ..Source::default()
         })
     }
 
@@ -110,14 +108,10 @@ impl Robot {
         Self::build(Source {
             text: text.or_raise()?.into(),
             file: path.display().to_string(),
-            lenient: false,
             confine,
-            soft_limits: false,
             mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            ..Source::default()
         })
     }
 
@@ -148,10 +142,8 @@ impl Robot {
             confine,
             soft_limits,
             mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            ..Source::default()
         })
     }
 

@@ -18,7 +18,7 @@ use crate::named_loop::{LoopParts, NamedLoop};
 use crate::placement;
 
 /// Content of a robot's file, and the later changes.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Source {
     pub(super) text: Arc<str>,
     pub(super) file: String,

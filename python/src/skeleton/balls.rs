@@ -356,18 +356,7 @@ impl BallSkeleton {
         }
         let kind = &self.root.kind;
         let parts = (self.skeleton(), cones, kind, bounds, self.armature());
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        skeleton: &Bound<'_, Skeleton>,
-        cones: &Bound<'_, PyAny>,
-        root: Option<&Bound<'_, PyAny>>,
-        bounds: &Bound<'_, PyDict>,
-        armature: &Bound<'_, Armature>,
-    ) -> PyResult<Self> {
-        Self::new(skeleton, Some(cones), root, Some(bounds), Some(armature))
+        pickling::by_arguments::<Self>(py, parts, &["cones", "root", "bounds", "armature"])
     }
 
     fn __repr__(&self) -> String {

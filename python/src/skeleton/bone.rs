@@ -136,18 +136,7 @@ impl Bone {
             self.model_from_rest(py)?,
             self.limits(py)?,
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        name: String,
-        parent: Option<String>,
-        length: f64,
-        model_from_rest: &Bound<'_, PyAny>,
-        limits: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        Self::new(name, parent, length, Some(model_from_rest), Some(limits))
+        pickling::by_arguments::<Self>(py, parts, &["length", "model_from_rest", "limits"])
     }
 
     fn __repr__(&self) -> String {

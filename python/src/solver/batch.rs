@@ -7,16 +7,17 @@ use std::time::Duration;
 
 use kinopt::Workspace;
 use kinopt::ik::MoveLimits;
+use kinopt_bindings::method::Method;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::methods::Engine;
 use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
+use crate::object::Object;
 use crate::pickling;
 use crate::problem::{CompiledProblem, Move, Problem, raised};
 use crate::progress::Progress;
@@ -240,7 +241,7 @@ impl Queries {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Engine, &CompiledProblem),
+        (engine, problem): (&Method, &CompiledProblem),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
@@ -251,13 +252,13 @@ impl Queries {
             limits.start_at(&problem.inner, start).or_raise()?;
             instance = instance.with_moves(limits).or_raise()?;
         }
-        let solution = engine.solve(instance, start, workspace, watch);
+        let solution = engine.solve::<Object>(instance, start, workspace, watch);
         raised().and(solution)
     }
 }
 
 pub(super) fn solve(
-    engine: &Engine,
+    engine: &Method,
     problem: &Bound<'_, Problem>,
     arguments: BatchArrays<'_, '_>,
     threads: Option<usize>,
@@ -280,7 +281,7 @@ pub(super) fn solve(
 
 fn one_by_one(
     queries: &Queries,
-    engine_and_problem: (&Engine, &CompiledProblem),
+    engine_and_problem: (&Method, &CompiledProblem),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
     let total = queries.count;
@@ -305,7 +306,7 @@ fn one_by_one(
 /// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
     queries: &Queries,
-    engine_and_problem: (&Engine, &CompiledProblem),
+    engine_and_problem: (&Method, &CompiledProblem),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
