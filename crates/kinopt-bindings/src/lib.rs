@@ -9,10 +9,12 @@
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
+//! - [`json`]: the values and arguments of JSON, for problem files
 //! - [`error`]: kinds of errors
 
 pub mod coordinate_order;
 pub mod error;
+pub mod json;
 pub mod method;
 pub mod names;
 pub mod option;

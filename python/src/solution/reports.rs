@@ -1,9 +1,10 @@
 //! Parts of a solution: reports of tasks, active limits and collisions.
 
-use kinopt::ik::{BodyKind, BoundKind, Side};
+use kinopt::ik::{BoundKind, Side};
 use kinopt::task::{Quantity, Role};
 use kinopt_bindings::names;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::error::OrRaise;
 use crate::pickling;
@@ -42,7 +43,7 @@ impl Counts {
 
 /// A pair that is nearer than the margin, or that blocks a motion. Its text names both and their kinds.
 #[pyclass(frozen, eq, module = "kinopt")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Collision(kinopt::ik::Collision);
 
 impl From<kinopt::ik::Collision> for Collision {
@@ -105,30 +106,13 @@ impl Collision {
         format!("Collision({}, distance={})", self.0, self.0.distance)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let pair = &slf.get().0;
-        let names = (pair.first.clone(), pair.second.clone());
-        let links = [pair.first_kind, pair.second_kind].map(|kind| kind == BodyKind::Link);
-        pickling::by_rebuild::<Self>(slf.py(), (names, links, pair.distance, pair.on_the_way))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
     #[staticmethod]
-    fn _rebuild(
-        names: (String, String),
-        links: [bool; 2],
-        distance: f64,
-        on_the_way: bool,
-    ) -> Self {
-        let [first, second] = links.map(|is_link| match is_link {
-            true => BodyKind::Link,
-            false => BodyKind::Obstacle,
-        });
-        let pair = kinopt::ik::Collision::new(&names.0, &names.1, distance).between(first, second);
-        Self(if on_the_way {
-            pair.met_on_the_way()
-        } else {
-            pair
-        })
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 
