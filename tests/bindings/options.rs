@@ -18,7 +18,7 @@ fn arm_values() -> Map<String, Value> {
         "posture": [0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0], "search": "first", "seed": 4, "time_limit": 10.0,
         "tool": [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.1], [0.0, 0.0, 0.0, 1.0]],
         "locked": {}, "only": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"],
-        "held": [0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0]
+        "held": arms::panda().0.neutral()
     }) else {
         return Map::new();
     };
@@ -54,7 +54,10 @@ fn arm_options_have_a_valid_value_each() {
         arm.solve(target, arm.default_start())
             .map_err(|error| error.to_string())
     });
-    assert!(solution.is_ok_and(|solution| solution.reached));
+    assert!(
+        solution.as_ref().is_ok_and(|solution| solution.reached),
+        "{solution:?}"
+    );
 }
 
 #[test]
