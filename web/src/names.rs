@@ -28,7 +28,12 @@ pub(crate) fn of_javascript(text: &str) -> String {
 }
 
 /// Options that messages also begin with, as in `joint_weights has 2 numbers`.
-const OPTIONS: [&str; 3] = ["joint_weights", "max_move", "velocity_limits"];
+const OPTIONS: [&str; 4] = [
+    "joint_weights",
+    "max_move",
+    "mimic_limits",
+    "velocity_limits",
+];
 
 /// Converts a name in words or in snake case to camel case.
 pub(crate) fn camel(name: &str) -> String {

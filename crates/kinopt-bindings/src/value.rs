@@ -174,6 +174,21 @@ pub trait Value: Sized {
     /// If the value has no names, or one of its values is no number.
     fn numbers_by_name(&self, what: &str, keys: &str) -> Result<Vec<(String, f64)>, Self::Error>;
 
+    /// Reads lower and upper bounds by name.
+    ///
+    /// # Errors
+    ///
+    /// If the value has no names, or one of its values is not two numbers.
+    fn ranges(&self, what: &str) -> Result<Vec<(String, (f64, f64))>, Self::Error> {
+        let entries = self.entries(what)?.into_iter();
+        entries
+            .map(|(name, range)| {
+                let [lower, upper] = range.array(&format!("{what}.{name}"))?;
+                Ok((name, (lower, upper)))
+            })
+            .collect()
+    }
+
     /// Reads a number for all quantities, or numbers by quantity.
     ///
     /// # Errors

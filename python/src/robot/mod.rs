@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt_bindings::names::{MIMIC_LIMITS, named};
+use kinopt_bindings::option::robot::RobotOptions;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -16,7 +17,7 @@ use pyo3::types::{PyDict, PyType};
 pub(crate) use class::Robot;
 pub(crate) use shape::Shape;
 pub(crate) use source::text_of;
-use source::{Base, PickledBase, PickledLimits, PickledLoops, PickledTool, Source};
+use source::{PickledBase, PickledLimits, PickledLoops, PickledTool, Source, base_of};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, CollisionOptions};
@@ -70,11 +71,13 @@ impl Robot {
         Self::build(Source {
             text: text.into(),
             file,
-            lenient,
-            confine,
-            soft_limits,
-            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            base: Base::new(base_joint, base_bounds)?,
+            options: RobotOptions {
+                lenient,
+                confine,
+                soft_limits,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+            },
             ..Source::default()
         })
     }
@@ -108,9 +111,12 @@ impl Robot {
         Self::build(Source {
             text: text.or_raise()?.into(),
             file: path.display().to_string(),
-            confine,
-            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            base: Base::new(base_joint, base_bounds)?,
+            options: RobotOptions {
+                confine,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+                ..RobotOptions::default()
+            },
             ..Source::default()
         })
     }
@@ -138,11 +144,13 @@ impl Robot {
         Self::build(Source {
             text: text.into(),
             file: name.to_owned(),
-            lenient,
-            confine,
-            soft_limits,
-            mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
-            base: Base::new(base_joint, base_bounds)?,
+            options: RobotOptions {
+                lenient,
+                confine,
+                soft_limits,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+            },
             ..Source::default()
         })
     }

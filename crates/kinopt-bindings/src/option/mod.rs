@@ -1,9 +1,10 @@
 //! Options by name, with type, range, default and documentation.
 //!
-//! An option is one row of a table: [`arm`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
+//! An option is one row of a table: [`arm`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
 //! that row.
 
 pub mod arm;
+pub mod robot;
 pub mod servo;
 pub mod solver;
 
@@ -47,6 +48,8 @@ pub enum Setter<B> {
     PoseBounds(fn(B, PoseBounds) -> B),
     /// Numbers by the names of joints.
     ByJoint(fn(B, Vec<(String, f64)>) -> B),
+    /// Lower and upper bounds by name.
+    Ranges(fn(B, Vec<(String, (f64, f64))>) -> B),
     /// A name of a value.
     Named(fn(B, &str) -> Result<B, UnknownName>),
     /// An object of the interface, or an option that is read with another one.
@@ -98,6 +101,7 @@ fn set<V: Value, B>(option: &OptionSpec<B>, value: &V, target: B) -> Result<B, V
             let keys = format!("a joint of {what}");
             set(target, value.numbers_by_name(what, &keys)?)
         }
+        Setter::Ranges(set) => set(target, value.ranges(what)?),
         Setter::Named(set) => set(target, &value.word(what)?).or_raise::<V>()?,
         Setter::Elsewhere => target,
     })
