@@ -412,6 +412,20 @@ pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<
     PyArray1::from_slice(py, values)
 }
 
+/// Numbers of a field, which Python reads as a new array.
+#[derive(Clone)]
+pub(crate) struct Floats(pub(crate) Vec<f64>);
+
+impl<'py> IntoPyObject<'py> for &Floats {
+    type Target = PyArray1<f64>;
+    type Output = Bound<'py, PyArray1<f64>>;
+    type Error = std::convert::Infallible;
+
+    fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(list(py, &self.0))
+    }
+}
+
 /// Result of indexing a sequence, as in numpy.
 pub(crate) enum Picked {
     /// One item, selected by a whole number; negative numbers count from the end.

@@ -145,6 +145,20 @@ fn matrix_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(value.clone())
 }
 
+/// Placement of a field, which Python reads as a new 4 x 4 array.
+#[derive(Clone)]
+pub(crate) struct Matrix(pub(crate) Placement<f64>);
+
+impl<'py> IntoPyObject<'py> for &Matrix {
+    type Target = PyArray2<f64>;
+    type Output = Bound<'py, PyArray2<f64>>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        to_array(py, &self.0)
+    }
+}
+
 /// A new 4 x 4 array.
 pub(crate) fn to_array<'py>(
     py: Python<'py>,

@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
 use super::track::Track;
-use super::{Follower, Servo, obstacles};
+use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
@@ -44,8 +44,14 @@ use crate::world::World;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Arm {
     pub(crate) inner: Arc<kinopt::Arm>,
-    mechanism: Py<PyAny>,
+    /// The `Robot` or `Model` of the arm.
+    #[pyo3(get)]
+    robot: Py<PyAny>,
+    /// Frame of the targets; None for the world.
+    #[pyo3(get)]
     base: Option<String>,
+    /// The frame that carries the tool.
+    #[pyo3(get)]
     tip: String,
     options: Py<PyDict>,
     /// Arm of the last search for distinct solutions, kept for repeated queries.
@@ -67,7 +73,7 @@ impl Arm {
         options.set_item(option, value)?;
         Ok(Self {
             inner: Arc::new(inner),
-            mechanism: self.mechanism.clone_ref(py),
+            robot: self.robot.clone_ref(py),
             base: self.base.clone(),
             tip: self.tip.clone(),
             options: options.unbind(),
@@ -155,10 +161,17 @@ impl Arm {
             None => inner,
         };
         let checker = obstacles.checker(robot)?;
-        let inner = obstacles::keep_clear(inner, checker.as_ref(), held)?;
+        let inner = match &checker {
+            Some(checker) => {
+                // The neutral configuration by default, for the joints outside the arm.
+                let held = held.unwrap_or_else(|| checker.model().model().neutral());
+                inner.with_checker(checker, &held).or_raise()?
+            }
+            None => inner,
+        };
         Ok(Self {
             inner: Arc::new(inner),
-            mechanism: robot.clone().unbind(),
+            robot: robot.clone().unbind(),
             base,
             tip,
             options: options.unbind(),
@@ -219,24 +232,6 @@ impl Arm {
         arrays::frozen(py, self.inner.default_start().iter().copied())
     }
 
-    /// The `Robot` or `Model` of the arm.
-    #[getter]
-    fn robot(&self, py: Python<'_>) -> Py<PyAny> {
-        self.mechanism.clone_ref(py)
-    }
-
-    /// Frame of the targets; None for the world.
-    #[getter]
-    fn base(&self) -> Option<&str> {
-        self.base.as_deref()
-    }
-
-    /// The frame that carries the tool.
-    #[getter]
-    fn tip(&self) -> &str {
-        &self.tip
-    }
-
     /// The arm with another world, copied at this moment, or another margin (metres; None keeps it). Takes tens of
     /// microseconds, because the seed atlas is shared.
     ///
@@ -249,7 +244,10 @@ impl Arm {
         world: &Bound<'_, World>,
         margin: Option<f64>,
     ) -> PyResult<Self> {
-        let inner = obstacles::moved(&self.inner, world, margin)?;
+        let inner = self
+            .inner
+            .with_world(&world.get().snapshot(), margin)
+            .or_raise()?;
         let changed = self.changed(py, inner, "world", world)?;
         if let Some(margin) = margin {
             changed.options.bind(py).set_item("margin", margin)?;
@@ -530,11 +528,7 @@ impl Arm {
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (
-            self.mechanism.bind(py),
-            self.base.as_deref(),
-            self.tip.as_str(),
-        );
+        let arguments = (self.robot.bind(py), self.base.as_deref(), self.tip.as_str());
         Ok((arguments, self.options.bind(py))
             .into_pyobject(py)?
             .into_any())

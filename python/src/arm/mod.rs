@@ -5,7 +5,6 @@ mod arm;
 mod batch;
 mod derivative;
 mod follower;
-mod obstacles;
 mod servo;
 mod track;
 

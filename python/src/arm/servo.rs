@@ -9,7 +9,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
-use crate::arrays;
+use crate::arrays::{self, Floats};
 use crate::error::OrRaise;
 use crate::object::Object;
 use crate::placement::placement;
@@ -123,11 +123,14 @@ impl Servo {
 }
 
 /// One control cycle of a `Servo`: the commanded configuration and its errors.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct ServoStep {
-    q: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
+    /// Commanded joint positions, shape (dof,), radians or metres, within their limits.
+    q: Floats,
+    /// Difference of `q` to the last cycle, divided by the time step, shape (dof,), rad/s or m/s.
+    velocity: Floats,
+    /// Difference of `velocity` to the last cycle, divided by the time step, shape (dof,), rad/s² or m/s².
+    acceleration: Floats,
     /// State of the servo:
     ///
     /// - "on_target": the tool is within its tolerances.
@@ -137,28 +140,28 @@ pub(crate) struct ServoStep {
     /// - "blocked": brakes or rests before a collision.
     /// - "touching": a pair in contact at the start of the servo is still in contact.
     /// - "stopping", "stopped": braking and at rest after `Servo.stop`.
-    #[pyo3(get)]
     status: &'static str,
     /// True if the tool is within the tolerances of its target, and no pair is in contact. The arm may still move: see
     /// `velocity`.
-    #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.
-    #[pyo3(get)]
     position_error: f64,
     /// Angle between the tool and its target, radians.
-    #[pyo3(get)]
     orientation_error: f64,
+    /// Joints with an active limit, and that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up"
+    /// | "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration limits
+    /// include jerk and braking distance. The last two are joints that began outside their limits and return.
     held: Vec<(String, &'static str)>,
+    /// Pairs that block the motion, or that are in contact, the deepest first: `Collision`s; empty on target.
     collisions: Vec<Collision>,
 }
 
 impl ServoStep {
     fn of(step: &Cycle<'_>) -> Self {
         Self {
-            q: step.q.to_vec(),
-            velocity: step.velocity.to_vec(),
-            acceleration: step.acceleration.to_vec(),
+            q: Floats(step.q.to_vec()),
+            velocity: Floats(step.velocity.to_vec()),
+            acceleration: Floats(step.acceleration.to_vec()),
             status: servo_status(step.status),
             reached: step.reached(),
             position_error: step.position_error,
@@ -179,38 +182,6 @@ impl ServoStep {
 
 #[pymethods]
 impl ServoStep {
-    /// Commanded joint positions, shape (dof,), radians or metres, within their limits.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.q)
-    }
-
-    /// Difference of `q` to the last cycle, divided by the time step, shape (dof,), rad/s or m/s.
-    #[getter]
-    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.velocity)
-    }
-
-    /// Difference of `velocity` to the last cycle, divided by the time step, shape (dof,), rad/s² or m/s².
-    #[getter]
-    fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.acceleration)
-    }
-
-    /// Joints with an active limit, and that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up"
-    /// | "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration limits
-    /// include jerk and braking distance. The last two are joints that began outside their limits and return.
-    #[getter]
-    fn held(&self) -> Vec<(String, &'static str)> {
-        self.held.clone()
-    }
-
-    /// Pairs that block the motion, or that are in contact, the deepest first: `Collision`s; empty on target.
-    #[getter]
-    fn collisions(&self) -> Vec<Collision> {
-        self.collisions.clone()
-    }
-
     fn __repr__(&self) -> String {
         format!(
             "ServoStep({}, {:.3e} m, {:.3e} rad)",

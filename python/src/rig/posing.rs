@@ -22,6 +22,8 @@ const POSES_AT_A_TIME: usize = 16;
 /// Created by `Rig.posing`; usable from any number of threads.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct RigPosing {
+    /// The rig of the mesh.
+    #[pyo3(get)]
     rig: Py<Rig>,
     method: SkinningMethod,
     posings: Pool<kinopt::io::rig::RigPosing<Arc<kinopt::io::rig::Rig>>>,
@@ -64,12 +66,6 @@ impl RigPosing {
 
 #[pymethods]
 impl RigPosing {
-    /// The rig of the mesh.
-    #[getter]
-    fn rig(&self, py: Python<'_>) -> Py<Rig> {
-        self.rig.clone_ref(py)
-    }
-
     /// Skinning method: "lbs" or "dqs".
     #[getter]
     fn method(&self) -> &'static str {

@@ -154,6 +154,8 @@ impl Bone {
 #[pyclass(module = "kinopt")]
 pub(crate) struct SkeletonBuilder {
     name: String,
+    /// Bones added so far.
+    #[pyo3(get)]
     bones: Vec<Bone>,
 }
 
@@ -181,12 +183,6 @@ impl SkeletonBuilder {
         let bone = Bone::new(name, parent, length, model_from_rest, limits)?;
         self.bones.push(bone);
         Ok(())
-    }
-
-    /// Bones added so far.
-    #[getter]
-    fn bones(&self) -> Vec<Bone> {
-        self.bones.clone()
     }
 
     /// Validates the bones and creates the skeleton.

@@ -1,7 +1,5 @@
 //! Parts of a solution: reports of tasks, active limits and collisions.
 
-use kinopt::ik::{BoundKind, Side};
-use kinopt::task::{Quantity, Role};
 use kinopt_bindings::names;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -117,28 +115,25 @@ impl Collision {
 }
 
 /// Report of one task.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct TaskReport {
     /// Name of the task.
-    #[pyo3(get)]
     name: String,
     /// First frame of the task; None if it uses no frame.
-    #[pyo3(get)]
     frame: Option<String>,
-    role: Role,
+    /// "goal" or "preference".
+    role: &'static str,
     /// True if the task closes a loop of the model, and is not one of the problem.
-    #[pyo3(get)]
     is_loop: bool,
     /// Strict priority level: level 0 comes first.
-    #[pyo3(get)]
     level: usize,
     /// True if all its rows with a positive weight are within tolerance.
-    #[pyo3(get)]
     reached: bool,
     /// Errors of its rows by quantity.
-    #[pyo3(get)]
     rows: Vec<RowBlockReport>,
+    /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
     position_error: Option<f64>,
+    /// Error in radians; None if the task does not measure it.
     orientation_error: Option<f64>,
 }
 
@@ -147,7 +142,7 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
         Self {
             name: report.name.to_owned(),
             frame: report.frame.map(str::to_owned),
-            role: report.role,
+            role: names::role(report.role),
             is_loop: report.is_loop,
             level: report.level,
             reached: report.reached,
@@ -160,28 +155,10 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
 
 #[pymethods]
 impl TaskReport {
-    /// "goal" or "preference".
-    #[getter]
-    fn role(&self) -> &'static str {
-        names::role(self.role)
-    }
-
-    /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
-    #[getter]
-    fn position_error(&self) -> Option<f64> {
-        self.position_error
-    }
-
-    /// Error in radians; None if the task does not measure it.
-    #[getter]
-    fn orientation_error(&self) -> Option<f64> {
-        self.orientation_error
-    }
-
     /// Error in rows of a quantity, in its unit: "metres", "radians", "pixels", "joint units", "joint units per second"
     /// or "ratio"; None if the task has no such rows. Another name raises `UnknownNameError`.
     fn error(&self, quantity: &str) -> PyResult<Option<f64>> {
-        let quantity = names::quantity(quantity).or_raise()?;
+        let quantity = names::quantity(quantity).or_raise()?.to_string();
         let errors = self.rows.iter().filter(|rows| rows.quantity == quantity);
         Ok(errors.map(|rows| rows.error).reduce(f64::hypot))
     }
@@ -196,29 +173,28 @@ impl TaskReport {
         format!(
             "TaskReport({:?}, {}, {reached}, {})",
             self.name,
-            self.role(),
+            self.role,
             errors.join(", ")
         )
     }
 }
 
 /// Error of a task's rows of one quantity, before weighting.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct RowBlockReport {
-    quantity: Quantity,
+    /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
+    quantity: String,
     /// Euclidean norm of the rows, in the unit of `quantity`, independent of their weight.
-    #[pyo3(get)]
     error: f64,
     /// True if the error is within the task's tolerance. Rows of weight 0 never count as missed.
-    #[pyo3(get)]
     reached: bool,
 }
 
 impl From<&kinopt::ik::RowBlockReport> for RowBlockReport {
     fn from(rows: &kinopt::ik::RowBlockReport) -> Self {
         Self {
-            quantity: rows.quantity,
+            quantity: rows.quantity.to_string(),
             error: rows.error,
             reached: rows.reached,
         }
@@ -233,33 +209,25 @@ impl RowBlockReport {
 
 #[pymethods]
 impl RowBlockReport {
-    /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
-    #[getter]
-    fn quantity(&self) -> String {
-        self.quantity.to_string()
-    }
-
     fn __repr__(&self) -> String {
         format!("RowBlockReport({})", self.text())
     }
 }
 
 /// Active limit of a solution: the joint is at the limit, and the cost would decrease beyond it.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct ActiveLimit {
     /// Name of the joint.
-    #[pyo3(get)]
     joint: String,
-    side: Side,
-    kind: BoundKind,
+    /// "lower" or "upper".
+    side: &'static str,
+    /// "limit" for a joint limit, "move" for a `max_move` of the query.
+    kind: &'static str,
     /// The limit, radians or metres.
-    #[pyo3(get)]
     value: f64,
     /// True if the limit is an angle.
-    #[pyo3(get)]
     is_angle: bool,
     /// Slope of the cost beyond the limit, per radian or metre.
-    #[pyo3(get)]
     push: f64,
 }
 
@@ -267,8 +235,8 @@ impl From<kinopt::ik::ActiveLimit<'_>> for ActiveLimit {
     fn from(limit: kinopt::ik::ActiveLimit<'_>) -> Self {
         Self {
             joint: limit.joint.to_owned(),
-            side: limit.side,
-            kind: limit.kind,
+            side: names::side(limit.side),
+            kind: names::bound_kind(limit.kind),
             value: limit.value,
             is_angle: limit.is_angle,
             push: limit.push,
@@ -278,26 +246,11 @@ impl From<kinopt::ik::ActiveLimit<'_>> for ActiveLimit {
 
 #[pymethods]
 impl ActiveLimit {
-    /// "lower" or "upper".
-    #[getter]
-    fn side(&self) -> &'static str {
-        names::side(self.side)
-    }
-
-    /// "limit" for a joint limit, "move" for a `max_move` of the query.
-    #[getter]
-    fn kind(&self) -> &'static str {
-        names::bound_kind(self.kind)
-    }
-
     fn __repr__(&self) -> String {
         let unit = if self.is_angle { "rad" } else { "m" };
         format!(
             "ActiveLimit({:?}, {} {} {} {unit})",
-            self.joint,
-            self.side(),
-            self.kind(),
-            self.value
+            self.joint, self.side, self.kind, self.value
         )
     }
 }

@@ -39,6 +39,8 @@ const FRAME_ITERATIONS: usize = 40;
 /// joint and for a problem that avoids collisions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
+    /// The problem of the drag.
+    #[pyo3(get)]
     problem: Py<Problem>,
     /// Tasks of the problem at the start of the drag.
     compiled: Arc<CompiledProblem>,
@@ -131,12 +133,6 @@ impl Drag {
             compiled,
             inner: Mutex::new(drag),
         })
-    }
-
-    /// The problem of the drag.
-    #[getter]
-    fn problem(&self, py: Python<'_>) -> Py<Problem> {
-        self.problem.clone_ref(py)
     }
 
     /// Moves targets, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}.
