@@ -122,6 +122,20 @@ impl<'py> Queries<'py> {
         self.count.iter().chain(each).copied().collect()
     }
 
+    /// Array of the results of `work`, of the shape `each` for one query; `out` receives them if given. Runs as
+    /// [`each`](Self::each).
+    pub(crate) fn compute<T: Element + Send>(
+        &self,
+        (py, out): (Python<'py>, Option<&Bound<'py, PyAny>>),
+        each: &[usize],
+        at_a_time: usize,
+        work: impl FnMut(&[f64], &mut [T]) -> PyResult<()> + Send,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let array = output_array::<T>(py, out, &self.shape(each))?;
+        fill(&array, |buffer| self.each(py, buffer, at_a_time, work))?;
+        Ok(array)
+    }
+
     /// Calls `work` with each query and its part of the results, without the GIL. Checks for signals after every
     /// `at_a_time` queries.
     pub(crate) fn each<T: Send>(

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use kinopt::model::JointId;
 use numpy::PyArray1;
-use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Queries, fill};
+use crate::arrays::{self, Queries};
 use crate::error::OrRaise;
 use crate::has_model::model_of;
 use crate::model::first_seed;
@@ -89,13 +88,10 @@ impl LoopClosure {
         let py = q.py();
         let width = self.model.configuration_len();
         let rows = Queries::rows(q, "q", width)?;
-        let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&rows.shape(&[width])))?;
-        self.with_closure(py, |closure| {
-            fill(&array, |buffer| {
-                rows.each(py, buffer, ROWS_AT_A_TIME, |row, row_buffer| {
-                    row_buffer.copy_from_slice(row);
-                    closure.close(row_buffer).or_raise()
-                })
+        let array = self.with_closure(py, |closure| {
+            rows.compute((py, None), &[width], ROWS_AT_A_TIME, |row, row_buffer| {
+                row_buffer.copy_from_slice(row);
+                closure.close(row_buffer).or_raise()
             })
         })?;
         Ok(array.into_any())

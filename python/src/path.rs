@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::path::{
-    self, CartesianPath, MissReason, PathSolver, QuaternionOrder, TimingLimits, Traversal,
-};
+use kinopt::motion::path::{self, CartesianPath, QuaternionOrder, TimingLimits};
 use kinopt::spatial::{Placement, Quaternion, Vector3};
+use kinopt_bindings::names::miss_reason;
+use kinopt_bindings::option::path::{PathOptions, TRAVERSALS};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::arm::Arm;
 use crate::arrays::{self, shape_text};
 use crate::error::{OrRaise, invalid};
+use crate::object::Object;
 use crate::pickling;
 use crate::placement::placements;
 use crate::solution::Collision;
@@ -347,48 +348,28 @@ pub(crate) fn solve_path(
     tool_of_points: Option<Vec<usize>>,
     order: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PathSolution> {
-    let (mut path, read_as) = read(path, order)?;
-    if let Some(times) = times {
-        path = path
-            .with_times(arrays::copied(times, "times")?)
-            .or_raise()?;
-    }
-    if let Some(tools) = tool_of_points {
-        path = path.with_tools(tools).or_raise()?;
-    }
-    let traversals = [
-        ("open", Traversal::Open),
-        ("cyclic", Traversal::Cyclic),
-        ("any-start", Traversal::AnyStart),
-    ];
-    let path = path.with_traversal(one_of(traversal, "traversal", traversals)?);
-    let inner_arm = Arc::clone(&arm.get().inner);
-    let other_arms = tools
-        .iter()
-        .flatten()
-        .map(|arm| Arc::clone(&arm.get().inner));
-    let other_arms: Vec<_> = other_arms.collect();
+    let (path, read_as) = read(path, order)?;
     let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
         value.map(|value| arrays::copied(value, what)).transpose()
     };
-    let (start, end) = (numbers(start, "start")?, numbers(end, "end")?);
-    let weights = numbers(joint_weights, "joint_weights")?;
+    let options = PathOptions {
+        times: numbers(times, "times")?,
+        keep_times,
+        traversal: one_of(traversal, "traversal", TRAVERSALS)?,
+        start: numbers(start, "start")?,
+        end: numbers(end, "end")?,
+        joint_weights: numbers(joint_weights, "joint_weights")?,
+        max_step,
+        samples,
+        tool_of_points,
+    };
+    let path = options.path::<Object>(path)?;
+    let inner_arm = Arc::clone(&arm.get().inner);
+    let other_arms = tools.iter().flatten();
+    let other_arms: Vec<_> = other_arms.map(|arm| Arc::clone(&arm.get().inner)).collect();
     let solution = py.detach(|| {
-        let mut solver = PathSolver::new(&inner_arm)
-            .with_max_step(max_step)
-            .with_samples(samples)
-            .with_times_kept(keep_times)
-            .with_tools(other_arms.iter().map(|arm| &**arm));
-        if let Some(start) = &start {
-            solver = solver.with_start(start);
-        }
-        if let Some(end) = &end {
-            solver = solver.with_end(end);
-        }
-        if let Some(weights) = &weights {
-            solver = solver.with_joint_weights(weights);
-        }
-        solver.solve(&path)
+        let tools = other_arms.iter().map(|arm| &**arm);
+        options.solve(&inner_arm, tools, &path)
     });
     Ok(path_solution(&inner_arm, solution.or_raise()?, read_as))
 }
@@ -412,13 +393,7 @@ fn path_solution(
         index: missed.index,
         position_error: missed.position_error,
         orientation_error: missed.orientation_error,
-        reason: match &missed.reason {
-            MissReason::BeyondReach { distance, reach } => {
-                format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
-            }
-            MissReason::Touches(pair) => format!("collision of {pair}"),
-            _ => "no configuration within the limits was found".to_owned(),
-        },
+        reason: miss_reason(&missed.reason),
     });
     let blocked = solution.blocked.iter();
     let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));

@@ -3,9 +3,11 @@
 use kinopt::Arm;
 use kinopt_bindings::json::JsonError;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options};
+use kinopt_bindings::option::path::PathOptions;
+use kinopt_bindings::option::robot::RobotOptions;
 use kinopt_bindings::option::servo::ServoOptions;
 use kinopt_bindings::option::solver::SolverOptions;
-use kinopt_bindings::option::{OptionSpec, Setter, check_name, names, servo, solver};
+use kinopt_bindings::option::{OptionSpec, Setter, check_name, names, path, robot, servo, solver};
 use serde_json::{Map, Value, json};
 use support::arms;
 
@@ -86,6 +88,8 @@ fn arm_search_of_unknown_name_lists_searches() {
 #[test]
 fn option_tables_are_documented() {
     assert_documented(&options());
+    assert_documented(&path::options());
+    assert_documented(&robot::options());
     assert_documented(&servo::options());
     assert_documented(&solver::options());
 }
@@ -133,4 +137,50 @@ fn servo_options_have_a_valid_value_each() {
     assert!(read.straight_line);
     assert_eq!(read.damping, Some(0.02));
     assert_eq!(values.len(), servo::options().len());
+}
+
+#[test]
+fn path_options_have_a_valid_value_each() {
+    let Value::Object(values) = json!({
+        "traversal": "cyclic", "start": [1.0], "end": [2.0], "joint_weights": [3.0], "max_step": 0.1, "samples": 9,
+        "times": [0.0, 1.0], "keep_times": true
+    }) else {
+        return;
+    };
+    let read: Result<PathOptions, JsonError> = PathOptions::of(&values);
+    let Ok(read) = read else {
+        panic!("valid options");
+    };
+    assert_eq!(read.traversal, kinopt::motion::path::Traversal::Cyclic);
+    assert_eq!(
+        [read.start, read.end, read.joint_weights, read.times],
+        [vec![1.0], vec![2.0], vec![3.0], vec![0.0, 1.0]].map(Some)
+    );
+    assert_eq!(
+        (read.max_step, read.samples, read.keep_times),
+        (0.1, 9, true)
+    );
+    // `tools` and `tool_of_points` are objects of the interface.
+    assert_eq!(values.len() + 2, path::options().len());
+}
+
+#[test]
+fn robot_options_have_a_valid_value_each() {
+    let Value::Object(values) = json!({
+        "base_joint": "free", "base_bounds": {"x": [-1.0, 1.0]}, "lenient": true, "mimic_limits": "both",
+        "soft_limits": true, "confine": true
+    }) else {
+        return;
+    };
+    let read: Result<RobotOptions, JsonError> = RobotOptions::of(&values);
+    let Ok(read) = read else {
+        panic!("valid options");
+    };
+    assert!(read.lenient && read.mimic_limits && read.soft_limits && read.confine);
+    assert_eq!(read.base.joint.as_deref(), Some("free"));
+    assert_eq!(read.base.bounds, vec![("x".to_owned(), (-1.0, 1.0))]);
+    assert_eq!(values.len(), robot::options().len());
+    let (robot, ..) = arms::panda();
+    let based = read.base.of::<Value>(robot);
+    assert!(based.is_ok_and(|robot| robot.model().free_joints().len() == 1));
 }

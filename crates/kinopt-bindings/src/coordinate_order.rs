@@ -51,7 +51,7 @@ impl CoordinateOrder {
     }
 
     /// Length of the other library's configuration.
-    pub fn len(&self) -> usize {
+    pub fn coordinates(&self) -> usize {
         let lengths = self.0.iter().map(|part| match part {
             Part::Value(_) => 1,
             Part::Angle(_) => 2,

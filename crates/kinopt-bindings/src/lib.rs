@@ -26,4 +26,4 @@ mod value;
 
 pub use error::{Classify, ErrorKind};
 pub use quantities::QuantityValues;
-pub use value::{Arguments, ErrorOf, OrRaise, Value};
+pub use value::{Arguments, ErrorOf, OrRaise, Ranges, Value};

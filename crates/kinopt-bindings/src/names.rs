@@ -4,6 +4,7 @@ use kinopt::animation::Playback;
 use kinopt::arm::{HeldBy, Search, ServoStatus};
 use kinopt::ik::{BoundKind, Side};
 use kinopt::model::{LoopKind, UnknownName};
+use kinopt::motion::path::MissReason;
 use kinopt::problem::{Derivatives, Preferences};
 use kinopt::task::{Axis, Quantity, Role};
 
@@ -145,5 +146,17 @@ pub fn held_by(by: HeldBy) -> &'static str {
         HeldBy::Outside(Side::Lower) => "below lower limit",
         HeldBy::Outside(Side::Upper) => "above upper limit",
         _ => "other",
+    }
+}
+
+/// Text of the reason why a point of a path is not reached.
+#[must_use]
+pub fn miss_reason(reason: &MissReason) -> String {
+    match reason {
+        MissReason::BeyondReach { distance, reach } => {
+            format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
+        }
+        MissReason::Touches(pair) => format!("collision of {pair}"),
+        _ => "no configuration within the limits was found".to_owned(),
     }
 }

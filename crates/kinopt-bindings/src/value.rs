@@ -10,6 +10,9 @@ use kinopt::{Model, SizeMismatch};
 use crate::error::{Classify, ErrorKind};
 use crate::quantities::QuantityValues;
 
+/// Lower and upper bounds by name.
+pub type Ranges = Vec<(String, (f64, f64))>;
+
 /// A value of another language.
 ///
 /// Conversions return the error of the language, in its notation. `what` names the value in messages.
@@ -179,7 +182,7 @@ pub trait Value: Sized {
     /// # Errors
     ///
     /// If the value has no names, or one of its values is not two numbers.
-    fn ranges(&self, what: &str) -> Result<Vec<(String, (f64, f64))>, Self::Error> {
+    fn ranges(&self, what: &str) -> Result<Ranges, Self::Error> {
         let entries = self.entries(what)?.into_iter();
         entries
             .map(|(name, range)| {

@@ -184,13 +184,10 @@ impl EulerClip {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let playback = named("playback", playback, &PLAYBACKS).or_raise()?;
         let times = Queries::numbers(times, "times")?;
-        let array = arrays::output_array::<f64>(py, out, &times.shape(&[self.skeleton.angles()]))?;
-        arrays::fill(&array, |buffer| {
-            times.each(py, buffer, SAMPLES_AT_A_TIME, |time, buffer| {
-                self.inner.sample(time[0], playback, buffer).or_raise()
-            })
-        })?;
-        Ok(array)
+        let shape = [self.skeleton.angles()];
+        times.compute((py, out), &shape, SAMPLES_AT_A_TIME, |time, buffer| {
+            self.inner.sample(time[0], playback, buffer).or_raise()
+        })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -52,15 +52,11 @@ impl RigPosing {
         let rig = &self.rig.get().inner;
         let q = Queries::rows(q, "q", rig.skeleton.angles())?;
         let vertices = rig.mesh.as_ref().map_or(0, |mesh| part.count(mesh));
-        let array = arrays::output_array::<f32>(py, out, &q.shape(&[vertices, 3]))?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |buffer| {
-                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
-                    posing.deform(q, part.of(buffer)).or_raise()
-                })
+            q.compute((py, out), &[vertices, 3], POSES_AT_A_TIME, |q, buffer| {
+                posing.deform(q, part.of(buffer)).or_raise()
             })
-        })?;
-        Ok(array)
+        })
     }
 }
 

@@ -549,7 +549,7 @@ impl Robot {
     fn to_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.pinocchio_order()?;
         let nq = self.model.configuration_len();
-        of_one((q, "q", nq), order.len(), |q, other| {
+        of_one((q, "q", nq), order.coordinates(), |q, other| {
             order.write(q, other);
             Ok(())
         })
@@ -566,7 +566,7 @@ impl Robot {
     fn from_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.pinocchio_order()?;
         let nq = self.model.configuration_len();
-        of_one((q, "q", order.len()), nq, |other, q| {
+        of_one((q, "q", order.coordinates()), nq, |other, q| {
             order.read(other, q);
             Ok(())
         })

@@ -132,17 +132,13 @@ impl BallSkeleton {
         write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let q = Queries::rows(q, "q", self.model.configuration_len())?;
-        let bones = self.armature.bones();
-        let array = arrays::output_array::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        let shape = [self.armature.bones(), 4, 4];
         self.posings.with(|posing| {
-            arrays::fill(&array, |buffer| {
-                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
-                    write(posing.pose(q).or_raise()?, buffer);
-                    Ok(())
-                })
+            q.compute((py, out), &shape, POSES_AT_A_TIME, |q, buffer| {
+                write(posing.pose(q).or_raise()?, buffer);
+                Ok(())
             })
-        })?;
-        Ok(array)
+        })
     }
 }
 

@@ -1,9 +1,10 @@
 //! Options by name, with type, range, default and documentation.
 //!
-//! An option is one row of a table: [`arm`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
+//! An option is one row of a table: [`arm`], [`path`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
 //! that row.
 
 pub mod arm;
+pub mod path;
 pub mod robot;
 pub mod servo;
 pub mod solver;
@@ -14,7 +15,7 @@ use kinopt::model::UnknownName;
 use kinopt::spatial::Placement;
 use kinopt::task::PoseBounds;
 
-use crate::value::{Arguments, ErrorOf, Value};
+use crate::value::{Arguments, ErrorOf, Ranges, Value};
 
 /// An option of `B`, the object that it is set on.
 pub struct OptionSpec<B> {
@@ -49,7 +50,7 @@ pub enum Setter<B> {
     /// Numbers by the names of joints.
     ByJoint(fn(B, Vec<(String, f64)>) -> B),
     /// Lower and upper bounds by name.
-    Ranges(fn(B, Vec<(String, (f64, f64))>) -> B),
+    Ranges(fn(B, Ranges) -> B),
     /// A name of a value.
     Named(fn(B, &str) -> Result<B, UnknownName>),
     /// An object of the interface, or an option that is read with another one.

@@ -5,7 +5,7 @@ use kinopt::robot::{BaseJoint, Robot};
 
 use super::{OptionSpec, Setter};
 use crate::names::{MIMIC_LIMITS, named};
-use crate::value::{Arguments, ErrorOf, OrRaise, Value};
+use crate::value::{Arguments, ErrorOf, OrRaise, Ranges, Value};
 
 /// Joint between world and root: its name, and bounds by axis.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +13,7 @@ pub struct Base {
     /// Name of the kind; `None` for a fixed base.
     pub joint: Option<String>,
     /// Lower and upper bound by axis, metres; of a yaw radians.
-    pub bounds: Vec<(String, (f64, f64))>,
+    pub bounds: Ranges,
 }
 
 /// Options of a robot, as given.
