@@ -56,6 +56,10 @@ impl Value for Object {
         invalid(format!("{what}: {task} has no target"))
     }
 
+    fn is_missing(&self) -> bool {
+        self.with(|value| value.is_none())
+    }
+
     fn as_text(&self) -> Option<String> {
         self.with(|value| value.extract().ok())
     }
@@ -159,8 +163,9 @@ impl Value for Object {
     fn entries(&self, what: &str) -> PyResult<Vec<(String, Self)>> {
         self.with(|value| {
             let entries = arrays::items(Some(value), what)?.into_iter();
+            let keys = format!("a key of {what}");
             entries
-                .map(|(key, value)| Ok((key.extract()?, Self::of(&value))))
+                .map(|(key, value)| Ok((arrays::name(&key, &keys)?, Self::of(&value))))
                 .collect()
         })
     }
@@ -234,7 +239,7 @@ impl Arguments for Fields<'_, '_> {
 
     fn get(&self, name: &str) -> PyResult<Option<Object>> {
         let value = self.required(name)?;
-        Ok(Some(value).filter(|value| value.with(|value| !value.is_none())))
+        Ok(Some(value).filter(|value| !value.is_missing()))
     }
 
     fn required(&self, name: &str) -> PyResult<Object> {

@@ -34,6 +34,10 @@ impl kinopt_bindings::Value for Value {
         JsError::new(&format!("{what}: this task has no target"))
     }
 
+    fn is_missing(&self) -> bool {
+        self.0.is_undefined() || self.0.is_null()
+    }
+
     fn as_text(&self) -> Option<String> {
         self.0.as_string()
     }

@@ -65,6 +65,10 @@ impl Value for Json {
         )
     }
 
+    fn is_missing(&self) -> bool {
+        self.is_null()
+    }
+
     fn as_text(&self) -> Option<String> {
         self.as_str().map(str::to_owned)
     }
@@ -234,7 +238,7 @@ impl Arguments for Map<String, Json> {
     type Value = Json;
 
     fn get(&self, name: &str) -> Result<Option<Json>, JsonError> {
-        let value = Self::get(self, name).filter(|value| !value.is_null());
+        let value = Self::get(self, name).filter(|value| !value.is_missing());
         Ok(value.cloned())
     }
 

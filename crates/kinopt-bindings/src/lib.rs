@@ -6,12 +6,15 @@
 //! - [`option`]: options of arms, servos and solvers, with type, range, default and documentation
 //! - [`method`]: methods of solvers, with their settings
 //! - [`task`]: tasks by kind, and their targets
+//! - [`problem`]: problems with tasks and targets by name
+//! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`json`]: the values and arguments of JSON, for problem files
 //! - [`error`]: kinds of errors
 
+pub mod cones;
 pub mod coordinate_order;
 pub mod error;
 pub mod json;
@@ -20,6 +23,7 @@ pub mod names;
 pub mod option;
 pub mod parameters;
 pub mod placement;
+pub mod problem;
 mod quantities;
 pub mod task;
 mod value;

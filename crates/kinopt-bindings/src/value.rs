@@ -32,6 +32,9 @@ pub trait Value: Sized {
     /// Error for a target of a task without one.
     fn no_target(what: &str, task: &str) -> Self::Error;
 
+    /// True for the value of a missing argument, such as null.
+    fn is_missing(&self) -> bool;
+
     /// The string, if the value is one.
     fn as_text(&self) -> Option<String>;
 

@@ -209,7 +209,7 @@ impl Queries {
             }
             moves.resize_with(length, Vec::new);
             for (moves, value) in moves.iter_mut().zip(values.try_iter()?) {
-                moves.push(problem.read(task, &value?)?);
+                moves.push(problem.read(task, &Object::of(&value?))?);
             }
         }
         let count = count.map_or(1, |(_, count)| count);
