@@ -11,12 +11,14 @@
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
+//! - [`jobs`]: batches on several threads
 //! - [`json`]: the values and arguments of JSON, for problem files
 //! - [`error`]: kinds of errors
 
 pub mod cones;
 pub mod coordinate_order;
 pub mod error;
+pub mod jobs;
 pub mod json;
 pub mod method;
 pub mod names;

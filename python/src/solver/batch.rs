@@ -1,12 +1,10 @@
 //! Batches: one problem from several starts, with several targets.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::thread::{ScopedJoinHandle, park_timeout, scope};
 use std::time::Duration;
 
 use kinopt::Workspace;
 use kinopt::ik::MoveLimits;
+use kinopt_bindings::jobs::{self, Jobs};
 use kinopt_bindings::method::Method;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -310,59 +308,22 @@ fn on_threads(
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
-    let total = queries.count;
-    let (next, done, stop) = (
-        AtomicUsize::new(0),
-        AtomicUsize::new(0),
-        AtomicBool::new(false),
-    );
-    let solutions: Mutex<Vec<Option<kinopt::Solution>>> = Mutex::new(vec![None; total]);
-    let failure: Mutex<Option<(usize, PyErr)>> = Mutex::new(None);
-    let fail = |index: usize, error: PyErr| {
-        stop.store(true, Ordering::Relaxed);
-        let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
-        // Keeps the error of the lowest index, independent of thread timing.
-        if failure.as_ref().is_none_or(|(known, _)| index < *known) {
-            *failure = Some((index, error));
-        }
-    };
-    let work = || {
-        engine_and_problem.1.workspaces.with(|workspace| {
-            let mut watch = Watch::until(&stop);
-            while !stop.load(Ordering::Relaxed) {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= total {
-                    return;
-                }
-                match queries.solve(index, engine_and_problem, workspace, &mut watch) {
-                    Ok(solution) => {
-                        let mut solutions =
-                            solutions.lock().unwrap_or_else(PoisonError::into_inner);
-                        solutions[index] = Some(solution);
-                    }
-                    Err(error) => fail(index, error),
-                }
-                done.fetch_add(1, Ordering::Relaxed);
+    let (engine, problem) = engine_and_problem;
+    let work = |jobs: &Jobs<kinopt::Solution, PyErr>| {
+        problem.workspaces.with(|workspace| {
+            let mut watch = Watch::until(jobs.stopped());
+            while let Some(index) = jobs.next() {
+                let solution = queries.solve(index, (engine, problem), workspace, &mut watch);
+                jobs.finish(index, solution);
             }
         });
     };
-    scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        while !workers.iter().all(ScopedJoinHandle::is_finished) {
-            park_timeout(CHECK_INTERVAL);
-            let signals = Python::attach(|py| py.check_signals());
-            let report = progress.done(done.load(Ordering::Relaxed));
-            if let Err(error) = signals.and(report) {
-                fail(0, error);
-            }
-        }
-    });
-    if let Some((_, error)) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(error);
-    }
-    progress.done(total)?;
-    let solutions = solutions
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
-    Ok(solutions.into_iter().flatten().collect())
+    let poll = |done: usize| {
+        let signals = Python::attach(|py| py.check_signals());
+        let report = progress.done(done);
+        signals.and(report)
+    };
+    let solutions = jobs::run(queries.count, threads, work, (CHECK_INTERVAL, poll))?;
+    progress.done(queries.count)?;
+    Ok(solutions)
 }
