@@ -1,4 +1,5 @@
 //! Promises of kinopt-bindings: options, tasks and methods by name.
+#![allow(clippy::unwrap_used)]
 
 mod jobs;
 mod methods;

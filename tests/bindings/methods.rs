@@ -2,10 +2,10 @@
 
 use kinopt_bindings::method::{METHODS, Method};
 use kinopt_bindings::option::solver::SolverOptions;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 fn method(name: &str, settings: Value) -> Result<Option<Method>, String> {
-    let settings = settings.as_object().cloned().unwrap_or_else(Map::new);
+    let settings = settings.as_object().unwrap().clone();
     let method = Method::of(name, &settings, &SolverOptions::default());
     method.map_err(|error| error.to_string())
 }
@@ -65,7 +65,7 @@ fn two_bone_rejects_limits() {
         ..SolverOptions::default()
     };
     let settings = json!({"elbow": "positive"});
-    let settings = settings.as_object().cloned().unwrap_or_else(Map::new);
+    let settings = settings.as_object().unwrap().clone();
     assert!(Method::of("two_bone", &settings, &SolverOptions::default()).is_ok());
     assert!(Method::of("two_bone", &settings, &limits).is_err());
 }

@@ -1,7 +1,6 @@
 //! Options by name.
 
 use kinopt::Arm;
-use kinopt_bindings::json::JsonError;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options};
 use kinopt_bindings::option::path::PathOptions;
 use kinopt_bindings::option::robot::RobotOptions;
@@ -11,9 +10,14 @@ use kinopt_bindings::option::{OptionSpec, Setter, check_name, names, path, robot
 use serde_json::{Map, Value, json};
 use support::arms;
 
+/// Options of a JSON object.
+fn object(value: Value) -> Map<String, Value> {
+    value.as_object().unwrap().clone()
+}
+
 /// A valid value of each option of an arm with seven joints, except objects of an interface.
 fn arm_values() -> Map<String, Value> {
-    let Value::Object(values) = json!({
+    object(json!({
         "attempts": 3, "atlas": false, "global_search_on_miss": true, "goal": "position", "iterations": 50,
         "joint_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "limit_avoidance": 1.0, "max_move": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
         "metres_per_radian": 0.2, "orientation_tolerance": 1e-5, "position_tolerance": 1e-5,
@@ -21,10 +25,7 @@ fn arm_values() -> Map<String, Value> {
         "tool": [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.1], [0.0, 0.0, 0.0, 1.0]],
         "locked": {}, "only": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"],
         "held": arms::panda().0.neutral()
-    }) else {
-        return Map::new();
-    };
-    values
+    }))
 }
 
 fn arm(values: &Map<String, Value>) -> Result<Arm, String> {
@@ -96,15 +97,11 @@ fn option_tables_are_documented() {
 
 #[test]
 fn solver_options_have_a_valid_value_each() {
-    let Value::Object(values) = json!({
+    let values = object(json!({
         "max_iterations": 7, "gradient_tolerance": 1e-3, "step_tolerance": 1e-4, "time_limit": 2.0, "attempts": 3,
         "seed": 5, "agreeing": 2, "restart_steps": 90
-    }) else {
-        return;
-    };
-    let Ok(read) = SolverOptions::of(&values) else {
-        panic!("valid options");
-    };
+    }));
+    let read = SolverOptions::of(&values).unwrap();
     assert_eq!(read.max_iterations, Some(7));
     assert_eq!(read.gradient_tolerance, Some(1e-3));
     assert_eq!(read.step_tolerance, Some(1e-4));
@@ -119,16 +116,11 @@ fn solver_options_have_a_valid_value_each() {
 
 #[test]
 fn servo_options_have_a_valid_value_each() {
-    let Value::Object(values) = json!({
+    let values = object(json!({
         "velocity_limits": [1.0], "acceleration_limits": [2.0], "jerk_limits": [3.0], "velocity": [0.1],
         "acceleration": [0.2], "straight_line": true, "damping": 0.02
-    }) else {
-        return;
-    };
-    let read: Result<ServoOptions, JsonError> = ServoOptions::of(&values);
-    let Ok(read) = read else {
-        panic!("valid options");
-    };
+    }));
+    let read = ServoOptions::of(&values).unwrap();
     assert_eq!(read.velocity_limits, Some(vec![1.0]));
     assert_eq!(read.acceleration_limits, Some(vec![2.0]));
     assert_eq!(read.jerk_limits, Some(vec![3.0]));
@@ -141,16 +133,11 @@ fn servo_options_have_a_valid_value_each() {
 
 #[test]
 fn path_options_have_a_valid_value_each() {
-    let Value::Object(values) = json!({
+    let values = object(json!({
         "traversal": "cyclic", "start": [1.0], "end": [2.0], "joint_weights": [3.0], "max_step": 0.1, "samples": 9,
         "times": [0.0, 1.0], "keep_times": true
-    }) else {
-        return;
-    };
-    let read: Result<PathOptions, JsonError> = PathOptions::of(&values);
-    let Ok(read) = read else {
-        panic!("valid options");
-    };
+    }));
+    let read = PathOptions::of(&values).unwrap();
     assert_eq!(read.traversal, kinopt::motion::path::Traversal::Cyclic);
     assert_eq!(
         [read.start, read.end, read.joint_weights, read.times],
@@ -166,16 +153,11 @@ fn path_options_have_a_valid_value_each() {
 
 #[test]
 fn robot_options_have_a_valid_value_each() {
-    let Value::Object(values) = json!({
+    let values = object(json!({
         "base_joint": "free", "base_bounds": {"x": [-1.0, 1.0]}, "lenient": true, "mimic_limits": "both",
         "soft_limits": true, "confine": true
-    }) else {
-        return;
-    };
-    let read: Result<RobotOptions, JsonError> = RobotOptions::of(&values);
-    let Ok(read) = read else {
-        panic!("valid options");
-    };
+    }));
+    let read = RobotOptions::of(&values).unwrap();
     assert!(read.lenient && read.mimic_limits && read.soft_limits && read.confine);
     assert_eq!(read.base.joint.as_deref(), Some("free"));
     assert_eq!(read.base.bounds, vec![("x".to_owned(), (-1.0, 1.0))]);

@@ -15,7 +15,7 @@ use kinopt::model::UnknownName;
 use kinopt::spatial::Placement;
 use kinopt::task::PoseBounds;
 
-use crate::value::{Arguments, ErrorOf, Ranges, Value};
+use crate::value::{Arguments, ErrorOf, OrRaise, Ranges, Value};
 
 /// An option of `B`, the object that it is set on.
 pub struct OptionSpec<B> {
@@ -84,7 +84,6 @@ pub fn apply<A: Arguments, B>(
 }
 
 fn set<V: Value, B>(option: &OptionSpec<B>, value: &V, target: B) -> Result<B, V::Error> {
-    use crate::value::OrRaise;
     let what = &V::label(option.name);
     Ok(match option.set {
         Setter::Switch(set) => set(target, value.switch(what)?),
