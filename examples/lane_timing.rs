@@ -29,7 +29,7 @@ fn poses(name: &str, chain: &Chain) {
         solver.atlas_memory() / 1024
     );
     let n = solver.joints();
-    let mut random = Random(1);
+    let mut random = Random::split_mix(1);
     let sample = |random: &mut Random| -> Vec<f64> {
         chain
             .joints()

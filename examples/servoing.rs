@@ -13,8 +13,8 @@ use kinopt::arm::{Arm, ServoStatus};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use serde_json::json;
-use support::random::Random;
 use support::lines::{ROBOTS, STEP};
+use support::random::Random;
 
 const CYCLE_TIME: f64 = 1e-3;
 /// Control cycles from the start of a line to its end; below, cycles at rest there.
@@ -160,7 +160,7 @@ fn main() {
         let robot = Robot::read(format!("models/{name}.urdf")).unwrap();
         let arm = Arm::new(&robot, base, tip).unwrap();
         let limits = arm.velocity_limits().to_vec();
-        let mut random = Random(7);
+        let mut random = Random::split_mix(7);
         let (mut servoed, mut followed) = (Statistics::default(), Statistics::default());
         let mut written = Vec::new();
         let mut lines = 0;

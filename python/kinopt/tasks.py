@@ -64,8 +64,26 @@ class Task:
     level: int = field(default=0, kw_only=True)
 
     _kind: ClassVar[str]
+    # Fields that are names of frames, numbers, vectors with their length (None: any), and placements. Frames and
+    # placements with a default are optional.
+    _frames: ClassVar[tuple[str, ...]] = ()
+    _numbers: ClassVar[tuple[str, ...]] = ()
+    _vectors: ClassVar[Mapping[str, int | None]] = {}
+    _placements: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
+        self._check_common()
+        for name in self._frames:
+            self._check_name(name, getattr(self, name), optional=hasattr(type(self), name))
+        for name in self._numbers:
+            _check_number(name, getattr(self, name))
+        for name, length in self._vectors.items():
+            self._keep_vector(name, length)
+        for name in self._placements:
+            if not (getattr(self, name) is None and hasattr(type(self), name)):
+                self._keep(name, _compiled.placement(getattr(self, name), name))
+
+    def _check_common(self) -> None:
         self._check_name("name", self.name)
         for named in ("weight", "tolerance"):
             value = getattr(self, named)
@@ -82,22 +100,18 @@ class Task:
         changed = copy(self)
         for name, value in changes.items():
             changed._keep(name, value)
-        Task.__post_init__(changed)
+        changed._check_common()
         return changed
 
     def _keep(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
 
-    def _numbers(self, name: str, length: int | None) -> None:
+    def _keep_vector(self, name: str, length: int | None) -> None:
         self._keep(name, _compiled.numbers(getattr(self, name), name, length))
 
     def _check_name(self, what: str, name: object, optional: bool = True) -> None:
         if not (isinstance(name, str) or (optional and name is None)):
             raise InvalidValueError(f"{what} must be a name, not {name!r}")
-
-    def _frames(self, *names: str) -> None:
-        for name in names:
-            self._check_name(name, getattr(self, name), optional=name == "base")
 
     def _joint_weights(self, *words: str) -> None:
         weights = getattr(self, "joint_weights", None)
@@ -111,7 +125,7 @@ class Task:
                 allowed = " or ".join(f'"{word}"' for word in words)
                 raise InvalidValueError(f"joint_weights must be numbers or {allowed}, not {weights!r}")
         elif weights is not None:
-            self._numbers("joint_weights", None)
+            self._keep_vector("joint_weights", None)
 
     def _masses(self) -> None:
         masses = getattr(self, "masses", None)
@@ -155,12 +169,8 @@ class Point(Task):
     base: str | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "point"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("frame", "base")
-        self._numbers("target", 3)
-        self._numbers("at", 3)
+    _frames = ("frame", "base")
+    _vectors = {"target": 3, "at": 3}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,13 +191,11 @@ class Pose(Task):
     base: str | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
+    _frames = ("frame", "base")
+    _placements = ("target", "tool")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame", "base")
-        self._keep("target", _compiled.placement(self.target, "target"))
-        if self.tool is not None:
-            self._keep("tool", _compiled.placement(self.tool, "tool"))
         if not (self.goal is None or isinstance(self.goal, PoseBounds)):
             raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
 
@@ -207,10 +215,10 @@ class Orientation(Task):
     base: str | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "orientation"
+    _frames = ("frame", "base")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame", "base")
         self._keep("target", _compiled.rotation(self.target, "target"))
 
 
@@ -229,12 +237,8 @@ class LookAt(Task):
     target: ArrayLike
 
     _kind: ClassVar[str] = "look-at"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("frame")
-        self._numbers("axis", 3)
-        self._numbers("target", 3)
+    _frames = ("frame",)
+    _vectors = {"axis": 3, "target": 3}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -249,11 +253,8 @@ class Distance(Task):
     distance: float
 
     _kind: ClassVar[str] = "distance"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("a", "b")
-        _check_number("distance", self.distance)
+    _frames = ("a", "b")
+    _numbers = ("distance",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -270,12 +271,8 @@ class Plane(Task):
     normal: ArrayLike
 
     _kind: ClassVar[str] = "plane"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("frame")
-        self._numbers("point", 3)
-        self._numbers("normal", 3)
+    _frames = ("frame",)
+    _vectors = {"point": 3, "normal": 3}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -292,12 +289,8 @@ class Ray(Task):
     through: ArrayLike
 
     _kind: ClassVar[str] = "ray"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("frame")
-        self._numbers("eye", 3)
-        self._numbers("through", 3)
+    _frames = ("frame",)
+    _vectors = {"eye": 3, "through": 3}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -312,11 +305,11 @@ class Pixel(Task):
     target: ArrayLike
 
     _kind: ClassVar[str] = "pixel"
+    _frames = ("frame",)
+    _vectors = {"target": 2}
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame")
-        self._numbers("target", 2)
         if not isinstance(self.camera, Camera):
             raise InvalidValueError(f"camera must be a kinopt.tasks.Camera, not {self.camera!r}")
 
@@ -348,7 +341,7 @@ class Posture(Task):
                 _check_number(f"the reference of {joint}", value)
             self._keep("reference", dict(self.reference))
         else:
-            self._numbers("reference", None)
+            self._keep_vector("reference", None)
         self._joint_weights("by range", "upright")
 
 
@@ -367,11 +360,11 @@ class Smoothness(Task):
     joint_weights: ArrayLike | Mapping[str, float] | Literal["by range"] | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "smoothness"
+    _numbers = ("time_step_s",)
+    _vectors = {"previous": None}
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._numbers("previous", None)
-        _check_number("time_step_s", self.time_step_s)
         self._joint_weights("by range")
 
 
@@ -404,14 +397,11 @@ class RelativePose(Task):
     goal: PoseBounds | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
+    _frames = ("frame", "base")
+    _placements = ("target", "tool")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame")
-        self._check_name("base", self.base, optional=False)
-        self._keep("target", _compiled.placement(self.target, "target"))
-        if self.tool is not None:
-            self._keep("tool", _compiled.placement(self.tool, "tool"))
         if not (self.goal is None or isinstance(self.goal, PoseBounds)):
             raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
 
@@ -435,11 +425,11 @@ class CenterOfMass(Task):
     masses: Masses | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "center of mass"
+    _frames = ("base",)
+    _vectors = {"target": None}
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("base")
-        self._numbers("target", None)
         target: Any = self.target
         if not (isinstance(self.free, str) and set(self.free) <= set("xyz")):
             raise InvalidValueError(f"free must be axes such as \"z\" or \"xy\", not {self.free!r}")
@@ -471,6 +461,8 @@ class SupportPolygon(Task):
     masses: Masses | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "support polygon"
+    _numbers = ("margin",)
+    _vectors = {"up": 3}
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -482,8 +474,6 @@ class SupportPolygon(Task):
             self._check_name("a frame of on", frame, optional=False)
             on[frame] = _points(f"the points on {frame}", points)
         self._keep("on", on)
-        _check_number("margin", self.margin)
-        self._numbers("up", 3)
         self._masses()
 
 
@@ -504,15 +494,15 @@ class Gaze(Task):
     direction: ArrayLike | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "gaze"
+    _frames = ("frame",)
+    _numbers = ("half_angle",)
+    _vectors = {"axis": 3}
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame")
-        self._numbers("axis", 3)
-        _check_number("half_angle", self.half_angle)
         if (self.target is None) == (self.direction is None):
             raise InvalidValueError("Gaze takes a target or a direction")
-        self._numbers("target" if self.direction is None else "direction", 3)
+        self._keep_vector("target" if self.direction is None else "direction", 3)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -532,14 +522,10 @@ class FrameVelocity(Task):
     angular: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
 
     _kind: ClassVar[str] = "frame velocity"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._frames("frame")
-        self._keep("previous", _compiled.placement(self.previous, "previous"))
-        _check_number("time_step_s", self.time_step_s)
-        self._numbers("linear", 3)
-        self._numbers("angular", 3)
+    _frames = ("frame",)
+    _numbers = ("time_step_s",)
+    _vectors = {"linear": 3, "angular": 3}
+    _placements = ("previous",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -556,6 +542,7 @@ class JointCoupling(Task):
     offset: float = 0.0
 
     _kind: ClassVar[str] = "joint coupling"
+    _numbers = ("offset",)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -565,7 +552,6 @@ class JointCoupling(Task):
             self._check_name("a joint of coefficients", joint, optional=False)
             _check_number(f"the coefficient of {joint}", value)
         self._keep("coefficients", dict(self.coefficients))
-        _check_number("offset", self.offset)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -585,11 +571,11 @@ class Manipulability(Task):
     of: Literal["pose", "position", "orientation"] = field(default="pose", kw_only=True)
 
     _kind: ClassVar[str] = "manipulability"
+    _frames = ("frame", "base")
+    _numbers = ("least",)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._frames("frame", "base")
-        _check_number("least", self.least)
         if self.of not in ("pose", "position", "orientation"):
             raise InvalidValueError(f"of must be \"pose\", \"position\" or \"orientation\", not {self.of!r}")
 

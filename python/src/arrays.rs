@@ -11,7 +11,7 @@ use numpy::{
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyOverflowError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::{PyBool, PyDict, PyMapping};
 
 use crate::error::invalid;
 
@@ -120,6 +120,20 @@ impl<'py> Queries<'py> {
     /// Shape of results that have the shape `each` for one query.
     pub(crate) fn shape(&self, each: &[usize]) -> Vec<usize> {
         self.count.iter().chain(each).copied().collect()
+    }
+
+    /// Array of the results of `work`, of the shape `each` for one query; `out` receives them if given. Runs as
+    /// [`each`](Self::each).
+    pub(crate) fn compute<T: Element + Send>(
+        &self,
+        (py, out): (Python<'py>, Option<&Bound<'py, PyAny>>),
+        each: &[usize],
+        at_a_time: usize,
+        work: impl FnMut(&[f64], &mut [T]) -> PyResult<()> + Send,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let array = output_array::<T>(py, out, &self.shape(each))?;
+        fill(&array, |buffer| self.each(py, buffer, at_a_time, work))?;
+        Ok(array)
     }
 
     /// Calls `work` with each query and its part of the results, without the GIL. Checks for signals after every
@@ -412,6 +426,20 @@ pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<
     PyArray1::from_slice(py, values)
 }
 
+/// Numbers of a field, which Python reads as a new array.
+#[derive(Clone)]
+pub(crate) struct Floats(pub(crate) Vec<f64>);
+
+impl<'py> IntoPyObject<'py> for &Floats {
+    type Target = PyArray1<f64>;
+    type Output = Bound<'py, PyArray1<f64>>;
+    type Error = std::convert::Infallible;
+
+    fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(list(py, &self.0))
+    }
+}
+
 /// Result of indexing a sequence, as in numpy.
 pub(crate) enum Picked {
     /// One item, selected by a whole number; negative numbers count from the end.
@@ -565,4 +593,21 @@ pub(crate) fn few(values: &[f64]) -> String {
             texts(&values[values.len() - ENDS..])
         ),
     }
+}
+
+/// Reads the items of a dict, empty for None.
+pub(crate) fn items<'py>(
+    value: Option<&Bound<'py, PyAny>>,
+    what: &str,
+) -> PyResult<Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    let Some(value) = value else {
+        return Ok(Vec::new());
+    };
+    if let Ok(dict) = value.cast::<PyDict>() {
+        return Ok(dict.iter().collect());
+    }
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        return Err(invalid(format!("{what} must be a dict")));
+    };
+    mapping.items()?.iter().map(|item| item.extract()).collect()
 }

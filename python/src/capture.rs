@@ -19,6 +19,9 @@ pub(crate) struct MotionCapture {
     pub(crate) inner: bvh::MotionCapture,
     armature: Arc<kinopt::animation::Armature>,
     clip: Arc<kinopt::animation::Clip>,
+    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not
+    /// UTF-8.
+    #[pyo3(get)]
     notes: Vec<String>,
 }
 
@@ -88,13 +91,6 @@ impl MotionCapture {
     fn channels(&self) -> Vec<Vec<&'static str>> {
         let names = |channels: &Vec<BvhChannel>| channels.iter().map(|c| c.name()).collect();
         self.inner.channels.iter().map(names).collect()
-    }
-
-    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not
-    /// UTF-8.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
     }
 
     /// The capture as BVH text, with its own channels, frames and frame time.

@@ -1,11 +1,12 @@
 //! Contents of files: texts, bytes, and files opened by a function of the caller.
 
 use kinopt::io::{Place, ReadError};
+use kinopt_bindings::Classify;
 use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::error::{Fault, OrRaise, invalid};
+use crate::error::{OrRaise, invalid};
 
 /// Returns the bytes of a text, or bytes unchanged.
 pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u8>> {
@@ -17,7 +18,7 @@ pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Ve
 }
 
 /// Parses bytes. `open` reads further files; an exception that it raises has priority over the parse error.
-pub(crate) fn parsed<T, E: Fault>(
+pub(crate) fn parsed<T, E: Classify>(
     open: Option<&Bound<'_, PyAny>>,
     parse: impl FnOnce(&mut dyn FnMut(&str) -> Result<Vec<u8>, ReadError>) -> Result<T, E>,
 ) -> PyResult<T> {

@@ -1,6 +1,6 @@
 //! Goal bounds: components of a pose that are constrained.
 
-use kinopt::task::Axis;
+use kinopt_bindings::names::{AXES, named};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -45,7 +45,7 @@ impl PoseBounds {
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_about(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
-        Ok(kinopt::task::PoseBounds::free_about(self::axis(axis)?).into())
+        Ok(kinopt::task::PoseBounds::free_about(named("axis", axis, &AXES).or_raise()?).into())
     }
 
     /// The full pose except for translations along one axis of the frame, "x", "y" or "z", which are free.
@@ -53,7 +53,7 @@ impl PoseBounds {
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_along(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
-        Ok(kinopt::task::PoseBounds::free_along(self::axis(axis)?).into())
+        Ok(kinopt::task::PoseBounds::free_along(named("axis", axis, &AXES).or_raise()?).into())
     }
 
     /// An interval of plus and minus a half width for each component. `half_widths` has shape (6,), three in metres
@@ -94,13 +94,4 @@ impl PoseBounds {
     fn __repr__(&self) -> String {
         format!("PoseBounds.within({:?})", self.half_widths())
     }
-}
-
-fn axis(name: &str) -> PyResult<Axis> {
-    let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-    let entry = axes.iter().find(|(letter, _)| *letter == name);
-    entry
-        .map(|&(_, axis)| axis)
-        .ok_or_else(|| kinopt::model::UnknownName::new("axis", name, ["x", "y", "z"]))
-        .or_raise()
 }

@@ -12,8 +12,8 @@ use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
-use crate::placement::to_numbers;
 use crate::pool::Pool;
+use kinopt_bindings::placement::to_rows;
 
 /// Configurations between two checks for signals.
 const ROWS_AT_A_TIME: usize = 4096;
@@ -160,7 +160,7 @@ impl ForwardKinematics {
         let write_placements = |kinematics: &mut Kinematics, q: &[f64], numbers: &mut [f64]| {
             let placements = kinematics.place(q)?;
             for (sixteen, placement) in numbers.chunks_exact_mut(16).zip(placements) {
-                sixteen.copy_from_slice(&to_numbers(placement));
+                sixteen.copy_from_slice(&to_rows(placement));
             }
             Ok(())
         };

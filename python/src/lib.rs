@@ -2,8 +2,9 @@
 //! slices.
 //!
 //! Every class stores the data that rebuild it, for pickling and copying. No object changes through another one.
-//! behind another's back.
 
+use kinopt_bindings::option::{self, documentation};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 
 mod animation;
@@ -25,6 +26,8 @@ mod masses;
 mod mesh;
 mod model;
 mod motion;
+mod named_loop;
+mod object;
 mod path;
 mod pickling;
 mod placement;
@@ -111,11 +114,21 @@ mod _kinopt {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        document::<Arm>(module, &documentation(&option::arm::options()))?;
+        document::<Solver>(module, &documentation(&option::solver::options()))?;
         register(
             module,
             &["animation", "io", "retargeting", "skinning", "tasks"],
         )
     }
+}
+
+/// Adds the documentation of options to that of a class, before its errors.
+fn document<T: PyTypeInfo>(module: &Bound<'_, PyModule>, options: &str) -> PyResult<()> {
+    let class = module.py().get_type::<T>();
+    let documentation: String = class.getattr("__doc__")?.extract()?;
+    let errors = format!("{options}\n\nRaises ");
+    class.setattr("__doc__", documentation.replacen("Raises ", &errors, 1))
 }
 
 /// Makes the submodules of `module` importable under their full names.

@@ -1,95 +1,21 @@
-//! Closed loops, and forward kinematics of models with loops.
+//! Forward kinematics of models with loops.
 
 use std::sync::Arc;
 
-use kinopt::model::{FrameId, JointId, Loop, LoopKind};
-use kinopt::spatial::Placement;
-use numpy::ndarray::IxDyn;
-use numpy::{PyArray1, PyArray3};
+use kinopt::model::JointId;
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Queries, fill};
+use crate::arrays::{self, Queries};
 use crate::error::OrRaise;
 use crate::has_model::model_of;
 use crate::model::first_seed;
 use crate::pickling;
-use crate::placement;
 use crate::problem::parameters_of;
 use crate::robot::Robot;
 
 /// Rows between two checks for signals.
 const ROWS_AT_A_TIME: usize = 16;
-
-/// Loop in the form of Python: its name, "connect" or "weld", the names of its frames, and the placements in these
-/// frames.
-pub(crate) type LoopParts<'py> = (String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>);
-
-/// Returns the loops of a model.
-pub(crate) fn loop_parts<'py>(
-    py: Python<'py>,
-    model: &kinopt::Model,
-) -> PyResult<Vec<LoopParts<'py>>> {
-    let name = |id: FrameId| model.frames()[id.index()].name.clone();
-    let loops = model.loops().iter().map(|closed| {
-        let places = placement::to_arrays(py, &closed.frame_from_place)?;
-        let frames = closed.frames.map(name);
-        Ok((closed.name.clone(), closed.kind.name(), frames, places))
-    });
-    loops.collect()
-}
-
-/// Loop with frames by name.
-#[derive(Clone)]
-pub(crate) struct NamedLoop {
-    pub(crate) name: String,
-    pub(crate) frames: [String; 2],
-    kind: LoopKind,
-    places: [Placement<f64>; 2],
-}
-
-impl NamedLoop {
-    /// Creates a loop; missing placements are the identity.
-    pub(crate) fn new(
-        name: String,
-        frames: [String; 2],
-        kind: &str,
-        places: Option<[Bound<'_, PyAny>; 2]>,
-    ) -> PyResult<Self> {
-        let kinds = [LoopKind::Connect, LoopKind::Weld];
-        let known = kinds.into_iter().find(|known| known.name() == kind);
-        let names = kinds.map(LoopKind::name);
-        let kind = known.ok_or_else(|| kinopt::model::UnknownName::new("loop kind", kind, names));
-        let places = match places {
-            None => [Placement::identity(); 2],
-            Some([first, second]) => [
-                placement::placement(&first, "a place of a loop")?,
-                placement::placement(&second, "a place of a loop")?,
-            ],
-        };
-        Ok(Self {
-            name,
-            frames,
-            kind: kind.or_raise()?,
-            places,
-        })
-    }
-
-    /// Returns the loop between these frames.
-    pub(crate) fn of(&self, frames: [FrameId; 2]) -> Loop {
-        let joined = match self.kind {
-            LoopKind::Weld => Loop::weld(&self.name, frames),
-            _ => Loop::connect(&self.name, frames),
-        };
-        joined.at(self.places)
-    }
-
-    /// Arguments of `new`.
-    pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<LoopParts<'py>> {
-        let places = placement::to_arrays(py, &self.places)?;
-        let frames = self.frames.clone();
-        Ok((self.name.clone(), self.kind.name(), frames, places))
-    }
-}
 
 /// Forward kinematics of a model with loops: the dependent joints follow from the given ones.
 ///
@@ -162,13 +88,10 @@ impl LoopClosure {
         let py = q.py();
         let width = self.model.configuration_len();
         let rows = Queries::rows(q, "q", width)?;
-        let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&rows.shape(&[width])))?;
-        self.with_closure(py, |closure| {
-            fill(&array, |buffer| {
-                rows.each(py, buffer, ROWS_AT_A_TIME, |row, row_buffer| {
-                    row_buffer.copy_from_slice(row);
-                    closure.close(row_buffer).or_raise()
-                })
+        let array = self.with_closure(py, |closure| {
+            rows.compute((py, None), &[width], ROWS_AT_A_TIME, |row, row_buffer| {
+                row_buffer.copy_from_slice(row);
+                closure.close(row_buffer).or_raise()
             })
         })?;
         Ok(array.into_any())

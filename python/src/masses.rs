@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::Masses;
-use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{Queries, fill};
+use crate::arrays::Queries;
 use crate::error::{OrRaise, invalid};
 use crate::rig::Rig;
 use crate::robot::Robot;
@@ -25,13 +24,10 @@ pub(crate) fn centres<'py>(
     masses: &Masses,
 ) -> PyResult<Bound<'py, PyAny>> {
     let q_rows = Queries::rows(q, "q", model.configuration_len())?;
-    let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3])))?;
-    fill(&array, |buffer| {
-        q_rows.each(q.py(), buffer, ROWS_AT_A_TIME, |q, row_buffer| {
-            let centre = centre_of_mass(model, masses, q).or_raise()?;
-            row_buffer.copy_from_slice(&centre.to_array());
-            Ok(())
-        })
+    let array = q_rows.compute((q.py(), None), &[3], ROWS_AT_A_TIME, |q, row_buffer| {
+        let centre = centre_of_mass(model, masses, q).or_raise()?;
+        row_buffer.copy_from_slice(&centre.to_array());
+        Ok(())
     })?;
     Ok(array.into_any())
 }
@@ -43,14 +39,11 @@ pub(crate) fn centres_jacobians<'py>(
     masses: &Masses,
 ) -> PyResult<Bound<'py, PyAny>> {
     let q_rows = Queries::rows(q, "q", model.configuration_len())?;
-    let columns = model.degrees_of_freedom();
-    let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3, columns])))?;
-    fill(&array, |buffer| {
-        q_rows.each(q.py(), buffer, ROWS_AT_A_TIME, |q, row_buffer| {
-            let jacobian = centre_of_mass_jacobian(model, masses, q).or_raise()?;
-            row_buffer.copy_from_slice(jacobian.transpose().as_slice());
-            Ok(())
-        })
+    let shape = [3, model.degrees_of_freedom()];
+    let array = q_rows.compute((q.py(), None), &shape, ROWS_AT_A_TIME, |q, row_buffer| {
+        let jacobian = centre_of_mass_jacobian(model, masses, q).or_raise()?;
+        row_buffer.copy_from_slice(jacobian.transpose().as_slice());
+        Ok(())
     })?;
     Ok(array.into_any())
 }

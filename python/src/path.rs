@@ -3,17 +3,19 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::path::{
-    self, CartesianPath, MissReason, PathSolver, QuaternionOrder, TimingLimits, Traversal,
-};
+use kinopt::motion::path::{self, CartesianPath, QuaternionOrder, TimingLimits};
 use kinopt::spatial::{Placement, Quaternion, Vector3};
+use kinopt_bindings::names::miss_reason;
+use kinopt_bindings::option::path::{PathOptions, TRAVERSALS};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::PyDict;
+use serde::{Deserialize, Serialize};
 
 use crate::arm::Arm;
 use crate::arrays::{self, shape_text};
 use crate::error::{OrRaise, invalid};
+use crate::object::Object;
 use crate::pickling;
 use crate::placement::placements;
 use crate::solution::Collision;
@@ -21,7 +23,7 @@ use crate::trajectory::Trajectory;
 
 /// A step in which an arm leaves its branch.
 #[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Reconfiguration {
     /// Row of `q` at the end of the step; 0 for the step that closes a cyclic path.
     index: usize,
@@ -45,31 +47,19 @@ impl Reconfiguration {
         format!("Reconfiguration(to row {index}, {joint:?}, {distance:.3} rad)")
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let reconfiguration = slf.get();
-        let parts = (
-            reconfiguration.index,
-            reconfiguration.joint.clone(),
-            reconfiguration.distance,
-            reconfiguration.length,
-        );
-        pickling::by_rebuild::<Self>(slf.py(), parts)
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
     #[staticmethod]
-    fn _rebuild(index: usize, joint: String, distance: f64, length: f64) -> Self {
-        Self {
-            index,
-            joint,
-            distance,
-            length,
-        }
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 
 /// A point of a path that the tool does not reach.
 #[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct MissedPoint {
     /// Row of `q`.
     index: usize,
@@ -87,38 +77,19 @@ impl MissedPoint {
         format!("MissedPoint(row {}, {})", self.index, self.reason)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let missed_point = slf.get();
-        let errors = (missed_point.position_error, missed_point.orientation_error);
-        let parts = (
-            missed_point.index,
-            errors.0,
-            errors.1,
-            missed_point.reason.clone(),
-        );
-        pickling::by_rebuild::<Self>(slf.py(), parts)
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
     #[staticmethod]
-    fn _rebuild(index: usize, position_error: f64, orientation_error: f64, reason: String) -> Self {
-        Self {
-            index,
-            position_error,
-            orientation_error,
-            reason,
-        }
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 
-/// Lists of a solution in pickled form.
-type Lists<'py> = (
-    Vec<Bound<'py, Reconfiguration>>,
-    Vec<Bound<'py, MissedPoint>>,
-    Vec<(usize, Bound<'py, Collision>)>,
-);
-
 /// Joint path for a Cartesian path.
 #[pyclass(frozen, module = "kinopt")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PathSolution {
     q: Vec<f64>,
     /// Names of the joints, the columns of `q`.
@@ -155,6 +126,7 @@ pub(crate) struct PathSolution {
     #[pyo3(get)]
     read_as: Option<String>,
     /// Velocity and acceleration limits of the arm, rad/s or m/s, and rad/s² or m/s².
+    #[serde(with = "pickling::limits")]
     rates: [Vec<f64>; 2],
 }
 
@@ -281,65 +253,13 @@ impl PathSolution {
         )
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let solution = slf.get();
-        let deviation = (
-            solution.largest_deviation,
-            solution.largest_deviation_at,
-            solution.largest_turn,
-            solution.largest_turn_at,
-        );
-        let lists = (
-            solution.reconfigured_at.clone(),
-            solution.missed.clone(),
-            solution.blocked.clone(),
-        );
-        let rest = (
-            solution.entry,
-            solution.length,
-            solution.read_as.clone(),
-            solution.rates.clone(),
-        );
-        let parts = (
-            solution.q.clone(),
-            solution.joint_names.clone(),
-            rest,
-            deviation,
-            lists,
-        );
-        pickling::by_rebuild::<Self>(slf.py(), parts)
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
-    #[classmethod]
-    fn _rebuild(
-        _class: &Bound<'_, PyType>,
-        q: Vec<f64>,
-        joint_names: Vec<String>,
-        rest: (usize, f64, Option<String>, [Vec<f64>; 2]),
-        deviation: (f64, usize, f64, usize),
-        lists: Lists<'_>,
-    ) -> Self {
-        let (entry, length, read_as, rates) = rest;
-        let (largest_deviation, largest_deviation_at, largest_turn, largest_turn_at) = deviation;
-        let (reconfigured_at, missed, blocked) = lists;
-        Self {
-            q,
-            joint_names,
-            entry,
-            reconfigured_at: reconfigured_at.iter().map(|r| r.get().clone()).collect(),
-            length,
-            largest_deviation,
-            largest_deviation_at,
-            largest_turn,
-            largest_turn_at,
-            missed: missed.iter().map(|m| m.get().clone()).collect(),
-            blocked: blocked
-                .iter()
-                .map(|(row, by)| (*row, by.get().clone()))
-                .collect(),
-            read_as,
-            rates,
-        }
+    #[staticmethod]
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 
@@ -428,48 +348,28 @@ pub(crate) fn solve_path(
     tool_of_points: Option<Vec<usize>>,
     order: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PathSolution> {
-    let (mut path, read_as) = read(path, order)?;
-    if let Some(times) = times {
-        path = path
-            .with_times(arrays::copied(times, "times")?)
-            .or_raise()?;
-    }
-    if let Some(tools) = tool_of_points {
-        path = path.with_tools(tools).or_raise()?;
-    }
-    let traversals = [
-        ("open", Traversal::Open),
-        ("cyclic", Traversal::Cyclic),
-        ("any-start", Traversal::AnyStart),
-    ];
-    let path = path.with_traversal(one_of(traversal, "traversal", traversals)?);
-    let inner_arm = Arc::clone(&arm.get().inner);
-    let other_arms = tools
-        .iter()
-        .flatten()
-        .map(|arm| Arc::clone(&arm.get().inner));
-    let other_arms: Vec<_> = other_arms.collect();
+    let (path, read_as) = read(path, order)?;
     let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
         value.map(|value| arrays::copied(value, what)).transpose()
     };
-    let (start, end) = (numbers(start, "start")?, numbers(end, "end")?);
-    let weights = numbers(joint_weights, "joint_weights")?;
+    let options = PathOptions {
+        times: numbers(times, "times")?,
+        keep_times,
+        traversal: one_of(traversal, "traversal", TRAVERSALS)?,
+        start: numbers(start, "start")?,
+        end: numbers(end, "end")?,
+        joint_weights: numbers(joint_weights, "joint_weights")?,
+        max_step,
+        samples,
+        tool_of_points,
+    };
+    let path = options.path::<Object>(path)?;
+    let inner_arm = Arc::clone(&arm.get().inner);
+    let other_arms = tools.iter().flatten();
+    let other_arms: Vec<_> = other_arms.map(|arm| Arc::clone(&arm.get().inner)).collect();
     let solution = py.detach(|| {
-        let mut solver = PathSolver::new(&inner_arm)
-            .with_max_step(max_step)
-            .with_samples(samples)
-            .with_times_kept(keep_times)
-            .with_tools(other_arms.iter().map(|arm| &**arm));
-        if let Some(start) = &start {
-            solver = solver.with_start(start);
-        }
-        if let Some(end) = &end {
-            solver = solver.with_end(end);
-        }
-        if let Some(weights) = &weights {
-            solver = solver.with_joint_weights(weights);
-        }
-        solver.solve(&path)
+        let tools = other_arms.iter().map(|arm| &**arm);
+        options.solve(&inner_arm, tools, &path)
     });
     Ok(path_solution(&inner_arm, solution.or_raise()?, read_as))
 }
@@ -493,13 +393,7 @@ fn path_solution(
         index: missed.index,
         position_error: missed.position_error,
         orientation_error: missed.orientation_error,
-        reason: match &missed.reason {
-            MissReason::BeyondReach { distance, reach } => {
-                format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
-            }
-            MissReason::Touches(pair) => format!("collision of {pair}"),
-            _ => "no configuration within the limits was found".to_owned(),
-        },
+        reason: miss_reason(&missed.reason),
     });
     let blocked = solution.blocked.iter();
     let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));

@@ -4,6 +4,7 @@ use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::error::OrRaise;
 
@@ -41,6 +42,67 @@ pub(crate) fn by_json<'py, T: PyTypeInfo>(
     value: &impl Serialize,
 ) -> PyResult<Bound<'py, PyAny>> {
     by_rebuild::<T>(py, (serde_json::to_string(value).or_raise()?,))
+}
+
+/// Reads the JSON of `by_json`.
+pub(crate) fn of_json<T: DeserializeOwned>(json: &str) -> PyResult<T> {
+    serde_json::from_str(json).or_raise()
+}
+
+/// Numbers in JSON, which has no infinity: null.
+pub(crate) mod limits {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    /// Writes infinite limits as null.
+    pub(crate) fn serialize<S: Serializer>(
+        limits: &[Vec<f64>; 2],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let finite = |limits: &Vec<f64>| -> Vec<Option<f64>> {
+            let limits = limits.iter().copied();
+            limits
+                .map(|limit| Some(limit).filter(|limit| limit.is_finite()))
+                .collect()
+        };
+        limits.each_ref().map(finite).serialize(serializer)
+    }
+
+    /// Reads null as infinity.
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<[Vec<f64>; 2], D::Error> {
+        let limits = <[Vec<Option<f64>>; 2]>::deserialize(deserializer)?;
+        let infinite = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+        Ok(limits.map(|limits| limits.into_iter().map(infinite).collect()))
+    }
+}
+
+/// Rebuilds by the class itself, called with a tuple of arguments whose last ones are these keywords.
+pub(crate) fn by_arguments<'py, T: PyTypeInfo>(
+    py: Python<'py>,
+    arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
+    keywords: &[&str],
+) -> PyResult<Bound<'py, PyAny>> {
+    let arguments = arguments.into_pyobject(py)?;
+    let (options, count) = (PyDict::new(py), arguments.len() - keywords.len());
+    for (name, value) in keywords.iter().zip(arguments.iter().skip(count)) {
+        options.set_item(name, value)?;
+    }
+    by_keywords::<T>(py, &arguments.get_slice(0, count), &options)
+}
+
+/// Copies of the given keywords, which the caller may change later.
+pub(crate) fn kept<'py>(
+    py: Python<'py>,
+    keywords: &[(&str, Option<&Bound<'py, PyAny>>)],
+) -> PyResult<Bound<'py, PyDict>> {
+    let (options, copy) = (PyDict::new(py), py.import("copy")?);
+    for (name, value) in keywords {
+        if let Some(value) = value {
+            options.set_item(name, copy.call_method1("deepcopy", (value,))?)?;
+        }
+    }
+    Ok(options)
 }
 
 /// Rebuilds by the class itself, called with arguments and keywords.

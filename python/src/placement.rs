@@ -1,15 +1,13 @@
 //! Placements as 4 x 4 arrays, and conversion from other libraries.
 
 use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt_bindings::placement::{bad_last_row, of_rows, to_rows};
 use numpy::{PyArray2, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, shape_text};
 use crate::error::invalid;
-
-/// Largest deviation of the last row from 0 0 0 1.
-const LAST_ROW_TOLERANCE: f64 = 1e-9;
 
 /// Placements of targets, borrowed as numbers.
 pub(crate) struct Placements<'py>(arrays::Numbers<'py, numpy::ndarray::Ix3>);
@@ -48,8 +46,10 @@ pub(crate) fn read_all(
         let Ok(numbers) = numbers.try_into() else {
             continue;
         };
-        let placement = of_numbers(numbers)
-            .ok_or_else(|| bad_last_row(&format!("{what} {}", first + i), numbers))?;
+        let placement = of_rows(numbers);
+        let placement = placement.map_err(|last_row| {
+            invalid(bad_last_row(&format!("{what} {}", first + i), last_row))
+        })?;
         placements.push(placement);
     }
     Ok(())
@@ -60,27 +60,7 @@ fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
     let numbers = numbers
         .try_into()
         .map_err(|_| invalid(format!("{what} is no matrix of 4 x 4")))?;
-    of_numbers(numbers).ok_or_else(|| bad_last_row(what, numbers))
-}
-
-fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
-    let last = [m[12], m[13], m[14], m[15] - 1.0];
-    // Negated test: NaN fails it.
-    let is_valid = last.iter().all(|value| value.abs() <= LAST_ROW_TOLERANCE);
-    let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
-    is_valid.then(|| {
-        Placement::new(
-            Matrix3::from_columns(column(0), column(1), column(2)),
-            column(3),
-        )
-    })
-}
-
-fn bad_last_row(what: &str, m: &[f64; 16]) -> PyErr {
-    invalid(format!(
-        "{what} is not a placement: the last row of its matrix is {:?}, not [0, 0, 0, 1]",
-        &m[12..]
-    ))
+    of_rows(numbers).map_err(|last_row| invalid(bad_last_row(what, last_row)))
 }
 
 /// Reads one placement: a 4 x 4 array-like, or an object that has `homogeneous` (pinocchio's SE3), `as_matrix()` or `A`
@@ -143,7 +123,7 @@ pub(crate) fn placements<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult
     })?;
     for (i, item) in items.enumerate() {
         let placement = placement(&item?, &format!("{what} {i}"))?;
-        numbers.extend(to_numbers(&placement));
+        numbers.extend(to_rows(&placement));
     }
     let count = numbers.len() / 16;
     let array = arrays::list(py, &numbers).reshape([count, 4, 4])?;
@@ -165,16 +145,18 @@ fn matrix_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(value.clone())
 }
 
-/// Sixteen numbers, row-major.
-pub(crate) fn to_numbers(placement: &Placement<f64>) -> [f64; 16] {
-    let Matrix3 { x, y, z } = placement.rotation;
-    let t = placement.translation;
-    [
-        x.x, y.x, z.x, t.x, //
-        x.y, y.y, z.y, t.y, //
-        x.z, y.z, z.z, t.z, //
-        0.0, 0.0, 0.0, 1.0,
-    ]
+/// Placement of a field, which Python reads as a new 4 x 4 array.
+#[derive(Clone)]
+pub(crate) struct Matrix(pub(crate) Placement<f64>);
+
+impl<'py> IntoPyObject<'py> for &Matrix {
+    type Target = PyArray2<f64>;
+    type Output = Bound<'py, PyArray2<f64>>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        to_array(py, &self.0)
+    }
 }
 
 /// A new 4 x 4 array.
@@ -182,7 +164,7 @@ pub(crate) fn to_array<'py>(
     py: Python<'py>,
     placement: &Placement<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    arrays::list(py, &to_numbers(placement)).reshape([4, 4])
+    arrays::list(py, &to_rows(placement)).reshape([4, 4])
 }
 
 /// A new array of shape (N, 4, 4).
@@ -190,6 +172,6 @@ pub(crate) fn to_arrays<'py>(
     py: Python<'py>,
     placements: &[Placement<f64>],
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let numbers: Vec<f64> = placements.iter().flat_map(to_numbers).collect();
+    let numbers: Vec<f64> = placements.iter().flat_map(to_rows).collect();
     arrays::list(py, &numbers).reshape([placements.len(), 4, 4])
 }

@@ -2,15 +2,15 @@
 
 use js_sys::{Array, ArrayBuffer, Float64Array, Object, Reflect};
 use kinopt::model::UnknownName;
-use kinopt::spatial::Placement;
 use wasm_bindgen::prelude::*;
 
-use crate::placement;
+use crate::names::camel;
 
 /// An object with known keys only. `undefined` and `null` count as missing.
 pub(crate) struct NamedArguments {
     object: JsValue,
-    what: &'static str,
+    /// Description of a key in messages.
+    pub(crate) what: &'static str,
 }
 
 impl NamedArguments {
@@ -44,6 +44,17 @@ impl NamedArguments {
         Ok(Self { object, what })
     }
 
+    /// Reads options whose names are in snake case.
+    pub(crate) fn of(
+        options: Option<impl Into<JsValue>>,
+        what: &'static str,
+        known: impl IntoIterator<Item = &'static str>,
+    ) -> Result<Self, JsError> {
+        let known: Vec<String> = known.into_iter().map(camel).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        Self::new(options.map_or(JsValue::UNDEFINED, Into::into), what, &known)
+    }
+
     /// Value of a key.
     pub(crate) fn get(&self, name: &str) -> Option<JsValue> {
         let value = Reflect::get(&self.object, &name.into()).ok()?;
@@ -51,6 +62,7 @@ impl NamedArguments {
     }
 
     /// Value of a required key.
+    #[cfg(feature = "clip-ik")]
     pub(crate) fn required(&self, name: &str) -> Result<JsValue, JsError> {
         let missing = || JsError::new(&format!("{} `{name}` is missing", self.what));
         self.get(name).ok_or_else(missing)
@@ -59,11 +71,6 @@ impl NamedArguments {
     /// A number.
     pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, JsError> {
         self.get(name).map(|value| number(&value, name)).transpose()
-    }
-
-    /// A required number.
-    pub(crate) fn needed(&self, name: &str) -> Result<f64, JsError> {
-        number(&self.required(name)?, name)
     }
 
     /// A whole number of at least 0.
@@ -88,19 +95,14 @@ impl NamedArguments {
     }
 
     /// A required string.
+    #[cfg(feature = "clip-ik")]
     pub(crate) fn name(&self, name: &str) -> Result<String, JsError> {
         text(&self.required(name)?, name)
     }
 
     /// A list of strings.
     pub(crate) fn texts(&self, name: &str) -> Result<Option<Vec<String>>, JsError> {
-        let Some(value) = self.get(name) else {
-            return Ok(None);
-        };
-        let list = list(&value)
-            .ok_or_else(|| JsError::new(&format!("{name} must be a list of strings")))?;
-        let texts = list.iter().map(|value| text(&value, name));
-        texts.collect::<Result<_, _>>().map(Some)
+        self.get(name).map(|value| texts(&value, name)).transpose()
     }
 
     /// A list of numbers.
@@ -120,29 +122,6 @@ impl NamedArguments {
                 .collect()
         };
         numbers.map(each).transpose()
-    }
-
-    /// A required list of `N` numbers.
-    pub(crate) fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N], JsError> {
-        vector(&self.required(name)?, name)
-    }
-
-    /// A placement.
-    pub(crate) fn placement(&self, name: &str) -> Result<Option<Placement<f64>>, JsError> {
-        let Some(numbers) = self.numbers(name)? else {
-            return Ok(None);
-        };
-        placement::read(&numbers, name).map(Some)
-    }
-
-    /// Numbers by key, as in `{ joint1: 0.2 }`.
-    pub(crate) fn by_name(&self, name: &str) -> Result<Vec<(String, f64)>, JsError> {
-        let mut all = Vec::new();
-        for (key, value) in entries(self.get(name).as_ref(), name)? {
-            let value = number(&value, &format!("{name}.{key}"))?;
-            all.push((key, value));
-        }
-        Ok(all)
     }
 }
 
@@ -174,7 +153,7 @@ pub(crate) fn is_list(value: &JsValue) -> bool {
 }
 
 /// Reads a whole number of at least 0; `what` names it in messages.
-fn whole(number: f64, what: &str) -> Result<u32, JsError> {
+pub(crate) fn whole(number: f64, what: &str) -> Result<u32, JsError> {
     if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
         return Err(JsError::new(&format!(
             "{what} must be a whole number of at least 0, not {number}"
@@ -189,9 +168,17 @@ pub(crate) fn number(value: &JsValue, what: &str) -> Result<f64, JsError> {
     value.as_f64().ok_or_else(not_a_number)
 }
 
-fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
+/// Reads a string; `what` names it in messages.
+pub(crate) fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
     let not_a_string = || JsError::new(&format!("{what} must be a string"));
     value.as_string().ok_or_else(not_a_string)
+}
+
+/// Reads a list of strings; `what` names it in messages.
+pub(crate) fn texts(value: &JsValue, what: &str) -> Result<Vec<String>, JsError> {
+    let not_a_list = || JsError::new(&format!("{what} must be a list of strings"));
+    let list = list(value).ok_or_else(not_a_list)?;
+    list.iter().map(|value| text(&value, what)).collect()
 }
 
 /// Content of an array or a typed array. Other objects may have any `length`, so they are not accepted.

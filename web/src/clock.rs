@@ -4,8 +4,6 @@ use std::time::Duration;
 
 use wasm_bindgen::prelude::*;
 
-use crate::arguments::NamedArguments;
-
 #[wasm_bindgen]
 extern "C" {
     /// Milliseconds since the start of the page, the worker or Node.
@@ -13,17 +11,12 @@ extern "C" {
     fn now() -> f64;
 }
 
-/// Reads the option `timeLimit`, seconds.
-pub(crate) fn time_limit(options: &NamedArguments) -> Result<Option<Duration>, JsError> {
-    let Some(seconds) = options.number("timeLimit")? else {
-        return Ok(None);
-    };
+/// Converts a time limit in seconds, and sets the library's clock; `what` names it in messages.
+pub(crate) fn time_limit(seconds: f64, what: &str) -> Result<Duration, JsError> {
     kinopt::clock::set(|| Duration::from_secs_f64(1e-3 * now()));
-    let limit = Duration::try_from_secs_f64(seconds);
-    let invalid = |_| {
+    Duration::try_from_secs_f64(seconds).map_err(|_| {
         JsError::new(&format!(
-            "timeLimit is {seconds} s, expected a finite number of at least 0"
+            "{what} is {seconds} s, expected a finite number of at least 0"
         ))
-    };
-    limit.map(Some).map_err(invalid)
+    })
 }

@@ -1,12 +1,12 @@
 //! Drags: one problem with moving targets, solved in every frame.
 
+use kinopt_bindings::task::Aimed;
 use wasm_bindgen::prelude::*;
 
 use crate::model::Model;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
 use crate::solution::Solution;
-use crate::task::Aimed;
 
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse. Each frame continues from the
 /// last on the same branch, in a bounded number of iterations. No joint moves farther in a frame than `maxMove`.

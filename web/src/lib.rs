@@ -49,6 +49,7 @@ mod solution;
 mod solver;
 mod srdf;
 mod task;
+mod value;
 mod view;
 #[cfg(feature = "collision")]
 mod world;

@@ -28,12 +28,18 @@ pub(crate) fn of_javascript(text: &str) -> String {
 }
 
 /// Options that messages also begin with, as in `joint_weights has 2 numbers`.
-const OPTIONS: [&str; 3] = ["joint_weights", "max_move", "velocity_limits"];
+const OPTIONS: [&str; 4] = [
+    "joint_weights",
+    "max_move",
+    "mimic_limits",
+    "velocity_limits",
+];
 
-fn camel(snake: &str) -> String {
+/// Converts a name in words or in snake case to camel case.
+pub(crate) fn camel(name: &str) -> String {
     let mut upper = false;
     let letter = |letter: char| {
-        let is_gap = letter == '_';
+        let is_gap = matches!(letter, '_' | ' ' | '-');
         let capital = std::mem::replace(&mut upper, is_gap);
         match (is_gap, capital) {
             (true, _) => None,
@@ -41,5 +47,5 @@ fn camel(snake: &str) -> String {
             (false, false) => Some(letter),
         }
     };
-    snake.chars().filter_map(letter).collect()
+    name.chars().filter_map(letter).collect()
 }

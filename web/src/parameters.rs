@@ -1,11 +1,13 @@
 //! Free and locked joints of a problem.
 
-use kinopt::model::{JointKind, ParameterMap};
+use kinopt::model::ParameterMap;
+use kinopt_bindings::parameters;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
 use crate::model::Model;
 use crate::raise;
+use crate::value::Value;
 
 /// Builds the map from `locked`, `only` and `held`; the default is that of the robot.
 pub(crate) fn parameters(
@@ -22,23 +24,10 @@ pub(crate) fn parameters(
         Some(robot) => robot.parameters(),
         None => ParameterMap::builder(inner_model),
     };
-    for (name, value) in locked {
-        let (joint, what) = (
-            inner_model.joint(&name).map_err(raise)?,
-            format!("locked.{name}"),
-        );
-        builder = match inner_model.joints()[joint.index()].kind {
-            JointKind::Ball => builder.with_locked_ball(joint, arguments::vector(&value, &what)?),
-            _ => builder.with_locked(joint, arguments::number(&value, &what)?),
-        };
-    }
-    if let Some(names) = only {
-        let free = names.iter().map(|name| inner_model.joint(name));
-        let free = free.collect::<Result<Vec<_>, _>>().map_err(raise)?;
-        builder = builder.with_only(&free, &held.unwrap_or_else(|| inner_model.neutral()));
-    } else if held.is_some() {
-        let message = "held needs `only`: it is the configuration of the joints that `only` omits";
-        return Err(JsError::new(message));
-    }
+    let locked = locked.into_iter();
+    let locked = locked.map(|(name, value)| (name, Value(value)));
+    let what = |name: &str| format!("locked.{name}");
+    builder = parameters::lock(builder, inner_model, locked.collect(), what)?;
+    builder = parameters::only::<Value>(builder, inner_model, only.as_deref(), ("held", held))?;
     builder.build().map(Some).map_err(raise)
 }

@@ -1,13 +1,15 @@
 //! Cartesian paths of arms, with the fewest reconfigurations.
 
 use js_sys::Array;
-use kinopt::model::UnknownName;
-use kinopt::motion::path::{self, CartesianPath, MissReason, PathSolver, TimingLimits, Traversal};
+use kinopt::motion::path::{self, CartesianPath, TimingLimits};
+use kinopt_bindings::names::miss_reason;
+use kinopt_bindings::option::{self, names};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
 use crate::arm::Arm;
 use crate::placement::read_all;
+use crate::value::Value;
 use crate::{object, raise, solution, view};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -83,61 +85,19 @@ pub fn solve_path(
     #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
     options: Option<PathOptions>,
 ) -> Result<PathSolution, JsError> {
-    const KNOWN: [&str; 10] = [
-        "traversal",
-        "start",
-        "end",
-        "jointWeights",
-        "maxStep",
-        "samples",
-        "times",
-        "keepTimes",
-        "tools",
-        "toolOfPoints",
-    ];
-    let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-    let options = NamedArguments::new(options, "option of a path", &KNOWN)?;
-    let mut path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
-    if let Some(times) = options.numbers("times")? {
-        path = path.with_times(times).map_err(raise)?;
-    }
-    if let Some(tools) = options.wholes("toolOfPoints")? {
-        path = path.with_tools(tools).map_err(raise)?;
-    }
-    let others = options.numbers("tools")?.unwrap_or_default();
+    let known = names(&option::path::options());
+    let arguments = NamedArguments::of(options, "option of a path", known)?;
+    let options = option::path::PathOptions {
+        tool_of_points: arguments.wholes("toolOfPoints")?,
+        ..option::path::PathOptions::of(&arguments)?
+    };
+    let path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
+    let path = options.path::<Value>(path)?;
+    let others = arguments.numbers("tools")?.unwrap_or_default();
     let others = read_all(&others, "tool")?.into_iter();
     let others = others.map(|tool| arm.inner.with_tool(tool).map_err(raise));
     let others = others.collect::<Result<Vec<_>, _>>()?;
-    let traversal = match options.text("traversal")?.as_deref() {
-        None | Some("open") => Traversal::Open,
-        Some("cyclic") => Traversal::Cyclic,
-        Some("any-start") => Traversal::AnyStart,
-        Some(other) => {
-            let names = ["open", "cyclic", "any-start"];
-            return Err(raise(UnknownName::new("traversal", other, names)));
-        }
-    };
-    let mut solver = PathSolver::new(&arm.inner)
-        .with_tools(&others)
-        .with_times_kept(options.switch("keepTimes")?.unwrap_or(false));
-    if let Some(q) = options.numbers("start")? {
-        solver = solver.with_start(&q);
-    }
-    if let Some(q) = options.numbers("end")? {
-        solver = solver.with_end(&q);
-    }
-    if let Some(weights) = options.numbers("jointWeights")? {
-        solver = solver.with_joint_weights(&weights);
-    }
-    if let Some(radians) = options.number("maxStep")? {
-        solver = solver.with_max_step(radians);
-    }
-    if let Some(samples) = options.whole("samples")? {
-        solver = solver.with_samples(samples as usize);
-    }
-    let inner = solver
-        .solve(&path.with_traversal(traversal))
-        .map_err(raise)?;
+    let inner = options.solve(&arm.inner, &others, &path).map_err(raise)?;
     let rates = [arm.inner.velocity_limits(), arm.inner.acceleration_limits()];
     Ok(PathSolution {
         inner,
@@ -192,13 +152,7 @@ impl PathSolution {
     #[wasm_bindgen(getter)]
     pub fn missed(&self) -> MissedPoints {
         let missed = self.inner.missed.iter().map(|missed| {
-            let reason = match &missed.reason {
-                MissReason::BeyondReach { distance, reach } => format!(
-                    "beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long"
-                ),
-                MissReason::Touches(pair) => format!("collision of {pair}"),
-                _ => "no configuration within the limits was found".to_owned(),
-            };
+            let reason = miss_reason(&missed.reason);
             object::of([
                 ("index", missed.index.into()),
                 ("positionError", missed.position_error.into()),

@@ -3,8 +3,10 @@
 use std::rc::Rc;
 
 use kinopt::model::{Limits, UnknownName};
-use kinopt::problem::{Preferences, Targets};
+use kinopt::problem::Targets;
 use kinopt::task::Quantity;
+use kinopt_bindings::names::{PREFERENCES, named};
+use kinopt_bindings::task::Aimed;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
@@ -12,7 +14,8 @@ use crate::model::Model;
 use crate::parameters::parameters;
 use crate::raise;
 use crate::skeleton::Skeleton;
-use crate::task::{self, Aimed, BoxedTask};
+use crate::task::{self, BoxedTask};
+use crate::value::Value;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -142,8 +145,8 @@ impl ProblemRequest<'_> {
                 "held",
             ],
         };
-        let options = self.options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = NamedArguments::new(options, "option of a problem", known)?;
+        let known = known.iter().copied();
+        let options = NamedArguments::of(self.options, "option of a problem", known)?;
         let mut builder = kinopt::Problem::builder(&self.model.inner);
         let parameters_of_options = parameters(self.model, &options)?;
         if let Some(map) = self.holds.or(parameters_of_options) {
@@ -163,15 +166,9 @@ impl ProblemRequest<'_> {
             builder.tolerance(Quantity::Metres, tolerance);
             builder.tolerance(Quantity::Radians, tolerance);
         }
-        match options.text("preferences")?.as_deref() {
-            None | Some("within_goals") => {}
-            Some("traded") => {
-                builder.preferences(Preferences::Traded);
-            }
-            Some(other) => {
-                let names = ["within_goals", "traded"];
-                return Err(raise(UnknownName::new("preferences", other, names)));
-            }
+        if let Some(name) = options.text("preferences")? {
+            let preferences = named("preferences", &name, &PREFERENCES);
+            builder.preferences(preferences.map_err(raise)?);
         }
         if let Some(add_avoidance) = keep_clear {
             add_avoidance(&mut builder);
@@ -282,7 +279,8 @@ impl Problem {
                 return Err(raise(UnknownName::new("task", &name, self.names())));
             };
             if let Some(task) = self.tasks.get(index) {
-                task.aim(aimed, &value, &format!("the target of {name}"))?;
+                let what = format!("the target of {name}");
+                task.read(&Value(value), &what)?(aimed)?;
             }
         }
         Ok(())

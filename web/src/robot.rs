@@ -2,13 +2,14 @@
 
 use std::rc::Rc;
 
-use kinopt::model::{Limits, UnknownName};
-use kinopt::robot::{BaseJoint, Geometry};
+use kinopt::robot::Geometry;
 use kinopt::spatial::Vector3;
+use kinopt_bindings::option::{names, robot};
 use wasm_bindgen::prelude::*;
 
-use crate::arguments::{self, NamedArguments};
+use crate::arguments::NamedArguments;
 use crate::model::Model;
+use crate::value::Value;
 use crate::{object, placement, raise};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -78,43 +79,22 @@ impl Robot {
         name: Option<String>,
         options: Option<RobotOptions>,
     ) -> Result<Self, JsError> {
-        const KNOWN: [&str; 5] = [
-            "baseJoint",
-            "baseBounds",
-            "lenient",
-            "mimicLimits",
-            "softLimits",
-        ];
-        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = NamedArguments::new(options, "option of a robot", &KNOWN)?;
-        let mut reader = kinopt::robot::Robot::reader();
-        if options.switch("lenient")?.unwrap_or(false) {
-            reader = reader.lenient();
-        }
-        let name = name.as_deref().unwrap_or("robot.urdf");
-        let mut inner = reader.parse(text, name).map_err(raise)?;
-        if options.switch("softLimits")?.unwrap_or(false) {
-            inner = inner.with_soft_limits().map_err(raise)?;
-        }
-        match options.text("mimicLimits")?.as_deref() {
-            None | Some("source") => {}
-            Some("both") => inner = inner.with_mimic_limits().map_err(raise)?,
-            Some(other) => {
-                let unknown = UnknownName::new("mimicLimits", other, ["source", "both"]);
-                return Err(raise(unknown));
-            }
-        }
-        on_base(inner, &options)
+        // No file is opened here.
+        let known = names(&robot::options())
+            .into_iter()
+            .filter(|name| *name != "confine");
+        let options = NamedArguments::of(options, "option of a robot", known)?;
+        let options = robot::RobotOptions::of(&options)?;
+        let inner = options.parse::<Value>(text, name.as_deref().unwrap_or("robot.urdf"))?;
+        let inner = options.limited::<Value>(inner)?;
+        on(&options.base, inner)
     }
 
     /// Creates a robot from the model of a rig, a skeleton or any other model, with an optional base joint.
     #[wasm_bindgen(js_name = ofModel)]
     pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
-        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options =
-            NamedArguments::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let inner = kinopt::robot::Robot::new(model.inner.clone(), Vec::new());
-        on_base(inner.map_err(raise)?, &options)
+        on_base(inner.map_err(raise)?, options)
     }
 
     /// Joints and frames of the robot.
@@ -219,18 +199,18 @@ impl From<kinopt::robot::Robot> for Robot {
 }
 
 /// Puts a robot on the requested base.
-fn on_base(robot: kinopt::robot::Robot, options: &NamedArguments) -> Result<Robot, JsError> {
-    let Some(kind) = options.text("baseJoint")? else {
-        return Ok(robot.into());
-    };
-    let bounds = arguments::entries(options.get("baseBounds").as_ref(), "baseBounds")?;
-    let bounds = bounds.into_iter().map(|(axis, value)| {
-        let [lower, upper] = arguments::vector(&value, &format!("baseBounds.{axis}"))?;
-        Ok((axis, Limits::new(lower, upper)))
-    });
-    let bounds = bounds.collect::<Result<Vec<_>, JsError>>()?;
-    let base = BaseJoint::named(&kind, bounds).map_err(raise)?;
-    Ok(robot.with_base_joint(base).map_err(raise)?.into())
+fn on_base(robot: kinopt::robot::Robot, options: Option<BaseOptions>) -> Result<Robot, JsError> {
+    let known = ["base_joint", "base_bounds"];
+    let options = NamedArguments::of(options, "option of a robot", known)?;
+    on(&robot::RobotOptions::of(&options)?.base, robot)
+}
+
+/// Puts a robot on a base. Without a base joint its bounds are ignored.
+fn on(base: &robot::Base, robot: kinopt::robot::Robot) -> Result<Robot, JsError> {
+    match base.joint {
+        None => Ok(robot.into()),
+        Some(_) => Ok(base.of::<Value>(robot)?.into()),
+    }
 }
 
 #[cfg(feature = "mjcf")]
@@ -244,12 +224,9 @@ impl Robot {
         name: Option<String>,
         options: Option<BaseOptions>,
     ) -> Result<Self, JsError> {
-        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options =
-            NamedArguments::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let name = name.as_deref().unwrap_or("robot.xml");
         let inner = kinopt::robot::Robot::parse_mjcf(text, name);
-        on_base(inner.map_err(raise)?, &options)
+        on_base(inner.map_err(raise)?, options)
     }
 }
 

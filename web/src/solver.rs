@@ -3,10 +3,10 @@
 use kinopt::Workspace;
 use kinopt::ik::Restarts;
 use kinopt::solver::Stopping;
+use kinopt_bindings::option::{names, solver};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
-use crate::clock;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
 use crate::solution::Solution;
@@ -57,52 +57,17 @@ impl Solver {
     /// Creates a solver; missing options have their defaults.
     #[wasm_bindgen(constructor)]
     pub fn new(options: Option<SolverOptions>) -> Result<Self, JsError> {
-        const KNOWN: [&str; 9] = [
-            "maxIterations",
-            "gradientTolerance",
-            "stepTolerance",
-            "patience",
-            "timeLimit",
-            "attempts",
-            "seed",
-            "agreeing",
-            "restartSteps",
-        ];
-        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = NamedArguments::new(options, "option of a solver", &KNOWN)?;
-        let mut stopping = Stopping::default();
-        if let Some(steps) = options.whole("maxIterations")? {
-            stopping = stopping.with_max_iterations(steps as usize);
-        }
-        if let Some(tolerance) = options.number("gradientTolerance")? {
-            stopping = stopping.with_gradient_tolerance(tolerance);
-        }
-        if let Some(tolerance) = options.number("stepTolerance")? {
-            stopping = stopping.with_step_tolerance(tolerance);
-        }
-        if let Some(steps) = options.whole("patience")? {
-            stopping = stopping.with_patience(Some(steps as usize));
-        }
-        if let Some(limit) = clock::time_limit(&options)? {
-            stopping = stopping.with_time_limit(limit);
-        }
-        let mut restarts = Restarts::default();
-        if let Some(attempts) = options.whole("attempts")? {
-            restarts = restarts.with_attempts(attempts as usize);
-        }
-        if let Some(seed) = options.whole("seed")? {
-            restarts = restarts.with_seed(seed.into());
-        }
-        if let Some(attempts) = options.whole("agreeing")? {
-            restarts = restarts.with_agreeing(attempts as usize);
-        }
-        if let Some(steps) = options.whole("restartSteps")? {
-            restarts = restarts.with_steps(steps as usize);
-        }
+        let names = names(&solver::options());
+        let options = NamedArguments::of(options, "option of a solver", names)?;
+        let patience = options.whole("patience")?;
+        let options = solver::SolverOptions {
+            patience: patience.map(|steps| Some(steps as usize)),
+            ..solver::SolverOptions::of(&options)?
+        };
         Ok(Self {
             inner: kinopt::Solver::default()
-                .with_stopping(stopping)
-                .with_restarts(restarts),
+                .with_stopping(options.stopping(Stopping::default()))
+                .with_restarts(options.restarts(Restarts::default())),
             workspace: Workspace::new(),
         })
     }

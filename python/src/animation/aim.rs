@@ -71,18 +71,7 @@ impl Aim {
         let (bone, forward, up, offset) = self.arguments.clone();
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, bone, forward, up, offset);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        armature: &Bound<'_, Armature>,
-        bone: String,
-        forward: &Bound<'_, PyAny>,
-        up: Option<&Bound<'_, PyAny>>,
-        offset: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        Self::new(armature, bone, forward, up, Some(offset))
+        pickling::by_arguments::<Self>(py, parts, &["up", "offset"])
     }
 
     fn __repr__(&self) -> String {
@@ -141,17 +130,7 @@ impl AimGoal {
             weight,
         } = self.inner;
         let parts = (target.to_array(), up.map(|up| up.to_array()), twist, weight);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        target: &Bound<'_, PyAny>,
-        up: Option<&Bound<'_, PyAny>>,
-        twist: f32,
-        weight: f32,
-    ) -> PyResult<Self> {
-        Self::new(target, up, twist, weight)
+        pickling::by_arguments::<Self>(py, parts, &["up", "twist", "weight"])
     }
 
     fn __repr__(&self) -> String {

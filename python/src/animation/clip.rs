@@ -5,6 +5,7 @@ use std::sync::Arc;
 use kinopt::animation::{
     Armature as Bones, Channel, Clip as Motion, ClipError, Cursor, KeyTolerance, Pose as Locals,
 };
+use kinopt_bindings::names::{PLAYBACKS, named};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -12,7 +13,6 @@ use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
 use super::clip_builder::ClipBuilder;
 use super::clip_ik::{ClipIkRequest, EditedClip};
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
-use super::playback;
 use super::playhead::Passage;
 use super::root_motion::RootMotion;
 use crate::arrays::{self, Queries};
@@ -129,7 +129,7 @@ impl Clip {
         playback: &str,
         out: Option<&Bound<'py, Pose>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let playback = playback::of(playback)?;
+        let playback = named("playback", playback, &PLAYBACKS).or_raise()?;
         if let Ok(time) = time.extract::<f64>() {
             let time = arrays::finite(time, "time")?;
             let sample = |pose: &mut Locals| {
@@ -172,7 +172,7 @@ impl Clip {
         playback: &str,
         #[pyo3(from_py_with = crate::arrays::whole)] most: usize,
     ) -> PyResult<Vec<(String, f64)>> {
-        let playback = playback::of(playback)?;
+        let playback = named("playback", playback, &PLAYBACKS).or_raise()?;
         let passage = passage.get().inner;
         interruptible(py, || {
             let fired = self.inner.fired(playback, passage).take(most);

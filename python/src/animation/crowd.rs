@@ -6,13 +6,13 @@ use kinopt::animation::{
     Armature as Bones, Crowd as Many, Playback, Playhead, PlayingClip as Playing,
 };
 use kinopt::glam::Affine3A;
+use kinopt_bindings::names::{PLAYBACKS, named};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::bones_and_poses::{Armature, Pose, Poses};
 use super::clip::Clip;
 use super::limb::{Limb, LimbGoal};
-use super::playback;
 use crate::arrays::{self, resolve_index};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -54,7 +54,7 @@ impl PlayingClip {
     ) -> PyResult<Self> {
         Ok(Self {
             clip: clip.clone().unbind(),
-            playback: playback::of(playback)?,
+            playback: named("playback", playback, &PLAYBACKS).or_raise()?,
             name: playback.to_owned(),
             speed: arrays::finite(speed, "speed")?,
             elapsed: arrays::finite(elapsed, "elapsed")?,
@@ -82,18 +82,7 @@ impl PlayingClip {
             self.elapsed,
             self.share,
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        clip: &Bound<'_, Clip>,
-        playback: &str,
-        speed: f64,
-        elapsed: f64,
-        share: f32,
-    ) -> PyResult<Self> {
-        Self::new(clip, playback, speed, elapsed, share)
+        pickling::by_arguments::<Self>(py, parts, &["speed", "elapsed", "share"])
     }
 
     fn __repr__(&self) -> String {

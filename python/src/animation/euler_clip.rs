@@ -5,11 +5,11 @@ use std::sync::Arc;
 use kinopt::animation::curve::TensionContinuityBias;
 use kinopt::animation::{EulerClip as Clip, EulerInterpolation, EulerKey, EulerTrack};
 use kinopt::model::UnknownName;
+use kinopt_bindings::names::{PLAYBACKS, named};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::playback;
 use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -182,15 +182,12 @@ impl EulerClip {
         playback: &str,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let playback = playback::of(playback)?;
+        let playback = named("playback", playback, &PLAYBACKS).or_raise()?;
         let times = Queries::numbers(times, "times")?;
-        let array = arrays::output_array::<f64>(py, out, &times.shape(&[self.skeleton.angles()]))?;
-        arrays::fill(&array, |buffer| {
-            times.each(py, buffer, SAMPLES_AT_A_TIME, |time, buffer| {
-                self.inner.sample(time[0], playback, buffer).or_raise()
-            })
-        })?;
-        Ok(array)
+        let shape = [self.skeleton.angles()];
+        times.compute((py, out), &shape, SAMPLES_AT_A_TIME, |time, buffer| {
+            self.inner.sample(time[0], playback, buffer).or_raise()
+        })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -113,19 +113,7 @@ impl Limb {
         };
         let armature = Armature::from(Arc::clone(&self.armature));
         let parts = (armature, upper, lower, end, hinge, softening);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        armature: &Bound<'_, Armature>,
-        upper: String,
-        lower: String,
-        end: &Bound<'_, PyAny>,
-        hinge: Option<&Bound<'_, PyAny>>,
-        softening: f32,
-    ) -> PyResult<Self> {
-        Self::new(armature, upper, lower, end, hinge, softening)
+        pickling::by_arguments::<Self>(py, parts, &["hinge", "softening"])
     }
 
     fn __repr__(&self) -> String {
@@ -229,28 +217,17 @@ impl LimbGoal {
             rotation,
             weight,
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        target: &Bound<'_, PyAny>,
-        weight: f32,
-        pole: Option<&Bound<'_, PyAny>>,
-        twist: f32,
-        hold: Option<f32>,
-        rotation: Option<&Bound<'_, PyAny>>,
-        rotation_weight: f32,
-    ) -> PyResult<Self> {
-        Self::new(
-            target,
-            weight,
-            pole,
-            twist,
-            hold,
-            rotation,
-            None,
-            rotation_weight,
+        pickling::by_arguments::<Self>(
+            py,
+            parts,
+            &[
+                "weight",
+                "pole",
+                "twist",
+                "hold",
+                "rotation_xyzw",
+                "rotation_weight",
+            ],
         )
     }
 

@@ -12,7 +12,6 @@ mod curve;
 mod euler_clip;
 mod limb;
 mod mask;
-mod playback;
 mod playhead;
 mod pose;
 mod pose_parts;

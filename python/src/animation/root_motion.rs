@@ -1,12 +1,13 @@
 //! Root motion: the motion of a bone over the ground, separated from a clip.
 
 use kinopt::animation::RootMotion as Motion;
+use kinopt_bindings::names::{PLAYBACKS, named};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::curve::{KeyedCurve, Values};
-use super::playback;
 use crate::arrays;
+use crate::error::OrRaise;
 use crate::transforms::one_to_array;
 
 /// Horizontal motion and heading of a character, relative to the start of the clip: from `Clip.without_root_motion`.
@@ -51,6 +52,11 @@ impl RootMotion {
         playback: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let elapsed = arrays::finite(elapsed, "elapsed")?;
-        one_to_array(py, &self.inner.after(elapsed, playback::of(playback)?))
+        one_to_array(
+            py,
+            &self
+                .inner
+                .after(elapsed, named("playback", playback, &PLAYBACKS).or_raise()?),
+        )
     }
 }

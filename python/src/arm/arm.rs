@@ -4,21 +4,24 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use kinopt::arm::{Base, Search};
 use kinopt::kinematics::Jacobian;
+use kinopt_bindings::option::arm::{apply, options as arm_options};
+use kinopt_bindings::option::check_name;
+use kinopt_bindings::option::servo::ServoOptions;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::servo::ServoOptions;
 use super::track::Track;
-use super::{Follower, Servo, obstacles, options};
+use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
 use crate::goal::PoseBounds;
 use crate::kinematics::jacobians;
 use crate::model::Model;
+use crate::object::Options;
 use crate::placement::{placement, placements, to_array, to_arrays};
 use crate::pool::Pool;
 use crate::robot::Robot;
@@ -36,46 +39,19 @@ use crate::world::World;
 /// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options, each
 /// None for its default:
 ///
-/// tool: placement of the tool relative to the tip, 4 x 4, metres. Default: the tip itself.
-/// goal: goal bounds, a `PoseBounds`. Default: the full pose.
-/// search: "start" (the solution of the attempt from the start; other attempts only if that fails), "first" (the
-///     fastest) or "nearest" (the nearest to the start). Default: "start".
-/// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
-/// metres_per_radian: distance that weighs as much as a radian, metres. Default: a quarter of the arm's reach.
-/// locked: {joint: value}, radians or metres; up to 1e-3 outside the limits is clamped, as in `held`. Default: none.
-/// only: names of the free joints; all others are locked at `held`, a configuration of the model, shape (model's dof,),
-///     clamped into the limits. Default: all between base and tip; the neutral configuration.
-/// joint_weights: weight of a radian or metre of each joint in joint distances, shape (dof,), above 0. Default: 1 each.
-/// max_move: largest displacement of each joint from its start, shape (dof,), radians or metres; a hard bound. Default:
-///     inf.
-/// posture: nominal posture of a redundant arm, shape (dof,), radians or metres. Default: none.
-/// attempts: largest number of attempts for a query, at least 1; with `world` or `margin` up to twice as many. Default:
-///     200.
-/// iterations: no attempt begins once all attempts together have used this many, at least 1. Default: 2600, or none if
-///     `attempts` is given.
-/// global_search_on_miss: on a miss, return the best of all attempts on any branch. Default: False, the closest pose on
-///     the branch of the start.
-/// limit_avoidance: strength of joint limit avoidance on paths, radians, at least 0. Default: 4.
-/// time_limit: seconds for a query. Default: none; with a time limit, results may differ from run to run.
-/// seed: seed of the attempts after the first. Default: 0.
-/// srdf: an `Srdf` of the robot, whose state "ready" or "home" is `default_start`. Default: none.
-/// world: a `World` to avoid collisions with, copied at this moment; the arm then also avoids collisions with its own
-///     robot. A solution is then reached only if it is collision-free by the exact distances of the robot's collision
-///     shapes (`solution.collisions`). Paths are collision-free between their points too. `with_world` replaces it.
-///     Default: no obstacles.
-/// margin: smallest distance of all pairs, metres, at least 0; without a `world`, of the links of the robot. Default:
-///     0.
-/// collision_model: a `CollisionModel` of the robot, with the shapes and pairs for `world` and `margin`. Default: that
-///     of `robot`, without the pairs that are never, or in a thousand random configurations always, in contact.
-/// atlas: start attempts from a precomputed table of seeds (35 ms to compute, once). Default: True.
-///
 /// Raises `UnknownNameError` for unknown frames, joints and options, `InvalidValueError` for options out of range, and
 /// if no joint between base and tip can move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Arm {
     pub(crate) inner: Arc<kinopt::Arm>,
-    mechanism: Py<PyAny>,
+    /// The `Robot` or `Model` of the arm.
+    #[pyo3(get)]
+    robot: Py<PyAny>,
+    /// Frame of the targets; None for the world.
+    #[pyo3(get)]
     base: Option<String>,
+    /// The frame that carries the tool.
+    #[pyo3(get)]
     tip: String,
     options: Py<PyDict>,
     /// Arm of the last search for distinct solutions, kept for repeated queries.
@@ -97,7 +73,7 @@ impl Arm {
         options.set_item(option, value)?;
         Ok(Self {
             inner: Arc::new(inner),
-            mechanism: self.mechanism.clone_ref(py),
+            robot: self.robot.clone_ref(py),
             base: self.base.clone(),
             tip: self.tip.clone(),
             options: options.unbind(),
@@ -174,17 +150,28 @@ impl Arm {
                 "an arm is made of a Robot or a Model, not {name}"
             )));
         };
-        let builder = options::apply(builder, &options, &model.neutral())?;
+        for name in options.keys() {
+            let name: String = name.extract()?;
+            check_name("option of an arm", &name, &arm_options()).or_raise()?;
+        }
+        let builder = apply(builder, &Options(&options), &model.neutral())?;
         let inner = py.detach(|| builder.build()).or_raise()?;
         let inner = match options.get_item("srdf")?.filter(|srdf| !srdf.is_none()) {
             Some(srdf) => with_srdf(inner, &srdf)?,
             None => inner,
         };
         let checker = obstacles.checker(robot)?;
-        let inner = obstacles::keep_clear(inner, checker.as_ref(), held)?;
+        let inner = match &checker {
+            Some(checker) => {
+                // The neutral configuration by default, for the joints outside the arm.
+                let held = held.unwrap_or_else(|| checker.model().model().neutral());
+                inner.with_checker(checker, &held).or_raise()?
+            }
+            None => inner,
+        };
         Ok(Self {
             inner: Arc::new(inner),
-            mechanism: robot.clone().unbind(),
+            robot: robot.clone().unbind(),
             base,
             tip,
             options: options.unbind(),
@@ -245,24 +232,6 @@ impl Arm {
         arrays::frozen(py, self.inner.default_start().iter().copied())
     }
 
-    /// The `Robot` or `Model` of the arm.
-    #[getter]
-    fn robot(&self, py: Python<'_>) -> Py<PyAny> {
-        self.mechanism.clone_ref(py)
-    }
-
-    /// Frame of the targets; None for the world.
-    #[getter]
-    fn base(&self) -> Option<&str> {
-        self.base.as_deref()
-    }
-
-    /// The frame that carries the tool.
-    #[getter]
-    fn tip(&self) -> &str {
-        &self.tip
-    }
-
     /// The arm with another world, copied at this moment, or another margin (metres; None keeps it). Takes tens of
     /// microseconds, because the seed atlas is shared.
     ///
@@ -275,7 +244,10 @@ impl Arm {
         world: &Bound<'_, World>,
         margin: Option<f64>,
     ) -> PyResult<Self> {
-        let inner = obstacles::moved(&self.inner, world, margin)?;
+        let inner = self
+            .inner
+            .with_world(&world.get().snapshot(), margin)
+            .or_raise()?;
         let changed = self.changed(py, inner, "world", world)?;
         if let Some(margin) = margin {
             changed.options.bind(py).set_item("margin", margin)?;
@@ -556,11 +528,7 @@ impl Arm {
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (
-            self.mechanism.bind(py),
-            self.base.as_deref(),
-            self.tip.as_str(),
-        );
+        let arguments = (self.robot.bind(py), self.base.as_deref(), self.tip.as_str());
         Ok((arguments, self.options.bind(py))
             .into_pyobject(py)?
             .into_any())

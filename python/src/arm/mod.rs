@@ -5,8 +5,6 @@ mod arm;
 mod batch;
 mod derivative;
 mod follower;
-mod obstacles;
-mod options;
 mod servo;
 mod track;
 

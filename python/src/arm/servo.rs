@@ -2,14 +2,16 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kinopt::arm::{HeldBy, Servo as Controlled, ServoStatus, ServoStep as Cycle};
-use kinopt::ik::Side;
+use kinopt::arm::{Servo as Controlled, ServoStep as Cycle};
+use kinopt_bindings::names::{held_by, servo_status};
+use kinopt_bindings::option::servo::ServoOptions;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
-use crate::arrays;
+use crate::arrays::{self, Floats};
 use crate::error::OrRaise;
+use crate::object::Object;
 use crate::placement::placement;
 use crate::solution::Collision;
 
@@ -30,17 +32,6 @@ pub(crate) struct Servo {
     cell: Mutex<Cell>,
 }
 
-/// Options of a servo, one number for each free joint; `None` is the default.
-pub(super) struct ServoOptions {
-    pub(super) velocity_limits: Option<Vec<f64>>,
-    pub(super) acceleration_limits: Option<Vec<f64>>,
-    pub(super) jerk_limits: Option<Vec<f64>>,
-    pub(super) velocity: Option<Vec<f64>>,
-    pub(super) acceleration: Option<Vec<f64>>,
-    pub(super) straight_line: bool,
-    pub(super) damping: Option<f64>,
-}
-
 impl Servo {
     pub(super) fn new(
         arm: Arc<kinopt::Arm>,
@@ -49,27 +40,8 @@ impl Servo {
         options: &ServoOptions,
     ) -> PyResult<Self> {
         let cell = Cell::try_new(arm, |arm| {
-            let mut servo = arm.servo(start, time_step).or_raise()?;
-            if let Some(limits) = &options.velocity_limits {
-                servo = servo.with_velocity_limits(limits).or_raise()?;
-            }
-            if let Some(limits) = &options.acceleration_limits {
-                servo = servo.with_acceleration_limits(limits).or_raise()?;
-            }
-            if let Some(limits) = &options.jerk_limits {
-                servo = servo.with_jerk_limits(limits).or_raise()?;
-            }
-            servo = servo.with_straight_line(options.straight_line);
-            if let Some(radians) = options.damping {
-                servo = servo.with_damping(radians).or_raise()?;
-            }
-            if options.velocity.is_some() || options.acceleration.is_some() {
-                let zeros = vec![0.0; start.len()];
-                let velocity = options.velocity.as_ref().unwrap_or(&zeros);
-                let acceleration = options.acceleration.as_ref().unwrap_or(&zeros);
-                servo = servo.with_motion(velocity, acceleration).or_raise()?;
-            }
-            PyResult::Ok(servo)
+            let servo = arm.servo(start, time_step).or_raise()?;
+            options.apply::<Object>(servo)
         })?;
         Ok(Self {
             cell: Mutex::new(cell),
@@ -150,39 +122,15 @@ impl Servo {
     }
 }
 
-fn status_name(status: ServoStatus) -> &'static str {
-    match status {
-        ServoStatus::OnTarget => "on_target",
-        ServoStatus::SpeedLimited => "speed_limited",
-        ServoStatus::Settling => "settling",
-        ServoStatus::Blocked => "blocked",
-        ServoStatus::Touching => "touching",
-        ServoStatus::Stopping => "stopping",
-        ServoStatus::Stopped => "stopped",
-        _ => "nearest",
-    }
-}
-
-fn by_name(by: HeldBy) -> &'static str {
-    match by {
-        HeldBy::Limit(Side::Lower) => "lower limit",
-        HeldBy::Limit(Side::Upper) => "upper limit",
-        HeldBy::Speed(Side::Lower) => "speed down",
-        HeldBy::Speed(Side::Upper) => "speed up",
-        HeldBy::Acceleration(Side::Lower) => "acceleration down",
-        HeldBy::Acceleration(Side::Upper) => "acceleration up",
-        HeldBy::Outside(Side::Lower) => "below lower limit",
-        HeldBy::Outside(Side::Upper) => "above upper limit",
-        _ => "other",
-    }
-}
-
 /// One control cycle of a `Servo`: the commanded configuration and its errors.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct ServoStep {
-    q: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
+    /// Commanded joint positions, shape (dof,), radians or metres, within their limits.
+    q: Floats,
+    /// Difference of `q` to the last cycle, divided by the time step, shape (dof,), rad/s or m/s.
+    velocity: Floats,
+    /// Difference of `velocity` to the last cycle, divided by the time step, shape (dof,), rad/s² or m/s².
+    acceleration: Floats,
     /// State of the servo:
     ///
     /// - "on_target": the tool is within its tolerances.
@@ -192,35 +140,35 @@ pub(crate) struct ServoStep {
     /// - "blocked": brakes or rests before a collision.
     /// - "touching": a pair in contact at the start of the servo is still in contact.
     /// - "stopping", "stopped": braking and at rest after `Servo.stop`.
-    #[pyo3(get)]
     status: &'static str,
     /// True if the tool is within the tolerances of its target, and no pair is in contact. The arm may still move: see
     /// `velocity`.
-    #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.
-    #[pyo3(get)]
     position_error: f64,
     /// Angle between the tool and its target, radians.
-    #[pyo3(get)]
     orientation_error: f64,
+    /// Joints with an active limit, and that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up"
+    /// | "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration limits
+    /// include jerk and braking distance. The last two are joints that began outside their limits and return.
     held: Vec<(String, &'static str)>,
+    /// Pairs that block the motion, or that are in contact, the deepest first: `Collision`s; empty on target.
     collisions: Vec<Collision>,
 }
 
 impl ServoStep {
     fn of(step: &Cycle<'_>) -> Self {
         Self {
-            q: step.q.to_vec(),
-            velocity: step.velocity.to_vec(),
-            acceleration: step.acceleration.to_vec(),
-            status: status_name(step.status),
+            q: Floats(step.q.to_vec()),
+            velocity: Floats(step.velocity.to_vec()),
+            acceleration: Floats(step.acceleration.to_vec()),
+            status: servo_status(step.status),
             reached: step.reached(),
             position_error: step.position_error,
             orientation_error: step.orientation_error,
             held: step
                 .held()
-                .map(|(joint, by)| (joint.to_owned(), by_name(by)))
+                .map(|(joint, by)| (joint.to_owned(), held_by(by)))
                 .collect(),
             collisions: step
                 .collisions
@@ -234,38 +182,6 @@ impl ServoStep {
 
 #[pymethods]
 impl ServoStep {
-    /// Commanded joint positions, shape (dof,), radians or metres, within their limits.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.q)
-    }
-
-    /// Difference of `q` to the last cycle, divided by the time step, shape (dof,), rad/s or m/s.
-    #[getter]
-    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.velocity)
-    }
-
-    /// Difference of `velocity` to the last cycle, divided by the time step, shape (dof,), rad/s² or m/s².
-    #[getter]
-    fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.acceleration)
-    }
-
-    /// Joints with an active limit, and that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up"
-    /// | "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration limits
-    /// include jerk and braking distance. The last two are joints that began outside their limits and return.
-    #[getter]
-    fn held(&self) -> Vec<(String, &'static str)> {
-        self.held.clone()
-    }
-
-    /// Pairs that block the motion, or that are in contact, the deepest first: `Collision`s; empty on target.
-    #[getter]
-    fn collisions(&self) -> Vec<Collision> {
-        self.collisions.clone()
-    }
-
     fn __repr__(&self) -> String {
         format!(
             "ServoStep({}, {:.3e} m, {:.3e} rad)",

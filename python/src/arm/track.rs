@@ -2,13 +2,15 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+use serde::{Deserialize, Serialize};
 
+use crate::error::OrRaise;
 use crate::pickling;
 use crate::solver::Solutions;
 
 /// A step in which a joint moves farther than 0.2 rad.
 #[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Jump {
     /// Index of the step's target in the path; the motion starts at the previous target.
     step: usize,
@@ -77,28 +79,18 @@ impl Track {
         class: &Bound<'py, PyType>,
         solutions: &str,
         dof: usize,
-        jumps: Vec<(usize, String, f64, bool)>,
+        jumps: &str,
     ) -> PyResult<Bound<'py, Self>> {
-        let jump = |(step, joint, distance, continuous)| Jump {
-            step,
-            joint,
-            distance,
-            continuous,
-        };
-        let jumps = jumps.into_iter().map(jump).collect();
-        Bound::new(
-            class.py(),
-            (Self { jumps }, Solutions::read(solutions, dof)?),
-        )
+        let jumps = pickling::of_json(jumps)?;
+        let solutions = Solutions::read(solutions, dof)?;
+        Bound::new(class.py(), (Self { jumps }, solutions))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let py = slf.py();
-        let jumps = slf.get().jumps.iter();
-        let jumps = jumps.map(|j| (j.step, j.joint.as_str(), j.distance, j.continuous));
+        let jumps = serde_json::to_string(&slf.get().jumps).or_raise()?;
         let (solutions, dof) = slf.as_super().get().written()?;
-        let arguments = (solutions, dof, jumps.collect::<Vec<_>>());
-        pickling::by_method(py.get_type::<Self>().as_any(), "_rebuild_path", arguments)
+        let class = slf.py().get_type::<Self>();
+        pickling::by_method(class.as_any(), "_rebuild_path", (solutions, dof, jumps))
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> String {

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use super::Model;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::loops::NamedLoop;
+use crate::named_loop::NamedLoop;
 use crate::placement;
 
 /// Builds a model joint by joint; joints and frames are identified by name.

@@ -17,7 +17,7 @@ pub(crate) use parts::{Frame, Joint};
 use crate::arrays;
 use crate::configuration::of_two;
 use crate::error::{OrRaise, invalid};
-use crate::loops::{self, LoopParts};
+use crate::named_loop::{self, LoopParts};
 use crate::pickling;
 
 /// Immutable tree of joints and their frames.
@@ -140,7 +140,7 @@ impl Model {
     /// frames, the placements relative to them, shape (2, 4, 4)).
     #[getter]
     pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
-        loops::loop_parts(py, &self.inner)
+        named_loop::loop_parts(py, &self.inner)
     }
 
     /// Unit of lengths: "m", or "units" for an unknown unit.

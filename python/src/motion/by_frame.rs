@@ -2,12 +2,14 @@
 
 use kinopt::motion::trajectory::MotionProblemBuilder;
 use kinopt::task::Task;
+use kinopt_bindings::task::{BoxedTask, Goal, Target, TaskBuilder, moved};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::invalid;
-use crate::problem::{self, AnyTask, CompiledProblem, Target, TaskBuilder};
+use crate::object::Object;
+use crate::problem::CompiledProblem;
 
 /// Adds tasks with their targets and weights by sample.
 pub(super) struct ByFrame<'a, 'm, 'py> {
@@ -34,7 +36,7 @@ pub(super) fn of_tasks<'py>(
     compiled: &CompiledProblem,
 ) -> PyResult<Vec<TaskEntry<'py>>> {
     let mut entries: Vec<TaskEntry<'py>> = Vec::new();
-    for (key, values) in problem::items(options.get_item(name)?.as_ref(), name)? {
+    for (key, values) in arrays::items(options.get_item(name)?.as_ref(), name)? {
         let task = compiled.task(&key)?;
         let what = format!("{name} of {}", key.str()?);
         if entries.iter().any(|entry| entry.task == task) {
@@ -45,8 +47,12 @@ pub(super) fn of_tasks<'py>(
     Ok(entries)
 }
 
-impl TaskBuilder for ByFrame<'_, '_, '_> {
-    fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>> {
+impl TaskBuilder<Object> for ByFrame<'_, '_, '_> {
+    fn add_task<R>(&mut self, task: Task<R>, residual: R) -> PyResult<BoxedTask<Object>>
+    where
+        R: Target,
+        R::Goal: Goal<Object>,
+    {
         let task_number = self.task;
         let index_of =
             |all: &[TaskEntry<'_>]| all.iter().position(|entry| entry.task == task_number);
@@ -70,7 +76,11 @@ impl TaskBuilder for ByFrame<'_, '_, '_> {
 }
 
 /// Reads one target for each sample, and validates it on the residual.
-fn read<R: Target>(entry: &TaskEntry<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Value>> {
+fn read<R>(entry: &TaskEntry<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Goal>>
+where
+    R: Target,
+    R::Goal: Goal<Object>,
+{
     let what = &entry.what;
     let count = entry
         .values
@@ -82,14 +92,8 @@ fn read<R: Target>(entry: &TaskEntry<'_>, residual: &R, frames: usize) -> PyResu
     let mut targets = Vec::with_capacity(frames);
     for (frame, value) in entry.values.try_iter()?.enumerate() {
         let what = format!("{what}, frame {frame},");
-        let target = R::read(&value?, &what)?;
-        let mut moved = residual.clone();
-        moved
-            .aim(&target)
-            .map_err(|problem| invalid(format!("{what} {problem}")))?;
-        moved
-            .validate()
-            .map_err(|problem| invalid(format!("{what} {problem}")))?;
+        let target = R::Goal::read(&Object::of(&value?), &what)?;
+        moved::<Object, R>(residual, &target, &what, "")?;
         targets.push(target);
     }
     Ok(targets)

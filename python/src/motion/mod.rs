@@ -43,22 +43,6 @@ pub(crate) struct MotionProblem {
     options: Py<PyDict>,
 }
 
-/// Names of the keywords.
-const OPTIONS: [&str; 12] = [
-    "parameters",
-    "bounds",
-    "tolerance",
-    "targets",
-    "weights",
-    "velocity",
-    "acceleration",
-    "jerk",
-    "max_speeds",
-    "contacts",
-    "first",
-    "last",
-];
-
 #[pymethods]
 impl MotionProblem {
     #[new]
@@ -90,28 +74,21 @@ impl MotionProblem {
         let tasks = tasks.try_iter();
         let tasks = tasks.map_err(|_| invalid("tasks must be a list of tasks"))?;
         let tasks = PyTuple::new(py, tasks.collect::<PyResult<Vec<_>>>()?)?;
-        let options = PyDict::new(py);
-        let values = [
-            parameters.map(Bound::as_any),
-            bounds,
-            tolerance,
-            targets,
-            weights,
-            velocity,
-            acceleration,
-            jerk,
-            max_speeds,
-            contacts,
-            first,
-            last,
+        let keywords = [
+            ("parameters", parameters.map(Bound::as_any)),
+            ("bounds", bounds),
+            ("tolerance", tolerance),
+            ("targets", targets),
+            ("weights", weights),
+            ("velocity", velocity),
+            ("acceleration", acceleration),
+            ("jerk", jerk),
+            ("max_speeds", max_speeds),
+            ("contacts", contacts),
+            ("first", first),
+            ("last", last),
         ];
-        // Copies arguments that the caller may change later.
-        let copy = py.import("copy")?;
-        for (name, value) in OPTIONS.into_iter().zip(values) {
-            if let Some(value) = value {
-                options.set_item(name, copy.call_method1("deepcopy", (value,))?)?;
-            }
-        }
+        let options = pickling::kept(py, &keywords)?;
         let inner = build(model, frames, time_step, &tasks, &options)?;
         let inner_model = model_of(model)?;
         let names = crate::model::Model { inner: inner_model }.coordinate_names();
@@ -247,7 +224,7 @@ fn build(
         (None, Some(robot)) => drop(builder.parameters(robot.get().inner.map().clone())),
         (None, None) => {}
     }
-    for (joint, limits) in problem::items(options.get_item("bounds")?.as_ref(), "bounds")? {
+    for (joint, limits) in arrays::items(options.get_item("bounds")?.as_ref(), "bounds")? {
         let joint = arrays::name(&joint, "a joint of bounds")?;
         builder.bound(joint.as_str(), limits_of(&limits, "bounds")?);
     }
@@ -279,7 +256,7 @@ fn build(
     }
     match (options.get_item("max_speeds")?, robot) {
         (Some(speeds), _) => {
-            for (joint, speed) in problem::items(Some(&speeds), "max_speeds")? {
+            for (joint, speed) in arrays::items(Some(&speeds), "max_speeds")? {
                 let joint = arrays::name(&joint, "a joint of max_speeds")?;
                 if let Ok((linear, angular)) = speed.extract::<(f64, f64)>() {
                     builder.max_free_speed(&joint, linear, angular);
@@ -316,7 +293,7 @@ type CostOfWeight = fn(f64) -> RateCost;
 fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: CostOfWeight) -> PyResult<RateCost> {
     if let Ok((weight, factors)) = value.extract::<(f64, Bound<'_, PyAny>)>() {
         let mut weighted = cost(weight);
-        for (joint, factor) in problem::items(Some(&factors), name)? {
+        for (joint, factor) in arrays::items(Some(&factors), name)? {
             let joint = arrays::name(&joint, &format!("a joint of {name}"))?;
             weighted = weighted.scale(joint, arrays::number(&factor, name)?);
         }

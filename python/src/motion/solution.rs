@@ -1,16 +1,17 @@
 //! Solutions of trajectory optimisation.
 
 use kinopt::motion::trajectory::{self, MotionBound, MotionTermination};
-use kinopt::solver::Side;
+use kinopt_bindings::names;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::arrays;
 use crate::pickling;
 
 /// A required task whose error exceeds its tolerance in a sample.
 #[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct MissedFrame {
     /// Index of the sample.
     frame: usize,
@@ -24,7 +25,7 @@ pub(crate) struct MissedFrame {
 
 /// An active limit of a trajectory in a sample.
 #[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct ActiveMotionLimit {
     /// Index of the sample; for a speed limit, of the second of the two samples.
     frame: usize,
@@ -38,37 +39,53 @@ pub(crate) struct ActiveMotionLimit {
     push: f64,
 }
 
-macro_rules! parts {
-    ($class:ident($($part:ident: $kind:ty),*), $repr:expr) => {
-        #[pymethods]
-        impl $class {
-            fn __repr__(&self) -> String {
-                let repr: fn(&Self) -> String = $repr;
-                repr(self)
-            }
+#[pymethods]
+impl MissedFrame {
+    fn __repr__(&self) -> String {
+        let Self {
+            frame, task, error, ..
+        } = self;
+        format!(
+            "MissedFrame({frame}, {task:?}, {error:.3e} {})",
+            self.quantity
+        )
+    }
 
-            fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-                let report = slf.get();
-                pickling::by_rebuild::<Self>(slf.py(), ($(report.$part.clone()),*))
-            }
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
+    }
 
-            #[staticmethod]
-            fn _rebuild($($part: $kind),*) -> Self {
-                Self { $($part),* }
-            }
-        }
-    };
+    #[staticmethod]
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
+    }
 }
 
-parts!(MissedFrame(frame: usize, task: String, quantity: String, error: f64), |miss| {
-    format!("MissedFrame({}, {:?}, {:.3e} {})", miss.frame, miss.task, miss.error, miss.quantity)
-});
-parts!(ActiveMotionLimit(frame: usize, joint: String, bound: String, side: String, push: f64), |limit| {
-    format!("ActiveMotionLimit({}, {:?}, {} {})", limit.frame, limit.joint, limit.side, limit.bound)
-});
+#[pymethods]
+impl ActiveMotionLimit {
+    fn __repr__(&self) -> String {
+        let Self {
+            frame, joint, side, ..
+        } = self;
+        format!(
+            "ActiveMotionLimit({frame}, {joint:?}, {side} {})",
+            self.bound
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
+    }
+
+    #[staticmethod]
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
+    }
+}
 
 /// Solution of a trajectory problem, with its errors.
 #[pyclass(frozen, module = "kinopt")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct MotionSolution {
     q: Vec<f64>,
     width: usize,
@@ -106,7 +123,7 @@ pub(crate) struct MotionSolution {
 impl MotionSolution {
     pub(super) fn new(
         solved: &trajectory::MotionSolution,
-        names: Vec<String>,
+        joint_names: Vec<String>,
         width: usize,
     ) -> Self {
         let frames = 0..solved.frames();
@@ -129,11 +146,7 @@ impl MotionSolution {
                         _ => "position",
                     }
                     .to_owned(),
-                    side: match limit.side {
-                        Side::Lower => "lower",
-                        Side::Upper => "upper",
-                    }
-                    .to_owned(),
+                    side: names::side(limit.side).to_owned(),
                     push: limit.push,
                 })
         });
@@ -150,7 +163,7 @@ impl MotionSolution {
                 .collect(),
             q: solved.q().to_vec(),
             width,
-            names,
+            names: joint_names,
             cost: solved.cost(),
             cost_of_rates: solved.cost_of_rates(),
             termination: termination.to_owned(),
@@ -160,14 +173,6 @@ impl MotionSolution {
         }
     }
 }
-
-/// Data that rebuild a solution.
-type Parts = (
-    (Vec<f64>, usize, Vec<f64>, Vec<String>),
-    (f64, f64, String, usize, f64, f64),
-    Vec<(usize, String, String, f64)>,
-    Vec<(usize, String, String, String, f64)>,
-);
 
 #[pymethods]
 impl MotionSolution {
@@ -204,76 +209,12 @@ impl MotionSolution {
         )
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let solution = slf.get();
-        let missed = solution.missed.iter().map(|miss| {
-            (
-                miss.frame,
-                miss.task.clone(),
-                miss.quantity.clone(),
-                miss.error,
-            )
-        });
-        let limits = solution.active_limits.iter().map(|limit| {
-            let (bound, side) = (limit.bound.clone(), limit.side.clone());
-            (limit.frame, limit.joint.clone(), bound, side, limit.push)
-        });
-        let parts: Parts = (
-            (
-                solution.q.clone(),
-                solution.width,
-                solution.costs.clone(),
-                solution.names.clone(),
-            ),
-            (
-                solution.cost,
-                solution.cost_of_rates,
-                solution.termination.clone(),
-                solution.iterations,
-                solution.slip,
-                solution.loop_gap,
-            ),
-            missed.collect(),
-            limits.collect(),
-        );
-        pickling::by_rebuild::<Self>(slf.py(), (parts,))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
     #[staticmethod]
-    fn _rebuild(parts: Parts) -> Self {
-        let ((q, width, costs, names), scalars, missed, limits) = parts;
-        let (cost, cost_of_rates, termination, iterations, slip, loop_gap) = scalars;
-        let missed = missed
-            .into_iter()
-            .map(|(frame, task, quantity, error)| MissedFrame {
-                frame,
-                task,
-                quantity,
-                error,
-            });
-        let limits =
-            limits
-                .into_iter()
-                .map(|(frame, joint, bound, side, push)| ActiveMotionLimit {
-                    frame,
-                    joint,
-                    bound,
-                    side,
-                    push,
-                });
-        Self {
-            q,
-            width,
-            costs,
-            names,
-            cost,
-            cost_of_rates,
-            termination,
-            iterations,
-            slip,
-            loop_gap,
-            missed: missed.collect(),
-            active_limits: limits.collect(),
-        }
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }

@@ -17,7 +17,7 @@ use crate::placement;
 #[pyclass(frozen, module = "kinopt.tasks")]
 #[derive(Clone, Copy)]
 pub(crate) struct Camera {
-    pub(super) inner: kinopt::task::Camera,
+    pub(crate) inner: kinopt::task::Camera,
 }
 
 #[pymethods]

@@ -1,33 +1,44 @@
 //! Immutable compiled problems.
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use kinopt::Workspace;
 use kinopt::collision::Checker;
 use kinopt::model::JointId;
-use kinopt::problem::{Evaluation, ProblemError, ProblemInstance, Targets};
+use kinopt::problem::{Evaluation, ProblemError};
+use kinopt_bindings::names::{DERIVATIVES, PREFERENCES, named};
+use kinopt_bindings::problem::NamedProblem;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::task::{self, items};
-use super::{
-    Aimed, AnyTask, DERIVATIVES, Move, PREFERENCES, ParameterMap, named, parameters, raised,
-};
-use crate::arrays;
+use super::{ParameterMap, parameters, raised, task};
+use crate::arrays::{self, items};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::object::Object;
 use crate::pool::Pool;
 use crate::robot::Robot;
+
+/// A converted target.
+pub(crate) type Move = kinopt_bindings::task::Move<Object>;
 
 /// Targets read from Python, with task indices.
 pub(crate) type Moves = Vec<(usize, Move)>;
 
 /// Snapshot of a problem at the start of a solve.
 pub(crate) struct CompiledProblem {
-    pub(crate) inner: kinopt::Problem,
-    ids: Vec<Box<dyn AnyTask>>,
+    problem: NamedProblem<Object>,
     model: Arc<kinopt::Model>,
     pub(crate) workspaces: Pool<Workspace>,
+}
+
+impl Deref for CompiledProblem {
+    type Target = NamedProblem<Object>;
+
+    fn deref(&self) -> &NamedProblem<Object> {
+        &self.problem
+    }
 }
 
 impl CompiledProblem {
@@ -65,8 +76,10 @@ impl CompiledProblem {
             }
         }
         let text = |name: &str| options.as_any().get_item(name)?.extract::<String>();
-        builder.derivatives(named("derivatives", &text("derivatives")?, &DERIVATIVES)?);
-        builder.preferences(named("preferences", &text("preferences")?, &PREFERENCES)?);
+        let derivatives = named("derivatives", &text("derivatives")?, &DERIVATIVES);
+        builder.derivatives(derivatives.or_raise()?);
+        let preferences = named("preferences", &text("preferences")?, &PREFERENCES);
+        builder.preferences(preferences.or_raise()?);
         if let Some(checker) = checker {
             builder.keep_clear(checker);
         }
@@ -90,46 +103,21 @@ impl CompiledProblem {
             }
         };
         Ok(Ok(Arc::new(Self {
-            inner,
-            ids,
+            problem: NamedProblem::new(inner, ids),
             model: inner_model,
             workspaces: Pool::new(Workspace::new()),
         })))
     }
 
-    /// Names of the tasks, in their order.
-    pub(super) fn task_names(&self) -> impl Iterator<Item = &str> {
-        (0..self.inner.tasks()).filter_map(|task| self.inner.task_name(task))
-    }
-
     /// Index of the task for a key of targets: a name or an index.
     pub(crate) fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
-        if let Ok(index) = key.extract::<usize>() {
-            return match index < self.ids.len() {
-                true => Ok(index),
-                false => Err(invalid(format!(
-                    "targets names task {index}, the problem has {} tasks",
-                    self.ids.len()
-                ))),
-            };
+        if let Ok(index) = key.extract() {
+            return self.task_at(index);
         }
-        let Ok(name) = key.extract::<String>() else {
-            return Err(invalid(
-                "targets must be a dict by the tasks' names or indices",
-            ));
-        };
-        let names: Vec<&str> = self.task_names().collect();
-        let mut matches = names
-            .iter()
-            .enumerate()
-            .filter(|(_, task_name)| **task_name == name);
-        match (matches.next(), matches.next()) {
-            (Some((index, _)), None) => Ok(index),
-            (Some(_), Some(_)) => Err(invalid(format!(
-                "several tasks are named `{name}`: give targets by index"
-            ))),
-            (None, _) => Err(kinopt::model::UnknownName::new("task", &name, names)).or_raise(),
-        }
+        let name = key.extract::<String>();
+        self.task_named(
+            &name.map_err(|_| invalid("targets must be a dict by the tasks' names or indices"))?,
+        )
     }
 
     /// Targets of a dict with task indices, not yet converted.
@@ -148,46 +136,23 @@ impl CompiledProblem {
         Ok(by_task)
     }
 
-    /// Converts a target of a task.
-    pub(crate) fn read(&self, task: usize, value: &Bound<'_, PyAny>) -> PyResult<Move> {
-        let name = self.inner.task_name(task).unwrap_or_default();
-        self.ids[task].read(value, &format!("the target of {name}"))
-    }
-
     /// Converts a dict of targets.
     pub(crate) fn moves(&self, targets: Option<&Bound<'_, PyAny>>) -> PyResult<Moves> {
         let targets = self.targets_by_task(targets)?.into_iter();
         targets
-            .map(|(task, value)| Ok((task, self.read(task, &value)?)))
+            .map(|(task, value)| Ok((task, self.read(task, &Object::of(&value))?)))
             .collect()
-    }
-
-    /// Targets of the problem with some of them moved.
-    pub(crate) fn targets_with<'a>(
-        &self,
-        moves: impl IntoIterator<Item = &'a Move>,
-    ) -> PyResult<Targets> {
-        let mut targets = self.inner.targets();
-        for aim in moves {
-            aim(&mut Aimed::Targets(&mut targets))?;
-        }
-        Ok(targets)
-    }
-
-    /// Problem instance with these targets.
-    pub(crate) fn instance<'a>(&'a self, targets: &'a Targets) -> PyResult<ProblemInstance<'a>> {
-        self.inner.with_targets(targets).or_raise()
     }
 
     /// Reads variables or a configuration. If both have the same length they are equal: every missing variable is a
     /// locked or mimic coordinate, or the fourth number of a quaternion.
-    fn variables_of(&self, x: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    fn variables(&self, x: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         let numbers = arrays::vector(x, "x")?;
         let (variables, configuration_len) =
             (self.inner.variables(), self.inner.configuration_len());
         match numbers.len() {
             length if length == variables => Ok(numbers.to_vec()),
-            length if length == configuration_len => self.reduced(&numbers),
+            length if length == configuration_len => self.variables_of(&self.model, &numbers),
             length if configuration_len == variables => Err(invalid(format!(
                 "x has shape ({length},), expected ({configuration_len},)"
             ))),
@@ -198,35 +163,6 @@ impl CompiledProblem {
         }
     }
 
-    /// Variables of a configuration; returns an error if the problem does not allow the configuration.
-    fn reduced(&self, q: &[f64]) -> PyResult<Vec<f64>> {
-        let map = self.inner.parameters();
-        let (mut x, mut projected) = (vec![0.0; map.variables()], vec![0.0; q.len()]);
-        let mut unit = q.to_vec();
-        self.model.normalise(&mut unit).or_raise()?;
-        map.reduce(&unit, &mut x).or_raise()?;
-        map.expand(&x, &mut projected).or_raise()?;
-        for (index, &id) in self.model.moving_joints().iter().enumerate() {
-            // A quaternion and its negative are equal rotations.
-            let sign = match self.model.coordinate(id) {
-                Some(first) if self.model.joints()[id.index()].kind.is_ball() => {
-                    let parts = unit[first..].iter().zip(&projected[first..]).take(4);
-                    parts.map(|(a, b)| a * b).sum::<f64>().signum()
-                }
-                _ => 1.0,
-            };
-            let (actual, required) = (unit[index], sign * projected[index]);
-            if (actual - required).abs() > 1e-9 * (1.0 + actual.abs()) {
-                let name = &self.model.joints()[id.index()].name;
-                return Err(invalid(format!(
-                    "x is not a configuration of the problem: `{name}` is at {actual}, but locked joints, \
-                     mimic joints and bounds require {required}"
-                )));
-            }
-        }
-        Ok(x)
-    }
-
     /// Evaluates a quantity of the problem at x.
     pub(super) fn evaluate<T: Send>(
         &self,
@@ -235,7 +171,7 @@ impl CompiledProblem {
         targets: Option<&Bound<'_, PyAny>>,
         what: impl FnOnce(&mut Evaluation<'_>, &[f64], usize, usize) -> T + Send,
     ) -> PyResult<T> {
-        let x = self.variables_of(x)?;
+        let x = self.variables(x)?;
         let moves = self.moves(targets)?;
         let targets = self.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let instance = self.instance(&targets)?;

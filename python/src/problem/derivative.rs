@@ -9,9 +9,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::task::items;
 use super::{CompiledProblem, Problem, raised};
-use crate::arrays;
+use crate::arrays::{self, items};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;

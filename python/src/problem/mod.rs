@@ -1,20 +1,17 @@
 //! Problems: tasks on a model, and bounds.
 
-mod body_tasks;
 mod camera;
 mod compiled;
 mod derivative;
 mod frozen;
 mod parameters;
 mod python_residual;
-mod target;
 mod task;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::collision::Checker;
 use kinopt::nalgebra::DMatrix;
-use kinopt::problem::{Derivatives, Preferences};
 use kinopt::solver::LeastSquares;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -27,13 +24,12 @@ use crate::pickling;
 use crate::solution::Collision;
 use crate::world::World;
 pub(crate) use camera::Camera;
-pub(crate) use compiled::CompiledProblem;
+pub(crate) use compiled::{CompiledProblem, Move};
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
-pub(crate) use target::Target;
-pub(crate) use task::{Aimed, AnyTask, Move, TaskBuilder, add, items, tolerances};
+pub(crate) use task::{add, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
@@ -102,10 +98,7 @@ impl Problem {
         joint_origins: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
-        let options = PyDict::new(py);
-        options.set_item("parameters", parameters)?;
-        // Copies arguments that the caller may change later.
-        let entries = [
+        let keywords = [
             ("bounds", bounds),
             ("tolerance", tolerance),
             ("world", world),
@@ -114,12 +107,8 @@ impl Problem {
             ("weights", weights),
             ("joint_origins", joint_origins),
         ];
-        for (name, value) in entries {
-            if let Some(value) = value {
-                let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
-                options.set_item(name, copy)?;
-            }
-        }
+        let options = pickling::kept(py, &keywords)?;
+        options.set_item("parameters", parameters)?;
         options.set_item("derivatives", derivatives)?;
         options.set_item("preferences", preferences)?;
         let tasks = match tasks {
@@ -249,33 +238,21 @@ impl Problem {
 
     /// Derivative mode.
     #[getter]
-    fn derivatives(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self
-            .options
-            .bind(py)
-            .as_any()
-            .get_item("derivatives")?
-            .unbind())
+    fn derivatives<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.options.bind(py).as_any().get_item("derivatives")
     }
 
     /// Mode of soft tasks: "within_goals" or "traded".
     #[getter]
-    fn preferences(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self
-            .options
-            .bind(py)
-            .as_any()
-            .get_item("preferences")?
-            .unbind())
+    fn preferences<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.options.bind(py).as_any().get_item("preferences")
     }
 
     /// The problem with another derivative mode.
     ///
     /// Raises `UnknownNameError` for an unknown mode.
     fn with_derivatives(&self, py: Python<'_>, derivatives: &str) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        options.set_item("derivatives", derivatives)?;
-        self.with_options(&options)
+        self.with_option(py, "derivatives", derivatives)
     }
 
     /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `scale` of the tasks.
@@ -288,9 +265,7 @@ impl Problem {
     ///
     /// Raises `InvalidValueError` for another shape, weights below 0 or not finite, and a problem in a world.
     fn with_weights(&self, py: Python<'_>, weights: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        options.set_item("weights", weights)?;
-        self.with_options(&options)
+        self.with_option(py, "weights", weights)
     }
 
     /// The problem with other origins of some joints relative to their parents, {"joint": (x, y, z)} in metres and the
@@ -303,18 +278,16 @@ impl Problem {
         py: Python<'_>,
         joint_origins: &Bound<'_, PyAny>,
     ) -> PyResult<Py<PyAny>> {
-        let options = self.options.bind(py).copy()?;
-        let all = PyDict::new(py);
+        let (options, all) = (self.options.bind(py), PyDict::new(py));
         for origins in [
             options.get_item("joint_origins")?.as_ref(),
             Some(joint_origins),
         ] {
-            for (joint, origin) in items(origins, "joint_origins")? {
+            for (joint, origin) in arrays::items(origins, "joint_origins")? {
                 all.set_item(joint, origin)?;
             }
         }
-        options.set_item("joint_origins", all)?;
-        self.with_options(&options)
+        self.with_option(py, "joint_origins", all)
     }
 
     /// The problem with another world, copied at this moment, and another margin in metres; None keeps the margin.
@@ -455,6 +428,18 @@ impl Problem {
         self.current.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The problem with another value of an option.
+    fn with_option<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        value: impl IntoPyObject<'py>,
+    ) -> PyResult<Py<PyAny>> {
+        let options = self.options.bind(py).copy()?;
+        options.set_item(name, value)?;
+        self.with_options(&options)
+    }
+
     fn with_options(&self, options: &Bound<'_, PyDict>) -> PyResult<Py<PyAny>> {
         let py = options.py();
         let arguments = (self.model.bind(py), self.task_tuple(py));
@@ -485,30 +470,4 @@ impl Problem {
         let compiled = self.lock().compiled.clone();
         compiled.map_err(invalid)
     }
-}
-
-const DERIVATIVES: [(&str, Derivatives); 4] = [
-    ("analytic", Derivatives::Analytic),
-    ("dual", Derivatives::Dual),
-    ("forward_difference", Derivatives::ForwardDifference),
-    ("central_difference", Derivatives::CentralDifference),
-];
-
-const PREFERENCES: [(&str, Preferences); 2] = [
-    ("within_goals", Preferences::WithinGoals),
-    ("traded", Preferences::Traded),
-];
-
-/// Returns a value by its name.
-pub(crate) fn named<T: Copy>(
-    kind: &'static str,
-    name: &str,
-    known: &[(&'static str, T)],
-) -> PyResult<T> {
-    let entry = known.iter().find(|(word, _)| *word == name);
-    let names = known.iter().map(|(word, _)| *word);
-    entry
-        .map(|(_, value)| *value)
-        .ok_or_else(|| kinopt::model::UnknownName::new(kind, name, names))
-        .or_raise()
 }

@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use kinopt::model::{JointId, JointKind, Limits, ParameterMapBuilder};
+use kinopt::model::{JointId, Limits, ParameterMapBuilder};
+use kinopt_bindings::parameters;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::task::items;
-use crate::arrays;
+use crate::arrays::{self, items};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
+use crate::object::Object;
 use crate::pickling;
 use crate::robot::Robot;
 
@@ -52,14 +53,13 @@ impl ParameterMap {
             inner_model.joint(&name).or_raise()
         };
         let mut builder = parameters_of(model, &inner_model);
+        let mut locked = Vec::new();
         for (name, value) in items(lock, "lock")? {
-            let what = format!("the locked value of {name}");
-            let id = joint(&name)?;
-            builder = match inner_model.joints()[id.index()].kind {
-                JointKind::Ball => builder.with_locked_ball(id, arrays::array(&value, &what)?),
-                _ => builder.with_locked(id, arrays::number(&value, &what)?),
-            };
+            let name = arrays::name(&name, "a joint of a parameter map")?;
+            locked.push((name, Object::of(&value)));
         }
+        let what = |name: &str| format!("the locked value of {name}");
+        builder = parameters::lock(builder, &inner_model, locked, what)?;
         for (name, follows) in items(couple, "couple")? {
             let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {
                 invalid("couple must be a dict of (name of the source joint, ratio, offset)")
@@ -70,33 +70,17 @@ impl ParameterMap {
         for (name, limits) in items(narrow, "narrow")? {
             builder = builder.with_narrowed(joint(&name)?, self::limits(&limits, "narrow")?);
         }
-        if let Some(names) = &only {
-            let free: Result<Vec<_>, _> =
-                names.iter().map(|name| inner_model.joint(name)).collect();
-            let q = match at {
-                Some(at) => arrays::vector(at, "at")?.to_vec(),
-                None => inner_model.neutral(),
-            };
-            builder = builder.with_only(&free.or_raise()?, &q);
-        } else if at.is_some() {
-            return Err(invalid(
-                "at needs `only`: it is the configuration of the joints that `only` omits",
-            ));
-        }
+        let at_numbers = at.map(|at| Ok::<_, PyErr>(arrays::vector(at, "at")?.to_vec()));
+        let at_numbers = ("at", at_numbers.transpose()?);
+        builder = parameters::only::<Object>(builder, &inner_model, only.as_deref(), at_numbers)?;
         let inner = builder.build().or_raise()?;
-        let options = PyDict::new(py);
-        let entries = [
+        let keywords = [
             ("lock", lock),
             ("couple", couple),
             ("narrow", narrow),
             ("at", at),
         ];
-        for (name, value) in entries {
-            if let Some(value) = value {
-                let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
-                options.set_item(name, copy)?;
-            }
-        }
+        let options = pickling::kept(py, &keywords)?;
         if let Some(only) = only {
             options.set_item("only", only)?;
         }

@@ -7,13 +7,15 @@ use kinopt::Model;
 use kinopt::model::{FrameId, JointId};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LocalJacobian, NumericResidual, RowBlock};
+use kinopt_bindings::names::quantity;
+use kinopt_bindings::task::{Goal, NumericTarget};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::object::Object;
 use crate::placement;
-use crate::solution::quantity;
 
 thread_local! {
     /// Exception of a Python function called by the library on this thread.
@@ -73,7 +75,7 @@ impl PythonResidual {
             let (name, count): (String, usize) = item.extract()?;
             rows.push(match name.as_str() {
                 "chords" => RowBlock::chords(count),
-                _ => RowBlock::new(quantity(&name)?, count),
+                _ => RowBlock::new(quantity(&name).or_raise()?, count),
             });
         }
         let jacobian = task.getattr("jacobian")?;
@@ -89,7 +91,7 @@ impl PythonResidual {
     }
 
     /// Residual with another function; its derivatives are finite differences.
-    pub(super) fn with_function(&self, function: &Py<PyAny>) -> Self {
+    fn with_function(&self, function: &Py<PyAny>) -> Self {
         let residual = Python::attach(|py| function.clone_ref(py));
         let jacobian = None;
         Self {
@@ -210,5 +212,27 @@ impl NumericResidual for PythonResidual {
             raise_later(error);
         }
         true
+    }
+}
+
+/// Function that replaces that of a residual: its target.
+pub(crate) struct Function(Py<PyAny>);
+
+impl Goal<Object> for Function {
+    fn read(value: &Object, what: &str) -> PyResult<Self> {
+        value.with(|value| match value.is_callable() {
+            true => Ok(Self(value.clone().unbind())),
+            false => Err(invalid(format!(
+                "{what} must be a function, which replaces that of the residual"
+            ))),
+        })
+    }
+}
+
+impl NumericTarget for PythonResidual {
+    type Goal = Function;
+
+    fn aim(&mut self, function: &Function) {
+        *self = self.with_function(&function.0);
     }
 }

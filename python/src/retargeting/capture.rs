@@ -7,7 +7,7 @@ use numpy::ndarray::Ix3;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use super::up_axis;
+use super::up_axis::up_axis;
 use crate::animation::Clip;
 use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};

@@ -7,7 +7,7 @@ use kinopt::motion::retarget::{self, UpAxis};
 use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use super::up_axis;
+use super::up_axis::up_axis;
 use crate::animation::{Armature, Clip};
 use crate::arrays::{self, Numbers};
 use crate::capture::MotionCapture;

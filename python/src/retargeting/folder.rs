@@ -4,11 +4,12 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use kinopt::motion::retarget::folder::{self, FolderError, FolderQuestion, MovementFolder};
+use kinopt_bindings::Classify;
 use pyo3::prelude::*;
 
 use super::request::{Options, foot_shapes_of, read_map, target_of};
-use super::up_axis;
-use crate::error::{Fault, OrRaise, raise};
+use super::up_axis::up_axis;
+use crate::error::{OrRaise, raise};
 
 /// Options of reading files and of solving trajectories as a whole.
 #[derive(FromPyObject)]

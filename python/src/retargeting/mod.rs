@@ -7,11 +7,9 @@ mod live;
 mod maps;
 mod movement;
 mod request;
+mod up_axis;
 
-use kinopt::motion::retarget::UpAxis;
 use pyo3::prelude::*;
-
-use crate::error::invalid;
 
 /// Motion capture retargeted to robots and rigs: the compiled part.
 #[pymodule(submodule)]
@@ -25,12 +23,4 @@ pub(crate) mod retargeting {
         maps::{map_completed, map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,
     };
-}
-
-fn up_axis(up: &str) -> PyResult<UpAxis> {
-    match up {
-        "y" => Ok(UpAxis::Y),
-        "z" => Ok(UpAxis::Z),
-        other => Err(invalid(format!("up is {other:?}: \"y\" or \"z\""))),
-    }
 }

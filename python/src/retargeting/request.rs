@@ -7,11 +7,12 @@ use kinopt::motion::retarget::{
     self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
 use kinopt::robot::Robot;
+use kinopt_bindings::Classify;
 use pyo3::prelude::*;
 
 use super::capture::Capture;
 use super::figure_target::FigureTarget;
-use crate::error::{Fault, OrRaise, invalid, raise};
+use crate::error::{OrRaise, invalid, raise};
 use crate::has_model::model_of;
 use crate::model::Model;
 use crate::world::World;

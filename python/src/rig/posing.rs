@@ -22,6 +22,8 @@ const POSES_AT_A_TIME: usize = 16;
 /// Created by `Rig.posing`; usable from any number of threads.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct RigPosing {
+    /// The rig of the mesh.
+    #[pyo3(get)]
     rig: Py<Rig>,
     method: SkinningMethod,
     posings: Pool<kinopt::io::rig::RigPosing<Arc<kinopt::io::rig::Rig>>>,
@@ -50,26 +52,16 @@ impl RigPosing {
         let rig = &self.rig.get().inner;
         let q = Queries::rows(q, "q", rig.skeleton.angles())?;
         let vertices = rig.mesh.as_ref().map_or(0, |mesh| part.count(mesh));
-        let array = arrays::output_array::<f32>(py, out, &q.shape(&[vertices, 3]))?;
         self.posings.with(|posing| {
-            arrays::fill(&array, |buffer| {
-                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
-                    posing.deform(q, part.of(buffer)).or_raise()
-                })
+            q.compute((py, out), &[vertices, 3], POSES_AT_A_TIME, |q, buffer| {
+                posing.deform(q, part.of(buffer)).or_raise()
             })
-        })?;
-        Ok(array)
+        })
     }
 }
 
 #[pymethods]
 impl RigPosing {
-    /// The rig of the mesh.
-    #[getter]
-    fn rig(&self, py: Python<'_>) -> Py<Rig> {
-        self.rig.clone_ref(py)
-    }
-
     /// Skinning method: "lbs" or "dqs".
     #[getter]
     fn method(&self) -> &'static str {

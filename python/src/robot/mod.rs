@@ -1,114 +1,36 @@
 //! Robots from URDF and MJCF.
 
-mod coordinate_order;
+mod class;
 mod shape;
 mod source;
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
-use kinopt::model::JointKind;
-use kinopt::motion::retarget::FootShapes;
+use kinopt_bindings::names::{MIMIC_LIMITS, named};
+use kinopt_bindings::option::robot::RobotOptions;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use coordinate_order::CoordinateOrder;
+pub(crate) use class::Robot;
 pub(crate) use shape::Shape;
 pub(crate) use source::text_of;
-use source::{
-    Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, restricts_sources,
-};
+use source::{PickledBase, PickledLimits, PickledLoops, PickledTool, Source, base_of};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, CollisionOptions};
 use crate::configuration::of_one;
-use crate::error::{OrRaise, invalid};
+use crate::error::OrRaise;
 use crate::kinematics::jacobians;
-use crate::loops::{self, LoopParts, NamedLoop};
 use crate::masses::{centres, centres_jacobians};
 use crate::model::{Model, random_configurations};
+use crate::named_loop::{self, LoopParts, NamedLoop};
 use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
 use crate::srdf::Srdf;
-
-/// A robot: a model with mimic joints, velocity limits, shapes and masses.
-///
-/// Every link is a frame of the link's name; the root link is fixed in the world. A configuration lists the moving
-/// joints in the order of the file.
-#[pyclass(frozen, module = "kinopt")]
-pub(crate) struct Robot {
-    pub(crate) inner: Arc<kinopt::robot::Robot>,
-    pub(crate) model: Arc<kinopt::Model>,
-    source: Source,
-    /// Collision checker of its shapes and their spheres, created at the first use.
-    checker: OnceLock<Checker>,
-    foot_shapes: OnceLock<FootShapes>,
-}
-
-impl Robot {
-    fn build(source: Source) -> PyResult<Self> {
-        let robot = source.read()?;
-        Ok(Self {
-            model: Arc::new(robot.model().clone()),
-            inner: Arc::new(robot),
-            source,
-            checker: OnceLock::new(),
-            foot_shapes: OnceLock::new(),
-        })
-    }
-
-    /// Returns the collision checker of its shapes, in a world without obstacles.
-    pub(crate) fn checker(&self) -> PyResult<Checker> {
-        if let Some(known) = self.checker.get() {
-            return Ok(known.clone());
-        }
-        let checker = Checker::of(&self.inner).or_raise()?;
-        Ok(self.checker.get_or_init(|| checker).clone())
-    }
-
-    /// Returns the collision shapes of its feet, computed once.
-    pub(crate) fn foot_shapes(&self) -> FootShapes {
-        let read_shapes = || FootShapes::of_files(&self.inner);
-        self.foot_shapes.get_or_init(read_shapes).clone()
-    }
-
-    fn pinocchio_order(&self) -> PyResult<CoordinateOrder> {
-        if self.source.is_mjcf() {
-            return Err(invalid(
-                "the order of Pinocchio is known for robots from URDF, not from MJCF: use to_mujoco",
-            ));
-        }
-        // Added limits make a continuous joint a revolute one here, but not in Pinocchio.
-        let file_model = self.source.file_model()?;
-        let kind = |joint: &str| {
-            let id = file_model.joint(joint).ok()?;
-            Some(file_model.joints()[id.index()].kind)
-        };
-        Ok(CoordinateOrder::of_pinocchio(&self.model, |joint| {
-            kind(joint) == Some(JointKind::Continuous)
-        }))
-    }
-
-    fn mujoco_order(&self) -> CoordinateOrder {
-        match self.source.is_mjcf() {
-            true => CoordinateOrder::same(&self.model),
-            false => CoordinateOrder::of_mujoco(&self.model),
-        }
-    }
-
-    fn per_joint<'py>(
-        &self,
-        py: Python<'py>,
-        value: impl Fn(kinopt::model::JointId) -> Option<f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let joints = self.model.moving_joints().iter();
-        arrays::frozen(py, joints.map(|&id| value(id).unwrap_or(f64::INFINITY)))
-    }
-}
 
 #[pymethods]
 impl Robot {
@@ -149,14 +71,14 @@ impl Robot {
         Self::build(Source {
             text: text.into(),
             file,
-            lenient,
-            confine,
-            soft_limits,
-            mimic_limits: restricts_sources(mimic_limits)?,
-            joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            options: RobotOptions {
+                lenient,
+                confine,
+                soft_limits,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+            },
+            ..Source::default()
         })
     }
 
@@ -189,14 +111,13 @@ impl Robot {
         Self::build(Source {
             text: text.or_raise()?.into(),
             file: path.display().to_string(),
-            lenient: false,
-            confine,
-            soft_limits: false,
-            mimic_limits: restricts_sources(mimic_limits)?,
-            joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            options: RobotOptions {
+                confine,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+                ..RobotOptions::default()
+            },
+            ..Source::default()
         })
     }
 
@@ -223,14 +144,14 @@ impl Robot {
         Self::build(Source {
             text: text.into(),
             file: name.to_owned(),
-            lenient,
-            confine,
-            soft_limits,
-            mimic_limits: restricts_sources(mimic_limits)?,
-            joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_bounds)?,
-            tools: Vec::new(),
-            loops: Loops::default(),
+            options: RobotOptions {
+                lenient,
+                confine,
+                soft_limits,
+                mimic_limits: named("mimic_limits", mimic_limits, &MIMIC_LIMITS).or_raise()?,
+                base: base_of(base_joint, base_bounds)?,
+            },
+            ..Source::default()
         })
     }
 
@@ -392,7 +313,7 @@ impl Robot {
     /// Loops of the model, for an MJCF file its `connect` and `weld`: see `Model.loops`.
     #[getter]
     fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
-        loops::loop_parts(py, &self.model)
+        named_loop::loop_parts(py, &self.model)
     }
 
     /// Names of the passive joints. In an MJCF file with actuators: those that no actuator moves, directly or through a
@@ -628,7 +549,7 @@ impl Robot {
     fn to_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.pinocchio_order()?;
         let nq = self.model.configuration_len();
-        of_one((q, "q", nq), order.len(), |q, other| {
+        of_one((q, "q", nq), order.coordinates(), |q, other| {
             order.write(q, other);
             Ok(())
         })
@@ -645,7 +566,7 @@ impl Robot {
     fn from_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.pinocchio_order()?;
         let nq = self.model.configuration_len();
-        of_one((q, "q", order.len()), nq, |other, q| {
+        of_one((q, "q", order.coordinates()), nq, |other, q| {
             order.read(other, q);
             Ok(())
         })

@@ -4,32 +4,28 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kinopt::io::FileAccess;
-use kinopt::model::{Limits, UnknownName};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
+use kinopt_bindings::ErrorKind;
+use kinopt_bindings::option::robot::{Base, RobotOptions};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
-use crate::error::{Kind, OrRaise, invalid, raise};
-use crate::loops::{LoopParts, NamedLoop};
+use crate::error::{OrRaise, invalid, raise};
+use crate::named_loop::{LoopParts, NamedLoop};
+use crate::object::Object;
 use crate::placement;
 
 /// Content of a robot's file, and the later changes.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Source {
     pub(super) text: Arc<str>,
     pub(super) file: String,
-    pub(super) lenient: bool,
-    /// True if referenced files are opened only below its folder.
-    pub(super) confine: bool,
-    pub(super) soft_limits: bool,
-    /// True if mimic joints restrict their source joints.
-    pub(super) mimic_limits: bool,
+    pub(super) options: RobotOptions,
     /// Texts of joint_limits.yaml, with file names.
     pub(super) joint_limits: Vec<(Arc<str>, String)>,
-    pub(super) base: Base,
     pub(super) tools: Vec<(String, String, Placement<f64>)>,
     pub(super) loops: Loops,
 }
@@ -40,13 +36,6 @@ pub(super) struct Loops {
     pub(super) without: bool,
     pub(super) added: Vec<NamedLoop>,
     pub(super) passive: Option<Vec<String>>,
-}
-
-/// Joint between world and root: its name, and bounds by axis.
-#[derive(Clone, Default)]
-pub(super) struct Base {
-    pub(super) joint: Option<String>,
-    pub(super) bounds: Vec<(String, (f64, f64))>,
 }
 
 /// Pickled form of soft limits, mimic limits, and texts of joint_limits.yaml with file names.
@@ -62,44 +51,19 @@ pub(super) type PickledTool<'py> = (String, String, Bound<'py, PyAny>);
 pub(super) type PickledLoops<'py> = (bool, Vec<PickledLoop<'py>>, Option<Vec<String>>);
 type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
 
-/// Values of `mimic_limits`.
-const MIMIC_LIMITS: [&str; 2] = ["source", "both"];
-
-/// Reads `mimic_limits`; true if mimic joints restrict their source joints.
-pub(super) fn restricts_sources(mimic_limits: &str) -> PyResult<bool> {
-    match mimic_limits {
-        "source" => Ok(false),
-        "both" => Ok(true),
-        other => Err(UnknownName::new("mimic_limits", other, MIMIC_LIMITS)).or_raise(),
-    }
-}
-
 impl Source {
     /// Builds the robot.
     pub(super) fn read(&self) -> PyResult<Robot> {
-        let reader = match self.lenient {
-            true => Robot::reader().lenient(),
-            false => Robot::reader(),
-        };
-        let reader = match self.confine {
-            true => reader.confined(),
-            false => reader,
-        };
-        let robot = reader.parse(&self.text, &self.file).or_raise()?;
+        let robot = self.options.parse::<Object>(&self.text, &self.file)?;
         // Meshes are searched in the folder of the file.
-        let mut robot = robot.with_file(&self.file);
-        if self.soft_limits {
-            robot = robot.with_soft_limits().or_raise()?;
-        }
-        if self.mimic_limits {
-            robot = robot.with_mimic_limits().or_raise()?;
-        }
+        let robot = robot.with_file(&self.file);
+        let mut robot = self.options.limited::<Object>(robot)?;
         for (text, file) in &self.joint_limits {
             robot = robot
                 .with_joint_limits_of(text.as_bytes(), file)
                 .or_raise()?;
         }
-        robot = robot.with_base_joint(self.base.joint()?).or_raise()?;
+        robot = self.options.base.of::<Object>(robot)?;
         for (name, link, tool) in &self.tools {
             robot = robot.with_tool(name, link, tool).or_raise()?;
         }
@@ -125,11 +89,7 @@ impl Source {
 
     /// Model of the file without changes.
     pub(super) fn file_model(&self) -> PyResult<kinopt::Model> {
-        let reader = match self.lenient {
-            true => Robot::reader().lenient(),
-            false => Robot::reader(),
-        };
-        let robot = reader.parse(&self.text, &self.file).or_raise()?;
+        let robot = self.options.parse::<Object>(&self.text, &self.file)?;
         Ok(robot.model().clone())
     }
 
@@ -147,8 +107,8 @@ impl Source {
             .iter()
             .map(|named_loop| named_loop.pickled(py));
         let added: Vec<LoopParts<'py>> = added.collect::<PyResult<_>>()?;
-        let bounds = PyDict::new(py);
-        for (axis, range) in &self.base.bounds {
+        let (options, bounds) = (&self.options, PyDict::new(py));
+        for (axis, range) in &options.base.bounds {
             bounds.set_item(axis, *range)?;
         }
         let limits: Vec<_> = (self.joint_limits.iter())
@@ -157,9 +117,9 @@ impl Source {
         Ok((
             self.text.to_string(),
             self.file.clone(),
-            (self.lenient, self.confine),
-            (self.soft_limits, self.mimic_limits, limits),
-            (self.base.joint.clone(), bounds),
+            (options.lenient, options.confine),
+            (options.soft_limits, options.mimic_limits, limits),
+            (options.base.joint.clone(), bounds),
             tools,
             (self.loops.without, added, self.loops.passive.clone()),
         ))
@@ -184,14 +144,16 @@ impl Source {
         Ok(Self {
             text: text.into(),
             file,
-            lenient,
-            confine,
-            soft_limits,
-            mimic_limits,
+            options: RobotOptions {
+                lenient,
+                confine,
+                soft_limits,
+                mimic_limits,
+                base: base_of(joint, bounds)?,
+            },
             joint_limits: (limits.into_iter())
                 .map(|(text, file)| (text.into(), file))
                 .collect(),
-            base: Base::new(joint, bounds)?,
             tools: tools.collect::<PyResult<_>>()?,
             loops: Loops {
                 without,
@@ -202,38 +164,30 @@ impl Source {
     }
 }
 
-impl Base {
-    pub(super) fn new(
-        joint: Option<Bound<'_, PyAny>>,
-        bounds: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
-        let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
-        let joint = joint.transpose()?;
-        let bounds = bounds.map_or_else(Vec::new, |bounds| bounds.iter().collect());
-        let ranges = bounds.into_iter().map(|(axis, range)| {
-            let range = range.extract::<(f64, f64)>();
-            let axis = arrays::name(&axis, "an axis of base_bounds")?;
-            let (lower, upper) = range
-                .map_err(|_| invalid("base_bounds must be a dict of (lower, upper) by axis"))?;
-            match lower.is_nan() || upper.is_nan() {
-                false => Ok((axis, (lower, upper))),
-                true => Err(invalid(format!(
-                    "base_bounds along {axis} is ({lower}, {upper}), which is no range"
-                ))),
-            }
-        });
-        Ok(Self {
-            joint,
-            bounds: ranges.collect::<PyResult<_>>()?,
-        })
-    }
-
-    fn joint(&self) -> PyResult<BaseJoint> {
-        let kind = self.joint.as_deref().unwrap_or("fixed");
-        let ranges = self.bounds.iter();
-        let ranges = ranges.map(|(axis, (lower, upper))| (axis, Limits::new(*lower, *upper)));
-        BaseJoint::named(kind, ranges).or_raise()
-    }
+/// Reads the base joint and its bounds.
+pub(super) fn base_of(
+    joint: Option<Bound<'_, PyAny>>,
+    bounds: Option<Bound<'_, PyDict>>,
+) -> PyResult<Base> {
+    let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
+    let joint = joint.transpose()?;
+    let bounds = bounds.map_or_else(Vec::new, |bounds| bounds.iter().collect());
+    let ranges = bounds.into_iter().map(|(axis, range)| {
+        let range = range.extract::<(f64, f64)>();
+        let axis = arrays::name(&axis, "an axis of base_bounds")?;
+        let (lower, upper) =
+            range.map_err(|_| invalid("base_bounds must be a dict of (lower, upper) by axis"))?;
+        match lower.is_nan() || upper.is_nan() {
+            false => Ok((axis, (lower, upper))),
+            true => Err(invalid(format!(
+                "base_bounds along {axis} is ({lower}, {upper}), which is no range"
+            ))),
+        }
+    });
+    Ok(Base {
+        joint,
+        bounds: ranges.collect::<PyResult<_>>()?,
+    })
 }
 
 /// Returns the text of a file, and its name in messages.
@@ -241,6 +195,6 @@ pub(crate) fn text_of(path: &Path) -> PyResult<(String, String)> {
     let file = path.display().to_string();
     let bytes = FileAccess::new().read(path).or_raise()?;
     let text = String::from_utf8(bytes)
-        .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
+        .map_err(|_| raise(ErrorKind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
     Ok((text, file))
 }

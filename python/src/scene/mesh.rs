@@ -131,32 +131,8 @@ impl SceneMesh {
             self.first_morph_weight(),
             self.skin(),
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    #[allow(clippy::too_many_arguments, reason = "it is what `__reduce__` gives")]
-    fn _rebuild(
-        armature: &Bound<'_, Armature>,
-        name: String,
-        bone: &str,
-        mesh: &Bound<'_, TriangleMesh>,
-        tangents: Option<&Bound<'_, PyAny>>,
-        morph_targets: &Bound<'_, MorphTargets>,
-        first_morph_weight: usize,
-        skin: Option<&Bound<'_, Skin>>,
-    ) -> PyResult<Self> {
-        let targets = Some(morph_targets);
-        Self::new(
-            armature,
-            name,
-            bone,
-            mesh,
-            tangents,
-            targets,
-            first_morph_weight,
-            skin,
-        )
+        let keywords = ["tangents", "morph_targets", "first_morph_weight", "skin"];
+        pickling::by_arguments::<Self>(py, parts, &keywords)
     }
 
     fn __repr__(&self) -> String {

@@ -21,6 +21,8 @@ use crate::vertices::Part;
 /// Created by `Scene.posing`; usable from any number of threads.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ScenePosing {
+    /// The scene of the meshes.
+    #[pyo3(get)]
     scene: Py<Scene>,
     method: SkinningMethod,
     posings: Pool<gltf::ScenePosing<Arc<gltf::Scene>>>,
@@ -66,12 +68,6 @@ impl ScenePosing {
 
 #[pymethods]
 impl ScenePosing {
-    /// The scene of the meshes.
-    #[getter]
-    fn scene(&self, py: Python<'_>) -> Py<Scene> {
-        self.scene.clone_ref(py)
-    }
-
     /// Skinning method: "lbs" or "dqs".
     #[getter]
     fn method(&self) -> &'static str {

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kinopt::animation::{Armature as Bones, BallPoseMap};
-use kinopt::io::{bvh, cones, gltf};
-use kinopt::model::{BallLimits, Limits, UnknownName};
+use kinopt::io::{self, bvh, gltf};
+use kinopt::model::{Limits, UnknownName};
 use kinopt::skeleton::{
     BallSkeleton as Balls, BoneCone, BonePlacements, Cones, Posing, SkeletonRoot,
 };
-use kinopt::spatial::Vector3;
+use kinopt_bindings::cones::cones;
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -19,6 +19,7 @@ use crate::animation::{Armature, Pose};
 use crate::arrays::{self, Queries};
 use crate::error::{OrRaise, invalid};
 use crate::model::Model;
+use crate::object::Object;
 use crate::pickling;
 use crate::pool::Pool;
 
@@ -132,17 +133,13 @@ impl BallSkeleton {
         write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let q = Queries::rows(q, "q", self.model.configuration_len())?;
-        let bones = self.armature.bones();
-        let array = arrays::output_array::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        let shape = [self.armature.bones(), 4, 4];
         self.posings.with(|posing| {
-            arrays::fill(&array, |buffer| {
-                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
-                    write(posing.pose(q).or_raise()?, buffer);
-                    Ok(())
-                })
+            q.compute((py, out), &shape, POSES_AT_A_TIME, |q, buffer| {
+                write(posing.pose(q).or_raise()?, buffer);
+                Ok(())
             })
-        })?;
-        Ok(array)
+        })
     }
 }
 
@@ -356,18 +353,7 @@ impl BallSkeleton {
         }
         let kind = &self.root.kind;
         let parts = (self.skeleton(), cones, kind, bounds, self.armature());
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        skeleton: &Bound<'_, Skeleton>,
-        cones: &Bound<'_, PyAny>,
-        root: Option<&Bound<'_, PyAny>>,
-        bounds: &Bound<'_, PyDict>,
-        armature: &Bound<'_, Armature>,
-    ) -> PyResult<Self> {
-        Self::new(skeleton, Some(cones), root, Some(bounds), Some(armature))
+        pickling::by_arguments::<Self>(py, parts, &["cones", "root", "bounds", "armature"])
     }
 
     fn __repr__(&self) -> String {
@@ -389,70 +375,10 @@ fn cones_of(source: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
     let Ok(dict) = source.cast::<PyDict>() else {
         let path = source.extract::<PathBuf>();
         let path = path.map_err(|_| invalid("cones must be a path, or a dict by bone"))?;
-        return cones::read(path).or_raise();
+        return io::cones::read(path).or_raise();
     };
-    let cone = |(bone, fields): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let bone = arrays::name(&bone, "a bone of cones")?;
-        let cone = cone_of(&bone, &fields)?;
-        Ok((bone, cone))
+    let entry = |(bone, cone): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        Ok((arrays::name(&bone, "a bone of cones")?, Object::of(&cone)))
     };
-    dict.iter().map(cone).collect()
-}
-
-fn cone_of(bone: &str, fields: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
-    const KEYS: [&str; 5] = ["swing", "twist", "angle", "axis", "about"];
-    let fields = fields.cast::<PyDict>();
-    let fields = fields.map_err(|_| invalid(format!("the cone of {bone} must be a dict")))?;
-    for (key, _) in fields.iter() {
-        let key = arrays::name(&key, &format!("a key of the cone of {bone}"))?;
-        if !KEYS.contains(&key.as_str()) {
-            return Err(UnknownName::new("key of a cone", &key, KEYS)).or_raise();
-        }
-    }
-    let vector = |key: &str| -> PyResult<Option<Vector3<f64>>> {
-        let entry = fields.get_item(key)?.filter(|value| !value.is_none());
-        let entry = entry.map(|value| arrays::array::<3>(&value, &format!("{key} of {bone}")));
-        Ok(entry.transpose()?.map(Vector3::from))
-    };
-    let (axis, about) = (vector("axis")?, vector("about")?);
-    let swing = match fields.get_item("swing")? {
-        None => [std::f64::consts::PI; 2],
-        Some(swing) => match (swing.extract::<f64>(), about) {
-            (Ok(round), None) => [round; 2],
-            (Ok(_), Some(_)) => {
-                let problem = format!("about of {bone} is for a swing of two numbers");
-                return Err(invalid(problem));
-            }
-            (Err(_), Some(_)) => arrays::array::<2>(&swing, &format!("swing of {bone}"))?,
-            (Err(_), None) => {
-                let problem = format!("swing of {bone} must be a number, or two with `about`");
-                return Err(invalid(problem));
-            }
-        },
-    };
-    let twist = match fields.get_item("twist")? {
-        None => Limits::UNBOUNDED,
-        Some(twist) => {
-            let ends = twist.extract::<(f64, f64)>();
-            let problem = || invalid(format!("twist of {bone} must be (lower, upper)"));
-            let (lower, upper) = ends.map_err(|_| problem())?;
-            Limits::new(lower, upper)
-        }
-    };
-    let mut limits = match about {
-        Some(about) => BallLimits::elliptic(about, swing, twist),
-        None => BallLimits::cone(swing[0], twist),
-    };
-    let angle = fields.get_item("angle")?.filter(|value| !value.is_none());
-    if let Some(angle) = angle {
-        let angle = arrays::number(&angle, &format!("angle of {bone}"))?;
-        // Range of the side file.
-        if !(angle > 0.0 && angle <= std::f64::consts::PI) {
-            return Err(invalid(format!(
-                "angle of {bone} is {angle}, expected above 0 and at most pi"
-            )));
-        }
-        limits.angle = Some(angle);
-    }
-    Ok(BoneCone { axis, limits })
+    cones(dict.iter().map(entry).collect::<PyResult<_>>()?)
 }

@@ -136,18 +136,7 @@ impl Bone {
             self.model_from_rest(py)?,
             self.limits(py)?,
         );
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        name: String,
-        parent: Option<String>,
-        length: f64,
-        model_from_rest: &Bound<'_, PyAny>,
-        limits: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        Self::new(name, parent, length, Some(model_from_rest), Some(limits))
+        pickling::by_arguments::<Self>(py, parts, &["length", "model_from_rest", "limits"])
     }
 
     fn __repr__(&self) -> String {
@@ -165,6 +154,8 @@ impl Bone {
 #[pyclass(module = "kinopt")]
 pub(crate) struct SkeletonBuilder {
     name: String,
+    /// Bones added so far.
+    #[pyo3(get)]
     bones: Vec<Bone>,
 }
 
@@ -192,12 +183,6 @@ impl SkeletonBuilder {
         let bone = Bone::new(name, parent, length, model_from_rest, limits)?;
         self.bones.push(bone);
         Ok(())
-    }
-
-    /// Bones added so far.
-    #[getter]
-    fn bones(&self) -> Vec<Bone> {
-        self.bones.clone()
     }
 
     /// Validates the bones and creates the skeleton.

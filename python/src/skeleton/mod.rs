@@ -8,6 +8,7 @@ use std::sync::Arc;
 use kinopt::model::UnknownName;
 use kinopt::skeleton::{BonePlacements, Posing};
 use kinopt::spatial::Placement;
+use kinopt_bindings::placement::to_rows;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -78,17 +79,13 @@ impl Skeleton {
         write: impl Fn(&BonePlacements, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let q = Queries::rows(q, "q", self.inner.angles())?;
-        let bones = self.inner.bones().len();
-        let array = arrays::output_array::<f64>(py, out, &q.shape(&[bones, 4, 4]))?;
+        let shape = [self.inner.bones().len(), 4, 4];
         self.posings.with(|posing| {
-            arrays::fill(&array, |buffer| {
-                q.each(py, buffer, POSES_AT_A_TIME, |q, buffer| {
-                    write(posing.pose(q).or_raise()?, buffer);
-                    Ok(())
-                })
+            q.compute((py, out), &shape, POSES_AT_A_TIME, |q, buffer| {
+                write(posing.pose(q).or_raise()?, buffer);
+                Ok(())
             })
-        })?;
-        Ok(array)
+        })
     }
 }
 
@@ -337,6 +334,6 @@ impl Skeleton {
 /// Writes placements as sixteen numbers each.
 fn write_all(placements: impl Iterator<Item = Placement<f64>>, buffer: &mut [f64]) {
     for (placement, buffer) in placements.zip(buffer.chunks_exact_mut(16)) {
-        buffer.copy_from_slice(&placement::to_numbers(&placement));
+        buffer.copy_from_slice(&to_rows(&placement));
     }
 }

@@ -108,12 +108,7 @@ impl AutomaticWeights {
             ..
         } = self.inner;
         let parts = (falloff, smoothing_steps, most);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(falloff: f64, smoothing_steps: u32, most: usize) -> Self {
-        Self::new(falloff, smoothing_steps, most)
+        pickling::by_arguments::<Self>(py, parts, &["falloff", "smoothing_steps", "most"])
     }
 
     fn __repr__(&self) -> String {
@@ -164,12 +159,7 @@ impl HeatWeights {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.inner.heat, self.inner.most);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(heat: f64, most: usize) -> Self {
-        Self::new(heat, most)
+        pickling::by_arguments::<Self>(py, parts, &["heat", "most"])
     }
 
     fn __repr__(&self) -> String {

@@ -251,16 +251,7 @@ impl MeshWeights {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = (self.weights(), self.pivots(py)?, self.packed);
-        pickling::by_rebuild::<Self>(py, parts)
-    }
-
-    #[staticmethod]
-    fn _rebuild(
-        weights: &Bound<'_, SkinWeights>,
-        pivots: Option<&Bound<'_, PyAny>>,
-        packed: bool,
-    ) -> PyResult<Self> {
-        Self::new(weights, pivots, Some(packed))
+        pickling::by_arguments::<Self>(py, parts, &["pivots", "packed"])
     }
 
     fn __repr__(&self) -> String {

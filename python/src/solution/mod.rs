@@ -2,7 +2,6 @@
 
 mod reports;
 
-use kinopt::task::Quantity;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -201,26 +200,4 @@ impl Solution {
         }
         text + &format!(", q={})", arrays::few(&inner.q))
     }
-}
-
-/// Quantities of errors, weights and tolerances, under their names in the library's messages.
-const QUANTITIES: [Quantity; 8] = [
-    Quantity::Metres,
-    Quantity::Radians,
-    Quantity::Pixels,
-    Quantity::JointUnits,
-    Quantity::JointUnitsPerSecond,
-    Quantity::MetresPerSecond,
-    Quantity::RadiansPerSecond,
-    Quantity::Ratio,
-];
-
-/// Returns a quantity by its name.
-pub(crate) fn quantity(name: &str) -> PyResult<Quantity> {
-    let known = QUANTITIES.into_iter().find(|q| q.to_string() == name);
-    let names = QUANTITIES.map(|quantity| quantity.to_string());
-    let names = names.iter().map(String::as_str);
-    known
-        .ok_or_else(|| kinopt::model::UnknownName::new("quantity", name, names))
-        .or_raise()
 }

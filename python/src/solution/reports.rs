@@ -1,10 +1,10 @@
 //! Parts of a solution: reports of tasks, active limits and collisions.
 
-use kinopt::ik::{BodyKind, BoundKind, Side};
-use kinopt::task::{Quantity, Role};
+use kinopt_bindings::names;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
-use super::quantity;
+use crate::error::OrRaise;
 use crate::pickling;
 
 /// Number of evaluations of a search.
@@ -41,7 +41,7 @@ impl Counts {
 
 /// A pair that is nearer than the margin, or that blocks a motion. Its text names both and their kinds.
 #[pyclass(frozen, eq, module = "kinopt")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Collision(kinopt::ik::Collision);
 
 impl From<kinopt::ik::Collision> for Collision {
@@ -104,56 +104,36 @@ impl Collision {
         format!("Collision({}, distance={})", self.0, self.0.distance)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let pair = &slf.get().0;
-        let names = (pair.first.clone(), pair.second.clone());
-        let links = [pair.first_kind, pair.second_kind].map(|kind| kind == BodyKind::Link);
-        pickling::by_rebuild::<Self>(slf.py(), (names, links, pair.distance, pair.on_the_way))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
     }
 
     #[staticmethod]
-    fn _rebuild(
-        names: (String, String),
-        links: [bool; 2],
-        distance: f64,
-        on_the_way: bool,
-    ) -> Self {
-        let [first, second] = links.map(|is_link| match is_link {
-            true => BodyKind::Link,
-            false => BodyKind::Obstacle,
-        });
-        let pair = kinopt::ik::Collision::new(&names.0, &names.1, distance).between(first, second);
-        Self(if on_the_way {
-            pair.met_on_the_way()
-        } else {
-            pair
-        })
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 
 /// Report of one task.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct TaskReport {
     /// Name of the task.
-    #[pyo3(get)]
     name: String,
     /// First frame of the task; None if it uses no frame.
-    #[pyo3(get)]
     frame: Option<String>,
-    role: Role,
+    /// "goal" or "preference".
+    role: &'static str,
     /// True if the task closes a loop of the model, and is not one of the problem.
-    #[pyo3(get)]
     is_loop: bool,
     /// Strict priority level: level 0 comes first.
-    #[pyo3(get)]
     level: usize,
     /// True if all its rows with a positive weight are within tolerance.
-    #[pyo3(get)]
     reached: bool,
     /// Errors of its rows by quantity.
-    #[pyo3(get)]
     rows: Vec<RowBlockReport>,
+    /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
     position_error: Option<f64>,
+    /// Error in radians; None if the task does not measure it.
     orientation_error: Option<f64>,
 }
 
@@ -162,7 +142,7 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
         Self {
             name: report.name.to_owned(),
             frame: report.frame.map(str::to_owned),
-            role: report.role,
+            role: names::role(report.role),
             is_loop: report.is_loop,
             level: report.level,
             reached: report.reached,
@@ -175,31 +155,10 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
 
 #[pymethods]
 impl TaskReport {
-    /// "goal" or "preference".
-    #[getter]
-    fn role(&self) -> &'static str {
-        match self.role {
-            Role::Preference => "preference",
-            _ => "goal",
-        }
-    }
-
-    /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
-    #[getter]
-    fn position_error(&self) -> Option<f64> {
-        self.position_error
-    }
-
-    /// Error in radians; None if the task does not measure it.
-    #[getter]
-    fn orientation_error(&self) -> Option<f64> {
-        self.orientation_error
-    }
-
     /// Error in rows of a quantity, in its unit: "metres", "radians", "pixels", "joint units", "joint units per second"
     /// or "ratio"; None if the task has no such rows. Another name raises `UnknownNameError`.
     fn error(&self, quantity: &str) -> PyResult<Option<f64>> {
-        let quantity = self::quantity(quantity)?;
+        let quantity = names::quantity(quantity).or_raise()?.to_string();
         let errors = self.rows.iter().filter(|rows| rows.quantity == quantity);
         Ok(errors.map(|rows| rows.error).reduce(f64::hypot))
     }
@@ -214,29 +173,28 @@ impl TaskReport {
         format!(
             "TaskReport({:?}, {}, {reached}, {})",
             self.name,
-            self.role(),
+            self.role,
             errors.join(", ")
         )
     }
 }
 
 /// Error of a task's rows of one quantity, before weighting.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct RowBlockReport {
-    quantity: Quantity,
+    /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
+    quantity: String,
     /// Euclidean norm of the rows, in the unit of `quantity`, independent of their weight.
-    #[pyo3(get)]
     error: f64,
     /// True if the error is within the task's tolerance. Rows of weight 0 never count as missed.
-    #[pyo3(get)]
     reached: bool,
 }
 
 impl From<&kinopt::ik::RowBlockReport> for RowBlockReport {
     fn from(rows: &kinopt::ik::RowBlockReport) -> Self {
         Self {
-            quantity: rows.quantity,
+            quantity: rows.quantity.to_string(),
             error: rows.error,
             reached: rows.reached,
         }
@@ -251,33 +209,25 @@ impl RowBlockReport {
 
 #[pymethods]
 impl RowBlockReport {
-    /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
-    #[getter]
-    fn quantity(&self) -> String {
-        self.quantity.to_string()
-    }
-
     fn __repr__(&self) -> String {
         format!("RowBlockReport({})", self.text())
     }
 }
 
 /// Active limit of a solution: the joint is at the limit, and the cost would decrease beyond it.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct ActiveLimit {
     /// Name of the joint.
-    #[pyo3(get)]
     joint: String,
-    side: Side,
-    kind: BoundKind,
+    /// "lower" or "upper".
+    side: &'static str,
+    /// "limit" for a joint limit, "move" for a `max_move` of the query.
+    kind: &'static str,
     /// The limit, radians or metres.
-    #[pyo3(get)]
     value: f64,
     /// True if the limit is an angle.
-    #[pyo3(get)]
     is_angle: bool,
     /// Slope of the cost beyond the limit, per radian or metre.
-    #[pyo3(get)]
     push: f64,
 }
 
@@ -285,8 +235,8 @@ impl From<kinopt::ik::ActiveLimit<'_>> for ActiveLimit {
     fn from(limit: kinopt::ik::ActiveLimit<'_>) -> Self {
         Self {
             joint: limit.joint.to_owned(),
-            side: limit.side,
-            kind: limit.kind,
+            side: names::side(limit.side),
+            kind: names::bound_kind(limit.kind),
             value: limit.value,
             is_angle: limit.is_angle,
             push: limit.push,
@@ -296,32 +246,11 @@ impl From<kinopt::ik::ActiveLimit<'_>> for ActiveLimit {
 
 #[pymethods]
 impl ActiveLimit {
-    /// "lower" or "upper".
-    #[getter]
-    fn side(&self) -> &'static str {
-        match self.side {
-            Side::Lower => "lower",
-            Side::Upper => "upper",
-        }
-    }
-
-    /// "limit" for a joint limit, "move" for a `max_move` of the query.
-    #[getter]
-    fn kind(&self) -> &'static str {
-        match self.kind {
-            BoundKind::Move => "move",
-            _ => "limit",
-        }
-    }
-
     fn __repr__(&self) -> String {
         let unit = if self.is_angle { "rad" } else { "m" };
         format!(
             "ActiveLimit({:?}, {} {} {} {unit})",
-            self.joint,
-            self.side(),
-            self.kind(),
-            self.value
+            self.joint, self.side, self.kind, self.value
         )
     }
 }

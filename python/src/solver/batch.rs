@@ -1,22 +1,21 @@
 //! Batches: one problem from several starts, with several targets.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::thread::{ScopedJoinHandle, park_timeout, scope};
 use std::time::Duration;
 
 use kinopt::Workspace;
 use kinopt::ik::MoveLimits;
+use kinopt_bindings::jobs::{self, Jobs};
+use kinopt_bindings::method::Method;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::methods::Engine;
 use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
+use crate::object::Object;
 use crate::pickling;
 use crate::problem::{CompiledProblem, Move, Problem, raised};
 use crate::progress::Progress;
@@ -208,7 +207,7 @@ impl Queries {
             }
             moves.resize_with(length, Vec::new);
             for (moves, value) in moves.iter_mut().zip(values.try_iter()?) {
-                moves.push(problem.read(task, &value?)?);
+                moves.push(problem.read(task, &Object::of(&value?))?);
             }
         }
         let count = count.map_or(1, |(_, count)| count);
@@ -240,7 +239,7 @@ impl Queries {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Engine, &CompiledProblem),
+        (engine, problem): (&Method, &CompiledProblem),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
@@ -251,13 +250,13 @@ impl Queries {
             limits.start_at(&problem.inner, start).or_raise()?;
             instance = instance.with_moves(limits).or_raise()?;
         }
-        let solution = engine.solve(instance, start, workspace, watch);
+        let solution = engine.solve::<Object>(instance, start, workspace, watch);
         raised().and(solution)
     }
 }
 
 pub(super) fn solve(
-    engine: &Engine,
+    engine: &Method,
     problem: &Bound<'_, Problem>,
     arguments: BatchArrays<'_, '_>,
     threads: Option<usize>,
@@ -280,7 +279,7 @@ pub(super) fn solve(
 
 fn one_by_one(
     queries: &Queries,
-    engine_and_problem: (&Engine, &CompiledProblem),
+    engine_and_problem: (&Method, &CompiledProblem),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
     let total = queries.count;
@@ -305,63 +304,26 @@ fn one_by_one(
 /// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
     queries: &Queries,
-    engine_and_problem: (&Engine, &CompiledProblem),
+    engine_and_problem: (&Method, &CompiledProblem),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
-    let total = queries.count;
-    let (next, done, stop) = (
-        AtomicUsize::new(0),
-        AtomicUsize::new(0),
-        AtomicBool::new(false),
-    );
-    let solutions: Mutex<Vec<Option<kinopt::Solution>>> = Mutex::new(vec![None; total]);
-    let failure: Mutex<Option<(usize, PyErr)>> = Mutex::new(None);
-    let fail = |index: usize, error: PyErr| {
-        stop.store(true, Ordering::Relaxed);
-        let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
-        // Keeps the error of the lowest index, independent of thread timing.
-        if failure.as_ref().is_none_or(|(known, _)| index < *known) {
-            *failure = Some((index, error));
-        }
-    };
-    let work = || {
-        engine_and_problem.1.workspaces.with(|workspace| {
-            let mut watch = Watch::until(&stop);
-            while !stop.load(Ordering::Relaxed) {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= total {
-                    return;
-                }
-                match queries.solve(index, engine_and_problem, workspace, &mut watch) {
-                    Ok(solution) => {
-                        let mut solutions =
-                            solutions.lock().unwrap_or_else(PoisonError::into_inner);
-                        solutions[index] = Some(solution);
-                    }
-                    Err(error) => fail(index, error),
-                }
-                done.fetch_add(1, Ordering::Relaxed);
+    let (engine, problem) = engine_and_problem;
+    let work = |jobs: &Jobs<kinopt::Solution, PyErr>| {
+        problem.workspaces.with(|workspace| {
+            let mut watch = Watch::until(jobs.stopped());
+            while let Some(index) = jobs.next() {
+                let solution = queries.solve(index, (engine, problem), workspace, &mut watch);
+                jobs.finish(index, solution);
             }
         });
     };
-    scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        while !workers.iter().all(ScopedJoinHandle::is_finished) {
-            park_timeout(CHECK_INTERVAL);
-            let signals = Python::attach(|py| py.check_signals());
-            let report = progress.done(done.load(Ordering::Relaxed));
-            if let Err(error) = signals.and(report) {
-                fail(0, error);
-            }
-        }
-    });
-    if let Some((_, error)) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(error);
-    }
-    progress.done(total)?;
-    let solutions = solutions
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
-    Ok(solutions.into_iter().flatten().collect())
+    let poll = |done: usize| {
+        let signals = Python::attach(|py| py.check_signals());
+        let report = progress.done(done);
+        signals.and(report)
+    };
+    let solutions = jobs::run(queries.count, threads, work, (CHECK_INTERVAL, poll))?;
+    progress.done(queries.count)?;
+    Ok(solutions)
 }

@@ -4,13 +4,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::ik::{MotionLimits, Restarts};
 use kinopt::solver::Stopping;
+use kinopt_bindings::task::Aimed;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::problem::{Aimed, CompiledProblem, Problem, raised};
+use crate::problem::{CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
 
@@ -38,6 +39,8 @@ const FRAME_ITERATIONS: usize = 40;
 /// joint and for a problem that avoids collisions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
+    /// The problem of the drag.
+    #[pyo3(get)]
     problem: Py<Problem>,
     /// Tasks of the problem at the start of the drag.
     compiled: Arc<CompiledProblem>,
@@ -130,12 +133,6 @@ impl Drag {
             compiled,
             inner: Mutex::new(drag),
         })
-    }
-
-    /// The problem of the drag.
-    #[getter]
-    fn problem(&self, py: Python<'_>) -> Py<Problem> {
-        self.problem.clone_ref(py)
     }
 
     /// Moves targets, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}.

@@ -8,37 +8,33 @@ mod watch;
 
 use std::time::Duration;
 
+use kinopt_bindings::method::Method;
+use kinopt_bindings::option::solver::SolverOptions;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::object::Object;
 use crate::pickling;
 use crate::problem::{Problem, raised};
 use crate::solution::Solution;
 pub(crate) use batch::Solutions;
 pub(crate) use drag::{Drag, DragJump};
-use methods::{Engine, Limits};
 pub(crate) use watch::Iteration;
 use watch::Watch;
 
 /// A solver with its settings: immutable and thread-safe.
 ///
 /// `method` is one of `kinopt.methods` or its name: "levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd",
-/// "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps of the geometric methods),
-/// `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`. Patience is the number of steps in which the
-/// cost must halve (none, inf; 60 for the geometric methods). `time_limit`, in seconds, is for all attempts together.
-/// At most `attempts` (32; 512 for a body on a free base with few more variables than equations) are made, including
-/// the one from the given start. All others start at configurations sampled by `seed` (0). The search ends at the first
-/// attempt that reaches, or when `agreeing` attempts stopped at the same lowest cost. It also ends one attempt after
-/// `restart_steps` steps of all attempts together.
+/// "fabrik". The search ends at the first attempt that reaches. `patience` may be inf. Options:
 ///
-/// Results are bitwise reproducible on any machine, unless a time limit is set. Raises `InvalidValueError` for settings
-/// out of range.
+/// Raises `InvalidValueError` for settings out of range. Results are bitwise reproducible on any machine, unless a time
+/// limit is set.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solver {
-    engine: Engine,
-    limits: Limits,
+    engine: Method,
+    limits: SolverOptions,
     options: Py<PyDict>,
 }
 
@@ -46,8 +42,8 @@ impl Solver {
     /// Returns its optimiser; `user` names the caller in the error for geometric methods.
     pub(crate) fn optimiser(&self, user: &str) -> PyResult<&kinopt::Solver> {
         match &self.engine {
-            Engine::Optimiser(solver) => Ok(solver),
-            Engine::Geometric(_) => Err(invalid(format!(
+            Method::Optimiser(solver) => Ok(solver),
+            Method::Geometric(_) => Err(invalid(format!(
                 "{user} needs a method that minimises, which {} does not",
                 self.engine.name()
             ))),
@@ -67,21 +63,21 @@ impl Solver {
     fn new(
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<u64>,
         gradient_tolerance: Option<f64>,
         step_tolerance: Option<f64>,
         patience: Option<f64>,
         time_limit: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<usize>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<u64>,
     ) -> PyResult<Self> {
         let counts = [("attempts", attempts), ("agreeing", agreeing)];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
             return Err(invalid(format!("{name} is 0, which is less than 1")));
         }
-        let limits = Limits {
+        let limits = SolverOptions {
             max_iterations,
             gradient_tolerance: at_least_zero("gradient_tolerance", gradient_tolerance)?,
             step_tolerance: at_least_zero("step_tolerance", step_tolerance)?,
@@ -90,11 +86,11 @@ impl Solver {
             attempts,
             seed,
             agreeing,
-            steps: restart_steps,
+            restart_steps,
         };
         let default = "levenberg-marquardt".into_pyobject(py)?.into_any();
         let method = method.unwrap_or(&default);
-        let engine = Engine::of(method, &limits)?;
+        let engine = methods::method(method, &limits)?;
         let options = PyDict::new(py);
         options.set_item("method", method)?;
         let entries = [
@@ -169,7 +165,8 @@ impl Solver {
         let solution = py.detach(|| {
             problem.workspaces.with(|workspace| {
                 let mut watch = Watch::new(observer.as_ref());
-                let solution = self.engine.solve(instance, &start, workspace, &mut watch);
+                let solution =
+                    (self.engine).solve::<Object>(instance, &start, workspace, &mut watch);
                 raised().and(solution)
             })
         })?;

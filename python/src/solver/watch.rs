@@ -5,44 +5,33 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use kinopt::solver::Observer;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays;
+use crate::arrays::Floats;
 use crate::problem::{is_raised, raise_later};
 
 /// Time between two checks for signals.
 const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(5);
 
 /// State of a search for an observer, after every step and once before the first.
-#[pyclass(frozen, module = "kinopt")]
+#[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct Iteration {
     /// Index of the step in its attempt; 0 before the first.
-    #[pyo3(get)]
     index: usize,
     /// Half the sum of squared weighted residuals at `x`.
-    #[pyo3(get)]
     cost: f64,
     /// Largest slope of the cost along a free variable; None if unknown.
-    #[pyo3(get)]
     projected_gradient: Option<f64>,
     /// Length of the last step; 0 if it was rejected.
-    #[pyo3(get)]
     step: f64,
     /// Parameter of the method: a damping or a step length.
-    #[pyo3(get)]
     control: f64,
-    x: Vec<f64>,
+    /// Solver variables, shape (variables,).
+    x: Floats,
 }
 
 #[pymethods]
 impl Iteration {
-    /// Solver variables, shape (variables,).
-    #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::list(py, &self.x)
-    }
-
     fn __repr__(&self) -> String {
         format!("Iteration({}, cost={:e})", self.index, self.cost)
     }
@@ -120,7 +109,7 @@ fn ask(
         projected_gradient: seen.projected_gradient,
         step: seen.step,
         control: seen.control,
-        x: seen.x.to_vec(),
+        x: Floats(seen.x.to_vec()),
     };
     observer.bind(py).call1((iteration,))?.is_truthy()
 }

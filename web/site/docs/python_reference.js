@@ -49,7 +49,17 @@ function wordsOfRust() {
             else if (text === "" || text === "}") [docLines, named] = [[], undefined];
         }
     }
+    for (const [name, file] of [["Arm", "arm"], ["Solver", "solver"]]) {
+        words.set(name, words.get(name).replace("Raises ", `${optionsOfRust(file)}\n\nRaises `));
+    }
     return words;
+}
+
+/** Documentation of a table of options in kinopt-bindings, which the classes of the package have too. */
+function optionsOfRust(file) {
+    const rows = source(`crates/kinopt-bindings/src/option/${file}.rs`).matchAll(/name: "(\w+)",[\s\S]*?doc: "((?:[^"\\]|\\[\s\S])*)",\s*default: "((?:[^"\\]|\\[\s\S])*)"/g);
+    const text = (literal) => literal.replace(/\\\n\s*/g, "").replaceAll('\\"', '"');
+    return [...rows].map(([, name, doc, byDefault]) => `${name}: ${text(doc)} Default: ${text(byDefault)}.`).join("\n");
 }
 
 /** Statements of a stub or a module; those over several lines are joined. */

@@ -1,11 +1,12 @@
 //! Options of an arm.
 
-use kinopt::arm::{ArmBuilder, Base, PoseBounds, Search};
+use kinopt::arm::{Base, PoseBounds};
 use kinopt::model::UnknownName;
+use kinopt_bindings::option::arm::{OBJECTS, apply, options as options_of_arms};
+use kinopt_bindings::option::names;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
-use crate::clock;
 use crate::raise;
 use crate::robot::Robot;
 
@@ -64,28 +65,6 @@ extern "C" {
     pub type ArmOptions;
 }
 
-const KNOWN: [&str; 19] = [
-    "attempts",
-    "atlas",
-    "globalSearchOnMiss",
-    "goal",
-    "held",
-    "iterations",
-    "jointWeights",
-    "limitAvoidance",
-    "locked",
-    "maxMove",
-    "metresPerRadian",
-    "only",
-    "orientationTolerance",
-    "positionTolerance",
-    "posture",
-    "search",
-    "seed",
-    "timeLimit",
-    "tool",
-];
-
 /// Builds an arm with the given options.
 pub(super) fn build(
     robot: &Robot,
@@ -99,70 +78,11 @@ pub(super) fn build(
     };
     let neutral = robot.inner.model().neutral();
     let builder = kinopt::Arm::builder(&*robot.inner, from, tip);
-    let builder = apply(builder, options, neutral)?;
-    builder.build().map_err(raise)
-}
-
-/// Applies the options to the builder; `neutral` is the default configuration of locked joints.
-fn apply<'m>(
-    mut builder: ArmBuilder<'m>,
-    options: Option<ArmOptions>,
-    neutral: Vec<f64>,
-) -> Result<ArmBuilder<'m>, JsError> {
-    let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-    let options = NamedArguments::new(options, "option of an arm", &KNOWN)?;
-    macro_rules! set {
-        ($($read:ident $name:literal $with:ident $(& $by_reference:tt)?;)*) => {$(
-            if let Some(value) = options.$read($name)? {
-                builder = builder.$with(set!(@ value $($by_reference)?));
-            }
-        )*};
-        (@ $value:ident) => { $value };
-        (@ $value:ident slice) => { &$value };
-    }
-    set! {
-        whole "attempts" with_attempts;
-        switch "atlas" with_atlas;
-        switch "globalSearchOnMiss" with_global_search_on_miss;
-        whole "iterations" with_iterations;
-        numbers "jointWeights" with_joint_weights &slice;
-        number "limitAvoidance" with_limit_avoidance;
-        numbers "maxMove" with_max_move &slice;
-        number "metresPerRadian" with_metres_per_radian;
-        number "orientationTolerance" with_orientation_tolerance;
-        number "positionTolerance" with_position_tolerance;
-        numbers "posture" with_posture &slice;
-        placement "tool" with_tool;
-    }
-    if let Some(seed) = options.whole("seed")? {
-        builder = builder.with_seed(seed.into());
-    }
-    if let Some(limit) = clock::time_limit(&options)? {
-        builder = builder.with_time_limit(limit);
-    }
-    if let Some(name) = options.text("search")? {
-        builder = builder.with_search(search(&name)?);
-    }
-    if let Some(value) = options.get("goal") {
-        builder = builder.with_goal(goal(&value)?);
-    }
-    for (joint, value) in options.by_name("locked")? {
-        builder = builder.with_locked(&joint, value);
-    }
-    if let Some(joints) = options.texts("only")? {
-        builder = builder.with_only(&joints, &options.numbers("held")?.unwrap_or(neutral));
-    }
-    Ok(builder)
-}
-
-fn search(name: &str) -> Result<Search, JsError> {
-    let names = ["start", "first", "nearest"];
-    match name {
-        "start" => Ok(Search::Start),
-        "first" => Ok(Search::First),
-        "nearest" => Ok(Search::Nearest),
-        _ => Err(raise(UnknownName::new("search", name, names))),
-    }
+    let known = names(&options_of_arms())
+        .into_iter()
+        .filter(|name| !OBJECTS.contains(name));
+    let options = NamedArguments::of(options, "option of an arm", known)?;
+    apply(builder, &options, &neutral)?.build().map_err(raise)
 }
 
 /// Reads "pose", "position", or half widths along and about the axes.

@@ -2,12 +2,14 @@
 
 use std::rc::Rc;
 
+use kinopt_bindings::option::{names, servo};
 use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
 use crate::placement::read;
 use crate::raise;
+use crate::value::Value;
 
 use kinopt::arm::Servo as Servoing;
 
@@ -57,36 +59,14 @@ impl Servo {
         step: f64,
         options: Option<ServoOptions>,
     ) -> Result<Self, JsError> {
-        const KNOWN: [&str; 5] = [
-            "velocityLimits",
-            "accelerationLimits",
-            "jerkLimits",
-            "straightLine",
-            "damping",
-        ];
-        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = NamedArguments::new(options, "option of a servo", &KNOWN)?;
-        let damping = options.number("damping")?;
-        let straight = options.switch("straightLine")?.unwrap_or(false);
-        let limits = options.numbers("velocityLimits")?;
-        let accelerations = options.numbers("accelerationLimits")?;
-        let jerks = options.numbers("jerkLimits")?;
+        // The motion at the start is at rest.
+        let known = names(&servo::options())
+            .into_iter()
+            .filter(|name| !["velocity", "acceleration"].contains(name));
+        let options = NamedArguments::of(options, "option of a servo", known)?;
+        let options = servo::ServoOptions::of(&options)?;
         let cell = Cell::try_new(arm, |arm| {
-            let mut servo = arm.servo(start, step).map_err(raise)?;
-            if let Some(limits) = limits {
-                servo = servo.with_velocity_limits(&limits).map_err(raise)?;
-            }
-            servo = servo.with_straight_line(straight);
-            if let Some(limits) = accelerations {
-                servo = servo.with_acceleration_limits(&limits).map_err(raise)?;
-            }
-            if let Some(limits) = jerks {
-                servo = servo.with_jerk_limits(&limits).map_err(raise)?;
-            }
-            match damping {
-                Some(radians) => servo.with_damping(radians).map_err(raise),
-                None => Ok(servo),
-            }
+            options.apply::<Value>(arm.servo(start, step).map_err(raise)?)
         })?;
         Ok(Self {
             cell,

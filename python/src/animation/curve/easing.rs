@@ -5,7 +5,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::TIMES_AT_A_TIME;
-use crate::arrays::{self, Queries};
+use crate::arrays::Queries;
 use crate::error::{OrRaise, invalid};
 
 /// Eased fraction for fractions `t` of the time, within [0, 1]; float64 of the shape of `t`, () or (N,).
@@ -23,14 +23,10 @@ pub(crate) fn easing<'py>(
     let py = how.py();
     let easing = read_easing(how)?;
     let fractions = Queries::numbers(t, "t")?;
-    let array = arrays::output_array::<f64>(py, None, &fractions.shape(&[]))?;
-    arrays::fill(&array, |buffer| {
-        fractions.each(py, buffer, TIMES_AT_A_TIME, |t, buffer| {
-            buffer[0] = easing.at(t[0]);
-            Ok(())
-        })
-    })?;
-    Ok(array)
+    fractions.compute((py, None), &[], TIMES_AT_A_TIME, |t, buffer| {
+        buffer[0] = easing.at(t[0]);
+        Ok(())
+    })
 }
 
 pub(super) fn read_easings(values: &[Bound<'_, PyAny>]) -> PyResult<Vec<Easing>> {

@@ -105,8 +105,9 @@ impl EulerCurve {
 
     #[staticmethod]
     fn _rebuild(text: &str) -> PyResult<Self> {
-        let inner: Angles = serde_json::from_str(text).or_raise()?;
-        Ok(Self { inner })
+        Ok(Self {
+            inner: pickling::of_json(text)?,
+        })
     }
 
     fn __repr__(&self) -> String {

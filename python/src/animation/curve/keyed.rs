@@ -308,8 +308,9 @@ impl KeyedCurve {
 
     #[staticmethod]
     fn _rebuild(text: &str) -> PyResult<Self> {
-        let inner = serde_json::from_str(text).or_raise()?;
-        Ok(Self { inner })
+        Ok(Self {
+            inner: pickling::of_json(text)?,
+        })
     }
 
     fn __repr__(&self) -> String {

@@ -30,12 +30,8 @@ fn sampled<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     let py = times.py();
     let times = Queries::numbers(times, "times")?;
-    let array = arrays::output_array::<f32>(py, None, &times.shape(each))?;
-    arrays::fill(&array, |buffer| {
-        times.each(py, buffer, TIMES_AT_A_TIME, |time, buffer| {
-            at(arrays::finite(time[0], "times")? as f32, buffer);
-            Ok(())
-        })
-    })?;
-    Ok(array)
+    times.compute((py, None), each, TIMES_AT_A_TIME, |time, buffer| {
+        at(arrays::finite(time[0], "times")? as f32, buffer);
+        Ok(())
+    })
 }

@@ -209,8 +209,9 @@ impl RotationCurve {
 
     #[staticmethod]
     fn _rebuild(text: &str) -> PyResult<Self> {
-        let inner = serde_json::from_str(text).or_raise()?;
-        Ok(Self { inner })
+        Ok(Self {
+            inner: pickling::of_json(text)?,
+        })
     }
 
     fn __repr__(&self) -> String {

@@ -15,16 +15,16 @@ enum Part {
 }
 
 /// Coordinate order of another library's configuration.
-pub(super) struct CoordinateOrder(Vec<Part>);
+pub struct CoordinateOrder(Vec<Part>);
 
 impl CoordinateOrder {
     /// Order of the model.
-    pub(super) fn same(model: &Model) -> Self {
+    pub fn same(model: &Model) -> Self {
         Self((0..model.configuration_len()).map(Part::Value).collect())
     }
 
     /// Order of Pinocchio: depth first, siblings by name.
-    pub(super) fn of_pinocchio(model: &Model, is_continuous: impl Fn(&str) -> bool) -> Self {
+    pub fn of_pinocchio(model: &Model, is_continuous: impl Fn(&str) -> bool) -> Self {
         let mut parts = Vec::new();
         for id in depth_first(model, true) {
             let joint = &model.joints()[id.index()];
@@ -41,7 +41,7 @@ impl CoordinateOrder {
     }
 
     /// Order of MuJoCo: depth first, siblings in the order of the file.
-    pub(super) fn of_mujoco(model: &Model) -> Self {
+    pub fn of_mujoco(model: &Model) -> Self {
         let joints = depth_first(model, false).into_iter();
         let coordinates = joints.filter_map(|id| {
             let at = model.coordinate(id)?;
@@ -51,7 +51,7 @@ impl CoordinateOrder {
     }
 
     /// Length of the other library's configuration.
-    pub(super) fn len(&self) -> usize {
+    pub fn coordinates(&self) -> usize {
         let lengths = self.0.iter().map(|part| match part {
             Part::Value(_) => 1,
             Part::Angle(_) => 2,
@@ -61,7 +61,7 @@ impl CoordinateOrder {
     }
 
     /// Converts a configuration of the model to the other library's order. The caller checks the lengths.
-    pub(super) fn write(&self, q: &[f64], other: &mut [f64]) {
+    pub fn write(&self, q: &[f64], other: &mut [f64]) {
         let mut next = 0;
         let mut push = |value: f64| {
             other[next] = value;
@@ -83,7 +83,7 @@ impl CoordinateOrder {
     }
 
     /// Converts a configuration of the other library to the model's order. The caller checks the lengths.
-    pub(super) fn read(&self, other: &[f64], q: &mut [f64]) {
+    pub fn read(&self, other: &[f64], q: &mut [f64]) {
         let mut next = 0;
         let mut pull = || {
             next += 1;

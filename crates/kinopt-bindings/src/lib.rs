@@ -1,0 +1,35 @@
+//! Shared part of kinopt's interfaces for other languages.
+//!
+//! An interface implements [`Value`] for the values of its language and [`Arguments`] for a set of named ones. This
+//! crate then reads options and tasks by name, and classifies the library's errors.
+//!
+//! - [`option`]: options of arms, servos and solvers, with type, range, default and documentation
+//! - [`method`]: methods of solvers, with their settings
+//! - [`task`]: tasks by kind, and their targets
+//! - [`problem`]: problems with tasks and targets by name
+//! - [`cones`]: limits of ball joints by bone
+//! - [`parameters`]: free, locked, coupled and narrowed joints
+//! - [`names`]: names of enum variants
+//! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
+//! - [`jobs`]: batches on several threads
+//! - [`json`]: the values and arguments of JSON, for problem files
+//! - [`error`]: kinds of errors
+
+pub mod cones;
+pub mod coordinate_order;
+pub mod error;
+pub mod jobs;
+pub mod json;
+pub mod method;
+pub mod names;
+pub mod option;
+pub mod parameters;
+pub mod placement;
+pub mod problem;
+mod quantities;
+pub mod task;
+mod value;
+
+pub use error::{Classify, ErrorKind};
+pub use quantities::QuantityValues;
+pub use value::{Arguments, ErrorOf, OrRaise, Ranges, Value};

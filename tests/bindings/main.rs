@@ -1,0 +1,7 @@
+//! Promises of kinopt-bindings: options, tasks and methods by name.
+#![allow(clippy::unwrap_used)]
+
+mod jobs;
+mod methods;
+mod options;
+mod tasks;

@@ -1,0 +1,168 @@
+//! Options by name.
+
+use kinopt::Arm;
+use kinopt_bindings::option::arm::{OBJECTS, apply, options};
+use kinopt_bindings::option::path::PathOptions;
+use kinopt_bindings::option::robot::RobotOptions;
+use kinopt_bindings::option::servo::ServoOptions;
+use kinopt_bindings::option::solver::SolverOptions;
+use kinopt_bindings::option::{OptionSpec, Setter, check_name, names, path, robot, servo, solver};
+use serde_json::{Map, Value, json};
+use support::arms;
+
+/// Options of a JSON object.
+fn object(value: Value) -> Map<String, Value> {
+    value.as_object().unwrap().clone()
+}
+
+/// A valid value of each option of an arm with seven joints, except objects of an interface.
+fn arm_values() -> Map<String, Value> {
+    object(json!({
+        "attempts": 3, "atlas": false, "global_search_on_miss": true, "goal": "position", "iterations": 50,
+        "joint_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "limit_avoidance": 1.0, "max_move": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+        "metres_per_radian": 0.2, "orientation_tolerance": 1e-5, "position_tolerance": 1e-5,
+        "posture": [0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0], "search": "first", "seed": 4, "time_limit": 10.0,
+        "tool": [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.1], [0.0, 0.0, 0.0, 1.0]],
+        "locked": {}, "only": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"],
+        "held": arms::panda().0.neutral()
+    }))
+}
+
+fn arm(values: &Map<String, Value>) -> Result<Arm, String> {
+    let (robot, base, tip) = arms::panda();
+    let neutral = robot.model().neutral();
+    let builder = Arm::builder(&robot, base, tip);
+    let builder = apply(builder, values, &neutral).map_err(|error| error.to_string())?;
+    builder.build().map_err(|error| error.to_string())
+}
+
+fn assert_documented<B>(table: &[OptionSpec<B>]) {
+    for option in table {
+        assert!(option.doc.ends_with('.'), "{}", option.name);
+        assert!(!option.default.is_empty(), "{}", option.name);
+    }
+}
+
+#[test]
+fn arm_options_have_a_valid_value_each() {
+    let values = arm_values();
+    let given: Vec<&str> = values.keys().map(String::as_str).collect();
+    let mut known = names(&options());
+    known.retain(|name| !OBJECTS.contains(name));
+    known.sort_unstable();
+    assert_eq!(given, known);
+    let solution = arm(&values).and_then(|arm| {
+        let target = arm.base_from_tool(arm.default_start());
+        let target = target.map_err(|error| error.to_string())?;
+        arm.solve(target, arm.default_start())
+            .map_err(|error| error.to_string())
+    });
+    assert!(
+        solution.as_ref().is_ok_and(|solution| solution.reached),
+        "{solution:?}"
+    );
+}
+
+#[test]
+fn arm_option_of_another_type_is_named() {
+    for option in options() {
+        if matches!(option.set, Setter::Elsewhere) {
+            continue;
+        }
+        let mut values = Map::new();
+        // No option is a list of a boolean.
+        values.insert(option.name.to_owned(), json!([true]));
+        let error = arm(&values).err().unwrap_or_default();
+        assert!(error.starts_with(option.name), "{}: {error}", option.name);
+    }
+}
+
+#[test]
+fn arm_search_of_unknown_name_lists_searches() {
+    let mut values = Map::new();
+    values.insert("search".to_owned(), json!("fastest"));
+    let error = arm(&values).err().unwrap_or_default();
+    assert!(error.contains("nearest"), "{error}");
+    assert!(check_name("option", "serach", &options()).is_err());
+}
+
+#[test]
+fn option_tables_are_documented() {
+    assert_documented(&options());
+    assert_documented(&path::options());
+    assert_documented(&robot::options());
+    assert_documented(&servo::options());
+    assert_documented(&solver::options());
+}
+
+#[test]
+fn solver_options_have_a_valid_value_each() {
+    let values = object(json!({
+        "max_iterations": 7, "gradient_tolerance": 1e-3, "step_tolerance": 1e-4, "time_limit": 2.0, "attempts": 3,
+        "seed": 5, "agreeing": 2, "restart_steps": 90
+    }));
+    let read = SolverOptions::of(&values).unwrap();
+    assert_eq!(read.max_iterations, Some(7));
+    assert_eq!(read.gradient_tolerance, Some(1e-3));
+    assert_eq!(read.step_tolerance, Some(1e-4));
+    assert_eq!(read.time_limit.map(|limit| limit.as_secs()), Some(2));
+    assert_eq!(
+        [read.attempts, read.seed, read.agreeing, read.restart_steps],
+        [3, 5, 2, 90].map(Some)
+    );
+    // `patience` is read by the interface.
+    assert_eq!(values.len() + 1, solver::options().len());
+}
+
+#[test]
+fn servo_options_have_a_valid_value_each() {
+    let values = object(json!({
+        "velocity_limits": [1.0], "acceleration_limits": [2.0], "jerk_limits": [3.0], "velocity": [0.1],
+        "acceleration": [0.2], "straight_line": true, "damping": 0.02
+    }));
+    let read = ServoOptions::of(&values).unwrap();
+    assert_eq!(read.velocity_limits, Some(vec![1.0]));
+    assert_eq!(read.acceleration_limits, Some(vec![2.0]));
+    assert_eq!(read.jerk_limits, Some(vec![3.0]));
+    assert_eq!(read.velocity, Some(vec![0.1]));
+    assert_eq!(read.acceleration, Some(vec![0.2]));
+    assert!(read.straight_line);
+    assert_eq!(read.damping, Some(0.02));
+    assert_eq!(values.len(), servo::options().len());
+}
+
+#[test]
+fn path_options_have_a_valid_value_each() {
+    let values = object(json!({
+        "traversal": "cyclic", "start": [1.0], "end": [2.0], "joint_weights": [3.0], "max_step": 0.1, "samples": 9,
+        "times": [0.0, 1.0], "keep_times": true
+    }));
+    let read = PathOptions::of(&values).unwrap();
+    assert_eq!(read.traversal, kinopt::motion::path::Traversal::Cyclic);
+    assert_eq!(
+        [read.start, read.end, read.joint_weights, read.times],
+        [vec![1.0], vec![2.0], vec![3.0], vec![0.0, 1.0]].map(Some)
+    );
+    assert_eq!(
+        (read.max_step, read.samples, read.keep_times),
+        (0.1, 9, true)
+    );
+    // `tools` and `tool_of_points` are objects of the interface.
+    assert_eq!(values.len() + 2, path::options().len());
+}
+
+#[test]
+fn robot_options_have_a_valid_value_each() {
+    let values = object(json!({
+        "base_joint": "free", "base_bounds": {"x": [-1.0, 1.0]}, "lenient": true, "mimic_limits": "both",
+        "soft_limits": true, "confine": true
+    }));
+    let read = RobotOptions::of(&values).unwrap();
+    assert!(read.lenient && read.mimic_limits && read.soft_limits && read.confine);
+    assert_eq!(read.base.joint.as_deref(), Some("free"));
+    assert_eq!(read.base.bounds, vec![("x".to_owned(), (-1.0, 1.0))]);
+    assert_eq!(values.len(), robot::options().len());
+    let (robot, ..) = arms::panda();
+    let based = read.base.of::<Value>(robot);
+    assert!(based.is_ok_and(|robot| robot.model().free_joints().len() == 1));
+}
