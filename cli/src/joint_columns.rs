@@ -4,7 +4,7 @@ use kinopt::model::{ParameterMap, Source, UnknownName};
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::Numbers;
+use crate::problem::number_list::Numbers;
 
 /// Coordinates of a configuration that the columns of a file hold.
 #[derive(Clone, Debug)]
@@ -87,9 +87,9 @@ impl JointColumns {
         &self,
         loaded: &LoadedModel,
         option: &str,
-        Numbers(given): &Numbers,
-        degrees: bool,
+        numbers: &Numbers,
     ) -> Outcome<Vec<f64>> {
+        let given = &numbers.values;
         let (width, all) = (self.width(), loaded.model.configuration_len());
         let columns = self.coordinates.iter();
         let picked: Vec<f64> = match given.as_slice() {
@@ -104,7 +104,7 @@ impl JointColumns {
                 ));
             }
         };
-        Ok(self.in_radians(&picked, degrees))
+        Ok(self.in_radians(&picked, numbers.degrees))
     }
 
     /// Configuration as of [`configuration`](Self::configuration), of a row whose angles may be in degrees.

@@ -13,17 +13,18 @@ use crate::file_access;
 use crate::help_headings::OUTPUT;
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
-use crate::number_list;
 use crate::output;
+use crate::problem::number_list;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt spheres robot.urdf --out spherised.urdf     URDF, maximum protrusion 2 % of the reach
+  kinopt spheres robot.urdf --out spherised.urdf
   kinopt spheres robot.urdf --max-protrusion 0.02 --out spheres.yml
-                                                     cuRobo spheres, maximum protrusion 2 cm
-  kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
-                                                     at most six spheres a link, ROS meshes";
+  kinopt spheres robot.urdf --spheres 6 --problem ros.json --out spheres.yml
+
+Every point of every shape is in a sphere of its link. The report lists the enabled pairs of links.
+ROS packages are keys of the --problem file: {\"collisions\": {\"package\": [\"/opt/ros/share\"]}}.";
 
 /// Default maximum protrusion, as a share of the robot's reach.
 const PROTRUSION_OF_REACH: f64 = 0.02;
@@ -33,10 +34,6 @@ const PROTRUSION_OF_LARGEST: f64 = 0.05;
 const DOUBLINGS: usize = 40;
 
 /// Cover a robot's collision shapes with spheres, for fast collision checks.
-///
-/// Every point of every shape is in a sphere of its link; spheres exceed the shapes by at most the maximum protrusion.
-/// Links of spheres keep them. The report lists the enabled pairs of links. Disabled are adjacent links, pairs of
-/// --srdf, and pairs that random configurations show in contact never or almost always.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -48,8 +45,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     out: PathBuf,
 
-    /// Output format. Default: by the extension of --out.
-    #[arg(long, help_heading = OUTPUT)]
+    /// urdf, or yaml of cuRobo. Default: by the extension of --out.
+    #[arg(long, hide_possible_values = true, help_heading = OUTPUT)]
     format: Option<Format>,
 
     /// Maximum protrusion in metres. Default: 2 % of the reach, more for large links.
@@ -76,7 +73,6 @@ enum Format {
     /// URDF of the robot with spheres as collision shapes.
     Urdf,
     /// cuRobo collision_spheres.
-    #[value(alias = "yml")]
     Yaml,
 }
 
@@ -99,9 +95,10 @@ struct Link<'a> {
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let format = arguments.format()?;
     let path = &arguments.robot;
-    let loaded = LoadedModel::read(path, &arguments.model_options)?;
+    let problem = arguments.model_options.problem()?;
+    let loaded = LoadedModel::read(path, &problem.model)?;
     let robot = loaded.robot_with_shapes("spheres")?;
-    let model = (arguments.collisions).model(robot, &arguments.model_options)?;
+    let model = (arguments.collisions).model(robot, &problem)?;
     let spheres = match (arguments.max_protrusion, arguments.spheres) {
         (Some(max_protrusion), _) => {
             SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))

@@ -1,4 +1,4 @@
-//! `--derivative`: derivative of the solution with respect to its targets.
+//! Derivative of the solution with respect to its targets.
 
 use std::collections::BTreeMap;
 

@@ -11,8 +11,8 @@ use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
 use crate::loaded_model::{Capture, LoadedModel, LoadedScene};
 use crate::mesh_output::{MeshFile, Skin};
+use crate::problem::WeightsChoice;
 use crate::scene_output;
-use crate::weights_choice::WeightsChoice;
 
 /// Output file of a solution.
 #[derive(Clone, Debug)]

@@ -2,9 +2,9 @@
 
 /// Task of a query, in the order of the solution's tasks.
 #[derive(Clone, Debug)]
-pub(super) struct TaskName {
+pub(crate) struct TaskName {
     /// Frame as typed; for a held tip the name of its bone.
-    pub(super) frame: String,
+    pub(crate) frame: String,
     /// True for a held tip that keeps its pose; false for a target or task.
-    pub(super) held: bool,
+    pub(crate) held: bool,
 }

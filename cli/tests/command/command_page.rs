@@ -1,6 +1,5 @@
-//! Promise: docs/reference/command.md is the `--help-all` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
+//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
 //! --test command command_page` writes the page.
-#![cfg(not(any(feature = "bench", feature = "charts")))]
 
 use std::fmt::Write;
 use std::process::Command;
@@ -8,19 +7,12 @@ use std::process::Command;
 const PAGE_PATH: &str = "../docs/reference/command.md";
 const PAGE_HEADER: &str = "# The command
 
-`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help-all`.
-All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help-all` describes it.
+`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help`.
+All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
 ";
-const SUBCOMMANDS: [&str; 9] = [
-    "solve",
-    "path",
-    "retarget",
-    "animate",
-    "fk",
-    "info",
-    "check",
-    "spheres",
-    "skin-report",
+const SUBCOMMANDS: [&str; 12] = [
+    "solve", "body", "batch", "track", "servo", "path", "retarget", "animate", "fk", "info",
+    "check", "spheres",
 ];
 
 /// Words as Markdown. Angle brackets are escaped.
@@ -71,7 +63,7 @@ fn section(name: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
     // Line width without a terminal.
     let done = command
-        .args([name, "--help-all"])
+        .args([name, "--help"])
         .env_remove("COLUMNS")
         .output();
     let help = String::from_utf8(done.unwrap().stdout).unwrap();

@@ -42,7 +42,7 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     micros_p99: Option<f64>,
     micros_mean: f64,
-    /// With --track: steps in which a joint moves more than 0.2 rad.
+    /// In a sequence: steps in which a joint moves more than 0.2 rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     jumps: Option<&'a [LongStep]>,
 }

@@ -1,16 +1,16 @@
-//! File of `--targets`, validated; every error names the file and the position in it.
+//! Files of many targets, validated; every error names the file and the position in it.
 
 use std::path::Path;
 
 use kinopt::spatial::Placement;
 use serde_json::{Map, Value};
 
+use super::number_list::MAX_NUMBER;
+use super::target::placement;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::json_file;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::MAX_NUMBER;
-use crate::target::placement;
 
 /// Content of a file of targets.
 #[derive(Debug)]

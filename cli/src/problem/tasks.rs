@@ -1,7 +1,6 @@
-//! The file of `--tasks`: additional tasks, validated; every error names the file and the position in it.
+//! Tasks of a problem by name, validated; every error names the file and the position in it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use kinopt::model::{FrameId, Model};
 use kinopt::problem::ProblemBuilder;
@@ -13,12 +12,11 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::levels::{DefaultLevel, GOALS};
-use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
-use crate::json_file;
 use crate::loaded_model::LoadedModel;
+use crate::solve::levels::{DefaultLevel, GOALS};
+use crate::solve::task_name::TaskName;
 
 const KINDS: [&str; 6] = [
     "gaze",
@@ -30,11 +28,11 @@ const KINDS: [&str; 6] = [
 ];
 
 /// Tasks of a file.
-#[derive(Debug)]
-pub(super) struct TaskFile(Vec<Entry>);
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tasks(Vec<Entry>);
 
 /// Task with its common settings.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Entry {
     /// File and index of the task, for error messages.
     location: String,
@@ -43,7 +41,7 @@ struct Entry {
 }
 
 /// Settings of every task.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Common {
     name: Option<String>,
@@ -66,7 +64,7 @@ enum Role {
     Preference,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Kind {
     Gaze(GazeEntry),
     LookAt(LookAtEntry),
@@ -76,7 +74,7 @@ enum Kind {
     Posture(PostureEntry),
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct GazeEntry {
     frame: String,
@@ -87,7 +85,7 @@ struct GazeEntry {
     direction: Option<[f64; 3]>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LookAtEntry {
     frame: String,
@@ -95,7 +93,7 @@ struct LookAtEntry {
     target: [f64; 3],
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrameVelocityEntry {
     frame: String,
@@ -106,7 +104,7 @@ struct FrameVelocityEntry {
     angular: [f64; 3],
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JointCouplingEntry {
     coefficients: BTreeMap<String, f64>,
@@ -114,7 +112,7 @@ struct JointCouplingEntry {
     offset: f64,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ManipulabilityEntry {
     frame: String,
@@ -133,7 +131,7 @@ enum Motions {
     Orientation,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PostureEntry {
     /// Configuration; the start if absent.
@@ -141,7 +139,7 @@ struct PostureEntry {
     joint_weights: Option<JointWeights>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(
     untagged,
     expecting = "expected \"by range\", \"upright\", or a weight by joint"
@@ -159,25 +157,32 @@ enum Share {
     Upright,
 }
 
-impl TaskFile {
-    /// Reads a file, with all checks that need no model.
-    pub(super) fn read(path: &Path) -> Outcome<Self> {
-        let Value::Array(list) = json_file::read(path)? else {
-            return Err(failure!("{}: is not a list of tasks", path.display()));
+impl Tasks {
+    /// Reads the tasks of a file, with all checks that need no model.
+    ///
+    /// # Errors
+    /// Anything but a list of tasks with known keys.
+    pub(super) fn of_value(value: Value, file: &str) -> Result<Self, String> {
+        let Value::Array(list) = value else {
+            return Err("tasks: is not a list of tasks".to_owned());
         };
         if list.is_empty() {
-            return Err(failure!("{}: the list has no task", path.display()));
+            return Err("tasks: the list has no task".to_owned());
         }
         let entries = list.into_iter().enumerate().map(|(index, value)| {
-            let location = format!("{}: [{index}]", path.display());
-            let entry = Entry::of(value, location.clone());
-            entry.map_err(|problem| failure!("{location}: {problem}"))
+            let entry = Entry::of(value, format!("{file}: tasks[{index}]"));
+            entry.map_err(|problem| format!("tasks[{index}]: {problem}"))
         });
-        entries.collect::<Outcome<_>>().map(Self)
+        entries.collect::<Result<_, _>>().map(Self)
+    }
+
+    /// True without tasks.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// True if a task depends on the start configuration.
-    pub(super) fn depends_on_start(&self) -> bool {
+    pub(crate) fn depends_on_start(&self) -> bool {
         self.0.iter().any(|entry| match &entry.kind {
             Kind::FrameVelocity(_) => true,
             Kind::Posture(posture) => posture.q.is_none(),
@@ -186,7 +191,7 @@ impl TaskFile {
     }
 
     /// Names of the tasks, in their order.
-    pub(super) fn names(&self) -> impl Iterator<Item = TaskName> + '_ {
+    pub(crate) fn names(&self) -> impl Iterator<Item = TaskName> + '_ {
         self.0.iter().map(|entry| TaskName {
             frame: entry.name(),
             held: false,
@@ -194,7 +199,7 @@ impl TaskFile {
     }
 
     /// Level of each task: its own, else that of required tasks, and 0 for soft tasks.
-    pub(super) fn levels(&self) -> impl Iterator<Item = DefaultLevel> + '_ {
+    pub(crate) fn levels(&self) -> impl Iterator<Item = DefaultLevel> + '_ {
         self.0.iter().map(|entry| match entry.common.level {
             Some(level) => DefaultLevel::Given(level),
             None if entry.is_goal() => DefaultLevel::IfPrioritised(GOALS),
@@ -206,7 +211,7 @@ impl TaskFile {
     ///
     /// # Errors
     /// An unknown frame.
-    pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
+    pub(crate) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
         let mut frames = Vec::new();
         for entry in &self.0 {
             let names = match &entry.kind {
@@ -230,7 +235,7 @@ impl TaskFile {
     ///
     /// # Errors
     /// An unknown name, or a configuration of another length.
-    pub(super) fn add(
+    pub(crate) fn add(
         &self,
         builder: &mut ProblemBuilder<'_>,
         (loaded, start): (&LoadedModel, &[f64]),

@@ -1,0 +1,79 @@
+//! `kinopt solve`: one pose of an arm or any other model.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{
+    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, TipArguments,
+    set_list, with_problem_note,
+};
+use super::out_file::OutFile;
+use super::{Job, Mode};
+use crate::failure::Outcome;
+use crate::help_headings::{OUTPUT, TARGETS};
+use crate::problem::target::Target;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt solve robot.urdf --tip tool --target 0.4,0.1,0.5,0,1,0,0 --search distinct:8
+  kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0 --interval z=0..0.05,rz=free
+  kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
+
+A target that is not reached is a result: the closest pose, its errors and the active limits.
+Guide: docs/guide/targets.md. Other jobs: kinopt batch, track, servo, body, path.";
+
+/// Inverse kinematics of one pose: joint values within their limits that bring frames to targets.
+#[derive(Args, Debug)]
+#[command(after_help = with_problem_note(EXAMPLES))]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    query: QueryArguments,
+
+    /// Target [FRAME=]x,y,z[,qw,qx,qy,qz], in metres. Repeatable.
+    #[arg(long, value_name = "TARGET", allow_hyphen_values = true, help_heading = TARGETS)]
+    target: Vec<Target>,
+
+    #[command(flatten)]
+    tip: TipArguments,
+
+    #[command(flatten)]
+    search: SearchArgument,
+
+    #[command(flatten)]
+    posture: PostureArgument,
+
+    #[command(flatten)]
+    max_move: MaxMoveArgument,
+
+    #[command(flatten)]
+    limits: SearchLimits,
+
+    #[command(flatten)]
+    files: OutputFiles,
+}
+
+/// Files of a solved pose.
+#[derive(Args, Debug)]
+pub(super) struct OutputFiles {
+    /// Write the posed mesh (.obj, .ply, .glb), or a capture's pose (.bvh).
+    #[arg(long, value_name = "FILE", value_parser = OutFile::parse, help_heading = OUTPUT)]
+    pub(super) out: Option<OutFile>,
+
+    /// Add the pose as a clip to a .glb or .gltf, or to a copy of the model's file.
+    #[arg(long, value_name = "FILE", conflicts_with = "out", help_heading = OUTPUT)]
+    pub(super) into: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let degrees = arguments.query.degrees;
+    let mut problem = arguments.query.problem()?;
+    set_list(&mut problem.goal.target, arguments.target.iter().cloned());
+    arguments.tip.add_to(&mut problem, degrees);
+    arguments.search.add_to(&mut problem.solve);
+    arguments.posture.add_to(&mut problem.solve, degrees);
+    arguments.max_move.add_to(&mut problem.solve, degrees);
+    arguments.limits.add_to(&mut problem);
+    let mode = Mode::One(&arguments.files);
+    Job::new(&arguments.query, &problem, mode).run(json)
+}
