@@ -7,14 +7,13 @@ use kinopt::collision::{Checker, Collision};
 use serde::Serialize;
 
 use crate::collision_document::CollisionDocument;
-use crate::collision_options::CollisionOptions;
+use crate::collision_options::{CollisionOptions, ObstacleOptions};
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::output;
 use crate::outside_limits::OutsideLimits;
-use crate::problem::number_list::{self, Numbers};
-use crate::solve::arguments::set;
+use crate::problem::number_list::Numbers;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
@@ -54,13 +53,8 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "q", conflicts_with = "q_file")]
     degrees: bool,
 
-    /// Obstacle file: .json, or a MoveIt planning scene .yaml.
-    #[arg(long, value_name = "FILE")]
-    world: Option<PathBuf>,
-
-    /// Required distance, in metres. Default: 0.
-    #[arg(long, value_name = "METRES", value_parser = number_list::not_negative)]
-    margin: Option<f64>,
+    #[command(flatten)]
+    obstacles: ObstacleOptions,
 
     #[command(flatten)]
     collisions: CollisionOptions,
@@ -83,10 +77,8 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut problem = arguments.model_options.problem()?;
-    let collisions = &mut problem.collisions;
-    set(&mut collisions.world, arguments.world.as_ref());
-    set(&mut collisions.margin, arguments.margin.as_ref());
-    let margin = collisions.margin.unwrap_or(0.0);
+    arguments.obstacles.add_to(&mut problem.collisions);
+    let margin = problem.collisions.margin.unwrap_or(0.0);
     let loaded = LoadedModel::read(&arguments.robot, &problem.model)?;
     let robot = loaded.robot_with_shapes("check")?;
     let mut q = match (&arguments.q, &arguments.q_file) {

@@ -8,7 +8,7 @@ use kinopt::robot::Robot;
 
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
-use crate::problem::{CollisionSettings, MeshChoice, Problem};
+use crate::problem::{CollisionSettings, MeshChoice, Problem, number_list, set};
 use crate::{output, world_file};
 
 /// Number of random configurations that select enabled pairs, without an SRDF file.
@@ -27,6 +27,25 @@ pub(crate) struct CollisionOptions {
     /// Number of random configurations that select pairs. Default: 10000; 0 with an SRDF.
     #[arg(long, value_name = "N", help_heading = COLLISIONS)]
     samples: Option<u64>,
+}
+
+/// Obstacles and their margin.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ObstacleOptions {
+    /// Avoid self-collisions and the obstacles of a .json or MoveIt .yaml.
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    pub(crate) world: Option<PathBuf>,
+
+    /// Required distance in m; without --world between links. Default: 0.
+    #[arg(long, value_name = "M", value_parser = number_list::not_negative, help_heading = COLLISIONS)]
+    margin: Option<f64>,
+}
+
+impl ObstacleOptions {
+    pub(crate) fn add_to(&self, collisions: &mut CollisionSettings) {
+        set(&mut collisions.world, self.world.as_ref());
+        set(&mut collisions.margin, self.margin.as_ref());
+    }
 }
 
 impl CollisionSettings {

@@ -27,7 +27,8 @@ Examples:
   kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt fk walk.bvh --problem balls.json --time 1.5 --json
 
-A configuration has one number for each coordinate in the order of `kinopt info`. Frames are links
+A configuration has one number for each coordinate in the order of `kinopt info`. A document with
+`joints` and `q` has numbers by name; joints that it does not name are at rest. Frames are links
 of a robot, joints and End Sites (JOINT/tip) of a capture, nodes of a scene, or bones of a rig.
 Loops and ball joints are keys of the --problem file, such as {\"model\": {\"joints\": \"ball\"}}.";
 

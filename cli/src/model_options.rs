@@ -11,7 +11,8 @@ use crate::file_access;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::{MimicLimits, ModelSettings, Problem};
+use crate::problem::{MimicLimits, ModelSettings, Problem, set};
+use crate::solve::arguments::ProblemOptions;
 
 /// Options of every subcommand that reads a model.
 #[derive(Args, Clone, Debug, Default)]
@@ -21,7 +22,7 @@ pub(crate) struct ModelOptions {
           help_heading = MODEL)]
     base_joint: Option<String>,
 
-    /// Repair damaged robot and SRDF files where no guess is needed, with notes.
+    /// Repair damaged robot and SRDF files, with notes.
     #[arg(long, help_heading = MODEL)]
     lenient: bool,
 
@@ -35,6 +36,20 @@ pub(crate) struct ProblemFile {
     /// JSON file of further options; see below.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]
     problem: Option<PathBuf>,
+}
+
+/// Joint limits of a robot.
+#[derive(Args, Debug)]
+pub(crate) struct JointLimitsArgument {
+    /// Joint limits, as of MoveIt (joint_limits.yaml). Default: the robot's.
+    #[arg(long, value_name = "FILE", help_heading = MODEL)]
+    joint_limits: Option<PathBuf>,
+}
+
+impl ProblemOptions for JointLimitsArgument {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+        set(&mut problem.model.joint_limits, self.joint_limits.as_ref());
+    }
 }
 
 impl ProblemFile {
@@ -53,9 +68,7 @@ impl ModelOptions {
         let mut problem = self.file.read()?;
         let model = &mut problem.model;
         model.lenient |= self.lenient;
-        if self.base_joint.is_some() {
-            model.base_joint.clone_from(&self.base_joint);
-        }
+        set(&mut model.base_joint, self.base_joint.as_ref());
         Ok(problem)
     }
 }

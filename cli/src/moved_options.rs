@@ -3,7 +3,7 @@
 use crate::problem::place_of;
 
 /// Options with the subcommand that has them, or with the option that replaces them.
-const MOVED: [(&str, &str); 26] = [
+const MOVED: [(&str, &str); 27] = [
     ("--targets", "kinopt batch, track or servo"),
     ("--batch", "kinopt batch --together"),
     ("--threads", "kinopt batch"),
@@ -30,6 +30,7 @@ const MOVED: [(&str, &str); 26] = [
     ("--free", "--hold none"),
     ("--free-axis", "--interval, such as rz=free for the z axis"),
     ("--frame", "--tip"),
+    ("--keep-clear", "--margin M"),
     ("--help-all", "--help"),
     ("--target", "kinopt solve or body"),
     ("--search", "kinopt solve or batch"),

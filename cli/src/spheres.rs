@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 use kinopt::counted;
 use serde::Serialize;
 
+use crate::animated_armature::extension;
 use crate::collision_options::CollisionOptions;
 use crate::failure::Outcome;
 use crate::file_access;
@@ -45,10 +46,6 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     out: PathBuf,
 
-    /// urdf, or yaml of cuRobo. Default: by the extension of --out.
-    #[arg(long, hide_possible_values = true, help_heading = OUTPUT)]
-    format: Option<Format>,
-
     /// Maximum protrusion in metres. Default: 2 % of the reach, more for large links.
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
     max_protrusion: Option<f64>,
@@ -68,7 +65,7 @@ pub(crate) struct Arguments {
     model_options: ModelOptions,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// URDF of the robot with spheres as collision shapes.
     Urdf,
@@ -211,20 +208,15 @@ fn report(
 
 impl Arguments {
     fn format(&self) -> Outcome<Format> {
-        let end = self.out.extension().and_then(|end| end.to_str());
-        let by_name = match end.map(str::to_ascii_lowercase).as_deref() {
-            Some("urdf") => Some(Format::Urdf),
-            Some("yml" | "yaml") => Some(Format::Yaml),
-            _ => None,
+        let format = match extension(&self.out).as_str() {
+            "urdf" => Format::Urdf,
+            "yml" | "yaml" => Format::Yaml,
+            _ => {
+                let out = self.out.display();
+                return Err(usage!("{out}: expected a name that ends in .urdf or .yml"));
+            }
         };
-        let format = self.format.or(by_name).ok_or_else(|| {
-            let out = self.out.display();
-            usage!("{out}: expected a name that ends in .urdf or .yml, or --format")
-        })?;
-        let is_urdf = self
-            .robot
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
+        let is_urdf = extension(&self.robot) == "urdf";
         match format == Format::Urdf && !is_urdf {
             true => Err(usage!(
                 "{}: only a URDF robot can be written as .urdf; use .yml",

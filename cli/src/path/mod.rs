@@ -26,7 +26,7 @@ use crate::solve::held;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let problem = arguments.problem()?;
-    let mut loaded = LoadedModel::read(&arguments.robot, &problem.model)?;
+    let mut loaded = LoadedModel::read(&arguments.query.model, &problem.model)?;
     if loaded.robot.is_none() {
         return Err(usage!("{}: path is for robots", loaded.file));
     }
@@ -50,7 +50,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let typed = |option, given: Option<&Numbers>| {
         one_each(
             option,
-            given.map(|given| given.typed(arguments.degrees)).as_ref(),
+            given
+                .map(|given| given.typed(arguments.query.degrees))
+                .as_ref(),
         )
     };
     let tools = problem.path.add_tool.iter();
@@ -99,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(out) = &arguments.out {
         output::message(&format!("wrote {}", out.display()));
     }
-    match arguments.fail_on_miss && !solution.missed.is_empty() {
+    match arguments.query.fail_on_miss && !solution.missed.is_empty() {
         true => Err(Failure::Missed(format!(
             "{} of {} points are not reached",
             solution.missed.len(),

@@ -125,3 +125,17 @@ fn section<T: DeserializeOwned + Default>(
         .map_err(|error| format!("{name}: {error}"))?
         .unwrap_or_default())
 }
+
+/// Replaces a value by a given one.
+pub(crate) fn set<T: Clone>(value: &mut Option<T>, given: Option<&T>) {
+    if given.is_some() {
+        *value = given.cloned();
+    }
+}
+
+/// Replaces a list by a given one that is not empty.
+pub(crate) fn set_list<T>(list: &mut Vec<T>, given: impl ExactSizeIterator<Item = T>) {
+    if given.len() > 0 {
+        *list = given.collect();
+    }
+}

@@ -89,10 +89,9 @@ mod tests {
         let start = |text: &str| text.parse::<Start>();
         assert!(matches!(start("rest"), Ok(Start::Rest)));
         assert!(matches!(start(" random "), Ok(Start::Random)));
-        let Ok(Start::Numbers(numbers)) = start("1, -2") else {
-            panic!("no numbers");
-        };
-        assert_eq!(numbers.values, [1.0, -2.0]);
+        let is_pair =
+            |start| matches!(start, Start::Numbers(numbers) if numbers.values == [1.0, -2.0]);
+        assert!(start("1, -2").is_ok_and(is_pair));
         assert!(start("1, x").unwrap_err().contains("`x`"));
         assert!(start("home").unwrap_err().contains("`random`"));
     }

@@ -1,6 +1,4 @@
-//! `--keep-clear`, `--world` and `--margin`: collision avoidance of a robot with itself and a world.
-
-use std::path::PathBuf;
+//! Collision avoidance of a robot with itself and a world.
 
 use clap::Args;
 use kinopt::collision::{Checker, World};
@@ -9,13 +7,11 @@ use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::FolderQuestion;
 
 use super::target::Target;
-use crate::choices::first_given;
+use crate::collision_options::ObstacleOptions;
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
 use crate::output;
 use crate::problem::CollisionSettings;
-use crate::problem::number_list::not_negative;
-use crate::solve::arguments::set;
 
 /// Scale factor of the obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,22 +33,13 @@ impl WorldScale {
 
 /// Collision options of `kinopt retarget`.
 #[derive(Args, Clone, Debug)]
-pub(super) struct KeepClearOptions {
-    /// Avoid self-collisions, with a margin of M metres. Without M: 0.
-    #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0", value_parser = not_negative, help_heading = COLLISIONS)]
-    keep_clear: Option<f64>,
-
-    /// Avoid self-collisions and the obstacles of a .json or .yaml file.
-    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
-    world: Option<PathBuf>,
+pub(super) struct AvoidanceOptions {
+    #[command(flatten)]
+    obstacles: ObstacleOptions,
 
     /// Scale of the obstacles, or `stride`: the ratio of step lengths.
     #[arg(long, value_name = "TIMES", value_parser = WorldScale::parse, requires = "world", help_heading = COLLISIONS)]
     world_scale: Option<WorldScale>,
-
-    /// Required distance of all collision pairs, in metres. Default: 0.
-    #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
-    margin: Option<f64>,
 }
 
 /// Collision checker and world of the collision avoidance.
@@ -87,32 +74,19 @@ impl CollisionAvoidance {
     }
 }
 
-impl KeepClearOptions {
-    /// Name of the first collision option that the user gave.
-    fn given(&self) -> Option<&'static str> {
-        first_given([
-            ("--keep-clear", self.keep_clear.is_some()),
-            ("--world", self.world.is_some()),
-            ("--margin", self.margin.is_some()),
-        ])
-    }
-
+impl AvoidanceOptions {
     /// Collision avoidance of a target. `None` without a collision option.
     ///
     /// # Errors
     /// A figure, a robot without shapes, and a missing or damaged file.
-    pub(super) fn avoidance(
+    pub(super) fn of(
         &self,
         target: &Target,
         collisions: &CollisionSettings,
     ) -> Outcome<Option<CollisionAvoidance>> {
         let mut collisions = collisions.clone();
-        set(&mut collisions.world, self.world.as_ref());
-        set(
-            &mut collisions.margin,
-            self.margin.or(self.keep_clear).as_ref(),
-        );
-        let Some(option) = self.given().or(collisions.given()) else {
+        self.obstacles.add_to(&mut collisions);
+        let Some(option) = collisions.given() else {
             return Ok(None);
         };
         if target.loaded.robot.is_none() {

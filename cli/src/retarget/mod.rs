@@ -18,7 +18,7 @@ use kinopt::motion::retarget::{
 };
 use serde::Serialize;
 
-use self::collision_avoidance::{CollisionAvoidance, KeepClearOptions, report_contacts};
+use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};
 use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
@@ -32,8 +32,8 @@ use crate::output;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
-  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
+  kinopt retarget walk.bvh g1.urdf --base-joint free --margin 0.01 --out walk.npz
+  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --whole --out climb.npz
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
   kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
 
@@ -72,7 +72,7 @@ pub(crate) struct Arguments {
     contacts: ContactOptions,
 
     #[command(flatten)]
-    keep_clear: KeepClearOptions,
+    avoidance: AvoidanceOptions,
 
     /// A .npz, .json, .csv, .bvh or .glb file; for a folder a folder.
     #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
@@ -172,9 +172,7 @@ impl<'a> Job<'a> {
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
-            avoidance: arguments
-                .keep_clear
-                .avoidance(&target, &problem.collisions)?,
+            avoidance: arguments.avoidance.of(&target, &problem.collisions)?,
             shapes: FootShapes::of_files(&target.robot),
             target,
             map,

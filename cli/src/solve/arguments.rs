@@ -7,6 +7,7 @@ use clap::Args;
 use kinopt::arm::Search;
 use kinopt::spatial::Placement;
 
+use crate::collision_options::ObstacleOptions;
 use crate::failure::Outcome;
 use crate::help_headings::{MODEL, OUTPUT, SEARCH, TARGETS};
 use crate::model_options::ModelOptions;
@@ -14,8 +15,8 @@ use crate::problem::body::Lock;
 use crate::problem::interval::Interval;
 use crate::problem::number_list::{self, Numbers};
 use crate::problem::start::{self, Start};
-use crate::problem::target::parse_placement;
-use crate::problem::{Problem, SolveSettings};
+use crate::problem::target::{Target, parse_placement};
+use crate::problem::{Problem, set, set_list};
 
 /// Note on the files of `--problem`, at the end of a help page.
 const PROBLEM_NOTE: &str = "\
@@ -28,12 +29,18 @@ pub(crate) fn with_problem_note(examples: &str) -> String {
     format!("{examples}\n\n{PROBLEM_NOTE}")
 }
 
+/// Group of options that changes a problem.
+pub(crate) trait ProblemOptions {
+    /// Replaces values of the problem by those given; `degrees` is the unit of typed angles.
+    fn add_to(&self, problem: &mut Problem, degrees: bool);
+}
+
 /// Arguments of every solving subcommand.
 #[derive(Args, Debug)]
-pub(super) struct QueryArguments {
-    /// Robot .urdf or MJCF .xml, rig .json, scene .glb or .gltf, or motion capture .bvh.
+pub(crate) struct QueryArguments {
+    /// Robot .urdf or MJCF .xml, rig .json, scene .glb or .gltf, or capture .bvh.
     #[arg(value_name = "MODEL")]
-    pub(super) model: PathBuf,
+    pub(crate) model: PathBuf,
 
     /// Frame in which targets are given. Default: the world.
     #[arg(long, value_name = "FRAME", help_heading = TARGETS)]
@@ -43,19 +50,10 @@ pub(super) struct QueryArguments {
     #[arg(long, help_heading = TARGETS)]
     position_only: bool,
 
-    /// Avoid self-collisions and the obstacles of a .json or MoveIt .yaml file.
-    #[arg(long, value_name = "FILE", help_heading = TARGETS)]
-    world: Option<PathBuf>,
+    #[command(flatten)]
+    obstacles: ObstacleOptions,
 
-    /// Required distance in metres; without --world between links. Default: 0.
-    #[arg(long, value_name = "M", value_parser = number_list::not_negative, help_heading = TARGETS)]
-    margin: Option<f64>,
-
-    /// Start: numbers, default, rest, bent or random. Default: default.
-    #[arg(long, value_name = "START", allow_hyphen_values = true, help_heading = SEARCH)]
-    start: Option<Start>,
-
-    /// Tolerance in metres and radians. Default: 1e-6; skeletons: 1e-9 of their size.
+    /// Tolerance in m and rad. Default: 1e-6; skeletons: 1e-9 of their size.
     #[arg(long, value_name = "T", value_parser = number_list::not_negative, help_heading = SEARCH)]
     tolerance: Option<f64>,
 
@@ -68,35 +66,64 @@ pub(super) struct QueryArguments {
 
     /// Angles in options and text output are degrees. Default: radians.
     #[arg(long, help_heading = OUTPUT)]
-    pub(super) degrees: bool,
+    pub(crate) degrees: bool,
 
     /// Exit with code 3 if a target is not reached.
     #[arg(long, help_heading = OUTPUT)]
-    pub(super) fail_on_miss: bool,
+    pub(crate) fail_on_miss: bool,
 }
 
 impl QueryArguments {
-    /// Problem of the file with these arguments.
-    pub(super) fn problem(&self) -> Outcome<Problem> {
+    /// Problem of the file with these arguments and further groups of options.
+    pub(crate) fn problem(&self, options: &[&dyn ProblemOptions]) -> Outcome<Problem> {
         let mut problem = self.model_options.problem()?;
         set(&mut problem.goal.base, self.base.as_ref());
         problem.goal.position_only |= self.position_only;
-        set(&mut problem.collisions.world, self.world.as_ref());
-        set(&mut problem.collisions.margin, self.margin.as_ref());
-        if let Some(start) = &self.start {
-            problem.solve.start = start.typed(self.degrees);
-        }
+        self.obstacles.add_to(&mut problem.collisions);
         set(&mut problem.solve.tolerance, self.tolerance.as_ref());
         let locks = self.lock.iter().map(|lock| lock.typed(self.degrees));
         set_list(&mut problem.model.lock, locks);
+        for options in options {
+            options.add_to(&mut problem, self.degrees);
+        }
         Ok(problem)
     }
 }
 
-/// Arguments of the target of one tip.
+/// Start configuration.
 #[derive(Args, Debug)]
-pub(super) struct TipArguments {
-    /// Frame of targets without a name. Default: the robot's only tip.
+pub(super) struct StartArgument {
+    /// Start: numbers, default, rest, bent or random. Default: default.
+    #[arg(long, value_name = "START", allow_hyphen_values = true, help_heading = SEARCH)]
+    start: Option<Start>,
+}
+
+impl ProblemOptions for StartArgument {
+    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+        if let Some(start) = &self.start {
+            problem.solve.start = start.typed(degrees);
+        }
+    }
+}
+
+/// Targets of frames.
+#[derive(Args, Debug)]
+pub(super) struct TargetArguments {
+    /// Target [FRAME=]x,y,z[,qw,qx,qy,qz], in metres. Repeatable.
+    #[arg(long, value_name = "TARGET", allow_hyphen_values = true, help_heading = TARGETS)]
+    target: Vec<Target>,
+}
+
+impl ProblemOptions for TargetArguments {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+        set_list(&mut problem.goal.target, self.target.iter().cloned());
+    }
+}
+
+/// Tip and its goal.
+#[derive(Args, Debug)]
+pub(crate) struct TipArguments {
+    /// Frame of the targets. Default: the robot's only tip.
     #[arg(long, value_name = "FRAME", help_heading = TARGETS)]
     tip: Option<String>,
 
@@ -105,47 +132,19 @@ pub(super) struct TipArguments {
           help_heading = TARGETS)]
     interval: Vec<Interval>,
 
-    /// Tool placement in the frame of the targets: x,y,z[,qw,qx,qy,qz].
+    /// Tool placement in the tip: x,y,z[,qw,qx,qy,qz].
     #[arg(long, value_name = "PLACEMENT", allow_hyphen_values = true, value_parser = parse_placement,
           help_heading = MODEL)]
     tool: Option<Placement<f64>>,
 }
 
-impl TipArguments {
-    pub(super) fn add_to(&self, problem: &mut Problem, degrees: bool) {
+impl ProblemOptions for TipArguments {
+    fn add_to(&self, problem: &mut Problem, degrees: bool) {
         let goal = &mut problem.goal;
         set(&mut goal.tip, self.tip.as_ref());
         let intervals = self.interval.iter().map(|interval| interval.typed(degrees));
         set_list(&mut goal.interval, intervals);
         set(&mut goal.tool, self.tool.as_ref());
-    }
-}
-
-/// Nominal posture.
-#[derive(Args, Debug)]
-pub(super) struct PostureArgument {
-    /// Nominal posture of a robot, one number a joint.
-    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = SEARCH)]
-    posture: Option<Numbers>,
-}
-
-impl PostureArgument {
-    pub(super) fn add_to(&self, solve: &mut SolveSettings, degrees: bool) {
-        set_numbers(&mut solve.posture, self.posture.as_ref(), degrees);
-    }
-}
-
-/// Largest displacement.
-#[derive(Args, Debug)]
-pub(super) struct MaxMoveArgument {
-    /// Largest displacement from the start, one number or one a joint.
-    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = SEARCH)]
-    max_move: Option<Numbers>,
-}
-
-impl MaxMoveArgument {
-    pub(super) fn add_to(&self, solve: &mut SolveSettings, degrees: bool) {
-        set_numbers(&mut solve.max_move, self.max_move.as_ref(), degrees);
     }
 }
 
@@ -157,9 +156,39 @@ pub(super) struct SearchArgument {
     search: Option<Search>,
 }
 
-impl SearchArgument {
-    pub(super) fn add_to(&self, solve: &mut SolveSettings) {
-        set(&mut solve.search, self.search.as_ref());
+impl ProblemOptions for SearchArgument {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+        set(&mut problem.solve.search, self.search.as_ref());
+    }
+}
+
+/// Nominal posture.
+#[derive(Args, Debug)]
+pub(super) struct PostureArgument {
+    /// Nominal posture of a robot, one number a joint.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = SEARCH)]
+    posture: Option<Numbers>,
+}
+
+impl ProblemOptions for PostureArgument {
+    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+        let posture = self.posture.as_ref().map(|posture| posture.typed(degrees));
+        set(&mut problem.solve.posture, posture.as_ref());
+    }
+}
+
+/// Largest displacement.
+#[derive(Args, Debug)]
+pub(super) struct MaxMoveArgument {
+    /// Largest displacement from the start, one number or one a joint.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = SEARCH)]
+    max_move: Option<Numbers>,
+}
+
+impl ProblemOptions for MaxMoveArgument {
+    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+        let max_move = self.max_move.as_ref().map(|moves| moves.typed(degrees));
+        set(&mut problem.solve.max_move, max_move.as_ref());
     }
 }
 
@@ -175,28 +204,9 @@ pub(super) struct SearchLimits {
     time_limit: Option<Duration>,
 }
 
-impl SearchLimits {
-    pub(super) fn add_to(&self, problem: &mut Problem) {
+impl ProblemOptions for SearchLimits {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
         set_list(&mut problem.body.hold, self.hold.iter().cloned());
         set(&mut problem.solve.time_limit, self.time_limit.as_ref());
     }
-}
-
-/// Replaces a value by a given one.
-pub(crate) fn set<T: Clone>(value: &mut Option<T>, given: Option<&T>) {
-    if given.is_some() {
-        *value = given.cloned();
-    }
-}
-
-/// Replaces a list by a given one that is not empty.
-pub(crate) fn set_list<T>(list: &mut Vec<T>, given: impl ExactSizeIterator<Item = T>) {
-    if given.len() > 0 {
-        *list = given.collect();
-    }
-}
-
-/// Replaces numbers of joints by given ones, with their unit of angles.
-pub(crate) fn set_numbers(numbers: &mut Option<Numbers>, given: Option<&Numbers>, degrees: bool) {
-    set(numbers, given.map(|given| given.typed(degrees)).as_ref());
 }

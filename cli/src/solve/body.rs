@@ -2,14 +2,17 @@
 
 use clap::Args;
 
-use super::arguments::{QueryArguments, SearchLimits, set, set_list, with_problem_note};
+use super::arguments::{
+    ProblemOptions, QueryArguments, SearchLimits, StartArgument, TargetArguments, with_problem_note,
+};
 use super::one::OutputFiles;
 use super::{Job, Mode};
 use crate::failure::Outcome;
 use crate::help_headings::{BALANCE, TARGETS};
 use crate::problem::body::{Centre, Foot, FrameWeight, NamedLevel};
 use crate::problem::number_list::not_negative;
-use crate::problem::target::{RayTarget, Target};
+use crate::problem::target::RayTarget;
+use crate::problem::{Problem, set, set_list};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -27,10 +30,25 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     query: QueryArguments,
 
-    /// Target FRAME=x,y,z[,qw,qx,qy,qz], in metres. Repeatable.
-    #[arg(long, value_name = "TARGET", allow_hyphen_values = true, help_heading = TARGETS)]
-    target: Vec<Target>,
+    #[command(flatten)]
+    start: StartArgument,
 
+    #[command(flatten)]
+    target: TargetArguments,
+
+    #[command(flatten)]
+    tasks: BodyTasks,
+
+    #[command(flatten)]
+    limits: SearchLimits,
+
+    #[command(flatten)]
+    files: OutputFiles,
+}
+
+/// Rays, centre of mass, weights and levels.
+#[derive(Args, Debug)]
+struct BodyTasks {
     /// Line FRAME=ex,ey,ez:mx,my,mz from an eye through a point. Repeatable.
     #[arg(long, value_name = "RAY", help_heading = TARGETS)]
     ray: Vec<RayTarget>,
@@ -54,25 +72,27 @@ pub(crate) struct Arguments {
     /// Priority level of a target, frame or task, from 0 (first).
     #[arg(long, value_name = "NAME=N", help_heading = TARGETS)]
     level: Vec<NamedLevel>,
+}
 
-    #[command(flatten)]
-    limits: SearchLimits,
-
-    #[command(flatten)]
-    files: OutputFiles,
+impl ProblemOptions for BodyTasks {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+        set_list(&mut problem.goal.ray, self.ray.iter().cloned());
+        let body = &mut problem.body;
+        set(&mut body.center_of_mass, self.center_of_mass.as_ref());
+        set_list(&mut body.balance, self.balance.iter().cloned());
+        set(&mut body.balance_margin, self.balance_margin.as_ref());
+        set_list(&mut body.weight, self.weight.iter().cloned());
+        set_list(&mut body.level, self.level.iter().cloned());
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut problem = arguments.query.problem()?;
-    set_list(&mut problem.goal.target, arguments.target.iter().cloned());
-    set_list(&mut problem.goal.ray, arguments.ray.iter().cloned());
-    let body = &mut problem.body;
-    set(&mut body.center_of_mass, arguments.center_of_mass.as_ref());
-    set_list(&mut body.balance, arguments.balance.iter().cloned());
-    set(&mut body.balance_margin, arguments.balance_margin.as_ref());
-    set_list(&mut body.weight, arguments.weight.iter().cloned());
-    set_list(&mut body.level, arguments.level.iter().cloned());
-    arguments.limits.add_to(&mut problem);
+    let problem = arguments.query.problem(&[
+        &arguments.start,
+        &arguments.target,
+        &arguments.tasks,
+        &arguments.limits,
+    ])?;
     let mode = Mode::One(&arguments.files);
     Job::new(&arguments.query, &problem, mode).run(json)
 }

@@ -43,7 +43,11 @@ impl<'a> Goals<'a> {
                 Ok(TargetFrame {
                     name: match &target.frame {
                         Some(frame) => frame.clone(),
-                        None => tip(loaded, goal.tip.as_deref(), "--target without a frame")?,
+                        None => tip(
+                            loaded,
+                            goal.tip.as_deref(),
+                            "a target has no frame: write FRAME=x,y,z, or name it by --tip",
+                        )?,
                     },
                     turns: turns(target.turns),
                 })
@@ -57,7 +61,10 @@ impl<'a> Goals<'a> {
         };
         let file = TargetsFile::read(path)?;
         let named = goal.tip.as_deref().or(file.tip_link.as_deref());
-        let without_tip = format!("{}: has no key `tip_link`", path.display());
+        let without_tip = format!(
+            "{}: has no key `tip_link`, so --tip must name the frame of the targets",
+            path.display()
+        );
         let target = TargetFrame {
             name: tip(loaded, named, &without_tip)?,
             turns: turns(file.turns),
@@ -167,7 +174,5 @@ fn tip(loaded: &LoadedModel, named: Option<&str>, lacks: &str) -> Outcome<String
         [] => String::new(),
         tips => format!("; tips: {}", tips.join(", ")),
     };
-    Err(failure!(
-        "{lacks}, so --tip must name the frame of the targets{listed}"
-    ))
+    Err(failure!("{lacks}{listed}"))
 }

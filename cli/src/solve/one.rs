@@ -5,14 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{
-    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, TipArguments,
-    set_list, with_problem_note,
+    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, StartArgument,
+    TargetArguments, TipArguments, with_problem_note,
 };
 use super::out_file::OutFile;
 use super::{Job, Mode};
 use crate::failure::Outcome;
-use crate::help_headings::{OUTPUT, TARGETS};
-use crate::problem::target::Target;
+use crate::help_headings::OUTPUT;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -30,9 +29,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     query: QueryArguments,
 
-    /// Target [FRAME=]x,y,z[,qw,qx,qy,qz], in metres. Repeatable.
-    #[arg(long, value_name = "TARGET", allow_hyphen_values = true, help_heading = TARGETS)]
-    target: Vec<Target>,
+    #[command(flatten)]
+    start: StartArgument,
+
+    #[command(flatten)]
+    target: TargetArguments,
 
     #[command(flatten)]
     tip: TipArguments,
@@ -66,14 +67,15 @@ pub(super) struct OutputFiles {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let degrees = arguments.query.degrees;
-    let mut problem = arguments.query.problem()?;
-    set_list(&mut problem.goal.target, arguments.target.iter().cloned());
-    arguments.tip.add_to(&mut problem, degrees);
-    arguments.search.add_to(&mut problem.solve);
-    arguments.posture.add_to(&mut problem.solve, degrees);
-    arguments.max_move.add_to(&mut problem.solve, degrees);
-    arguments.limits.add_to(&mut problem);
+    let problem = arguments.query.problem(&[
+        &arguments.start,
+        &arguments.target,
+        &arguments.tip,
+        &arguments.search,
+        &arguments.posture,
+        &arguments.max_move,
+        &arguments.limits,
+    ])?;
     let mode = Mode::One(&arguments.files);
     Job::new(&arguments.query, &problem, mode).run(json)
 }

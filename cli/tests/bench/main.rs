@@ -6,4 +6,6 @@
 #[allow(dead_code, unused_macros)] // The tests of the command use the rest.
 mod forked_rig;
 
+#[path = "../command/help_pages.rs"]
+mod help_pages;
 mod solvers_compared;

@@ -74,7 +74,7 @@ fn negative_numbers_are_rejected_as_numbers() {
     refused!("spheres {panda} --max-protrusion -1 --out s.yml" => 1, "--max-protrusion -1 | positive");
     refused!("animate {rig} --fps -24 --out frames" => 2, "--fps | `-24`");
     refused!("retarget walk.bvh {panda} --contact-speed -1 --out a.npz" => 2, "--contact-speed | `-1`");
-    refused!("retarget walk.bvh {panda} --keep-clear -1 --out a.npz" => 2, "--keep-clear | `-1`");
+    refused!("retarget walk.bvh {panda} --margin -1 --out a.npz" => 2, "--margin | `-1`");
 }
 
 #[test]

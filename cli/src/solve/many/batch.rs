@@ -7,8 +7,8 @@ use clap::Args;
 use crate::failure::Outcome;
 use crate::help_headings::{SEARCH, TARGETS};
 use crate::solve::arguments::{
-    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, TipArguments,
-    with_problem_note,
+    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, StartArgument,
+    TipArguments, with_problem_note,
 };
 use crate::solve::{Job, Mode};
 
@@ -26,6 +26,9 @@ Guide: docs/guide/batches.md.";
 pub(crate) struct Arguments {
     #[command(flatten)]
     query: QueryArguments,
+
+    #[command(flatten)]
+    start: StartArgument,
 
     /// JSON file of targets.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
@@ -64,13 +67,14 @@ pub(crate) struct BatchOptions {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let degrees = arguments.query.degrees;
-    let mut problem = arguments.query.problem()?;
-    arguments.tip.add_to(&mut problem, degrees);
-    arguments.search.add_to(&mut problem.solve);
-    arguments.posture.add_to(&mut problem.solve, degrees);
-    arguments.max_move.add_to(&mut problem.solve, degrees);
-    arguments.limits.add_to(&mut problem);
+    let problem = arguments.query.problem(&[
+        &arguments.start,
+        &arguments.tip,
+        &arguments.search,
+        &arguments.posture,
+        &arguments.max_move,
+        &arguments.limits,
+    ])?;
     let mode = Mode::Batch(&arguments.targets, &arguments.batch);
     Job::new(&arguments.query, &problem, mode).run(json)
 }

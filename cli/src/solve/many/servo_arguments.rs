@@ -6,9 +6,10 @@ use clap::Args;
 
 use crate::failure::Outcome;
 use crate::help_headings::{LIMITS, TARGETS};
+use crate::model_options::JointLimitsArgument;
 use crate::problem::number_list::{self, Numbers};
 use crate::solve::arguments::{
-    PostureArgument, QueryArguments, TipArguments, set, with_problem_note,
+    PostureArgument, QueryArguments, StartArgument, TipArguments, with_problem_note,
 };
 use crate::solve::{Job, Mode};
 
@@ -27,6 +28,9 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     query: QueryArguments,
 
+    #[command(flatten)]
+    start: StartArgument,
+
     /// JSON file of targets, one a control cycle.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     targets: PathBuf,
@@ -40,9 +44,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     servo: ServoOptions,
 
-    /// Joint limits as in MoveIt's joint_limits.yaml. Default: the robot's file.
-    #[arg(long, value_name = "FILE", help_heading = LIMITS)]
-    joint_limits: Option<PathBuf>,
+    #[command(flatten)]
+    joint_limits: JointLimitsArgument,
 }
 
 /// Rate and motion limits.
@@ -52,15 +55,15 @@ pub(crate) struct ServoOptions {
     #[arg(long, value_name = "HZ", value_parser = number_list::positive, help_heading = TARGETS)]
     pub(crate) rate: f64,
 
-    /// Joint velocity limits, rad/s or m/s. Default: the robot's files.
+    /// Joint velocities, rad/s or m/s. Default: the robot's.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
     pub(crate) velocity_limits: Option<Numbers>,
 
-    /// Joint acceleration limits, rad/s² or m/s². Default: the robot's files.
+    /// Accelerations, rad/s² or m/s². Default: the robot's.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
     pub(crate) acceleration_limits: Option<Numbers>,
 
-    /// Joint jerk limits, rad/s³ or m/s³. Default: the robot's files.
+    /// Jerks, rad/s³ or m/s³. Default: the robot's.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
     pub(crate) jerk_limits: Option<Numbers>,
 
@@ -83,15 +86,13 @@ impl ServoOptions {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let degrees = arguments.query.degrees;
-    let mut problem = arguments.query.problem()?;
-    arguments.tip.add_to(&mut problem, degrees);
-    arguments.posture.add_to(&mut problem.solve, degrees);
-    set(
-        &mut problem.model.joint_limits,
-        arguments.joint_limits.as_ref(),
-    );
-    let options = arguments.servo.typed(degrees);
+    let problem = arguments.query.problem(&[
+        &arguments.start,
+        &arguments.tip,
+        &arguments.posture,
+        &arguments.joint_limits,
+    ])?;
+    let options = arguments.servo.typed(arguments.query.degrees);
     let mode = Mode::Servo(&arguments.targets, &options);
     Job::new(&arguments.query, &problem, mode).run(json)
 }

@@ -7,7 +7,8 @@ use clap::Args;
 use crate::failure::Outcome;
 use crate::help_headings::TARGETS;
 use crate::solve::arguments::{
-    MaxMoveArgument, PostureArgument, QueryArguments, SearchLimits, TipArguments, with_problem_note,
+    MaxMoveArgument, PostureArgument, QueryArguments, SearchLimits, StartArgument, TipArguments,
+    with_problem_note,
 };
 use crate::solve::{Job, Mode};
 
@@ -27,6 +28,9 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     query: QueryArguments,
 
+    #[command(flatten)]
+    start: StartArgument,
+
     /// JSON file of targets, in order.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     targets: PathBuf,
@@ -45,12 +49,13 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let degrees = arguments.query.degrees;
-    let mut problem = arguments.query.problem()?;
-    arguments.tip.add_to(&mut problem, degrees);
-    arguments.posture.add_to(&mut problem.solve, degrees);
-    arguments.max_move.add_to(&mut problem.solve, degrees);
-    arguments.limits.add_to(&mut problem);
+    let problem = arguments.query.problem(&[
+        &arguments.start,
+        &arguments.tip,
+        &arguments.posture,
+        &arguments.max_move,
+        &arguments.limits,
+    ])?;
     let mode = Mode::Track(&arguments.targets);
     Job::new(&arguments.query, &problem, mode).run(json)
 }
