@@ -97,17 +97,17 @@ struct Command {
 
 #[derive(Debug, Subcommand)]
 enum Subcommands {
-    Info(info::Arguments),
-    Animate(animate::Arguments),
-    Fk(fk::Arguments),
     Solve(Box<solve::one::Arguments>),
     Body(Box<solve::body::Arguments>),
     Batch(Box<solve::many::batch::Arguments>),
     Track(Box<solve::many::track::Arguments>),
     Servo(Box<solve::many::servo_arguments::Arguments>),
     Path(Box<path::Arguments>),
+    Fk(fk::Arguments),
+    Info(info::Arguments),
     Check(check::Arguments),
     Spheres(spheres::Arguments),
+    Animate(animate::Arguments),
     Retarget(retarget::Arguments),
     Bench(bench::Arguments),
 }

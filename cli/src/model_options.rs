@@ -11,8 +11,7 @@ use crate::file_access;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::{MimicLimits, ModelSettings, Problem, set};
-use crate::solve::arguments::ProblemOptions;
+use crate::problem::{MimicLimits, ModelSettings, Problem, ProblemOptions, set};
 
 /// Options of every subcommand that reads a model.
 #[derive(Args, Clone, Debug, Default)]

@@ -37,7 +37,7 @@ Examples:
 are in the unit of the file. Curves of --reach: .csv or .npy. Guide: docs/guide/clip-ik.md.
 Skinning: {\"output\": {\"skinning\": \"dqs\", \"skin_weights\": \"heat\"}} in the --problem file.";
 
-/// Meshes of a rig's keyframes or a scene's clip, at one time or frame by frame, with optional IK.
+/// Meshes of a rig's keyframes or a scene's clip, with optional inverse kinematics.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]

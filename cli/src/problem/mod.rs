@@ -12,6 +12,7 @@ mod sections;
 pub(crate) mod start;
 pub(crate) mod target;
 pub(crate) mod targets_file;
+pub(crate) mod task_name;
 pub(crate) mod tasks;
 mod text;
 
@@ -124,6 +125,12 @@ fn section<T: DeserializeOwned + Default>(
     Ok(section
         .map_err(|error| format!("{name}: {error}"))?
         .unwrap_or_default())
+}
+
+/// Group of options that changes a problem.
+pub(crate) trait ProblemOptions {
+    /// Replaces values of the problem by those given; `degrees` is the unit of typed angles.
+    fn add_to(&self, problem: &mut Problem, degrees: bool);
 }
 
 /// Replaces a value by a given one.

@@ -9,14 +9,14 @@ use kinopt::spatial::Placement;
 
 use crate::collision_options::ObstacleOptions;
 use crate::failure::Outcome;
-use crate::help_headings::{MODEL, OUTPUT, SEARCH, TARGETS};
+use crate::help_headings::{LIMITS, MODEL, OUTPUT, SEARCH, TARGETS};
 use crate::model_options::ModelOptions;
 use crate::problem::body::Lock;
 use crate::problem::interval::Interval;
 use crate::problem::number_list::{self, Numbers};
 use crate::problem::start::{self, Start};
 use crate::problem::target::{Target, parse_placement};
-use crate::problem::{Problem, set, set_list};
+use crate::problem::{Problem, ProblemOptions, set, set_list};
 
 /// Note on the files of `--problem`, at the end of a help page.
 const PROBLEM_NOTE: &str = "\
@@ -27,12 +27,6 @@ All keys: docs/reference/problem.md. An unknown key is an error that lists the v
 /// End of a help page: examples, and the note on problem files.
 pub(crate) fn with_problem_note(examples: &str) -> String {
     format!("{examples}\n\n{PROBLEM_NOTE}")
-}
-
-/// Group of options that changes a problem.
-pub(crate) trait ProblemOptions {
-    /// Replaces values of the problem by those given; `degrees` is the unit of typed angles.
-    fn add_to(&self, problem: &mut Problem, degrees: bool);
 }
 
 /// Arguments of every solving subcommand.
@@ -208,5 +202,55 @@ impl ProblemOptions for SearchLimits {
     fn add_to(&self, problem: &mut Problem, _degrees: bool) {
         set_list(&mut problem.body.hold, self.hold.iter().cloned());
         set(&mut problem.solve.time_limit, self.time_limit.as_ref());
+    }
+}
+
+/// Order in which targets are solved; results do not depend on it.
+#[derive(Args, Debug)]
+pub(crate) struct BatchOptions {
+    /// Solve all targets in one call, faster; reports only the mean time.
+    #[arg(long, help_heading = SEARCH)]
+    pub(crate) together: bool,
+
+    /// Number of threads, 1 to 1024. Default: 1.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
+          help_heading = SEARCH)]
+    pub(crate) threads: Option<u16>,
+}
+
+/// Rate and motion limits.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ServoOptions {
+    /// Control rate in hertz.
+    #[arg(long, value_name = "HZ", value_parser = number_list::positive, help_heading = TARGETS)]
+    pub(crate) rate: f64,
+
+    /// Joint velocities, rad/s or m/s. Default: the robot's.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
+    pub(crate) velocity_limits: Option<Numbers>,
+
+    /// Accelerations, rad/s² or m/s². Default: the robot's.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
+    pub(crate) acceleration_limits: Option<Numbers>,
+
+    /// Jerks, rad/s³ or m/s³. Default: the robot's.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, help_heading = LIMITS)]
+    pub(crate) jerk_limits: Option<Numbers>,
+
+    /// Keep the tool on straight lines between targets.
+    #[arg(long, help_heading = LIMITS)]
+    pub(crate) straight_line: bool,
+}
+
+impl ServoOptions {
+    /// Options with the unit of angles.
+    pub(super) fn typed(&self, degrees: bool) -> Self {
+        let typed = |limits: &Option<Numbers>| limits.as_ref().map(|limits| limits.typed(degrees));
+        Self {
+            velocity_limits: typed(&self.velocity_limits),
+            acceleration_limits: typed(&self.acceleration_limits),
+            jerk_limits: typed(&self.jerk_limits),
+            ..self.clone()
+        }
     }
 }

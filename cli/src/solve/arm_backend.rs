@@ -8,19 +8,19 @@ use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 
+use super::arguments::ServoOptions;
 use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
-use super::many::servo_arguments::ServoOptions;
 use super::query::{Answer, LongStep, Path, Query};
-use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::problem::number_list::Numbers;
+use crate::problem::task_name::TaskName;
 use crate::problem::{Problem, SolveSettings};
 
 /// Arm with the model in which its solutions are given.

@@ -5,12 +5,12 @@ use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
 
-use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 use crate::problem::BodySettings;
 use crate::problem::body::{Centre, Foot};
+use crate::problem::task_name::TaskName;
 
 /// Density of the bones of skeletons, kilograms per cubic unit; the centre of mass does not depend on it.
 const DENSITY: f64 = 1000.0;

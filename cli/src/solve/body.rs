@@ -3,16 +3,16 @@
 use clap::Args;
 
 use super::arguments::{
-    ProblemOptions, QueryArguments, SearchLimits, StartArgument, TargetArguments, with_problem_note,
+    QueryArguments, SearchLimits, StartArgument, TargetArguments, with_problem_note,
 };
-use super::one::OutputFiles;
-use super::{Job, Mode};
+use super::job::{Job, Mode};
+use super::out_file::OutputFiles;
 use crate::failure::Outcome;
 use crate::help_headings::{BALANCE, TARGETS};
 use crate::problem::body::{Centre, Foot, FrameWeight, NamedLevel};
 use crate::problem::number_list::not_negative;
 use crate::problem::target::RayTarget;
-use crate::problem::{Problem, set, set_list};
+use crate::problem::{Problem, ProblemOptions, set, set_list};
 
 const EXAMPLES: &str = "\
 Examples:

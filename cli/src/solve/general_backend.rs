@@ -17,15 +17,16 @@ use super::base::{Base, TargetTask};
 use super::derivative;
 use super::goals::Goals;
 use super::held_frames::Held;
-use super::levels::{BALANCE, DefaultLevel, GOALS, HELD, levels};
+use super::levels::{BALANCE, HELD, levels};
 use super::pose_finder::{PoseFinder, TargetMotion};
 use super::query::{Answer, LongStep, Path, Query};
-use super::task_name::TaskName;
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::problem::Problem;
+use crate::problem::task_name::TaskName;
+use crate::problem::task_name::{DefaultLevel, GOALS};
 
 /// General solver with the problem of all queries.
 pub(super) struct GeneralBackend<'a> {

@@ -2,17 +2,15 @@
 
 use kinopt::model::UnknownName;
 
-use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::problem::BodySettings;
 use crate::problem::body::NamedLevel;
+use crate::problem::task_name::{DefaultLevel, TaskName};
 
 /// Level of held frames, if frames are held or balanced by name.
 pub(super) const HELD: usize = 0;
 /// Level of the centre of mass in that case.
 pub(super) const BALANCE: usize = 1;
-/// Level of all other required tasks in that case.
-pub(crate) const GOALS: usize = 2;
 
 /// Level of each task: as typed, else as in `defaults` if frames are held or balanced (`uses_priorities`).
 ///
@@ -46,13 +44,4 @@ pub(super) fn levels(
         }
     }
     Ok(levels)
-}
-
-/// Level of a task without --level.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum DefaultLevel {
-    /// Level of the task file.
-    Given(usize),
-    /// Level if frames are held or balanced by name; otherwise 0.
-    IfPrioritised(usize),
 }

@@ -1,17 +1,14 @@
 //! `kinopt solve`: one pose of an arm or any other model.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::arguments::{
     MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, StartArgument,
     TargetArguments, TipArguments, with_problem_note,
 };
-use super::out_file::OutFile;
-use super::{Job, Mode};
+use super::job::{Job, Mode};
+use super::out_file::OutputFiles;
 use crate::failure::Outcome;
-use crate::help_headings::OUTPUT;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -22,7 +19,7 @@ Examples:
 A target that is not reached is a result: the closest pose, its errors and the active limits.
 Guide: docs/guide/targets.md. Other jobs: kinopt batch, track, servo, body, path.";
 
-/// Inverse kinematics of one pose: joint values within their limits that bring frames to targets.
+/// Inverse kinematics of one pose: joint values that bring frames to targets.
 #[derive(Args, Debug)]
 #[command(after_help = with_problem_note(EXAMPLES))]
 pub(crate) struct Arguments {
@@ -52,18 +49,6 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     files: OutputFiles,
-}
-
-/// Files of a solved pose.
-#[derive(Args, Debug)]
-pub(super) struct OutputFiles {
-    /// Write the posed mesh (.obj, .ply, .glb), or a capture's pose (.bvh).
-    #[arg(long, value_name = "FILE", value_parser = OutFile::parse, help_heading = OUTPUT)]
-    pub(super) out: Option<OutFile>,
-
-    /// Add the pose as a clip to a .glb or .gltf, or to a copy of the model's file.
-    #[arg(long, value_name = "FILE", conflicts_with = "out", help_heading = OUTPUT)]
-    pub(super) into: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {

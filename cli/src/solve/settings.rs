@@ -10,7 +10,8 @@ use kinopt::solver::Stopping;
 use kinopt::spatial::Vector3;
 
 use super::goals::Goals;
-use super::{Job, Mode, held_frames};
+use super::held_frames;
+use super::job::{Job, Mode};
 use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;

@@ -27,8 +27,9 @@ a whole.
 }
 ```
 
-The page is generated from the JSON schema, [problem.schema.json](problem.schema.json). All subcommands that read a model use `model`, `files` and `collisions`.
-`kinopt animate` uses `files` and `output`. Other sections are ignored there.
+This page is generated from the JSON schema, [problem.schema.json](problem.schema.json). Editors check a file by it. The solving subcommands and `kinopt path` use
+all sections. Other subcommands use `model` (without `lock`, `only`, `group`, `time` and `clip`), `files` and `collisions`. `kinopt animate` uses `files` and
+`output`. All ignore the rest.
 ";
 
 fn schema() -> Value {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::failure::Outcome;
-use crate::help_headings::{SEARCH, TARGETS};
+use crate::help_headings::TARGETS;
 use crate::solve::arguments::{
-    MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits, StartArgument,
-    TipArguments, with_problem_note,
+    BatchOptions, MaxMoveArgument, PostureArgument, QueryArguments, SearchArgument, SearchLimits,
+    StartArgument, TipArguments, with_problem_note,
 };
-use crate::solve::{Job, Mode};
+use crate::solve::job::{Job, Mode};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,19 +51,6 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     limits: SearchLimits,
-}
-
-/// Order in which targets are solved; results do not depend on it.
-#[derive(Args, Debug)]
-pub(crate) struct BatchOptions {
-    /// Solve all targets in one call, faster; reports only the mean time.
-    #[arg(long, help_heading = SEARCH)]
-    pub(crate) together: bool,
-
-    /// Number of threads, 1 to 1024. Default: 1.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
-          help_heading = SEARCH)]
-    pub(crate) threads: Option<u16>,
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {

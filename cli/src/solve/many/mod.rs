@@ -8,8 +8,8 @@ pub(crate) mod track;
 
 use self::summary::Outcomes;
 use super::backend::QueryBackend;
+use super::job::{Job, Mode};
 use super::query::Query;
-use super::{Job, Mode};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;

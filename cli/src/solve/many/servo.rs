@@ -8,11 +8,11 @@ use kinopt::collision::Collision;
 use kinopt::ik::Side;
 use serde::{Serialize, Serializer};
 
-use super::super::Job;
+use super::super::arguments::ServoOptions;
 use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
+use super::super::job::Job;
 use super::super::query::Query;
-use super::servo_arguments::ServoOptions;
 use super::summary::{median, percentile};
 use crate::collision_document::{CollisionDocument, depth};
 use crate::failure::Outcome;

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::super::query::{Answer, LongStep};
 use super::super::report::{self, Report};
-use super::super::task_name::TaskName;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
+use crate::problem::task_name::TaskName;
 
 /// Largest number of unreached targets and jumps that the text explains.
 const MAX_EXPLAINED: usize = 3;

@@ -10,7 +10,7 @@ use crate::solve::arguments::{
     MaxMoveArgument, PostureArgument, QueryArguments, SearchLimits, StartArgument, TipArguments,
     with_problem_note,
 };
-use crate::solve::{Job, Mode};
+use crate::solve::job::{Job, Mode};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,7 +21,7 @@ The file: {\"targets\": [[x, y, z, qw, qx, qy, qz], …], \"starts\": [[…]], \
 The report lists steps in which a joint moves more than 0.2 rad. For a path that is known in
 advance, kinopt path has fewer reconfigurations. Guide: docs/guide/followers.md.";
 
-/// Inverse kinematics of a sequence of targets: each solve continues from the solution before.
+/// Inverse kinematics of a sequence of targets, each from the solution before.
 #[derive(Args, Debug)]
 #[command(after_help = with_problem_note(EXAMPLES))]
 pub(crate) struct Arguments {
