@@ -2,8 +2,7 @@
 //! and by dual quaternions.
 //!
 //! `cargo run --example twisted_tube`: at 180° linear blend skinning loses two thirds of the blended half and
-//! collapses the waist (the candy wrapper). Dual quaternions keep both. `kinopt skin-report --out twist.svg` draws
-//! the result.
+//! collapses the waist (the candy wrapper). Dual quaternions keep both.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -274,7 +274,7 @@ def by_command(arm, workload, *options):
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
         json.dump(document, file)
         file.flush()
-        printed = subprocess.run([COMMAND, "solve", arm.file, "--targets", file.name, "--json",
+        printed = subprocess.run([COMMAND, "batch", arm.file, "--targets", file.name, "--json",
                                   "--tolerance", str(TOLERANCE), *options], check=True, capture_output=True, text=True)
     answers = json.loads(printed.stdout)
     order = [answers["joints"].index(name) for name in document["joint_names"]]

@@ -1,55 +1,27 @@
-//! `--joints ball` and `--cones`: skeletons on ball joints.
+//! Skeletons on ball joints.
 
-use std::path::PathBuf;
-
-use clap::{Args, ValueEnum};
 use kinopt::animation::{Armature, BallPoseMap, EulerPoseMap, LayerError, Pose};
 use kinopt::io::cones;
-use kinopt::skeleton::{BallSkeleton, Cones, SkeletonRoot};
+use kinopt::skeleton::{BallSkeleton, Cones};
 
 use crate::failure::Outcome;
-use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
+use crate::problem::{BoneJoints, ModelSettings};
 
-/// Options of the joints of a skeleton.
-#[derive(Args, Debug, Default)]
-pub(crate) struct FigureOptions {
-    /// Joints of bones: a quaternion (ball) or three angles each. Default: twist-bend-twist.
-    #[arg(long, value_enum, value_name = "KIND", help_heading = MODEL, hide_short_help = true)]
-    joints: Option<FigureJoints>,
-
-    /// Ball joints with swing and twist limits of a JSON file; see docs/guide/ball-joints.md.
-    #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
-    cones: Option<PathBuf>,
-}
-
-/// Joint type of bones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FigureJoints {
-    TwistBendTwist,
-    Ball,
-}
-
-impl FigureOptions {
-    /// The given option, if any.
-    pub(crate) fn given(&self) -> Option<&'static str> {
-        let joints = self.joints.map(|_| "--joints");
-        joints.or(self.cones.as_ref().map(|_| "--cones"))
-    }
-
+impl ModelSettings {
     /// True if bones have ball joints.
     pub(crate) fn are_balls(&self) -> bool {
-        self.joints == Some(FigureJoints::Ball) || self.cones.is_some()
+        self.joints == Some(BoneJoints::Ball) || self.cones.is_some()
     }
 
-    /// Cones of the bones.
+    /// Swing and twist limits of the bones.
     ///
     /// # Errors
     /// A file that cannot be read, or cones for joints that are not ball joints.
-    fn cones(&self) -> Outcome<Cones> {
-        if self.cones.is_some() && self.joints == Some(FigureJoints::TwistBendTwist) {
+    fn read_cones(&self) -> Outcome<Cones> {
+        if self.cones.is_some() && self.joints == Some(BoneJoints::TwistBendTwist) {
             return Err(usage!(
-                "--cones are for ball joints, not for twist-bend-twist"
+                "`cones` are for ball joints, not for twist-bend-twist"
             ));
         }
         let cones = self.cones.as_ref().map(cones::read).transpose()?;
@@ -59,15 +31,16 @@ impl FigureOptions {
 
 impl LoadedModel {
     /// The skeleton on ball joints.
-    pub(crate) fn on_balls(mut self, options: &FigureOptions, root: SkeletonRoot) -> Outcome<Self> {
+    pub(crate) fn on_balls(mut self, settings: &ModelSettings) -> Outcome<Self> {
         let Some(rig) = &self.rig else {
             return Ok(self);
         };
-        let file = match &options.cones {
+        let root = settings.skeleton_root()?;
+        let file = match &settings.cones {
             Some(cones) => cones.display().to_string(),
             None => self.file.clone(),
         };
-        let balls = BallSkeleton::new(rig.skeleton.clone(), &options.cones()?, root);
+        let balls = BallSkeleton::new(rig.skeleton.clone(), &settings.read_cones()?, root);
         let balls = balls.map_err(|error| failure!("{file}: {error}"))?;
         self.model = balls.model().clone();
         self.balls = Some(Box::new(balls));

@@ -7,29 +7,28 @@ use kinopt::collision::{Checker, Collision};
 use serde::Serialize;
 
 use crate::collision_document::CollisionDocument;
-use crate::collision_options::CollisionOptions;
+use crate::collision_options::{CollisionOptions, ObstacleOptions};
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
-use crate::number_list::{self, Numbers};
 use crate::output;
 use crate::outside_limits::OutsideLimits;
+use crate::problem::number_list::Numbers;
 use crate::table::Table;
-use crate::world_file::TouchOption;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt check franka_panda.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04 --world kitchen.json
-                                                  collisions with the table, with penetration depths
+  kinopt check robot.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04 --world kitchen.json
   kinopt check robot.urdf --q-file solved.json --world scene.yaml --margin 0.02 --json
-                                                  distances below 2 cm in a MoveIt scene
-  kinopt check robot.urdf --srdf robot.srdf       self-collisions of the rest pose";
+  kinopt check robot.urdf --srdf robot.srdf
+
+Reports all enabled pairs nearer than --margin, deepest first, or else the nearest pair, and joints
+outside their limits. Distances are exact. Exits with code 1 on a collision. Disabled are adjacent
+links, pairs of the SRDF file, and pairs that random configurations show in contact never or almost
+always. Shapes and allowed collisions are keys of the --problem file, such as
+  {\"collisions\": {\"meshes\": \"parts\", \"allow_collision\": [[\"hand\", \"table\"]]}}";
 
 /// Collision check of a robot against the obstacles of a world and against itself.
-///
-/// Reports all enabled pairs nearer than --margin, deepest first, or else the nearest pair. Distances are exact.
-/// Disabled pairs are those of adjacent links, of --srdf, and those that random configurations show in contact never or
-/// almost always. Exits with code 1 on a collision. Also reports joints outside their limits.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -38,8 +37,12 @@ pub(crate) struct Arguments {
     robot: PathBuf,
 
     /// Configuration in radians and metres, as in `kinopt fk`. Default: the rest pose.
-    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
-          value_parser = Numbers::parse)]
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        allow_hyphen_values = true,
+        group = "configuration"
+    )]
     q: Option<Numbers>,
 
     /// JSON file with the configuration, as in `kinopt fk`. Default: none.
@@ -50,17 +53,8 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "q", conflicts_with = "q_file")]
     degrees: bool,
 
-    /// Obstacle file: .json, or a MoveIt planning scene .yaml. Default: self-collisions only.
-    #[arg(long, value_name = "FILE")]
-    world: Option<PathBuf>,
-
-    /// Required distance, in metres. Default: 0.
-    #[arg(long, value_name = "METRES", default_value = "0", hide_default_value = true,
-          value_parser = number_list::not_negative)]
-    margin: f64,
-
     #[command(flatten)]
-    touch: TouchOption,
+    obstacles: ObstacleOptions,
 
     #[command(flatten)]
     collisions: CollisionOptions,
@@ -82,21 +76,24 @@ struct Document<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;
+    let mut problem = arguments.model_options.problem()?;
+    arguments.obstacles.add_to(&mut problem.collisions);
+    let margin = problem.collisions.margin.unwrap_or(0.0);
+    let loaded = LoadedModel::read(&arguments.robot, &problem.model)?;
     let robot = loaded.robot_with_shapes("check")?;
     let mut q = match (&arguments.q, &arguments.q_file) {
-        (Some(Numbers(numbers)), _) => {
-            loaded.typed_configuration(numbers, arguments.degrees, "--q")?
+        (Some(numbers), _) => {
+            loaded.typed_configuration(&numbers.values, arguments.degrees, "--q")?
         }
         (_, Some(path)) => loaded.configuration_file(path)?,
         _ => loaded.rest(),
     };
     loaded.close_loops(&mut q)?;
-    let world = arguments.touch.read(arguments.world.as_deref())?;
-    let model = (arguments.collisions).model(robot, &arguments.model_options)?;
+    let world = problem.collisions.read_world()?;
+    let model = (arguments.collisions).model(robot, &problem)?;
     let checker = Checker::new(model)
         .with_world(&world)?
-        .with_margin(arguments.margin)?;
+        .with_margin(margin)?;
     let collisions = checker.collisions(&q)?;
     let nearest = match collisions.first() {
         Some(deepest) => Some(deepest.clone()),
@@ -106,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let document = || Document {
         q: &q,
         free: collisions.is_empty(),
-        margin: arguments.margin,
+        margin,
         collisions: collisions.iter().map(CollisionDocument::of).collect(),
         nearest: nearest.as_ref().map(CollisionDocument::of),
         outside_limits: &outside,
@@ -118,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, text)?;
     match collisions.len() {
         0 => Ok(()),
-        count => Err(Failure::Touching(match (count, arguments.margin) {
+        count => Err(Failure::Touching(match (count, margin) {
             (1, 0.0) => "1 pair is in contact".to_owned(),
             (count, 0.0) => format!("{count} pairs are in contact"),
             (1, margin) => format!("1 pair is nearer than {margin} m"),

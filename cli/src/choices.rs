@@ -1,26 +1,19 @@
 //! Options with a fixed set of names for values of the library.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use kinopt::task::Axis;
 
-/// Name of a choice, its help text or "", and its value.
-pub(crate) type Choice<T> = (&'static str, &'static str, T);
-
 /// Axes by letter.
-pub(crate) const AXES: [Choice<Axis>; 3] =
-    [("x", "", Axis::X), ("y", "", Axis::Y), ("z", "", Axis::Z)];
+pub(crate) const AXES: [(&str, Axis); 3] = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
 
 /// Parser of the names of choices; returns the value of the given name.
 pub(crate) fn among<const N: usize, T: Copy + Send + Sync + 'static>(
-    choices: [Choice<T>; N],
+    choices: [(&'static str, T); N],
 ) -> impl TypedValueParser<Value = T> {
-    let names = choices.map(|(name, help, _)| match help {
-        "" => PossibleValue::new(name),
-        help => PossibleValue::new(name).help(help),
-    });
+    let names = choices.map(|(name, _)| name);
     PossibleValuesParser::new(names).try_map(move |given| {
-        let mut named = choices.iter().filter(|(name, ..)| *name == given);
-        let chosen = named.next().map(|(_, _, value)| *value);
+        let mut named = choices.iter().filter(|(name, _)| *name == given);
+        let chosen = named.next().map(|(_, value)| *value);
         chosen.ok_or("unknown choice")
     })
 }

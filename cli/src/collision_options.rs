@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use kinopt::collision::{Checker, CollisionModel, MeshUse, SphereModel};
+use clap::Args;
+use kinopt::collision::{Checker, CollisionModel, MeshUse, SphereModel, World};
 use kinopt::robot::Robot;
 
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
-use crate::model_options::ModelOptions;
-use crate::output;
+use crate::problem::{CollisionSettings, MeshChoice, Problem, number_list, set};
+use crate::{output, world_file};
 
 /// Number of random configurations that select enabled pairs, without an SRDF file.
 const SAMPLES: u64 = 10_000;
@@ -20,45 +20,43 @@ const MAX_PIECES: usize = 16;
 /// Options of every subcommand that reads a robot's collision shapes.
 #[derive(Args, Debug)]
 pub(crate) struct CollisionOptions {
-    #[command(flatten)]
-    shapes: ShapeOptions,
-
     /// SRDF file with disabled pairs of links. Default: none.
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
     srdf: Option<PathBuf>,
 
-    /// Number of random configurations that select pairs. Default: 10000; 0 with --srdf.
+    /// Number of random configurations that select pairs. Default: 10000; 0 with an SRDF.
     #[arg(long, value_name = "N", help_heading = COLLISIONS)]
     samples: Option<u64>,
 }
 
-/// Options of a robot's collision shapes.
+/// Obstacles and their margin.
 #[derive(Args, Clone, Debug)]
-pub(crate) struct ShapeOptions {
-    /// Folder of ROS packages for package:// meshes. Default: folders above the file. Repeatable.
-    #[arg(long = "package", value_name = "FOLDER", help_heading = COLLISIONS, hide_short_help = true)]
-    packages: Vec<PathBuf>,
+pub(crate) struct ObstacleOptions {
+    /// Avoid self-collisions and the obstacles of a .json or MoveIt .yaml.
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    pub(crate) world: Option<PathBuf>,
 
-    /// Collision shapes of meshes. Default: hull.
-    #[arg(long, value_name = "SHAPES", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS, hide_short_help = true)]
-    meshes: MeshChoice,
-
-    /// Omit meshes that are not found, with a note. Default: error.
-    #[arg(long, help_heading = COLLISIONS, hide_short_help = true)]
-    leave_out_meshes: bool,
+    /// Required distance in m; without --world between links. Default: 0.
+    #[arg(long, value_name = "M", value_parser = number_list::not_negative, help_heading = COLLISIONS)]
+    margin: Option<f64>,
 }
 
-/// Sphere model of a robot's shapes.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct SphereOption {
-    /// Sphere model for fast checks, as of `kinopt spheres` or cuRobo. Default: computed.
-    #[arg(long, value_name = "FILE", help_heading = COLLISIONS, hide_short_help = true)]
-    sphere_model: Option<PathBuf>,
+impl ObstacleOptions {
+    pub(crate) fn add_to(&self, collisions: &mut CollisionSettings) {
+        set(&mut collisions.world, self.world.as_ref());
+        set(&mut collisions.margin, self.margin.as_ref());
+    }
 }
 
-impl SphereOption {
-    pub(crate) fn is_given(&self) -> bool {
-        self.sphere_model.is_some()
+impl CollisionSettings {
+    /// World of the file, or an empty one, with the allowed collisions. Notes go to standard error.
+    pub(crate) fn read_world(&self) -> Outcome<World> {
+        let mut world = world_file::read(self.world.as_deref())?;
+        for [one, other] in &self.allow_collision {
+            let allowed = world.allow_collision(one, other);
+            allowed.map_err(|error| usage!("allow_collision: {error}"))?;
+        }
+        Ok(world)
     }
 
     /// Checker of a robot's shapes; pairs that random configurations never or always have in contact are disabled.
@@ -78,29 +76,20 @@ impl SphereOption {
         }
         Ok(Checker::sampled_with_spheres(model, spheres))
     }
-}
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MeshChoice {
-    /// Convex hull of each mesh.
-    Hull,
-    /// Convex hull of each connected part.
-    Parts,
-    /// Up to 16 convex pieces for each mesh.
-    Pieces,
-    /// Triangles and their interior.
-    Triangles,
-}
-
-impl ShapeOptions {
-    /// Options in words, or `None` for the defaults.
-    pub(crate) fn unusual(&self) -> Option<String> {
-        let is_default = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
-        (!is_default || self.leave_out_meshes).then(|| format!("{self:?}"))
+    /// Shapes in words, or `None` for the defaults.
+    pub(crate) fn unusual_shapes(&self) -> Option<String> {
+        let is_default = self.package.is_empty() && self.meshes == MeshChoice::Hull;
+        (!is_default || self.leave_out_meshes).then(|| {
+            format!(
+                "{:?}, packages {:?}, missing meshes left out: {}",
+                self.meshes, self.package, self.leave_out_meshes
+            )
+        })
     }
 
     /// Collision model of a robot; notes go to standard error.
-    pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
+    pub(crate) fn shapes(&self, robot: &Robot) -> Outcome<CollisionModel> {
         let meshes = match self.meshes {
             MeshChoice::Hull => MeshUse::Hull,
             MeshChoice::Parts => MeshUse::Parts,
@@ -108,7 +97,7 @@ impl ShapeOptions {
             MeshChoice::Triangles => MeshUse::Triangles,
         };
         let mut builder = CollisionModel::builder(robot).with_meshes(meshes);
-        for folder in &self.packages {
+        for folder in &self.package {
             builder = builder.with_package_folder(folder);
         }
         if self.leave_out_meshes {
@@ -128,11 +117,11 @@ impl ShapeOptions {
 
 impl CollisionOptions {
     /// Collision model of a robot with its enabled pairs; notes go to standard error.
-    pub(crate) fn model(&self, robot: &Robot, options: &ModelOptions) -> Outcome<CollisionModel> {
-        let mut model = self.shapes.model(robot)?;
+    pub(crate) fn model(&self, robot: &Robot, problem: &Problem) -> Outcome<CollisionModel> {
+        let mut model = problem.collisions.shapes(robot)?;
         let mut samples = SAMPLES;
-        if let Some(path) = &self.srdf {
-            model = model.with_srdf(&options.read_srdf(path, robot)?);
+        if let Some(path) = self.srdf.as_ref().or(problem.model.srdf.as_ref()) {
+            model = model.with_srdf(&problem.model.read_srdf(path, robot)?);
             samples = 0;
         }
         Ok(model.with_pairs_sampled(self.samples.unwrap_or(samples), 0)?)

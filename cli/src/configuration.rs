@@ -10,7 +10,7 @@ use crate::failure::Outcome;
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;
-use crate::target::QUATERNION_LENGTH_TOLERANCE;
+use crate::problem::target::QUATERNION_LENGTH_TOLERANCE;
 use crate::{json_file, output};
 
 /// Deviation of a mimic joint, in radians or metres, above which a note is printed.

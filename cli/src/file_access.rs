@@ -1,51 +1,32 @@
-//! Files that the command may open, by its options.
+//! Files that the command may open.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::OnceLock;
 
-use clap::Args;
 use kinopt::io::FileAccess;
 
 use crate::failure::Outcome;
-use crate::help_headings::MODEL;
+use crate::problem::FileSettings;
 
-/// Options of every subcommand that opens files.
-#[derive(Args, Clone, Debug, Default)]
-pub(crate) struct FileOptions {
-    /// Folder with files that a scene, rig or world may name. Default: its own. Repeatable.
-    #[arg(long = "allow-folder", value_name = "FOLDER", global = true, help_heading = MODEL, hide_short_help = true)]
-    folders: Vec<PathBuf>,
+/// Access of this run, and true if robots are confined to their folders.
+static ACCESS: OnceLock<(FileAccess, bool)> = OnceLock::new();
 
-    /// Largest size of a file, in bytes. Default: 1073741824.
-    #[arg(long, value_name = "BYTES", global = true, help_heading = MODEL, hide_short_help = true)]
-    max_file_bytes: Option<u64>,
-
-    /// Open robot meshes and includes only below its folder and --package. Default: off.
-    #[arg(long, global = true, help_heading = MODEL, hide_short_help = true)]
-    confine: bool,
-}
-
-/// Options of this run.
-static OPTIONS: OnceLock<(FileAccess, bool)> = OnceLock::new();
-
-impl FileOptions {
-    /// Sets the options of this run.
-    pub(crate) fn hold(&self) {
-        let folders = self
-            .folders
-            .iter()
-            .fold(FileAccess::new(), |access, own| access.with_folder(own));
-        let access = match self.max_file_bytes {
-            Some(bytes) => folders.with_max_bytes(bytes),
-            None => folders,
-        };
-        OPTIONS.get_or_init(|| (access, self.confine));
-    }
+/// Allows the files of the settings in this run.
+pub(crate) fn allow(settings: &FileSettings) {
+    let folders = settings.allow_folder.iter();
+    let access = folders.fold(FileAccess::new(), |access, folder| {
+        access.with_folder(folder)
+    });
+    let access = match settings.max_file_bytes {
+        Some(bytes) => access.with_max_bytes(bytes),
+        None => access,
+    };
+    ACCESS.get_or_init(|| (access, settings.confine));
 }
 
 /// Allowed file access.
 pub(crate) fn allowed() -> FileAccess {
-    OPTIONS
+    ACCESS
         .get()
         .map(|(access, _)| access.clone())
         .unwrap_or_default()
@@ -53,7 +34,7 @@ pub(crate) fn allowed() -> FileAccess {
 
 /// True if robots are confined to their folders.
 pub(crate) fn confines() -> bool {
-    OPTIONS.get().is_some_and(|(_, confine)| *confine)
+    ACCESS.get().is_some_and(|(_, confine)| *confine)
 }
 
 /// Text of a file.

@@ -15,29 +15,24 @@ use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::number_format::LengthFormat;
-use crate::number_list::{self, Numbers};
 use crate::output;
+use crate::problem::number_list::{self, Numbers};
 
 const EXAMPLES: &str = "\
 Examples:
   kinopt fk robot.urdf --q 0,-45,0,-135,0,90,45 --degrees --frame tool
-                                                  the tool of a robot, joint angles in degrees
-  kinopt fk leg.xml --q 0.3,0.1,0,0 --frame foot  the foot of an MJCF leg with closed rods
-  kinopt fk arm.json                              the rest pose, every bone
-  kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes at 1.5 s, one bone
-  kinopt fk arm.json --q-file solved.json --json  the q of `kinopt solve --json`
-  kinopt fk fox.glb --clip Run --time 0.2         a scene's clip at 0.2 s, every node
-  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture at 1.5 s, the top of the head
-  kinopt fk walk.bvh --joints ball --base-joint free --time 1.5 --json
-                                                  the pose as a configuration q of ball joints";
+  kinopt fk leg.xml --q 0.3,0.1,0,0 --frame foot
+  kinopt fk arm.json --time 1.5 --frame bone/6
+  kinopt fk arm.json --q-file solved.json --json
+  kinopt fk walk.bvh --time 1.5 --frame Head/tip
+  kinopt fk walk.bvh --problem balls.json --time 1.5 --json
+
+A configuration has one number for each coordinate in the order of `kinopt info`. A document with
+`joints` and `q` has numbers by name; joints that it does not name are at rest. Frames are links
+of a robot, joints and End Sites (JOINT/tip) of a capture, nodes of a scene, or bones of a rig.
+Loops and ball joints are keys of the --problem file, such as {\"model\": {\"joints\": \"ball\"}}.";
 
 /// Forward kinematics: placements of frames for a configuration.
-///
-/// Frames are links of a robot, joints and End Sites (`JOINT/tip`) of a capture, or nodes of a scene. In a rig a frame
-/// is a bone: its origin is the bone's tail, and its x axis points to the tip. The tip is listed too.
-///
-/// The default configuration is the rest pose: all zeros, moved into the limits. Passive joints (--passive) close the
-/// loops of a robot; the output q has their values.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -46,24 +41,19 @@ pub(crate) struct Arguments {
     model: PathBuf,
 
     /// Configuration in radians (or --degrees) and metres. Default: the rest pose.
-    ///
-    /// One number for each coordinate in the order of `kinopt info`, separated by commas or spaces. Prismatic joints
-    /// are in metres, ball joints are quaternions w, x, y, z. Mimic joints have numbers, fixed joints do not. Limits do
-    /// not apply.
-    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
-          value_parser = Numbers::parse)]
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        allow_hyphen_values = true,
+        group = "configuration"
+    )]
     q: Option<Numbers>,
 
-    /// JSON file with the configuration, in radians and metres. Default: none.
-    ///
-    /// A list of numbers, or a document with a list under "q", such as the output of --json. If the document names
-    /// joints under "joints", numbers go by name. Joints that are not named are at rest.
+    /// JSON list of numbers, or a document with `q`, as of --json.
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// Time of the rig's keyframes, the capture or the scene's clip, in seconds. Default: none.
-    ///
-    /// Before the first key and after the last, the pose is constant, unless --loop is given.
+    /// Time of keyframes, of a capture or of a clip, in seconds.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
           value_parser = number_list::number)]
     time: Option<f64>,
@@ -72,27 +62,21 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", requires = "time")]
     clip: Option<String>,
 
-    /// With --time: repeat the keyframes. Default: constant before the first and after the last.
+    /// With --time: repeat the keyframes. Default: constant outside them.
     // Not `requires` alone: clap waives it for arguments that conflict with a given one.
     #[arg(long = "loop", requires = "time", conflicts_with_all = ["q", "q_file"])]
     looped: bool,
 
-    /// With --time: linear, catmull-rom or kochanek-bartels:T,C,B. Default: that of the file.
-    ///
-    /// Files without an interpolation use catmull-rom. T, C and B are tension, continuity and bias of every key,
-    /// usually within −1 and 1.
+    /// With --time: linear, catmull-rom or kochanek-bartels:T,C,B.
     #[arg(long, value_name = "NAME", requires = "time", conflicts_with_all = ["q", "q_file"],
           value_parser = InterpolationChoice::parse)]
     interpolation: Option<InterpolationChoice>,
 
     /// Frame to report. Default: all. Repeatable.
-    ///
-    /// A link of a robot, a joint of a capture, or a bone of a rig by name or number (`bone/3`). `/tip` selects the tip
-    /// of a bone or the End Site of a joint.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
 
-    /// Frame in which placements are reported. Default: the world, for a robot its root link.
+    /// Frame in which placements are reported. Default: the world.
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
 
@@ -125,13 +109,12 @@ struct AnimatedDocument<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    if AnimatedArmature::is_at(&arguments.model) && !arguments.model_options.makes_figure() {
-        arguments
-            .model_options
-            .refuse(&arguments.model.display().to_string())?;
+    let settings = arguments.model_options.problem()?.model;
+    if AnimatedArmature::is_at(&arguments.model) && !settings.makes_figure() {
+        settings.refuse(&arguments.model.display().to_string())?;
         return run_animated(arguments, json);
     }
-    let mut loaded = LoadedModel::read(&arguments.model, &arguments.model_options)?;
+    let mut loaded = LoadedModel::read(&arguments.model, &settings)?;
     if !AnimatedArmature::is_at(&arguments.model) {
         loaded.refuse_clip(arguments.clip.as_deref())?;
     }
@@ -183,8 +166,8 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
 }
 
 fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64>> {
-    if let Some(Numbers(numbers)) = &arguments.q {
-        return loaded.typed_configuration(numbers, arguments.degrees, "--q");
+    if let Some(numbers) = &arguments.q {
+        return loaded.typed_configuration(&numbers.values, arguments.degrees, "--q");
     }
     if let Some(path) = &arguments.q_file {
         return loaded.configuration_file(path);

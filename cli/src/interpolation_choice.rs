@@ -5,7 +5,7 @@ use kinopt::animation::{EulerInterpolation, EulerTrack, Playback};
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::number_list;
+use crate::problem::number_list;
 
 /// Interpolation of all tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use kinopt::model::{ParameterMap, Source, UnknownName};
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::Numbers;
+use crate::problem::number_list::Numbers;
+use crate::problem::targets_file::TargetsFile;
 
 /// Coordinates of a configuration that the columns of a file hold.
 #[derive(Clone, Debug)]
@@ -67,6 +68,41 @@ impl LoadedModel {
     }
 }
 
+impl TargetsFile {
+    /// Start configurations: rows for all moving joints, for the named joints, or for the free joints from base to tip.
+    pub(crate) fn starts(
+        &self,
+        loaded: &LoadedModel,
+        base_to_tip: Option<&JointColumns>,
+    ) -> Result<Option<Vec<Vec<f64>>>, String> {
+        let Some(rows) = &self.starts else {
+            return Ok(None);
+        };
+        let width = rows.first().map_or(0, Vec::len);
+        let all = loaded.model.configuration_len();
+        let columns = match (&self.joint_names, base_to_tip) {
+            (Some(names), _) => {
+                let columns = loaded.joint_columns(names);
+                columns.map_err(|problem| format!("joint_names: {problem}"))?
+            }
+            (None, _) if width == all => loaded.columns_of((0..all).collect()),
+            (None, Some(columns)) if columns.width() == width => columns.clone(),
+            (None, columns) => {
+                let or_arm = columns.map_or_else(String::new, |columns| {
+                    let (count, names) = (columns.width(), columns.names(loaded));
+                    format!(", or {count} from base to tip: {}", names.join(", "))
+                });
+                return Err(format!(
+                    "starts[0]: has {width} numbers; without joint_names, expected {all} for all \
+                     moving joints{or_arm}"
+                ));
+            }
+        };
+        let starts = rows.iter().map(|row| columns.configuration(row));
+        Ok(Some(starts.collect()))
+    }
+}
+
 impl JointColumns {
     /// Count of numbers in a row.
     pub(crate) fn width(&self) -> usize {
@@ -87,9 +123,9 @@ impl JointColumns {
         &self,
         loaded: &LoadedModel,
         option: &str,
-        Numbers(given): &Numbers,
-        degrees: bool,
+        numbers: &Numbers,
     ) -> Outcome<Vec<f64>> {
+        let given = &numbers.values;
         let (width, all) = (self.width(), loaded.model.configuration_len());
         let columns = self.coordinates.iter();
         let picked: Vec<f64> = match given.as_slice() {
@@ -104,7 +140,7 @@ impl JointColumns {
                 ));
             }
         };
-        Ok(self.in_radians(&picked, degrees))
+        Ok(self.in_radians(&picked, numbers.degrees))
     }
 
     /// Configuration as of [`configuration`](Self::configuration), of a row whose angles may be in degrees.

@@ -14,8 +14,9 @@ use kinopt::skeleton::{BallSkeleton, Skeleton};
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
-use crate::model_options::ModelOptions;
-use crate::{file_access, output};
+use crate::file_access;
+use crate::output;
+use crate::problem::ModelSettings;
 
 /// File types of [`LoadedModel::read`]. A new type also needs a match arm there.
 const SUPPORTED: &str =
@@ -104,28 +105,28 @@ pub(crate) struct Moment<'a> {
 
 impl LoadedModel {
     /// Reads any supported file; its extension selects the reader.
-    pub(crate) fn read(path: &Path, options: &ModelOptions) -> Outcome<Self> {
-        Self::read_at(path, options, None)
+    pub(crate) fn read(path: &Path, settings: &ModelSettings) -> Outcome<Self> {
+        Self::read_at(path, settings, None)
     }
 
     /// Reads a model as [`read`](Self::read) does, with a scene or a capture at a time of a clip.
     pub(crate) fn read_at(
         path: &Path,
-        options: &ModelOptions,
+        settings: &ModelSettings,
         moment: Option<Moment<'_>>,
     ) -> Outcome<Self> {
         let file = path.display().to_string();
         let extension = extension(path);
         let is_robot = ROBOTS.contains(&extension.as_str());
         if is_robot {
-            options.refuse_of_figures(&file)?;
+            settings.refuse_of_figures(&file)?;
         }
         if AnimatedArmature::is_at(path) {
-            return options.figure(Self::of_animated(AnimatedArmature::read(path)?, moment)?);
+            return settings.figure(Self::of_animated(AnimatedArmature::read(path)?, moment)?);
         }
         if moment.is_some() {
             return Err(usage!(
-                "{file}: --time and --clip are for scenes and motion capture"
+                "{file}: `time` and `clip` are for scenes and motion capture"
             ));
         }
         match extension.as_str() {
@@ -134,9 +135,9 @@ impl LoadedModel {
                 for note in &rig.notes {
                     output::message(&format!("{file}: {note}"));
                 }
-                options.figure(Self::of_rig(file, rig))
+                settings.figure(Self::of_rig(file, rig))
             }
-            _ if is_robot => Ok(Self::of_robot(file, options.read(path)?)),
+            _ if is_robot => Ok(Self::of_robot(file, settings.read(path)?)),
             "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
             )),

@@ -16,8 +16,8 @@ use crate::ball_figure::FigurePosing;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::{LoadedModel, LoadedScene};
 use crate::output;
+use crate::problem::WeightsChoice;
 use crate::scene_output::write_posed;
-use crate::weights_choice::WeightsChoice;
 
 /// Path and format of `--out`.
 #[derive(Clone, Debug)]

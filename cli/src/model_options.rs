@@ -3,48 +3,76 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::robot::{Robot, Srdf};
+use kinopt::robot::{BaseJoint, Robot, Srdf};
 
-use crate::ball_figure::FigureOptions;
-use crate::base_joint::BaseJointOptions;
 use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::file_access;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
-use crate::loop_options::LoopOptions;
 use crate::output;
+use crate::problem::{MimicLimits, ModelSettings, Problem, ProblemOptions, set};
 
 /// Options of every subcommand that reads a model.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct ModelOptions {
-    /// Repair damaged robot and SRDF files where no guess is needed, with notes. Default: error.
-    #[arg(long, help_heading = MODEL, hide_short_help = true)]
+    /// Joint between the root and the world. Default: fixed.
+    #[arg(long, value_name = "KIND", value_parser = BaseJoint::KINDS, hide_possible_values = true,
+          help_heading = MODEL)]
+    base_joint: Option<String>,
+
+    /// Repair damaged robot and SRDF files, with notes.
+    #[arg(long, help_heading = MODEL)]
     lenient: bool,
 
-    /// Apply the soft limits of a robot's file (<safety_controller>) too. Default: <limit> alone.
-    #[arg(long, help_heading = MODEL, hide_short_help = true)]
-    soft_limits: bool,
+    #[command(flatten)]
+    file: ProblemFile,
+}
 
-    /// Limits of a source joint: its own, or also its mimic joints'. Default: source.
-    #[arg(long, value_name = "LIMITS", value_parser = ["source", "both"], help_heading = MODEL, hide_short_help = true)]
-    mimic_limits: Option<String>,
+/// File of further options.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct ProblemFile {
+    /// JSON file of further options; see below.
+    #[arg(long, value_name = "FILE", help_heading = MODEL)]
+    problem: Option<PathBuf>,
+}
 
-    /// Joint limits of a robot, as in MoveIt's joint_limits.yaml. Default: the robot's file.
-    #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
+/// Joint limits of a robot.
+#[derive(Args, Debug)]
+pub(crate) struct JointLimitsArgument {
+    /// Joint limits, as of MoveIt (joint_limits.yaml). Default: the robot's.
+    #[arg(long, value_name = "FILE", help_heading = MODEL)]
     joint_limits: Option<PathBuf>,
+}
 
-    #[command(flatten)]
-    base: BaseJointOptions,
+impl ProblemOptions for JointLimitsArgument {
+    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+        set(&mut problem.model.joint_limits, self.joint_limits.as_ref());
+    }
+}
 
-    #[command(flatten)]
-    loops: LoopOptions,
-
-    #[command(flatten)]
-    figure: FigureOptions,
+impl ProblemFile {
+    /// Problem of the file, or defaults without a file.
+    pub(crate) fn read(&self) -> Outcome<Problem> {
+        let problem = self.problem.as_deref().map(Problem::read).transpose()?;
+        let problem = problem.unwrap_or_default();
+        file_access::allow(&problem.files);
+        Ok(problem)
+    }
 }
 
 impl ModelOptions {
+    /// Problem of the file with these options.
+    pub(crate) fn problem(&self) -> Outcome<Problem> {
+        let mut problem = self.file.read()?;
+        let model = &mut problem.model;
+        model.lenient |= self.lenient;
+        set(&mut model.base_joint, self.base_joint.as_ref());
+        Ok(problem)
+    }
+}
+
+impl ModelSettings {
     /// Reads a robot. Repairs and defaults of the reader go to standard error.
     pub(crate) fn read(&self, path: &Path) -> Outcome<Robot> {
         let reader = match file_access::confines() {
@@ -63,8 +91,8 @@ impl ModelOptions {
             failure!("{error}{hint}")
         })?;
         let file = path.display();
-        let robot = match self.mimic_limits.as_deref() {
-            Some("both") => robot
+        let robot = match self.mimic_limits {
+            Some(MimicLimits::Both) => robot
                 .with_mimic_limits()
                 .map_err(|error| failure!("{file}: mimic limits: {error}"))?,
             _ => robot,
@@ -83,13 +111,8 @@ impl ModelOptions {
             None => robot,
         };
         let file = file.to_string();
-        let robot = self.base.put_under(robot, &file)?;
-        self.loops.close(robot, &file)
-    }
-
-    /// True if an option sets the base joint.
-    pub(crate) fn has_base_option(&self) -> bool {
-        self.base.given().is_some()
+        let robot = self.on_base(robot, &file)?;
+        self.with_loops(robot, &file)
     }
 
     /// Reads the SRDF file of a robot. Repairs of the reader go to standard error.
@@ -111,18 +134,17 @@ impl ModelOptions {
         Ok(srdf)
     }
 
-    /// True if an option gives joints to a scene or a capture.
+    /// True if a setting gives joints to a scene or a capture.
     pub(crate) fn makes_figure(&self) -> bool {
-        self.figure.given().is_some()
+        self.joints.is_some() || self.cones.is_some()
     }
 
-    /// Skeleton with the joints of the options.
+    /// Skeleton with the joints of the settings.
     pub(crate) fn figure(&self, loaded: LoadedModel) -> Outcome<LoadedModel> {
-        match self.figure.are_balls() {
+        match self.are_balls() {
             true => {
                 self.refuse_of_robots(&loaded.file)?;
-                let root = self.base.root()?;
-                loaded.on_balls(&self.figure, root)
+                loaded.on_balls(self)
             }
             false => {
                 self.refuse(&loaded.file)?;
@@ -131,36 +153,40 @@ impl ModelOptions {
         }
     }
 
-    /// Rejects options of skeletons.
+    /// Rejects settings of skeletons.
     pub(crate) fn refuse_of_figures(&self, file: &str) -> Outcome<()> {
-        let refused = |option| usage!("{file}: {option} is for rigs, scenes and motion capture");
-        self.figure
-            .given()
-            .map_or(Ok(()), |option| Err(refused(option)))
+        let given = first_given([
+            ("`joints`", self.joints.is_some()),
+            ("`cones`", self.cones.is_some()),
+        ]);
+        let refused = |setting| usage!("{file}: {setting} is for rigs, scenes and motion capture");
+        given.map_or(Ok(()), |setting| Err(refused(setting)))
     }
 
-    /// Rejects options of robots.
+    /// Rejects settings of robots.
     pub(crate) fn refuse(&self, file: &str) -> Outcome<()> {
         self.refuse_of_robots(file)?;
-        let refused = |option| {
-            usage!(
-                "{file}: {option} is for robots (.urdf, .xml), and for skeletons with --joints ball"
-            )
-        };
-        self.base
-            .given()
-            .map_or(Ok(()), |option| Err(refused(option)))
+        match self.base_joint {
+            Some(_) => Err(usage!(
+                "{file}: --base-joint is for robots (.urdf, .xml), and for skeletons on ball joints"
+            )),
+            None => Ok(()),
+        }
     }
 
     fn refuse_of_robots(&self, file: &str) -> Outcome<()> {
         let given = first_given([
             ("--lenient", self.lenient),
-            ("--soft-limits", self.soft_limits),
-            ("--mimic-limits", self.mimic_limits.is_some()),
+            ("`soft_limits`", self.soft_limits),
+            ("`mimic_limits`", self.mimic_limits.is_some()),
             ("--joint-limits", self.joint_limits.is_some()),
+            ("`connect`", !self.connect.is_empty()),
+            ("`weld`", !self.weld.is_empty()),
+            ("`passive`", !self.passive.is_empty()),
+            ("`without_loops`", self.without_loops),
         ]);
-        match given.or(self.loops.given()) {
-            Some(option) => Err(usage!("{file}: {option} is for robots (.urdf, .xml)")),
+        match given {
+            Some(setting) => Err(usage!("{file}: {setting} is for robots (.urdf, .xml)")),
             None => Ok(()),
         }
     }

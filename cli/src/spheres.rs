@@ -2,28 +2,30 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 use kinopt::counted;
 use serde::Serialize;
 
+use crate::animated_armature::extension;
 use crate::collision_options::CollisionOptions;
 use crate::failure::Outcome;
 use crate::file_access;
 use crate::help_headings::OUTPUT;
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
-use crate::number_list;
 use crate::output;
+use crate::problem::number_list;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt spheres robot.urdf --out spherised.urdf     URDF, maximum protrusion 2 % of the reach
+  kinopt spheres robot.urdf --out spherised.urdf
   kinopt spheres robot.urdf --max-protrusion 0.02 --out spheres.yml
-                                                     cuRobo spheres, maximum protrusion 2 cm
-  kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
-                                                     at most six spheres a link, ROS meshes";
+  kinopt spheres robot.urdf --spheres 6 --problem ros.json --out spheres.yml
+
+Every point of every shape is in a sphere of its link. The report lists the enabled pairs of links.
+ROS packages are keys of the --problem file: {\"collisions\": {\"package\": [\"/opt/ros/share\"]}}.";
 
 /// Default maximum protrusion, as a share of the robot's reach.
 const PROTRUSION_OF_REACH: f64 = 0.02;
@@ -33,10 +35,6 @@ const PROTRUSION_OF_LARGEST: f64 = 0.05;
 const DOUBLINGS: usize = 40;
 
 /// Cover a robot's collision shapes with spheres, for fast collision checks.
-///
-/// Every point of every shape is in a sphere of its link; spheres exceed the shapes by at most the maximum protrusion.
-/// Links of spheres keep them. The report lists the enabled pairs of links. Disabled are adjacent links, pairs of
-/// --srdf, and pairs that random configurations show in contact never or almost always.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -47,10 +45,6 @@ pub(crate) struct Arguments {
     /// Output file: .urdf (robot of spheres) or .yml (cuRobo collision_spheres).
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     out: PathBuf,
-
-    /// Output format. Default: by the extension of --out.
-    #[arg(long, help_heading = OUTPUT)]
-    format: Option<Format>,
 
     /// Maximum protrusion in metres. Default: 2 % of the reach, more for large links.
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
@@ -71,12 +65,11 @@ pub(crate) struct Arguments {
     model_options: ModelOptions,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// URDF of the robot with spheres as collision shapes.
     Urdf,
     /// cuRobo collision_spheres.
-    #[value(alias = "yml")]
     Yaml,
 }
 
@@ -99,9 +92,10 @@ struct Link<'a> {
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let format = arguments.format()?;
     let path = &arguments.robot;
-    let loaded = LoadedModel::read(path, &arguments.model_options)?;
+    let problem = arguments.model_options.problem()?;
+    let loaded = LoadedModel::read(path, &problem.model)?;
     let robot = loaded.robot_with_shapes("spheres")?;
-    let model = (arguments.collisions).model(robot, &arguments.model_options)?;
+    let model = (arguments.collisions).model(robot, &problem)?;
     let spheres = match (arguments.max_protrusion, arguments.spheres) {
         (Some(max_protrusion), _) => {
             SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
@@ -214,20 +208,15 @@ fn report(
 
 impl Arguments {
     fn format(&self) -> Outcome<Format> {
-        let end = self.out.extension().and_then(|end| end.to_str());
-        let by_name = match end.map(str::to_ascii_lowercase).as_deref() {
-            Some("urdf") => Some(Format::Urdf),
-            Some("yml" | "yaml") => Some(Format::Yaml),
-            _ => None,
+        let format = match extension(&self.out).as_str() {
+            "urdf" => Format::Urdf,
+            "yml" | "yaml" => Format::Yaml,
+            _ => {
+                let out = self.out.display();
+                return Err(usage!("{out}: expected a name that ends in .urdf or .yml"));
+            }
         };
-        let format = self.format.or(by_name).ok_or_else(|| {
-            let out = self.out.display();
-            usage!("{out}: expected a name that ends in .urdf or .yml, or --format")
-        })?;
-        let is_urdf = self
-            .robot
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
+        let is_urdf = extension(&self.robot) == "urdf";
         match format == Format::Urdf && !is_urdf {
             true => Err(usage!(
                 "{}: only a URDF robot can be written as .urdf; use .yml",

@@ -1,19 +1,10 @@
-//! `--skin-weights`: methods of automatic skin weights.
+//! Methods of automatic skin weights.
 
-use clap::ValueEnum;
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
 use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningError};
 
-/// Methods of automatic skin weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum WeightsChoice {
-    /// Bone heat weighting along the skin
-    #[default]
-    Heat,
-    /// Distance from the bones
-    Distance,
-}
+use crate::problem::WeightsChoice;
 
 impl WeightsChoice {
     pub(crate) fn made(

@@ -18,7 +18,8 @@ use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::Skin;
-use crate::{number_list, output, scene_output};
+use crate::problem::number_list;
+use crate::{output, scene_output};
 
 /// Up axis of glTF (section 3.4).
 const UP: Vec3 = Vec3::Y;
@@ -31,26 +32,24 @@ const ROUNDING: f32 = 1e-6;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Clips as glTF")]
 pub(super) struct ClipOptions {
-    /// Add the clip to this .glb or .gltf file with the same bones. Default: to a copy of the model's file if FILE
-    /// does not exist.
+    /// Add the clip to a .glb or .gltf, or to a copy of the model's file.
     #[arg(long, value_name = "FILE", requires = "fps", conflicts_with_all = ["out", "format"])]
     pub(super) into: Option<PathBuf>,
 
-    /// Name of the written clip. Default: the model's clip name, followed by the rate if that name is taken.
+    /// Name of the written clip. Default: the model's clip name.
     #[arg(long, value_name = "NAME", requires = "fps")]
     clip_name: Option<String>,
 
-    /// Remove the horizontal motion and heading of this bone from the clip: a walk on the spot. Default: off.
+    /// Remove a bone's horizontal motion and heading.
     #[arg(long, value_name = "BONE", requires = "fps")]
     in_place: Option<String>,
 
-    /// Blend the last SECONDS into the first pose, so that the clip loops without a jump. Range: > 0. Default: off.
+    /// Blend the last SECONDS into the first pose, for loops.
     #[arg(long, value_name = "SECONDS", requires = "fps", value_parser = number_list::positive)]
     close_seam: Option<f64>,
 
-    /// Drop keys within this error of each bone relative to its parent: LENGTH in the file's unit, angle in radians.
-    /// Range: ≥ 0. Default: no key is dropped.
-    #[arg(long, value_name = "LENGTH,RADIANS", requires = "fps", value_parser = tolerance)]
+    /// Drop keys within this error, a length and radians.
+    #[arg(long, value_name = "L,RAD", requires = "fps", value_parser = tolerance)]
     reduce_keys: Option<KeyTolerance>,
 
     #[command(flatten)]

@@ -17,51 +17,43 @@ use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
-use crate::{number_list, numpy_file, world_file};
+use crate::problem::number_list;
+use crate::{numpy_file, world_file};
 
 /// Inverse-kinematics requests for the clip.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Inverse kinematics over the clip")]
 pub(super) struct IkOptions {
-    /// Move a bone's origin (of a rig: its tip) to a point in model coordinates, or along a curve. Repeatable.
-    /// Default: none.
-    ///
-    /// A curve is a .csv file with columns x, y, z and an optional time, or a .npy array of points × 3. An array of
-    /// points × 4 has the times first. Times are in seconds. Without times the points are spread evenly over the
-    /// span. A Catmull-Rom spline interpolates between the points.
+    /// Move a bone to a point in model coordinates, or along a curve. Repeatable.
     #[arg(long, value_name = "BONE=X,Y,Z|FILE", requires = "fps", value_parser = ReachArgument::parse)]
     reach: Vec<ReachArgument>,
 
-    /// Time span of the reach, in seconds. Once for all --reach, or once for each. Default: the whole clip.
+    /// Time span of one or all --reach, in seconds. Default: the whole clip.
     #[arg(long, value_name = "FROM,TO", requires = "reach", allow_hyphen_values = true, value_parser = span)]
     span: Vec<[f64; 2]>,
 
-    /// Duration of the blend into and out of the reach, in seconds. Range: ≥ 0. Default: 0.2, or half of a shorter
-    /// span.
+    /// Blend into and out of the reach, in seconds. Default: 0.2.
     #[arg(long, value_name = "SECONDS", requires = "reach", value_parser = number_list::not_negative)]
     fade: Option<f64>,
 
-    /// Lock a bone, such as a foot, in place during its contacts in the clip. Repeatable. Default: none.
+    /// Lock a foot in place during its contacts. Repeatable.
     #[arg(long, value_name = "BONE", requires = "fps")]
     plant: Vec<String>,
 
-    /// Obstacles as ground for the planted feet, in a file as for --world. Default: level ground at the height of the
-    /// clip.
+    /// World file, the ground of planted feet. Default: level.
     #[arg(long, value_name = "FILE", requires = "plant")]
     ground: Option<PathBuf>,
 
-    /// Root velocity of a clip that walks on the spot, in lengths per second. `feet` derives it from the planted
-    /// feet. Default: 0,0,0.
+    /// Root velocity of a walk on the spot; `feet`: from planted feet.
     #[arg(long, value_name = "X,Y,Z|feet", requires = "plant", allow_hyphen_values = true, value_parser = RootVelocity::parse)]
     root_velocity: Option<RootVelocity>,
 
-    /// Bone that moves if a limb is too short; only bones below it rotate. Default: the first branching bone above
-    /// all requested bones.
+    /// Bone that moves if a limb is too short. Default: the common ancestor.
     #[arg(long, value_name = "BONE", requires = "fps")]
     root: Option<String>,
 
-    /// Up axis. A rig with another up axis is rotated to glTF's y in a .glb file. Default: y.
-    #[arg(long, requires = "fps", hide_default_value = true, value_parser = among(AXES))]
+    /// Up axis; a .glb file gets glTF's y. Default: y.
+    #[arg(long, value_name = "AXIS", requires = "fps", hide_possible_values = true, value_parser = among(AXES))]
     up: Option<Axis>,
 }
 

@@ -21,40 +21,23 @@ use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{self, MeshFile, MeshFormat};
-use crate::model_options::ModelOptions;
+use crate::model_options::ProblemFile;
+use crate::problem::{ModelSettings, number_list};
 use crate::progress::Countdown;
-use crate::weights_choice::WeightsChoice;
-use crate::{number_list, output, scene_output, skinning_choice};
+use crate::{output, scene_output};
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt animate arm.json --time 1.5 --out posed.obj    the mesh at 1.5 s
-  kinopt animate arm.json --fps 24 --out frames         one file for each frame of the keyframes
-  kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
-                                                        a scene's clip at 0.2 s
+  kinopt animate arm.json --time 1.5 --out posed.obj
   kinopt animate arm.json --fps 24 --format glb --out arm.glb
-                                                        one animated file: bones, skin and clip
-  kinopt animate fox.glb --clip Run --fps 30 --in-place b_Hip_01 --clip-name Run_on_the_spot --into fox.glb
-                                                        adds a clip to the file and keeps its other content
-  kinopt animate fox.glb --clip Walk --loop --to 4 --fps 30 --root-velocity feet --plant b_LeftFoot02_018 --plant b_RightFoot02_022 --ground
-        stairs.json --into fox.glb                      the repeated walk climbs stairs, with foot locks
-  kinopt animate hero.glb --clip Idle --fps 30 --reach hand.r=0.4,1.2,0.3 --span 1,2.5 --fade 0.3 --into hero.glb
-                                                        a hand reaches for a point from 1 s to 2.5 s
-  kinopt animate humanoid.json --fps 60 --reach right_hand=curve.csv --span 1.2,3 --out changed.json
-                                                        changes only the rig's keys of the arm
-  kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
-                                                        one second of frames";
+  kinopt animate fox.glb --clip Run --fps 30 --in-place hip --clip-name spot --into fox.glb
+  kinopt animate hero.glb --fps 30 --reach hand=0.4,1.2,0.3 --span 1,2.5 --into hero.glb
 
-/// Pose a rig's mesh by its keyframes, or a scene's meshes by a clip, at one time or frame by frame.
-///
-/// The meshes of a scene are written as one mesh, in scene coordinates. A .glb or .gltf file keeps all other content
-/// of the scene: materials, images, cameras and unknown extensions. With --fps it is one animated file.
-///
-/// A rig's keys are interpolated by Catmull-Rom splines, unless the file or --interpolation selects another method.
-/// Lengths are in the rig's unit.
-///
-/// --time writes one file. --fps writes numbered frames into a folder: frame-0000.obj, frame-0001.obj, … The folder
-/// is created if it does not exist.
+--time writes one file. --fps writes numbered frames into a folder, or one animated .glb. Lengths
+are in the unit of the file. Curves of --reach: .csv or .npy. Guide: docs/guide/clip-ik.md.
+Skinning: {\"output\": {\"skinning\": \"dqs\", \"skin_weights\": \"heat\"}} in the --problem file.";
+
+/// Meshes of a rig's keyframes or a scene's clip, with optional inverse kinematics.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
@@ -63,60 +46,50 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// Output. With --time a .obj, .ply or .glb file; with --fps a folder, or a .glb file of all frames.
-    ///
-    /// With --fps and --reach a .json file receives the rig with its solved keys.
+    /// A .obj, .ply or .glb file; with --fps a folder, .glb, or rig .json.
     #[arg(long, value_name = "FILE|DIR", required_unless_present = "into")]
     out: Option<PathBuf>,
 
-    /// Clip of a scene: its name, or the end of its name (`Walk` for `Armature|Walk`). Default: the first clip.
+    /// Clip of a scene, by name or end of the name. Default: the first.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 
-    /// Time of the pose, in seconds. Default: none.
+    /// Time of the pose, in seconds.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
           value_parser = number_list::number)]
     time: Option<f64>,
 
-    /// Frames per second. Range: > 0. Default: none.
+    /// Frames per second.
     #[arg(long, value_name = "N", value_parser = number_list::positive)]
     fps: Option<f64>,
 
-    /// With --fps: time of the first frame, in seconds. Default: the first key.
+    /// With --fps: time of the first frame. Default: the first key.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     from: Option<f64>,
 
-    /// With --fps: time limit of the last frame, in seconds. Default: the last key.
+    /// With --fps: time limit of the last frame. Default: the last key.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     to: Option<f64>,
 
-    /// Repeat the keyframes outside their span instead of holding the end poses. Default: off.
+    /// Repeat the keyframes instead of holding the end poses.
     #[arg(long = "loop")]
     looped: bool,
 
-    /// Interpolation between a rig's keys: `linear`, `catmull-rom` or `kochanek-bartels:T,C,B`. Default: from the
-    /// file, else catmull-rom.
-    ///
-    /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
+    /// linear, catmull-rom or kochanek-bartels:T,C,B. Default: the file's.
     #[arg(long, value_name = "NAME", value_parser = InterpolationChoice::parse)]
     interpolation: Option<InterpolationChoice>,
 
-    /// With --fps: file format of the frames. Default: obj.
-    #[arg(long, value_enum, conflicts_with = "time", hide_default_value = true)]
+    /// With --fps: obj, ply or glb. Default: obj.
+    #[arg(long, value_enum, conflicts_with = "time", hide_possible_values = true)]
     format: Option<MeshFormat>,
-
-    /// Method that computes a rig's skin weights. Default: the weights of the file, else bone heat.
-    #[arg(long, value_enum, hide_default_value = true)]
-    skin_weights: Option<WeightsChoice>,
-
-    /// Skinning method.
-    #[arg(long, value_name = "METHOD", default_value_t, value_parser = skinning_choice::parser())]
-    skinning: SkinningMethod,
 
     #[command(flatten)]
     clip_options: ClipOptions,
+
+    #[command(flatten)]
+    file: ProblemFile,
 }
 
 #[derive(Serialize)]
@@ -143,7 +116,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 }
 
 fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.model, &ModelOptions::default())?;
+    let output = arguments.file.read()?.output;
+    let skinning = output.skinning.unwrap_or_default();
+    let mut loaded = LoadedModel::read(&arguments.model, &ModelSettings::default())?;
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
     if let (Some(fps), Some(out)) = (
@@ -153,7 +128,7 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
         return arguments.clip_options.write_keys(&loaded, fps, out, json);
     }
     let clip = loaded.keyframes("animate")?;
-    let skin = loaded.skin(arguments.skin_weights)?;
+    let skin = loaded.skin(output.skin_weights)?;
     let span = clip.time_span().unwrap_or([0.0; 2]);
     if let Some((frames, out)) = arguments.one_file(span)? {
         let playing = (frames, playback(arguments.looped));
@@ -164,15 +139,23 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut notes = loaded.notes();
     notes.extend(skin.note());
     let mut q = vec![0.0; loaded.model.configuration_len()];
-    write_frames(arguments, json, &notes, span, |time, playback, file| {
-        clip.sample(time, playback, &mut q)?;
-        let mesh = skin.posed(&q, arguments.skinning)?;
-        file.write(&mesh)?;
-        Ok(mesh.positions().len())
-    })
+    write_frames(
+        arguments,
+        json,
+        (&notes, skinning),
+        span,
+        |time, playback, file| {
+            clip.sample(time, playback, &mut q)?;
+            let mesh = skin.posed(&q, skinning)?;
+            file.write(&mesh)?;
+            Ok(mesh.positions().len())
+        },
+    )
 }
 
 fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let output = arguments.file.read()?.output;
+    let skinning = output.skinning.unwrap_or_default();
     let animated = AnimatedArmature::read(&arguments.model)?;
     let (file, kind) = (&animated.file, animated.kind);
     if arguments.interpolation.is_some() {
@@ -195,23 +178,29 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         let options = &arguments.clip_options;
         return options.write_scene(&animated, scene_file, clip?, playback_range, out, json);
     }
-    let scene = mesh_output::with_meshes(scene, (file, kind), arguments.skin_weights)?;
+    let scene = mesh_output::with_meshes(scene, (file, kind), output.skin_weights)?;
     let clip = clip?;
-    let mut posing = ScenePosing::new(scene, arguments.skinning)?;
-    write_frames(arguments, json, &[], span(clip), |time, playback, file| {
-        let pose = animated.pose_at(clip, time, playback)?;
-        match scene_file.filter(|_| is_gltf(file.path())) {
-            Some(scene_file) => {
-                scene_output::write_posed(scene_file, &pose, arguments.skinning, file.path())?
+    let mut posing = ScenePosing::new(scene, skinning)?;
+    write_frames(
+        arguments,
+        json,
+        (&[], skinning),
+        span(clip),
+        |time, playback, file| {
+            let pose = animated.pose_at(clip, time, playback)?;
+            match scene_file.filter(|_| is_gltf(file.path())) {
+                Some(scene_file) => {
+                    scene_output::write_posed(scene_file, &pose, skinning, file.path())?
+                }
+                None => file.write(&posing.mesh(&pose)?)?,
             }
-            None => file.write(&posing.mesh(&pose)?)?,
-        }
-        Ok(scene
-            .meshes
-            .iter()
-            .map(|node| node.mesh.positions().len())
-            .sum())
-    })
+            Ok(scene
+                .meshes
+                .iter()
+                .map(|node| node.mesh.positions().len())
+                .sum())
+        },
+    )
 }
 
 /// Returns `true` if the file extension is `.json`.
@@ -254,7 +243,7 @@ impl Arguments {
 fn write_frames(
     arguments: &Arguments,
     json: bool,
-    notes: &[String],
+    (notes, skinning): (&[String], SkinningMethod),
     span: [f64; 2],
     mut write: impl FnMut(f64, Playback, &MeshFile) -> Outcome<usize>,
 ) -> Outcome<()> {
@@ -274,7 +263,7 @@ fn write_frames(
     let document = || Document {
         frames: frames.collect(),
         vertices,
-        skinning: arguments.skinning.name(),
+        skinning: skinning.name(),
         notes,
     };
     output::result(json, document, || text(&files, vertices))

@@ -7,24 +7,18 @@ use clap::{Args, ValueEnum};
 use kinopt_harness::{Budget, contenders};
 
 use crate::model_options::ModelOptions;
-use crate::number_list;
+use crate::problem::number_list;
 
 const EXAMPLES: &str = "\
 Examples:
   kinopt bench robot.urdf --problems random:100 --out results
-        every solver with every derivative mode, on 100 random reachable poses
   kinopt bench robot.urdf --targets poses.json --out results
-        targets of a file
   kinopt bench man.json --solver 'kinopt default' --solver 'argmin L-BFGS' --out results
-        two solvers on the pinned tips of a rig
 
-Ctrl-C stops the comparison and writes the finished part.";
+Writes results.json, results.md and SVG charts. Ctrl-C stops the comparison and writes the finished
+part. Results are reproducible for a seed if no time limit ends a search.";
 
 /// Compare all solvers, with all derivative modes, on the same problems.
-///
-/// Writes results.json, results.md and SVG charts. The charts are a performance profile, the solved fraction over time,
-/// derivative modes, the cost over iterations, and the Jacobian cost by number of bones. Solutions are checked by
-/// forward kinematics and joint limits. Results are reproducible for a seed if no time limit ends a search.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -36,20 +30,20 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
 
-    /// Frame with targets. Default: tip_link of the file; robots: end of the longest chain; rigs: pinned tips.
+    /// Frame with targets. Default: tip_link of the file, else the longest chain.
     #[arg(long, value_name = "FRAME")]
     pub(super) tip: Option<String>,
 
-    /// JSON file of targets of one frame, as for `kinopt solve`. Default: --problems.
+    /// JSON file of targets, as for `kinopt batch`. Default: --problems.
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,
 
-    /// Number of random problems with a solution: tip poses of random configurations. Default: random:100.
+    /// Number of random reachable problems. Default: random:100.
     #[arg(long, value_name = "random:N", value_parser = random, conflicts_with = "targets")]
     pub(super) problems: Option<usize>,
 
-    /// Start configurations. Default: those of the file; else random for robots, rest for rigs.
-    #[arg(long, value_name = "rest|random", value_enum)]
+    /// rest or random. Default: the file's; else random, of rigs rest.
+    #[arg(long, value_name = "START", value_enum, hide_possible_values = true)]
     pub(super) start: Option<StartAt>,
 
     /// Ignore orientations. Default: off for robots; always on for rigs.
@@ -60,12 +54,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "T", default_value_t = 1e-6, value_parser = number_list::positive)]
     pub(super) tolerance: f64,
 
-    /// Time limit of a problem in milliseconds; a solve 10 % above it counts as not reached.
+    /// Time limit of a problem in milliseconds.
     #[arg(long, value_name = "MS", default_value = "100",
           value_parser = number_list::milliseconds)]
     pub(super) time_limit: Duration,
 
-    /// Largest number of starts for solvers without restarts: the problem's, then random ones, equal for all solvers.
+    /// Largest number of starts for solvers without restarts.
     #[arg(long, value_name = "N", default_value_t = 16,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) attempts: u16,
@@ -78,11 +72,11 @@ pub(crate) struct Arguments {
     #[arg(long = "solver", value_name = "NAME", value_parser = solver)]
     pub(super) solvers: Vec<String>,
 
-    /// Index of the problem, from 0, in the chart of cost over iterations.
+    /// Index of the problem, from 0, in the chart of costs.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(super) problem: usize,
+    pub(super) charted: usize,
 
-    /// Largest number of bones in the Jacobian measurement; 0 for none.
+    /// Largest number of bones in the Jacobian measurement.
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub(super) bones: usize,
 

@@ -18,18 +18,19 @@ use crate::table::Table;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let interrupt = Interrupt::listen()?;
-    let loaded = LoadedModel::read(&arguments.model, &arguments.model_options)?;
+    let settings = arguments.model_options.problem()?.model;
+    let loaded = LoadedModel::read(&arguments.model, &settings)?;
     let set = problems::problems(&loaded, arguments)?;
-    if arguments.problem >= set.cases().len() {
+    if arguments.charted >= set.cases().len() {
         return Err(usage!(
-            "--problem {}: there are {} problems, counted from 0",
-            arguments.problem,
+            "--charted {}: there are {} problems, counted from 0",
+            arguments.charted,
             set.cases().len()
         ));
     }
     // Fails before the work if the folder cannot be created.
     output::make_folder(&arguments.out)?;
-    let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
+    let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.charted);
     let solvers = contenders::all().into_iter();
     bench.extend(solvers.filter(|solver| arguments.wants(solver.name())));
     let mut results = compare(&mut bench, &interrupt)?;

@@ -10,8 +10,8 @@ use super::arguments::{Arguments, StartAt};
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
+use crate::problem::targets_file::TargetsFile;
 use crate::solve::base::Base;
-use crate::targets_file::TargetsFile;
 
 /// Number of random problems.
 const RANDOM_PROBLEMS: usize = 100;

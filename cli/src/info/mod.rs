@@ -19,16 +19,13 @@ use crate::output;
 const EXAMPLES: &str = "\
 Examples:
   kinopt info robot.urdf         the tree of links and joints, limits in degrees and metres
-  kinopt info arm.json           a rig: limits in degrees and radians
   kinopt info arm.json --json    one JSON document: limits in radians, null without a limit
   kinopt info walk.bvh           motion capture: bones, frames, time and channels
-  kinopt info fox.glb            a scene: nodes and joints, clips, meshes, morph targets";
+  kinopt info fox.glb            a scene: nodes and joints, clips, meshes, morph targets
+
+The column q is the index of a joint in a configuration; fixed joints have none.";
 
 /// Content of a model: joints with limits, frames and degrees of freedom.
-///
-/// Robots also have links, tips and mimic joints; rigs have mesh, skin weights, keyframes and pinned tips. Captures
-/// have bones, frames and channels; scenes have nodes, clips, meshes and morph targets. The column q is the index of a
-/// joint in a configuration; fixed joints have none.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -41,14 +38,15 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let (model, model_options) = (&arguments.model, &arguments.model_options);
-    if AnimatedArmature::is_at(model) && !model_options.makes_figure() {
-        model_options.refuse(&model.display().to_string())?;
+    let model = &arguments.model;
+    let settings = arguments.model_options.problem()?.model;
+    if AnimatedArmature::is_at(model) && !settings.makes_figure() {
+        settings.refuse(&model.display().to_string())?;
         let animated = AnimatedArmature::read(model)?;
         let document = animation::document(&animated)?;
         return output::result(json, || &document, || animation::text(&document));
     }
-    let loaded = LoadedModel::read(model, model_options)?;
+    let loaded = LoadedModel::read(model, &settings)?;
     let document = document::document(&loaded);
     output::result(json, || &document, || text::text(&loaded, &document))
 }

@@ -18,62 +18,65 @@ use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::Numbers;
 use crate::output;
+use crate::problem::Problem;
+use crate::problem::number_list::Numbers;
 use crate::solve::axis_intervals::GoalBounds;
 use crate::solve::held;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let mut loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;
+    let problem = arguments.problem()?;
+    let mut loaded = LoadedModel::read(&arguments.query.model, &problem.model)?;
     if loaded.robot.is_none() {
         return Err(usage!("{}: path is for robots", loaded.file));
     }
-    (arguments.chain).read_srdf(&mut loaded, &arguments.model_options)?;
-    if arguments.chain.holds() {
+    problem.read_srdf(&mut loaded)?;
+    if problem.model.locks() {
         let rest = loaded.rest();
-        let held = arguments.chain.held(&loaded, &rest, arguments.degrees)?;
+        let held = problem.model.held(&loaded, &rest)?;
         loaded.held = Some(Box::new(held));
     }
     let loaded = &loaded;
-    let (path, columns_read) = CartesianPath::read(&arguments.path, arguments.order)?;
+    let (path, columns_read) = CartesianPath::read(&arguments.path, problem.path.order)?;
     let file = arguments.path.display();
-    let turns = columns_read.quaternion.is_some() && !arguments.position_only;
-    let bounds = GoalBounds::of_options(
-        arguments.free_axis,
-        &arguments.intervals,
-        (turns, turns),
-        arguments.degrees,
-    )?;
-    let (arm, columns) = arm(arguments, loaded, bounds)?;
+    let turns = columns_read.quaternion.is_some() && !problem.goal.position_only;
+    let bounds = GoalBounds::new(&problem.goal.interval, (turns, turns))?;
+    let (arm, columns) = arm(&problem, loaded, bounds)?;
     let path = placed(arguments, path, bounds)?.with_traversal(arguments.traversal);
-    let one_each = |option, given: &Option<Numbers>, degrees| {
-        let by_joint = |given| columns.one_each(loaded, option, given, degrees);
-        given.as_ref().map(by_joint).transpose()
+    let one_each = |option, given: Option<&Numbers>| {
+        let by_joint = |given: &Numbers| columns.one_each(loaded, option, given);
+        given.map(by_joint).transpose()
     };
-    let tools = arguments.other_tools.iter();
+    let typed = |option, given: Option<&Numbers>| {
+        one_each(
+            option,
+            given
+                .map(|given| given.typed(arguments.query.degrees))
+                .as_ref(),
+        )
+    };
+    let tools = problem.path.add_tool.iter();
     let tools = tools
         .map(|tool| arm.with_tool(*tool))
         .collect::<Result<Vec<Arm>, _>>()?;
     let mut solver = PathSolver::new(&arm)
         .with_tools(&tools)
         .with_max_step(arguments.max_step())
-        .with_times_kept(arguments.keep_times)
-        .with_samples(arguments.samples);
-    let weights = one_each("--joint-weights", &arguments.joint_weights, false)?;
+        .with_times_kept(arguments.keep_times);
+    if let Some(samples) = problem.path.samples {
+        solver = solver.with_samples(samples);
+    }
+    let weights = one_each("joint_weights", problem.solve.joint_weights.as_ref())?;
     if let Some(weights) = &weights {
         solver = solver.with_joint_weights(weights);
     }
-    if let Some(start) = one_each("--start", &arguments.start, arguments.degrees)? {
+    if let Some(start) = typed("--start", arguments.start.as_ref())? {
         solver = solver.with_start(&start);
     }
-    if let Some(end) = one_each("--end", &arguments.end, arguments.degrees)? {
+    if let Some(end) = typed("--end", arguments.end.as_ref())? {
         solver = solver.with_end(&end);
     }
-    let accelerations = one_each(
-        "--accelerations",
-        &arguments.accelerations,
-        arguments.degrees,
-    )?;
+    let accelerations = typed("--accelerations", arguments.accelerations.as_ref())?;
     let started = Instant::now();
     let solution = solver.solve(&path)?;
     let milliseconds = 1e3 * started.elapsed().as_secs_f64();
@@ -98,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(out) = &arguments.out {
         output::message(&format!("wrote {}", out.display()));
     }
-    match arguments.fail_on_miss && !solution.missed.is_empty() {
+    match arguments.query.fail_on_miss && !solution.missed.is_empty() {
         true => Err(Failure::Missed(format!(
             "{} of {} points are not reached",
             solution.missed.len(),
@@ -132,7 +135,7 @@ fn times(
 
 /// Arm from the base to the tip, and the columns of its joints.
 fn arm(
-    arguments: &Arguments,
+    problem: &Problem,
     loaded: &LoadedModel,
     bounds: GoalBounds,
 ) -> Outcome<(Arm, JointColumns)> {
@@ -140,8 +143,9 @@ fn arm(
         return Err(usage!("{}: path is for robots", loaded.file));
     };
     let frame = |name| loaded.frame(name, BareName::Tail);
-    let base = arguments.base.as_deref().map(frame).transpose()?;
-    let tip = match (&arguments.tip, loaded.tip_links().as_slice()) {
+    let (base, tip) = (problem.goal.base.as_deref(), problem.goal.tip.as_deref());
+    let base = base.map(frame).transpose()?;
+    let tip = match (tip, loaded.tip_links().as_slice()) {
         (Some(tip), _) => frame(tip)?,
         (None, [only]) => frame(only)?,
         (None, tips) => {
@@ -151,9 +155,9 @@ fn arm(
             ));
         }
     };
-    let tolerance = arguments.tolerance.unwrap_or(1e-6);
+    let tolerance = problem.solve.tolerance.unwrap_or(1e-6);
     let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
-        .with_tool(arguments.chain.tool.unwrap_or_else(Placement::identity))
+        .with_tool(problem.goal.tool.unwrap_or_else(Placement::identity))
         .with_goal(bounds.goal)
         .with_position_tolerance(tolerance)
         .with_orientation_tolerance(tolerance);
@@ -162,7 +166,7 @@ fn arm(
     let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
     let columns = loaded.columns_of(coordinates.collect());
     let arm = builder.build()?;
-    let arm = (arguments.obstacles).keep_clear(arm, loaded, &loaded.rest())?;
+    let arm = (problem.collisions).keep_clear(arm, loaded, &loaded.rest())?;
     Ok((arm, columns))
 }
 

@@ -1,6 +1,4 @@
-//! `--keep-clear`, `--world` and `--margin`: collision avoidance of a robot with itself and a world.
-
-use std::path::PathBuf;
+//! Collision avoidance of a robot with itself and a world.
 
 use clap::Args;
 use kinopt::collision::{Checker, World};
@@ -9,13 +7,11 @@ use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::FolderQuestion;
 
 use super::target::Target;
-use crate::choices::first_given;
-use crate::collision_options::{ShapeOptions, SphereOption};
+use crate::collision_options::ObstacleOptions;
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
-use crate::number_list::not_negative;
 use crate::output;
-use crate::world_file::TouchOption;
+use crate::problem::CollisionSettings;
 
 /// Scale factor of the obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,42 +33,13 @@ impl WorldScale {
 
 /// Collision options of `kinopt retarget`.
 #[derive(Args, Clone, Debug)]
-pub(super) struct KeepClearOptions {
-    /// Avoid self-collisions of the robot in every frame, with a margin of M metres. Range: ≥ 0. Default: off;
-    /// without M: 0.
-    ///
-    /// Distances are exact, between the collision shapes. Pairs of links that are always or never in contact in a
-    /// thousand random configurations are not checked.
-    #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0", value_parser = not_negative, help_heading = COLLISIONS)]
-    keep_clear: Option<f64>,
+pub(super) struct AvoidanceOptions {
+    #[command(flatten)]
+    obstacles: ObstacleOptions,
 
-    /// Avoid collisions with the obstacles of a file in every frame, and self-collisions. Default: no obstacles.
-    ///
-    /// The file is a world of kinopt (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`) or a
-    /// planning scene of MoveIt (.yaml). Lengths are in metres, in the robot's world frame. Feet can be in contact
-    /// with obstacles as with the ground.
-    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
-    world: Option<PathBuf>,
-
-    /// Scale of the obstacles about the origin: a number > 0, or `stride`. Default: 1.
-    ///
-    /// `stride` is the ratio of the robot's step length to the subject's, for obstacles from the capture.
+    /// Scale of the obstacles, or `stride`: the ratio of step lengths.
     #[arg(long, value_name = "TIMES", value_parser = WorldScale::parse, requires = "world", help_heading = COLLISIONS)]
     world_scale: Option<WorldScale>,
-
-    /// Required distance of all collision pairs, in metres. Without --world it applies to self-collisions. Range: ≥
-    /// 0. Default: 0.
-    #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
-    margin: Option<f64>,
-
-    #[command(flatten)]
-    touch: TouchOption,
-
-    #[command(flatten)]
-    shapes: ShapeOptions,
-
-    #[command(flatten)]
-    spheres: SphereOption,
 }
 
 /// Collision checker and world of the collision avoidance.
@@ -107,27 +74,19 @@ impl CollisionAvoidance {
     }
 }
 
-impl KeepClearOptions {
-    /// Description of the collision shapes if they differ from the default.
-    pub(super) fn unusual_shapes(&self) -> Option<String> {
-        self.shapes.unusual()
-    }
-
-    /// Name of the first collision option that the user gave.
-    fn given(&self) -> Option<&'static str> {
-        first_given([
-            ("--keep-clear", self.keep_clear.is_some()),
-            ("--world", self.world.is_some()),
-            ("--margin", self.margin.is_some()),
-        ])
-    }
-
+impl AvoidanceOptions {
     /// Collision avoidance of a target. `None` without a collision option.
     ///
     /// # Errors
     /// A figure, a robot without shapes, and a missing or damaged file.
-    pub(super) fn avoidance(&self, target: &Target) -> Outcome<Option<CollisionAvoidance>> {
-        let Some(option) = self.given() else {
+    pub(super) fn of(
+        &self,
+        target: &Target,
+        collisions: &CollisionSettings,
+    ) -> Outcome<Option<CollisionAvoidance>> {
+        let mut collisions = collisions.clone();
+        self.obstacles.add_to(&mut collisions);
+        let Some(option) = collisions.given() else {
             return Ok(None);
         };
         if target.loaded.robot.is_none() {
@@ -137,15 +96,15 @@ impl KeepClearOptions {
                 target.loaded.kind()
             ));
         }
-        let mut world = self.touch.read(self.world.as_deref())?;
+        let mut world = collisions.read_world()?;
         if let Some(WorldScale::Times(times)) = self.world_scale {
             world = world.scaled(times)?;
         }
-        let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
-        let margin = self.margin.or(self.keep_clear).unwrap_or(0.0);
+        let checker = collisions.checker(collisions.shapes(&target.robot)?)?;
+        let margin = collisions.margin.unwrap_or(0.0);
         Ok(Some(CollisionAvoidance {
             checker: checker.with_world(&world)?.with_margin(margin)?,
-            world: self.world.is_some().then_some(world),
+            world: collisions.world.is_some().then_some(world),
             of_person: self.world_scale == Some(WorldScale::Stride),
         }))
     }

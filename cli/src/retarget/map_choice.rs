@@ -14,14 +14,11 @@ use crate::output;
 /// Options of the body map.
 #[derive(Args, Debug)]
 pub(super) struct MapOptions {
-    /// Body map from source joints to target frames: a .json file, or the source's skeleton cmu, lafan1, mixamo or
-    /// smpl. Default: guessed from names.
-    ///
-    /// The file is described below. It can hold the maps of several robots, by the names of their files.
+    /// Body map .json, or cmu, lafan1, mixamo or smpl. Default: by names.
     #[arg(long, value_name = "FILE|NAME")]
     map: Option<PathBuf>,
 
-    /// Write the body map to a file, for manual correction.
+    /// Write the body map to a file.
     #[arg(long, value_name = "FILE")]
     pub(super) save_map: Option<PathBuf>,
 

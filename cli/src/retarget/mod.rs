@@ -18,7 +18,7 @@ use kinopt::motion::retarget::{
 };
 use serde::Serialize;
 
-use self::collision_avoidance::{CollisionAvoidance, KeepClearOptions, report_contacts};
+use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};
 use self::contact_options::ContactOptions;
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
@@ -32,49 +32,25 @@ use crate::output;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
-                                               frame by frame; the body map is guessed from names
-  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
-                                               the whole movement as one problem
-  kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
-                                               without self-collisions, with a margin of 1 cm
-  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --world boxes.json --world-scale stride --out climb.npz
-                                               without collisions with the boxes that the subject climbed
+  kinopt retarget walk.bvh g1.urdf --base-joint free --margin 0.01 --out walk.npz
+  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --whole --out climb.npz
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
-                                               writes the guessed body map, for manual correction
-  kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
-                                               an array (frames, 24, 3) in SMPL's joint order
-  kinopt retarget walk.bvh character.glb --out walking.glb
-                                               adds a clip to the character's file
   kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
-                                               a folder, in parallel; continues after an interruption
 
-The body map; missing entries are guessed from names or taken from the file:
-  {\"joints\": [\"Hips\", \"LeftFoot\", …], \"fps\": 120, \"up\": \"z\",
-   \"drives\": {\"Hips\": \"pelvis\", \"LeftFoot\": {\"frame\": \"left_ankle\", \"weight\": 2, \"offset\": [0, 0, -0.05]}},
-   \"contacts\": [\"LeftFoot\"]}";
+Limbs are scaled by their lengths, feet in contact are locked, and a figure gets a free base. A
+folder is solved in parallel and continues after an interruption. Body maps, output formats and
+collisions: docs/guide/retargeting.md. Collision shapes are keys of the --problem file:
+  {\"collisions\": {\"meshes\": \"parts\", \"package\": [\"/opt/ros/share\"]}}";
 
-/// Retarget a captured movement to a robot or a figure, within its position and velocity limits in every frame.
-///
-/// Limbs are scaled by their lengths. The ground height is detected, and feet in contact are locked. A figure gets a
-/// free base.
-///
-/// A .npz or .json file has `q` (frames × configuration), `fps`, `names` (of the configuration values) and `contacts`
-/// (frames × contact points). The frames of the contact points are in `contact_frames`.
-///
-/// A .csv file has one row per frame and no header: x, y, z and quaternion x, y, z, w of a free base, then the
-/// joints. Unitree's retargeted LAFAN1 data set has this layout. A .bvh or .glb file has a figure's animation.
+/// Retarget a captured movement to a robot or a figure, within its limits in every frame.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Movement: .bvh, clip of a .glb or .gltf, .npy of (frames, joints, 3), keyframes of a rig (.json); or a folder
-    /// of files.
-    ///
-    /// A folder can hold all of these except rigs.
+    /// Movement .bvh, .glb, .gltf, .npy (frames, joints, 3) or rig .json; or a folder.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
 
-    /// Robot (.urdf, MJCF .xml), or figure: rig (.json), .glb, .gltf or .bvh.
+    /// Robot .urdf or .xml, or figure .json, .glb, .gltf or .bvh.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
 
@@ -84,11 +60,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     source_options: SourceOptions,
 
-    /// Up axis of a figure's file. Default: y for .glb, .gltf and .bvh; z for a rig (.json).
-    #[arg(long, value_enum, value_name = "AXIS")]
+    /// Up axis of a figure, y or z. Default: y; of a rig z.
+    #[arg(long, value_enum, value_name = "AXIS", hide_possible_values = true)]
     target_up: Option<Up>,
 
-    /// Solve the whole movement as one smooth problem. Default: frame by frame.
+    /// Solve the movement as one smooth problem. Default: frame by frame.
     #[arg(long)]
     whole: bool,
 
@@ -96,22 +72,21 @@ pub(crate) struct Arguments {
     contacts: ContactOptions,
 
     #[command(flatten)]
-    keep_clear: KeepClearOptions,
+    avoidance: AvoidanceOptions,
 
-    /// Output: .npz, .json, .csv, .bvh or .glb file; a folder if the source is a folder.
+    /// A .npz, .json, .csv, .bvh or .glb file; for a folder a folder.
     #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
     out: Option<PathBuf>,
 
-    /// Folders: output format. Default: npz.
-    #[arg(long, value_enum, help_heading = OUTPUT, hide_default_value = true)]
+    /// Folders: npz, json, csv, bvh or glb. Default: npz.
+    #[arg(long, value_enum, help_heading = OUTPUT, hide_possible_values = true)]
     format: Option<Format>,
 
-    /// .csv: write a header row, times, the quaternion as w, x, y, z, and contact columns. Default: configurations
-    /// only.
+    /// .csv: header row, times, quaternion w, x, y, z, and contacts.
     #[arg(long, help_heading = OUTPUT)]
     header: bool,
 
-    /// Folders: solve all movements again. Default: keep existing output files.
+    /// Folders: solve all movements again. Default: keep output files.
     #[arg(long, help_heading = OUTPUT)]
     overwrite: bool,
 
@@ -185,24 +160,24 @@ struct Job<'a> {
     shapes: FootShapes,
     map: MapChoice,
     format: Format,
+    /// Collision shapes in words, if they are not the default.
+    unusual_shapes: Option<String>,
 }
 
 impl<'a> Job<'a> {
     fn new(arguments: &'a Arguments, format: Format) -> Outcome<Self> {
-        let target = Target::read(
-            &arguments.target,
-            arguments.target_up,
-            &arguments.model_options,
-        )?;
+        let problem = arguments.model_options.problem()?;
+        let target = Target::read(&arguments.target, arguments.target_up, &problem.model)?;
         format.check(&target)?;
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
-            avoidance: arguments.keep_clear.avoidance(&target)?,
+            avoidance: arguments.avoidance.of(&target, &problem.collisions)?,
             shapes: FootShapes::of_files(&target.robot),
             target,
             map,
             format,
+            unusual_shapes: problem.collisions.unusual_shapes(),
         })
     }
 
@@ -218,9 +193,7 @@ impl<'a> Job<'a> {
         self.arguments.source_options.add_to_query(&mut query);
         if let Some(avoidance) = &self.avoidance {
             avoidance.add_to_query(&mut query);
-            query
-                .more
-                .extend(self.arguments.keep_clear.unusual_shapes());
+            query.more.extend(self.unusual_shapes.clone());
         }
         query.map = self.map.given();
         query.skeleton = self.map.skeleton().map(KnownSkeleton::name);
@@ -282,7 +255,8 @@ impl<'a> Job<'a> {
 impl Arguments {
     /// Prints or saves the map.
     fn show_map(&self) -> Outcome<()> {
-        let target = Target::read(&self.target, self.target_up, &self.model_options)?;
+        let settings = self.model_options.problem()?.model;
+        let target = Target::read(&self.target, self.target_up, &settings)?;
         let choice = self.map.read(&self.target)?;
         let (given, skeleton) = (choice.given(), choice.skeleton());
         let read = self.source_options.read(&self.source, given, skeleton)?;

@@ -10,8 +10,8 @@ use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, U
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::model_options::ModelOptions;
-use crate::{number_list, numpy_file, output};
+use crate::problem::{ModelSettings, number_list};
+use crate::{numpy_file, output};
 
 /// Default frame rate of arrays, per second.
 const ARRAY_RATE: f64 = 120.0;
@@ -21,18 +21,16 @@ const CLIP_RATE: f64 = 60.0;
 /// Options of reading a movement.
 #[derive(Args, Debug)]
 pub(super) struct SourceOptions {
-    /// Frames per second: the rate of a .npy, the sampling rate of other files. Range: > 0. Default: from file or
-    /// map, else 120 for .npy and 60 for clips.
+    /// Frames per second. Default: file or map, else .npy 120, clips 60.
     #[arg(long, value_name = "N", value_parser = number_list::positive)]
     fps: Option<f64>,
 
-    /// Name of a scene's clip. Default: the first clip.
+    /// Clip of a scene. Default: the first.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 
-    /// Up axis of the source. Default: from the map, else detected from the body, else y for .bvh, .glb and .gltf,
-    /// and z for others.
-    #[arg(long, value_enum, value_name = "AXIS")]
+    /// Up axis of the source, y or z. Default: the map's, else detected.
+    #[arg(long, value_enum, value_name = "AXIS", hide_possible_values = true)]
     up: Option<Up>,
 }
 
@@ -172,7 +170,7 @@ fn names(
 
 /// Bone tails of a rig over its keyframes, sampled at `rate` per second.
 fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
-    let loaded = LoadedModel::read(path, &ModelOptions::default())?;
+    let loaded = LoadedModel::read(path, &ModelSettings::default())?;
     let clip = loaded.keyframes("retarget")?;
     let lacks = || failure!("{}: the file is not a rig", loaded.file);
     let skeleton = &loaded.rig.as_ref().ok_or_else(lacks)?.skeleton;

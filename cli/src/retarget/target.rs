@@ -10,8 +10,8 @@ use super::source::Up;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::model_options::ModelOptions;
 use crate::output;
+use crate::problem::ModelSettings;
 
 /// Robot, or figure on a free base.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub(super) const BASE: usize = 7;
 
 impl Target {
     /// Reads a robot with its model options, or a figure on a free base.
-    pub(super) fn read(path: &Path, up: Option<Up>, options: &ModelOptions) -> Outcome<Self> {
+    pub(super) fn read(path: &Path, up: Option<Up>, settings: &ModelSettings) -> Outcome<Self> {
         let animated = AnimatedArmature::is_at(path);
         let up_of_file = match (up, animated) {
             (Some(up), _) => up.into(),
@@ -46,10 +46,10 @@ impl Target {
                     path.display()
                 ));
             }
-            let loaded = LoadedModel::read(path, options)?;
+            let loaded = LoadedModel::read(path, settings)?;
             let lacks = || usage!("{}: the file is not a robot", loaded.file);
             let robot = Robot::clone(loaded.robot.as_ref().ok_or_else(lacks)?);
-            if !options.has_base_option() && !robot.moves_as_a_whole() {
+            if settings.base_joint.is_none() && !robot.moves_as_a_whole() {
                 output::message(&format!(
                     "note: {}: the root is fixed; --base-joint free lets it follow the subject",
                     loaded.file
@@ -61,13 +61,13 @@ impl Target {
                 figure: None,
             });
         }
-        if options.makes_figure() {
+        if settings.makes_figure() {
             return Err(usage!(
-                "{}: retargeting of figures uses Euler angles; omit --joints and --cones",
+                "{}: retargeting of figures uses Euler angles; omit `joints` and `cones`",
                 path.display()
             ));
         }
-        let mut loaded = LoadedModel::read(path, &ModelOptions::default())?;
+        let mut loaded = LoadedModel::read(path, &ModelSettings::default())?;
         let lacks = || failure!("{}: the file has no bones", loaded.file);
         let rig = loaded.rig.as_ref().ok_or_else(lacks)?;
         let figure = FigureTarget::new(&rig.skeleton, up_of_file)?;

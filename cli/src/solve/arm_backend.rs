@@ -8,19 +8,20 @@ use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 
-use super::arguments::Arguments;
+use super::arguments::ServoOptions;
 use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
 use super::query::{Answer, LongStep, Path, Query};
-use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::Numbers;
 use crate::output;
+use crate::problem::number_list::Numbers;
+use crate::problem::task_name::TaskName;
+use crate::problem::{Problem, SolveSettings};
 
 /// Arm with the model in which its solutions are given.
 pub(super) struct ArmBackend<'a> {
@@ -47,7 +48,7 @@ impl<'a> ArmBackend<'a> {
     pub(super) fn new(
         loaded: &'a LoadedModel,
         robot: &Robot,
-        arguments: &Arguments,
+        problem: &Problem,
         goals: &Goals,
     ) -> Outcome<Self> {
         let [target] = goals.targets.as_slice() else {
@@ -57,31 +58,31 @@ impl<'a> ArmBackend<'a> {
         let frame = |name| loaded.frame(name, BareName::Tail);
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;
-        let goal_bounds = GoalBounds::of(arguments, target.turns)?;
-        let (options, tool) = (&arguments.arm, arguments.chain.tool);
-        let (length, angle) = arguments.tolerances(loaded);
+        let goal_bounds = GoalBounds::new(&problem.goal.interval, (target.turns, target.turns))?;
+        let (options, tool) = (&problem.solve, problem.goal.tool);
+        let (length, angle) = problem.tolerances(loaded);
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
             .with_goal(goal_bounds.goal)
             .with_search(options.search.unwrap_or_default())
             .with_global_search_on_miss(options.global_search_on_miss)
-            .with_seed(arguments.rng_seed)
+            .with_seed(options.rng_seed)
             .with_position_tolerance(length)
             .with_orientation_tolerance(angle)
             .with_metres_per_radian(options.metres_per_radian)
-            .with_attempts(arguments.attempts())
-            .with_time_limit(arguments.time_limit);
+            .with_attempts(problem.attempts())
+            .with_time_limit(options.time_limit);
         let builder = held(builder, loaded);
         let joints = builder.joints()?;
         let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
         let columns = loaded.columns_of(coordinates.collect());
-        let builder = with_joint_options(builder, loaded, &columns, arguments)?;
+        let builder = with_joint_options(builder, loaded, &columns, options)?;
         let rest = loaded.rest();
         let mut arm = builder.build()?;
         if let Some(srdf) = &loaded.srdf {
             arm = arm.with_srdf(srdf);
         }
-        let arm = (arguments.obstacles).keep_clear(arm, loaded, &rest)?;
+        let arm = (problem.collisions).keep_clear(arm, loaded, &rest)?;
         Ok(Self {
             loaded,
             arm,
@@ -93,7 +94,7 @@ impl<'a> ArmBackend<'a> {
                 held: false,
             }],
             idle: loaded.idle_coordinates(base.into_iter().chain([tip])),
-            derives: arguments.derivative,
+            derives: problem.output.derivative,
         })
     }
 
@@ -129,29 +130,21 @@ impl<'a> ArmBackend<'a> {
         Ok(answer)
     }
 
-    /// Servo at the start of a query, with `rate` control cycles per second.
-    pub(super) fn servo(
-        &self,
-        arguments: &Arguments,
-        first: &Query,
-        rate: f64,
-    ) -> Outcome<Servo<'_>> {
+    /// Servo at the start of a query, with the rate and limits of the options.
+    pub(super) fn servo(&self, first: &Query, options: &ServoOptions) -> Outcome<Servo<'_>> {
         let mut start = Vec::new();
         self.arm.joint_values(&first.start, &mut start)?;
-        let servo = self.arm.servo(&start, 1.0 / rate)?;
-        let mut servo = servo.with_straight_line(arguments.arm.straight_line);
-        let one_each = |option, limits| {
-            let columns = &self.columns;
-            columns.one_each(self.loaded, option, limits, arguments.degrees)
-        };
-        if let Some(limits) = &arguments.arm.acceleration_limits {
+        let servo = self.arm.servo(&start, 1.0 / options.rate)?;
+        let mut servo = servo.with_straight_line(options.straight_line);
+        let one_each = |option, limits| self.columns.one_each(self.loaded, option, limits);
+        if let Some(limits) = &options.acceleration_limits {
             let limits = one_each("--acceleration-limits", limits)?;
             servo = servo.with_acceleration_limits(&limits)?;
         }
-        if let Some(limits) = &arguments.arm.jerk_limits {
+        if let Some(limits) = &options.jerk_limits {
             servo = servo.with_jerk_limits(&one_each("--jerk-limits", limits)?)?;
         }
-        if let Some(limits) = &arguments.arm.velocity_limits {
+        if let Some(limits) = &options.velocity_limits {
             let limits = one_each("--velocity-limits", limits)?;
             return Ok(servo.with_velocity_limits(&limits)?);
         }
@@ -290,26 +283,24 @@ pub(crate) fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> Arm
     builder
 }
 
-/// Adds the options with one number for each joint.
+/// Adds the settings with one number for each joint.
 fn with_joint_options<'m>(
     mut builder: ArmBuilder<'m>,
     loaded: &LoadedModel,
     columns: &JointColumns,
-    arguments: &Arguments,
+    options: &SolveSettings,
 ) -> Outcome<ArmBuilder<'m>> {
-    let (options, degrees) = (&arguments.arm, arguments.degrees);
-    let one_each = |option, given: &Option<Numbers>, degrees| {
-        let by_joint = |given| columns.one_each(loaded, option, given, degrees);
+    let one_each = |option, given: &Option<Numbers>| {
+        let by_joint = |given| columns.one_each(loaded, option, given);
         given.as_ref().map(by_joint).transpose()
     };
-    if let Some(moves) = one_each("--max-move", &options.max_move, degrees)? {
+    if let Some(moves) = one_each("--max-move", &options.max_move)? {
         builder = builder.with_max_move(&moves);
     }
-    // Weights are not converted as angles.
-    if let Some(weights) = one_each("--joint-weights", &options.joint_weights, false)? {
+    if let Some(weights) = one_each("joint_weights", &options.joint_weights)? {
         builder = builder.with_joint_weights(&weights);
     }
-    if let Some(posture) = one_each("--posture", &options.posture, degrees)? {
+    if let Some(posture) = one_each("--posture", &options.posture)? {
         builder = builder.with_posture(&posture);
     }
     Ok(builder)

@@ -1,12 +1,12 @@
-//! `--interval` and `--free-axis`: goal bounds on single axes.
+//! Goal bounds of targets, from intervals of single axes.
 
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Axis, PoseBounds};
+use kinopt::task::PoseBounds;
 
-use super::arguments::Arguments;
 use super::goals::Goals;
-use super::interval::Interval;
 use crate::failure::Outcome;
+use crate::problem::Problem;
+use crate::problem::interval::Interval;
 
 /// Goal bounds of a target.
 #[derive(Clone, Copy, Debug)]
@@ -17,67 +17,44 @@ pub(crate) struct GoalBounds {
 }
 
 impl GoalBounds {
-    /// Bounds from the options, for a target whose orientation counts (`turns`) or not.
-    pub(super) fn of(arguments: &Arguments, turns: bool) -> Outcome<Self> {
-        Self::for_target(arguments, turns, turns)
-    }
-
-    /// Bounds of every target, or `None` without options; orientation bounds apply if the orientation counts.
-    pub(super) fn of_targets(arguments: &Arguments, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
+    /// Bounds of every target, or `None` without intervals; bounds of rotations apply if the orientation counts.
+    pub(super) fn of_targets(problem: &Problem, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
+        let intervals = problem.goal.interval.as_slice();
         let targets = goals.targets.iter();
-        if arguments.arm.free_axis.is_none() && arguments.arm.intervals.is_empty() {
+        if intervals.is_empty() {
             return Ok(vec![None; targets.len()]);
         }
         if targets.len() == 0 {
-            return Err(usage!(
-                "--interval and --free-axis need targets, and there are none"
-            ));
+            return Err(usage!("--interval needs targets, and there are none"));
         }
         let some_turn = targets.clone().any(|target| target.turns);
         targets
-            .map(|target| Self::for_target(arguments, target.turns, some_turn).map(Some))
+            .map(|target| Self::new(intervals, (target.turns, some_turn)).map(Some))
             .collect()
     }
 
-    /// Bounds of one of several targets; `some_turn` if the orientation of any of them counts.
-    fn for_target(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
-        let options = &arguments.arm;
-        let (free_axis, intervals) = (options.free_axis, options.intervals.as_slice());
-        let counts = (turns, some_turn);
-        Self::of_options(free_axis, intervals, counts, arguments.degrees)
-    }
-
-    /// Bounds from `--free-axis` and `--interval`; `turns` for this target, `some_turn` for any target.
-    pub(crate) fn of_options(
-        free_axis: Option<Axis>,
-        intervals: &[Interval],
-        (turns, some_turn): (bool, bool),
-        degrees: bool,
-    ) -> Outcome<Self> {
-        let only_turning = match free_axis {
-            _ if some_turn => None,
-            _ if intervals.iter().any(Interval::turns) => Some("--interval of a rotation"),
-            free_axis => free_axis.map(|_| "--free-axis"),
-        };
-        if let Some(option) = only_turning {
+    /// Bounds of a target; `turns` if its orientation counts, `some_turn` if the orientation of any target does.
+    ///
+    /// # Errors
+    /// Bounds of a rotation, if no orientation counts.
+    pub(crate) fn new(intervals: &[Interval], (turns, some_turn): (bool, bool)) -> Outcome<Self> {
+        if !some_turn && intervals.iter().any(Interval::turns) {
             return Err(usage!(
-                "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
+                "--interval of a rotation is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
             ));
         }
-        let goal = match free_axis {
-            _ if !turns => PoseBounds::position(),
-            Some(axis) => PoseBounds::free_about(axis),
-            None => PoseBounds::pose(),
+        let goal = match turns {
+            true => PoseBounds::pose(),
+            false => PoseBounds::position(),
         };
         let counts = |interval: &&Interval| turns || !interval.turns();
         let intervals = intervals.iter().filter(counts);
-        Ok(Self::within(goal.half_widths(), intervals, degrees))
+        Ok(Self::within(goal.half_widths(), intervals))
     }
 
     fn within<'i>(
         mut half_widths: [f64; 6],
         intervals: impl IntoIterator<Item = &'i Interval>,
-        degrees: bool,
     ) -> Self {
         let mut middle = [0.0; 3];
         for interval in intervals {
@@ -85,10 +62,7 @@ impl GoalBounds {
                 true => 0.5 * (interval.high - interval.low),
                 false => f64::INFINITY,
             };
-            half_widths[interval.axis] = match interval.turns() && degrees {
-                true => half.to_radians(),
-                false => half,
-            };
+            half_widths[interval.axis] = half;
             if let (Some(middle), true) = (middle.get_mut(interval.axis), half.is_finite()) {
                 *middle = 0.5 * (interval.low + interval.high);
             }
@@ -113,9 +87,9 @@ mod tests {
 
     #[test]
     fn target_is_at_the_middle_of_goal_bounds() {
-        let intervals =
-            ["x=-0.01..0.03", "y=free", "rz=90"].map(|text| Interval::parse(text).unwrap());
-        let GoalBounds { goal, shift } = GoalBounds::within([0.0; 6], &intervals, true);
+        let intervals = ["x=-0.01..0.03", "y=free", "rz=90"].map(|text| text.parse().unwrap());
+        let intervals = intervals.map(|interval: Interval| interval.typed(true));
+        let GoalBounds { goal, shift } = GoalBounds::within([0.0; 6], &intervals);
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(
             goal.half_widths(),

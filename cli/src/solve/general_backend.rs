@@ -2,15 +2,14 @@
 
 use std::time::Instant;
 
+use kinopt::Workspace;
 use kinopt::collision::Checker;
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::solver::Observer;
 use kinopt::spatial::{Placement, Quaternion};
 use kinopt::task::{Quantity, Ray, Task};
-use kinopt::{Problem, Workspace};
 
-use super::arguments::Arguments;
 use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::balance::Balance;
@@ -18,20 +17,21 @@ use super::base::{Base, TargetTask};
 use super::derivative;
 use super::goals::Goals;
 use super::held_frames::Held;
-use super::levels::{BALANCE, DefaultLevel, GOALS, HELD};
+use super::levels::{BALANCE, HELD, levels};
 use super::pose_finder::{PoseFinder, TargetMotion};
 use super::query::{Answer, LongStep, Path, Query};
-use super::task_file::TaskFile;
-use super::task_name::TaskName;
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
+use crate::problem::Problem;
+use crate::problem::task_name::TaskName;
+use crate::problem::task_name::{DefaultLevel, GOALS};
 
 /// General solver with the problem of all queries.
 pub(super) struct GeneralBackend<'a> {
     loaded: &'a LoadedModel,
-    arguments: &'a Arguments,
+    problem: &'a Problem,
     goals: &'a Goals<'a>,
     finder: PoseFinder,
     base: Base,
@@ -45,8 +45,6 @@ pub(super) struct GeneralBackend<'a> {
     balance: Option<Balance>,
     /// Collision checker.
     checker: Option<Checker>,
-    /// Tasks of --tasks.
-    file_tasks: Option<TaskFile>,
     tasks: Vec<TaskName>,
     /// Priority level of each task.
     levels: Vec<usize>,
@@ -71,25 +69,24 @@ struct DragProblem {
 impl<'a> GeneralBackend<'a> {
     pub(super) fn new(
         loaded: &'a LoadedModel,
-        arguments: &'a Arguments,
+        problem: &'a Problem,
         goals: &'a Goals<'a>,
     ) -> Outcome<Self> {
         let base = Base::named(loaded, goals.base.as_deref())?;
         let named_frames = goals.frames(loaded)?;
         let frames: Vec<FrameId> = named_frames.iter().map(|(_, frame)| *frame).collect();
-        let held = Held::of(loaded, arguments, &frames)?;
+        let held = Held::of(loaded, &problem.body.hold, &frames)?;
         let weighted = [named_frames.as_slice(), &held.tips].concat();
-        let weights = Weights::of(loaded, &arguments.weights, &weighted)?;
+        let weights = Weights::of(loaded, &problem.body.weight, &weighted)?;
         let tasks = weighted.into_iter().enumerate().map(|(k, (frame, _))| {
             let held = k >= named_frames.len();
             TaskName { frame, held }
         });
-        let balance = Balance::of(loaded, &arguments.balance)?;
-        let file_tasks = arguments.tasks.as_deref().map(TaskFile::read).transpose()?;
+        let balance = Balance::of(loaded, &problem.body)?;
         let balance_tasks = balance.iter();
         let tasks: Vec<_> = tasks
             .chain(balance_tasks.clone().flat_map(Balance::names))
-            .chain(file_tasks.iter().flat_map(TaskFile::names))
+            .chain(problem.tasks.names())
             .collect();
         let mut default_levels = vec![DefaultLevel::IfPrioritised(GOALS); named_frames.len()];
         default_levels.resize(
@@ -101,33 +98,27 @@ impl<'a> GeneralBackend<'a> {
             default_levels.len() + balance_count,
             DefaultLevel::IfPrioritised(BALANCE),
         );
-        default_levels.extend(file_tasks.iter().flat_map(TaskFile::levels));
-        let holds_frames = !arguments.hold.is_empty() && !held.tips.is_empty();
+        default_levels.extend(problem.tasks.levels());
+        let holds_frames = !problem.body.hold.is_empty() && !held.tips.is_empty();
         let uses_priorities = holds_frames || balance.is_some();
-        let levels = arguments
-            .levels
-            .of(&tasks, &default_levels, uses_priorities)?;
+        let levels = levels(&problem.body, &tasks, &default_levels, uses_priorities)?;
         let moved = frames.iter().copied().chain(base.moving_frame());
         let moved = moved.chain(held.tips.iter().map(|(_, frame)| *frame));
         let moved = moved.chain(balance_tasks.flat_map(Balance::frames));
-        let file_task_frames = file_tasks
-            .as_ref()
-            .map(|file_tasks| file_tasks.frames(loaded));
-        let moved = moved.chain(file_task_frames.transpose()?.into_iter().flatten());
+        let moved = moved.chain(problem.tasks.frames(loaded)?);
         let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
-            arguments,
+            problem,
             goals,
-            finder: PoseFinder::new(loaded, arguments, held.has_held_feet(loaded))?,
+            finder: PoseFinder::new(loaded, problem, held.has_held_feet(loaded))?,
             base,
             frames,
-            goal_bounds: GoalBounds::of_targets(arguments, goals)?,
+            goal_bounds: GoalBounds::of_targets(problem, goals)?,
             held,
             weights,
             balance,
-            checker: (arguments.obstacles).checker(loaded)?,
-            file_tasks,
+            checker: (problem.collisions).checker_of(loaded)?,
             tasks,
             levels,
             idle,
@@ -161,11 +152,11 @@ impl<'a> GeneralBackend<'a> {
     /// Problem for queries that start at `start`. Held joints keep their values of `start`. Targets and held tips are
     /// set again for every query.
     fn drag_problem(&self, start: &[f64]) -> Outcome<DragProblem> {
-        let mut builder = Problem::builder(&self.loaded.model);
-        let (length, angle) = self.arguments.tolerances(self.loaded);
+        let mut builder = kinopt::Problem::builder(&self.loaded.model);
+        let (length, angle) = self.problem.tolerances(self.loaded);
         builder
             .parameters(self.held.parameters(self.loaded, start)?)
-            .derivatives(self.arguments.derivatives())
+            .derivatives(self.problem.solve.jacobian.unwrap_or_default())
             .tolerance(Quantity::Metres, length)
             .tolerance(Quantity::Radians, angle);
         if let Some(checker) = &self.checker {
@@ -187,7 +178,7 @@ impl<'a> GeneralBackend<'a> {
                 .add_target(&mut builder, frame, identity, counts, name_weight_level)
         });
         let targets: Vec<_> = targets.collect();
-        for (ray, frame) in self.arguments.rays.iter().zip(frames) {
+        for (ray, frame) in self.problem.goal.ray.iter().zip(frames) {
             let task = Task::new(Ray::new(frame, ray.eye, ray.through));
             let task = task.scale(self.weights.weight(frame)).at_level(level());
             builder.add(task.named(format!("ray {}", ray.frame)));
@@ -210,9 +201,8 @@ impl<'a> GeneralBackend<'a> {
         if let Some(balance) = &self.balance {
             balance.add(&mut builder, levels.by_ref());
         }
-        if let Some(file_tasks) = &self.file_tasks {
-            file_tasks.add(&mut builder, (self.loaded, start), levels)?;
-        }
+        let tasks = &self.problem.tasks;
+        tasks.add(&mut builder, (self.loaded, start), levels)?;
         // After the requested tasks, whose order is that of the report.
         for posture in self.held.posture(self.loaded, start)? {
             builder.add(posture);
@@ -265,9 +255,7 @@ impl QueryBackend for GeneralBackend<'_> {
         observer: &mut dyn Observer,
     ) -> Outcome<Answer> {
         let previous = workspace.drag_problem.take();
-        let file_tasks = self.file_tasks.as_ref();
-        let depends_on_start =
-            self.held.holds_still() || file_tasks.is_some_and(TaskFile::depends_on_start);
+        let depends_on_start = self.held.holds_still() || self.problem.tasks.depends_on_start();
         let previous =
             previous.filter(|previous| !depends_on_start || previous.start == query.start);
         let drag_problem = match previous {
@@ -297,7 +285,7 @@ impl QueryBackend for GeneralBackend<'_> {
         let motion = motion.as_ref().map(|motion| motion as &TargetMotion<'_>);
         let from = (query.start.as_slice(), motion);
         let mut answer = self.finder.find(drag, from, solver, observer)?;
-        if self.arguments.derivative {
+        if self.problem.output.derivative {
             drag_problem.set_targets(self, query)?;
             let (instance, tasks) = (drag_problem.drag.question(), &self.tasks);
             let derivative = derivative::of_problem(self.loaded, instance, tasks, &answer.q)?;

@@ -4,17 +4,17 @@ use std::path::Path;
 
 use kinopt::model::{FrameId, JointId};
 
-use super::arguments::Arguments;
 use super::backend::QueryBackend;
 use super::query::Query;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::targets_file::TargetsFile;
+use crate::problem::Problem;
+use crate::problem::targets_file::TargetsFile;
 
-/// Targets of the command line, or of a file.
+/// Targets of a problem, or of a file of many targets.
 pub(super) struct Goals<'a> {
-    arguments: &'a Arguments,
-    /// File of `--targets`.
+    problem: &'a Problem,
+    /// File of many targets.
     file: Option<(&'a Path, TargetsFile)>,
     /// One for each target of a query, as typed.
     pub(super) targets: Vec<TargetFrame>,
@@ -31,29 +31,48 @@ pub(super) struct TargetFrame {
 }
 
 impl<'a> Goals<'a> {
-    pub(super) fn read(loaded: &LoadedModel, arguments: &'a Arguments) -> Outcome<Self> {
-        let turns = |given| given && !arguments.position_only;
-        let Some(path) = arguments.file.as_deref() else {
-            let targets = arguments.targets.iter().map(|target| TargetFrame {
-                name: target.frame.clone(),
-                turns: turns(target.turns),
+    pub(super) fn read(
+        loaded: &LoadedModel,
+        problem: &'a Problem,
+        path: Option<&'a Path>,
+    ) -> Outcome<Self> {
+        let goal = &problem.goal;
+        let turns = |given| given && !goal.position_only;
+        let Some(path) = path else {
+            let targets = goal.target.iter().map(|target| {
+                Ok(TargetFrame {
+                    name: match &target.frame {
+                        Some(frame) => frame.clone(),
+                        None => tip(
+                            loaded,
+                            goal.tip.as_deref(),
+                            "a target has no frame: write FRAME=x,y,z, or name it by --tip",
+                        )?,
+                    },
+                    turns: turns(target.turns),
+                })
             });
             return Ok(Self {
-                arguments,
+                problem,
                 file: None,
-                targets: targets.collect(),
-                base: arguments.base.clone(),
+                targets: targets.collect::<Outcome<_>>()?,
+                base: goal.base.clone(),
             });
         };
         let file = TargetsFile::read(path)?;
+        let named = goal.tip.as_deref().or(file.tip_link.as_deref());
+        let without_tip = format!(
+            "{}: has no key `tip_link`, so --tip must name the frame of the targets",
+            path.display()
+        );
         let target = TargetFrame {
-            name: tip(loaded, arguments, &file, path)?.to_owned(),
+            name: tip(loaded, named, &without_tip)?,
             turns: turns(file.turns),
         };
         Ok(Self {
-            arguments,
+            problem,
             targets: vec![target],
-            base: arguments.base.clone().or_else(|| file.base_link.clone()),
+            base: goal.base.clone().or_else(|| file.base_link.clone()),
             file: Some((path, file)),
         })
     }
@@ -61,7 +80,7 @@ impl<'a> Goals<'a> {
     /// Frames with targets or rays, with the typed names.
     pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<(String, FrameId)>> {
         let targets = self.targets.iter().map(|target| &target.name);
-        let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
+        let rays = self.problem.goal.ray.iter().map(|ray| &ray.frame);
         let frame = |name: &String| Ok((name.clone(), loaded.target_frame(name)?));
         targets.chain(rays).map(frame).collect()
     }
@@ -98,7 +117,7 @@ impl<'a> Goals<'a> {
 
     /// Adds the tool to the one frame with targets.
     pub(super) fn put_tool(&self, loaded: &mut LoadedModel) -> Outcome<()> {
-        let Some(tool) = &self.arguments.chain.tool else {
+        let Some(tool) = &self.problem.goal.tool else {
             return Ok(());
         };
         match self.frames(loaded)?.as_slice() {
@@ -119,18 +138,18 @@ impl<'a> Goals<'a> {
     ) -> Outcome<Vec<Query>> {
         let columns = backend.columns();
         let default = backend.default_start()?;
-        let arguments = self.arguments;
+        let problem = self.problem;
         let Some((path, file)) = &self.file else {
-            let targets = arguments.targets.iter().map(|target| target.placement);
+            let targets = problem.goal.target.iter().map(|target| target.placement);
             return Ok(vec![Query {
                 targets: targets.collect(),
-                start: arguments.start(loaded, columns, &default)?,
+                start: problem.start(loaded, columns, &default)?,
             }]);
         };
         let fail = |problem| failure!("{}: {problem}", path.display());
         let starts = match file.starts(loaded, columns.as_ref()).map_err(fail)? {
             Some(starts) => starts.iter().map(|q| loaded.within_limits(q)).collect(),
-            None => vec![arguments.start(loaded, columns, &default)?; file.targets.len()],
+            None => vec![problem.start(loaded, columns, &default)?; file.targets.len()],
         };
         let targets = file.targets.iter().zip(starts);
         let queries = targets.map(|(&target, start)| Query {
@@ -141,24 +160,19 @@ impl<'a> Goals<'a> {
     }
 }
 
-/// Frame of the targets of a file.
-fn tip<'a>(
-    loaded: &'a LoadedModel,
-    arguments: &'a Arguments,
-    file: &'a TargetsFile,
-    path: &Path,
-) -> Outcome<&'a str> {
-    if let Some(tip) = arguments.tip.as_deref().or(file.tip_link.as_deref()) {
-        return Ok(tip);
+/// Tip of a name, or the only tip of a robot.
+///
+/// # Errors
+/// No name and not exactly one tip; the message begins with `lacks` and lists the tips.
+fn tip(loaded: &LoadedModel, named: Option<&str>, lacks: &str) -> Outcome<String> {
+    if let Some(tip) = named {
+        return Ok(tip.to_owned());
     }
     let tips = loaded.tip_links();
     let listed = match tips.as_slice() {
-        [only] => return Ok(only),
+        [only] => return Ok((*only).to_owned()),
         [] => String::new(),
         tips => format!("; tips: {}", tips.join(", ")),
     };
-    Err(failure!(
-        "{}: has no key `tip_link`, so --tip must name the frame of the targets{listed}",
-        path.display()
-    ))
+    Err(failure!("{lacks}{listed}"))
 }

@@ -5,7 +5,6 @@ use kinopt::model::{FrameId, ModelError, ParameterMap};
 use kinopt::skeleton::{BoneId, Holds};
 use kinopt::task::{Posture, Task};
 
-use super::arguments::Arguments;
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -35,12 +34,7 @@ impl Held {
     /// its file pins. A scene or a capture holds the trunk and the ends of the other limbs. A robot holds nothing.
     ///
     /// # Errors An unknown bone or link, or a dragged frame in `--hold`.
-    pub(super) fn of(
-        loaded: &LoadedModel,
-        arguments: &Arguments,
-        dragged: &[FrameId],
-    ) -> Outcome<Self> {
-        let named = arguments.hold.as_slice();
+    pub(super) fn of(loaded: &LoadedModel, named: &[String], dragged: &[FrameId]) -> Outcome<Self> {
         let dragged: Vec<FrameId> = dragged.iter().map(|&f| loaded.under_tool(f)).collect();
         let Some(rig) = &loaded.rig else {
             let mut held = Self::default();
@@ -56,7 +50,7 @@ impl Held {
         let bone_of = |frame: &FrameId| skeleton.bone_of_frame(*frame).map(|(bone, _)| bone);
         let dragged_bones: Vec<BoneId> = dragged.iter().filter_map(bone_of).collect();
         let mut held = Self::default();
-        if arguments.free || named == [NOTHING] {
+        if named == [NOTHING] {
             return Ok(held);
         }
         let mut tips = Vec::new();

@@ -1,20 +1,22 @@
-//! `--max-move` of the general solvers: largest displacement of joints from the start.
+//! Largest displacement of joints from the start, in the general solver.
 
-use super::arguments::Arguments;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::number_list::Numbers;
+use crate::problem::number_list::Numbers;
 
 /// Largest displacement of every coordinate, in radians and metres, or `None` without the option.
 ///
 /// # Errors
 /// A wrong count of numbers; the message lists the coordinates.
-pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Option<Vec<f64>>> {
-    let Some(Numbers(given)) = &arguments.arm.max_move else {
+pub(super) fn max_moves(
+    loaded: &LoadedModel,
+    given: Option<&Numbers>,
+) -> Outcome<Option<Vec<f64>>> {
+    let Some(Numbers { values, degrees }) = given else {
         return Ok(None);
     };
     let count = loaded.model.configuration_len();
-    let by_coordinate = match given.as_slice() {
+    let by_coordinate = match values.as_slice() {
         [one] => vec![*one; count],
         by_coordinate if by_coordinate.len() == count => by_coordinate.to_vec(),
         by_coordinate => {
@@ -29,7 +31,7 @@ pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<
     let turns = loaded.is_angle().zip(loaded.is_of_ball());
     let moves = by_coordinate.into_iter().zip(turns);
     let moves = moves.map(
-        |(max_move, (angle, ball))| match arguments.degrees && (angle || ball) {
+        |(max_move, (angle, ball))| match *degrees && (angle || ball) {
             true => max_move.to_radians(),
             false => max_move,
         },

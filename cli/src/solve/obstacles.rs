@@ -1,68 +1,44 @@
-//! `--world` and `--margin`: collision avoidance of an arm or a body.
+//! Collision avoidance of an arm or a body.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel};
-use kinopt::robot::{Robot, Srdf};
 
 use crate::choices::first_given;
-use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
-use crate::help_headings::{COLLISIONS, TARGETS};
 use crate::loaded_model::LoadedModel;
-use crate::number_list::not_negative;
-use crate::world_file::TouchOption;
+use crate::problem::CollisionSettings;
 
-/// Options of collisions.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct ObstacleArguments {
-    /// Avoid self-collisions and the obstacles of a .json or MoveIt .yaml file. Default: none.
-    #[arg(long, value_name = "FILE", help_heading = TARGETS)]
-    world: Option<PathBuf>,
-
-    /// Required distance, in metres; without --world only between the robot's links. Default: 0.
-    #[arg(long, value_name = "M", value_parser = not_negative, help_heading = COLLISIONS, hide_short_help = true)]
-    margin: Option<f64>,
-
-    #[command(flatten)]
-    touch: TouchOption,
-
-    #[command(flatten)]
-    shapes: ShapeOptions,
-
-    #[command(flatten)]
-    spheres: SphereOption,
-}
-
-impl ObstacleArguments {
-    /// First given option, if any.
-    pub(super) fn given(&self) -> Option<&'static str> {
+impl CollisionSettings {
+    /// First setting that asks for collision avoidance, if any.
+    pub(crate) fn given(&self) -> Option<&'static str> {
         first_given([
             ("--world", self.world.is_some()),
             ("--margin", self.margin.is_some()),
-            ("--sphere-model", self.spheres.is_given()),
+            ("`sphere_model`", self.sphere_model.is_some()),
         ])
     }
 
-    /// Checker of the options, if any: collision shapes of a robot, capsules along the bones of a skeleton.
+    /// Checker of a model, if obstacles are avoided: collision shapes of a robot, capsules along the bones of a
+    /// skeleton.
     ///
     /// # Errors
     /// A missing or damaged file, or a rig without a skin.
-    pub(super) fn checker(&self, loaded: &LoadedModel) -> Outcome<Option<Checker>> {
+    pub(super) fn checker_of(&self, loaded: &LoadedModel) -> Outcome<Option<Checker>> {
         let Some(option) = self.given() else {
             return Ok(None);
         };
-        let world = self.touch.read(self.world.as_deref())?;
+        let world = self.read_world()?;
         let checker = match &loaded.robot {
             Some(robot) => {
-                let model = self.of_robot(robot, loaded.srdf.as_deref())?;
-                self.spheres.checker(model)?
+                let model = self.shapes(robot)?;
+                self.checker(match loaded.srdf.as_deref() {
+                    Some(srdf) => model.with_srdf(srdf),
+                    None => model,
+                })?
             }
-            None if self.spheres.is_given() => {
+            None if self.sphere_model.is_some() => {
                 return Err(usage!(
-                    "--sphere-model is for robots with collision shapes; {} is a {}",
+                    "`sphere_model` is for robots with collision shapes; {} is a {}",
                     loaded.file,
                     loaded.kind()
                 ));
@@ -76,19 +52,11 @@ impl ObstacleArguments {
     /// Arm that avoids the obstacles of the options, with the robot's other joints at `rest`.
     ///
     /// # Errors
-    /// Errors of [`checker`](Self::checker).
+    /// Errors of [`checker_of`](Self::checker_of).
     pub(crate) fn keep_clear(&self, arm: Arm, loaded: &LoadedModel, rest: &[f64]) -> Outcome<Arm> {
-        Ok(match self.checker(loaded)? {
+        Ok(match self.checker_of(loaded)? {
             Some(checker) => arm.with_checker(&checker, rest)?,
             None => arm,
-        })
-    }
-
-    fn of_robot(&self, robot: &Robot, srdf: Option<&Srdf>) -> Outcome<CollisionModel> {
-        let model = self.shapes.model(robot)?;
-        Ok(match srdf {
-            Some(srdf) => model.with_srdf(srdf),
-            None => model,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use kinopt::animation::Clip;
 use kinopt::io::bvh::{self, BvhFormat};
 use kinopt::skinning::SkinningMethod;
@@ -9,16 +10,29 @@ use kinopt::skinning::SkinningMethod;
 use crate::animated_armature::extension;
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
+use crate::help_headings::OUTPUT;
 use crate::loaded_model::{Capture, LoadedModel, LoadedScene};
 use crate::mesh_output::{MeshFile, Skin};
+use crate::problem::WeightsChoice;
 use crate::scene_output;
-use crate::weights_choice::WeightsChoice;
 
 /// Output file of a solution.
 #[derive(Clone, Debug)]
 pub(super) enum OutFile {
     Mesh(MeshFile),
     Capture(PathBuf),
+}
+
+/// Files of a solved pose.
+#[derive(Args, Debug)]
+pub(super) struct OutputFiles {
+    /// Write the posed mesh (.obj, .ply, .glb), or a capture's pose (.bvh).
+    #[arg(long, value_name = "FILE", value_parser = OutFile::parse, help_heading = OUTPUT)]
+    pub(super) out: Option<OutFile>,
+
+    /// Add the pose as a clip to a .glb or .gltf, or to a copy of the model's file.
+    #[arg(long, value_name = "FILE", conflicts_with = "out", help_heading = OUTPUT)]
+    pub(super) into: Option<PathBuf>,
 }
 
 /// Content of the output file, prepared before the search.

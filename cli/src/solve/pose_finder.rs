@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 use kinopt::ik::{Drag, MoveLimits};
 use kinopt::solver::{Observer, Silent, Stopping};
-use kinopt::{Problem, Solution, Solver, Workspace};
+use kinopt::{Solution, Solver, Workspace};
 
-use super::arguments::Arguments;
 use super::backend::microseconds;
 use super::max_move;
 use super::query::{Answer, PoseOrigin, Settled};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
+use crate::problem::Problem;
 
 /// Largest number of frames until a skeleton converges. In a path, at 0.15 rad each, several full rotations.
 const MAX_FRAMES: usize = 200;
@@ -47,17 +47,17 @@ impl PoseFinder {
     /// A wrong number of displacement limits.
     pub(super) fn new(
         loaded: &LoadedModel,
-        arguments: &Arguments,
+        problem: &Problem,
         has_held_feet: bool,
     ) -> Outcome<Self> {
         Ok(Self {
-            max_moves: max_move::max_moves(loaded, arguments)?,
-            solver: arguments.general_solver(),
-            stopping: arguments.stopping(),
-            converges_first: (loaded.rig.is_some() || has_held_feet) && arguments.settles(),
-            searches: arguments.attempts() != Some(1),
-            accepts_closest: arguments.arm.global_search_on_miss,
-            time_limit: arguments.time_limit,
+            max_moves: max_move::max_moves(loaded, problem.solve.max_move.as_ref())?,
+            solver: problem.general_solver(),
+            stopping: problem.stopping(),
+            converges_first: (loaded.rig.is_some() || has_held_feet) && problem.settles(),
+            searches: problem.attempts() != Some(1),
+            accepts_closest: problem.solve.global_search_on_miss,
+            time_limit: problem.solve.time_limit,
         })
     }
 
@@ -135,7 +135,7 @@ impl PoseFinder {
     }
 
     /// Drag at a problem's start.
-    pub(super) fn drag(&self, problem: Problem, start: &[f64]) -> Outcome<Drag> {
+    pub(super) fn drag(&self, problem: kinopt::Problem, start: &[f64]) -> Outcome<Drag> {
         let drag = Drag::new(problem, start)?;
         let Some(time_limit) = self.time_limit.filter(|_| self.converges_first) else {
             return Ok(drag);

@@ -41,7 +41,7 @@ pub(super) struct Answer {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Settled {
     pub(super) way: PoseOrigin,
-    /// Lower cost of a search that did not reach either. --global-search-on-miss returns that pose.
+    /// Lower cost of a search that did not reach either. `global_search_on_miss` returns that pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lower_cost_elsewhere: Option<f64>,
 }

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
 use super::query::{Answer, PoseOrigin, Settled};
-use super::task_name::TaskName;
 use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
+use crate::problem::task_name::TaskName;
 use crate::table::Table;
 
 /// Answer with its query.
@@ -56,7 +56,7 @@ pub(super) struct Document<'a> {
     #[serde(flatten)]
     settled: Option<Settled>,
     evaluations: Evaluations,
-    /// Derivative of q by the targets, with --derivative.
+    /// Derivative of q by the targets, with `derivative`.
     #[serde(skip_serializing_if = "Option::is_none")]
     derivative: Option<&'a TargetDerivatives>,
     /// Solve time in microseconds; `None` for targets that are solved together.
@@ -190,7 +190,7 @@ impl<'a> Report<'a> {
                 "\n  The branch of the start did not reach the target; a search from other starts found this."
             }
             Some(settled) if settled.lower_cost_elsewhere.is_some() => {
-                "\n  A pose on another branch is closer; --global-search-on-miss returns it."
+                "\n  A pose on another branch is closer; `global_search_on_miss` returns it."
             }
             _ => "",
         });

@@ -1,55 +1,58 @@
-//! Settings of solvers and models, from the arguments.
+//! Settings of solvers and models, from a problem.
+
+use std::num::NonZeroU32;
 
 use kinopt::Solver;
 use kinopt::arm::Search;
 use kinopt::ik::{Restarts, crouched_configuration};
-use kinopt::problem::Derivatives;
 use kinopt::robot::Robot;
 use kinopt::solver::Stopping;
 use kinopt::spatial::Vector3;
 
-use super::arguments::Arguments;
 use super::goals::Goals;
 use super::held_frames;
-use crate::failure::{Failure, Outcome};
+use super::job::{Job, Mode};
+use crate::choices::first_given;
+use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
-use crate::method_choice;
-use crate::target::Start;
+use crate::problem::start::Start;
+use crate::problem::{Problem, methods};
 
 fn count(count: u32) -> usize {
     usize::try_from(count).unwrap_or(usize::MAX)
 }
 
-impl Arguments {
+impl Problem {
     /// Time of a clip at which a skeleton is at rest.
     pub(super) fn moment(&self) -> Option<Moment<'_>> {
-        let clip = self.clip.as_deref();
-        self.time.map(|time| Moment { time, clip })
+        let clip = self.model.clip.as_deref();
+        self.model.time.map(|time| Moment { time, clip })
     }
 
-    /// Largest number of attempts, as typed.
+    /// Largest number of attempts, if given.
     pub(super) fn attempts(&self) -> Option<u32> {
-        self.attempts
-            .or_else(|| self.restarts.map(|restarts| restarts.saturating_add(1)))
+        self.solve.attempts.map(NonZeroU32::get)
+    }
+
+    /// True if a setting selects the general solver.
+    fn selects_general_solver(&self) -> bool {
+        let solve = &self.solve;
+        solve.solver.is_some() || solve.jacobian.is_some() || solve.max_iterations.is_some()
     }
 
     /// True if a skeleton converges from its start before any search.
     pub(super) fn settles(&self) -> bool {
+        let solve = &self.solve;
         let plain =
-            self.solver.is_none() && self.max_iterations.is_none() && self.arm.max_move.is_none();
-        plain && self.arm.search != Some(Search::First)
-    }
-
-    /// Derivatives of the general solver.
-    pub(super) fn derivatives(&self) -> Derivatives {
-        self.jacobian.unwrap_or_default()
+            solve.solver.is_none() && solve.max_iterations.is_none() && solve.max_move.is_none();
+        plain && solve.search != Some(Search::First)
     }
 
     /// Tolerances: a length in metres (skeletons: the file's unit), and an angle in radians.
     pub(super) fn tolerances(&self, loaded: &LoadedModel) -> (f64, f64) {
-        match self.tolerance {
+        match self.solve.tolerance {
             Some(tolerance) => (tolerance, tolerance),
             None => loaded.default_tolerances(),
         }
@@ -58,10 +61,10 @@ impl Arguments {
     /// Limits of the general solver's attempts.
     pub(super) fn stopping(&self) -> Stopping {
         let mut stopping = Stopping::default();
-        if let Some(iterations) = self.max_iterations {
+        if let Some(iterations) = self.solve.max_iterations {
             stopping = stopping.with_max_iterations(count(iterations));
         }
-        match self.time_limit {
+        match self.solve.time_limit {
             Some(limit) => stopping.with_time_limit(limit),
             None => stopping,
         }
@@ -69,12 +72,12 @@ impl Arguments {
 
     /// General solver with its limits.
     pub(super) fn general_solver(&self) -> Solver {
-        let mut restarts = Restarts::default().with_seed(self.rng_seed);
+        let mut restarts = Restarts::default().with_seed(self.solve.rng_seed);
         if let Some(attempts) = self.attempts() {
             restarts = restarts.with_attempts(count(attempts));
         }
-        let solver = match &self.solver {
-            Some(name) => method_choice::solver(name),
+        let solver = match &self.solve.solver {
+            Some(name) => methods::solver(name),
             None => Solver::default(),
         };
         solver
@@ -82,43 +85,175 @@ impl Arguments {
             .with_restarts(restarts)
     }
 
+    /// Locks joints as the model settings say.
+    pub(super) fn lock_joints(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        if !self.model.locks() {
+            return Ok(());
+        }
+        let all = loaded.model.configuration_len();
+        let start = match &self.solve.start {
+            // Numbers for the joints of an arm do not define the others.
+            Start::Numbers(numbers) if loaded.robot.is_some() && numbers.values.len() != all => {
+                loaded.rest()
+            }
+            _ => self.start(loaded, None, &loaded.rest())?,
+        };
+        let held = self.model.held(loaded, &start)?;
+        loaded.held = Some(Box::new(held));
+        Ok(())
+    }
+
+    /// Reads the SRDF file, if one is given.
+    pub(crate) fn read_srdf(&self, loaded: &mut LoadedModel) -> Outcome<()> {
+        let Some(file) = &self.model.srdf else {
+            return match &self.model.group {
+                Some(_) => Err(usage!("`group` needs `srdf`")),
+                None => Ok(()),
+            };
+        };
+        let Some(robot) = &loaded.robot else {
+            return Err(usage!("{}: `srdf` is for robots", loaded.file));
+        };
+        loaded.srdf = Some(Box::new(self.model.read_srdf(file, robot)?));
+        Ok(())
+    }
+
+    /// Rest configuration with slightly bent knees above the held frames.
+    fn bent(&self, loaded: &LoadedModel) -> Outcome<Vec<f64>> {
+        if loaded.model.free_joints().is_empty() {
+            return Err(usage!(
+                "--start bent needs a free base (--base-joint free) and feet named by --hold"
+            ));
+        }
+        let hold = self.body.hold.iter();
+        let named = hold.filter(|name| *name != held_frames::NOTHING);
+        let feet = named.map(|name| loaded.frame(name, BareName::Tip));
+        let feet = feet.collect::<Result<Vec<_>, _>>()?;
+        let (parameters, up) = (
+            loaded.parameters(),
+            Vector3::UNITS[self.body.up_axis(loaded)],
+        );
+        let rest = loaded.rest();
+        Ok(crouched_configuration(
+            &loaded.model,
+            &parameters,
+            &feet,
+            &rest,
+            up,
+        )?)
+    }
+
+    /// Start configuration within the limits. `arm` has the columns of an arm's joints, which may be typed alone.
+    /// `default` is the start without --start.
+    pub(super) fn start(
+        &self,
+        loaded: &LoadedModel,
+        arm: Option<JointColumns>,
+        default: &[f64],
+    ) -> Outcome<Vec<f64>> {
+        let start = match &self.solve.start {
+            Start::Default => return Ok(default.to_vec()),
+            Start::Rest => return Ok(loaded.rest()),
+            Start::Bent => return self.bent(loaded),
+            Start::Random => loaded.model.random_configuration(self.solve.rng_seed),
+            Start::Numbers(numbers) => {
+                let (values, degrees) = (numbers.values.as_slice(), numbers.degrees);
+                let columns = arm.filter(|columns| {
+                    values.len() == columns.width()
+                        && values.len() != loaded.model.configuration_len()
+                });
+                let typed = match columns {
+                    Some(columns) => columns.typed(values, degrees),
+                    None => loaded.typed_configuration(values, degrees, "--start")?,
+                };
+                loaded.note_outside_limits(
+                    &typed,
+                    "the search starts at the nearest values within them",
+                );
+                typed
+            }
+        };
+        Ok(loaded.within_limits(&start))
+    }
+}
+
+impl Job<'_> {
+    /// Checks settings that depend on each other or on the subcommand.
+    pub(super) fn check_settings(&self) -> Outcome<()> {
+        let Problem { goal, solve, .. } = self.problem;
+        if self.problem.model.clip.is_some() && self.problem.model.time.is_none() {
+            return Err(usage!("`clip` needs `time`"));
+        }
+        let with_derivative = match self.mode {
+            Mode::One(_) => solve.max_move.is_none(),
+            Mode::Batch(_, options) => solve.max_move.is_none() && !options.together,
+            Mode::Track(_) | Mode::Servo(..) => false,
+        };
+        if self.problem.output.derivative && !with_derivative {
+            return Err(usage!(
+                "`derivative` is for single solves without --max-move"
+            ));
+        }
+        if let Mode::One(_) = self.mode {
+            let body = &self.problem.body;
+            let is_empty = goal.target.is_empty() && goal.ray.is_empty();
+            return match is_empty && self.problem.tasks.is_empty() && !body.has_centre_of_mass() {
+                true => Err(usage!(
+                    "nothing to solve: give --target FRAME=x,y,z[,qw,qx,qy,qz], or `tasks` in a --problem file"
+                )),
+                false => Ok(()),
+            };
+        }
+        if !goal.target.is_empty() || !goal.ray.is_empty() {
+            return Err(usage!(
+                "--targets: the problem file has `target` or `ray`, which are for kinopt solve and body"
+            ));
+        }
+        let Mode::Servo(..) = self.mode else {
+            return Ok(());
+        };
+        let given = first_given([
+            ("`search`", solve.search.is_some()),
+            ("`max_move`", solve.max_move.is_some()),
+            ("`time_limit`", solve.time_limit.is_some()),
+            ("`attempts`", solve.attempts.is_some()),
+            ("`global_search_on_miss`", solve.global_search_on_miss),
+        ]);
+        match given {
+            Some(setting) => Err(usage!("{setting} does not apply to kinopt servo")),
+            None => Ok(()),
+        }
+    }
+
     /// Robot whose arm solves the query, or `None` for the general solver.
     ///
     /// # Errors
     /// An option of arms for a query of the general solver.
-    pub(super) fn arm_of<'l>(
+    pub(super) fn robot_with_arm<'l>(
         &self,
         loaded: &'l LoadedModel,
         goals: &Goals<'_>,
     ) -> Outcome<Option<&'l Robot>> {
-        // Checked here, because clap's `requires` ignores options that another one forbids.
-        let limits = [
-            ("--velocity-limits", &self.arm.velocity_limits),
-            ("--acceleration-limits", &self.arm.acceleration_limits),
-            ("--jerk-limits", &self.arm.jerk_limits),
-        ];
-        for (option, given) in limits {
-            if given.is_some() && self.arm.servo.is_none() {
-                return Err(usage!("{option} is for --servo"));
-            }
-        }
-        let general = self.solver.is_some()
-            || self.jacobian.is_some()
-            || self.max_iterations.is_some()
-            || self.balance.given()
-            || self.levels.given()
-            || self.tasks.is_some()
-            || (!self.hold.is_empty() && loaded.rig.is_none())
+        let problem = self.problem;
+        let general = problem.selects_general_solver()
+            || problem.body.has_centre_of_mass()
+            || !problem.body.level.is_empty()
+            || !problem.tasks.is_empty()
+            || (!problem.body.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);
-        let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
+        let (targets, rays) = (goals.targets.len(), problem.goal.ray.len());
+        let one_frame = (targets, rays) == (1, 0);
         // Solvers that converge from the start configuration.
-        let settles = loaded.rig.is_some() || self.solver.is_none() && (general || !one_frame);
-        let of_an_arm = self.arm.given(loaded.rig.is_some(), settles);
+        let settles =
+            loaded.rig.is_some() || problem.solve.solver.is_none() && (general || !one_frame);
+        let of_an_arm = self.setting_of_arms(loaded.rig.is_some(), settles);
         match (&loaded.robot, of_an_arm) {
-            (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
-                "--weight is for several targets or held tips; for a single target, \
-                     --metres-per-radian weighs orientation against position"
-            )),
+            (Some(_), _) if one_frame && !general && !problem.body.weight.is_empty() => {
+                Err(usage!(
+                    "--weight is for several targets or held tips; for a single target, \
+                     `metres_per_radian` weighs orientation against position"
+                ))
+            }
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
             (None, Some("--search")) => Err(usage!(
@@ -131,95 +266,30 @@ impl Arguments {
                 loaded.kind()
             )),
             (Some(_), Some(option)) => Err(usage!(
-                "{option} is for one --target or for --targets, not for {} targets at once, a free base or ball joints",
-                self.targets.len()
+                "{option} is for one target of an arm; {targets} targets at once, held frames, balance, `solver`, a free \
+                 base and ball joints need the general solver"
             )),
         }
     }
 
-    /// Locks the joints of the options.
-    pub(super) fn hold(&self, loaded: &mut LoadedModel) -> Outcome<()> {
-        if !self.chain.holds() {
-            return Ok(());
-        }
-        let all = loaded.model.configuration_len();
-        let start = match &self.start {
-            // Numbers for the joints of an arm do not define the others.
-            Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
-                loaded.rest()
-            }
-            _ => self.start(loaded, None, &loaded.rest())?,
+    /// First given setting that only an arm accepts, if any. Settings that a `rig` or a model that `settles` accepts do
+    /// not count.
+    fn setting_of_arms(&self, rig: bool, settles: bool) -> Option<&'static str> {
+        let solve = &self.problem.solve;
+        let searched = match solve.search {
+            Some(Search::Start | Search::First) => !rig,
+            search => search.is_some(),
         };
-        let held = self.chain.held(loaded, &start, self.degrees)?;
-        loaded.held = Some(Box::new(held));
-        Ok(())
-    }
-
-    /// Rest configuration with slightly bent knees above the held frames.
-    fn bent(&self, loaded: &LoadedModel) -> Outcome<Vec<f64>> {
-        if loaded.model.free_joints().is_empty() {
-            return Err(usage!(
-                "--start bent needs a free base (--base-joint free) and feet named by --hold"
-            ));
-        }
-        let named = self
-            .hold
-            .iter()
-            .filter(|name| *name != held_frames::NOTHING);
-        let feet = named.map(|name| loaded.frame(name, BareName::Tip));
-        let feet = feet.collect::<Result<Vec<_>, _>>()?;
-        let (parameters, up) = (loaded.parameters(), Vector3::UNITS[self.balance.up(loaded)]);
-        let rest = loaded.rest();
-        Ok(crouched_configuration(
-            &loaded.model,
-            &parameters,
-            &feet,
-            &rest,
-            up,
-        )?)
-    }
-
-    /// Returns an error with its own exit code if --fail-on-miss is given and targets are not reached.
-    pub(super) fn fail_on_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
-        if missed == 0 || !self.fail_on_miss {
-            return Ok(());
-        }
-        let what = match targets {
-            1 => "the target was not reached".to_owned(),
-            _ => format!("{missed} of {targets} targets were not reached"),
-        };
-        Err(Failure::Missed(what))
-    }
-
-    /// Start configuration within the limits. `arm` has the columns of an arm's joints, which may be typed alone.
-    /// `default` is the start without --start.
-    pub(super) fn start(
-        &self,
-        loaded: &LoadedModel,
-        arm: Option<JointColumns>,
-        default: &[f64],
-    ) -> Outcome<Vec<f64>> {
-        let start = match &self.start {
-            Start::Default => return Ok(default.to_vec()),
-            Start::Rest => return Ok(loaded.rest()),
-            Start::Bent => return self.bent(loaded),
-            Start::Random => loaded.model.random_configuration(self.rng_seed),
-            Start::Numbers(numbers) => {
-                let columns = arm.filter(|columns| {
-                    numbers.len() == columns.width()
-                        && numbers.len() != loaded.model.configuration_len()
-                });
-                let typed = match columns {
-                    Some(columns) => columns.typed(numbers, self.degrees),
-                    None => loaded.typed_configuration(numbers, self.degrees, "--start")?,
-                };
-                loaded.note_outside_limits(
-                    &typed,
-                    "the search starts at the nearest values within them",
-                );
-                typed
-            }
-        };
-        Ok(loaded.within_limits(&start))
+        first_given([
+            ("--search", searched),
+            ("--posture", solve.posture.is_some()),
+            ("`joint_weights`", solve.joint_weights.is_some()),
+            (
+                "`global_search_on_miss`",
+                solve.global_search_on_miss && !settles,
+            ),
+            ("`metres_per_radian`", solve.metres_per_radian.is_some()),
+            ("kinopt servo", matches!(self.mode, Mode::Servo(..))),
+        ])
     }
 }

@@ -1,29 +1,10 @@
-//! `--weight`: relative weights of frames.
+//! Relative weights of frames.
 
 use kinopt::model::{FrameId, UnknownName};
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::number_list;
-
-/// Weight of a frame: `FRAME=WEIGHT`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FrameWeight {
-    frame: String,
-    weight: f64,
-}
-
-impl FrameWeight {
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
-        match text.rsplit_once('=') {
-            Some((frame, weight)) if !frame.trim().is_empty() => Ok(Self {
-                frame: frame.trim().to_owned(),
-                weight: number_list::positive(weight.trim())?,
-            }),
-            _ => Err("expected FRAME=WEIGHT".to_owned()),
-        }
-    }
-}
+use crate::problem::body::FrameWeight;
 
 /// Given weights, by frame.
 #[derive(Clone, Debug, Default)]

@@ -1,4 +1,4 @@
-//! Promises of `kinopt bench` and of the pictures of `kinopt skin-report`.
+//! Promises of `kinopt bench`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[macro_use]
@@ -6,5 +6,6 @@
 #[allow(dead_code, unused_macros)] // The tests of the command use the rest.
 mod forked_rig;
 
-mod skin_report_picture;
+#[path = "../command/help_pages.rs"]
+mod help_pages;
 mod solvers_compared;

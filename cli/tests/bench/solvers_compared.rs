@@ -151,7 +151,7 @@ fn wrong_usage_is_named() {
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
     refused!("bench {file} --out {out} --problems 12" => 2, "random:N");
     refused!("bench {file} --out {out} --solver newton" => 2, "levenberg-marquardt");
-    refused!("bench {file} --out {out} --problem 100" => 2, "100 problems");
+    refused!("bench {file} --out {out} --charted 100" => 2, "100 problems");
     refused!("bench {file} --out {out} --tolerance 0" => 2, "above 0");
     refused!("bench {file} --out {out} --tip hand" => 1, "flange");
 }

@@ -49,7 +49,7 @@ fn single_time_writes_one_file() {
     let folder = Folder::new("animate-time");
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
     for (options, playback) in [("lbs", Playback::Hold), ("dqs --loop", Playback::Loop)] {
-        let text = text!("animate {rig} --time=2.3 --out {out} --skinning {options}");
+        let text = text!("animate {rig} --time=2.3 --out {out} @output.skinning={options}");
         says!(text => "20 vertices | 2.3 s");
         close(&posed(&out), &expected(2.3, playback));
     }
@@ -101,7 +101,7 @@ fn unanimatable_input_is_an_error() {
     refused!("animate {rig_file} --fps=0 --out {out}" => 2, "above 0");
     refused!("animate {rig_file} --fps=1e9 --out {out}" => 2, "1000000");
     refused!("animate {rig_file} --fps=2 --from=2 --to=1 --out {out}" => 2, "--from 2 | --to 1");
-    refused!("animate {rig_file} --time=1 --out {file} --skinning best" => 2, "lbs | dqs");
+    refused!("animate {rig_file} --time=1 --out {file} @output.skinning=best" => 1, "lbs | dqs");
     assert!(!std::path::Path::new(&out).exists() && !std::path::Path::new(&file).exists());
 
     let unanimated = folder.changed("still.json", |rig| rig.clip = Default::default());
@@ -146,8 +146,7 @@ fn rig_with_a_missing_weights_file_is_posed() {
     let note = "rig.dmat does not exist";
     let out = folder.file("posed.ply");
     for (method, follows) in [("heat", "heat"), ("distance", "nearest")] {
-        let (document, messages) =
-            answer!(with_messages "animate {file} --time=2.3 --out {out} --skin-weights {method}");
+        let (document, messages) = answer!(with_messages "animate {file} --time=2.3 --out {out} @output.skin_weights={method}");
         says!(messages => note);
         says!(word(&document["notes"][0]) => note);
         says!(word(&document["notes"][1]) => follows);
@@ -161,7 +160,7 @@ fn rig_with_a_missing_weights_file_is_posed() {
     // `--skin-weights` replaces the weights of the file, with a note.
     let other = Folder::new("animate-other-weights");
     let complete_rig = other.rig();
-    let output = kinopt!("animate {complete_rig} --time=1 --out {out} --skin-weights=heat");
+    let output = kinopt!("animate {complete_rig} --time=1 --out {out} @output.skin_weights=heat");
     says!(stderr(&output) => "are ignored");
 }
 

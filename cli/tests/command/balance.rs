@@ -46,7 +46,7 @@ fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
 
 #[test]
 fn centre_of_mass_reaches_its_target() {
-    let above = answer!("solve {LEANING_ROBOT} --center-of-mass 0.05,0.12");
+    let above = answer!("body {LEANING_ROBOT} --center-of-mass 0.05,0.12");
     assert_eq!(above["reached"], true);
     let [x, y, _] = centre(&numbers(&above["q"]));
     assert!(
@@ -55,13 +55,13 @@ fn centre_of_mass_reaches_its_target() {
     );
     assert_eq!(task(&above, "center of mass")["reached"], true);
 
-    let high = answer!("solve {LEANING_ROBOT} --center-of-mass=-0.02,free,0.66");
+    let high = answer!("body {LEANING_ROBOT} --center-of-mass=-0.02,free,0.66");
     let [x, _, z] = centre(&numbers(&high["q"]));
     assert!(
         (x + 0.02).abs() < 2e-6 && (z - 0.66).abs() < 2e-6,
         "{x} {z}"
     );
-    let unreachable = answer!("solve {LEANING_ROBOT} --center-of-mass 3,0");
+    let unreachable = answer!("body {LEANING_ROBOT} --center-of-mass 3,0");
     assert_eq!(unreachable["reached"], false);
 }
 
@@ -73,27 +73,27 @@ fn balanced_body_stays_over_its_feet() {
         .map(|[x, y]| format!("--balance plate={x},{y},0"))
         .collect();
     let sole = sole.join(" ");
-    let reach = format!("solve {LEANING_ROBOT} --target trunk=0.35,0.1,0.7 {sole}");
+    let reach = format!("body {LEANING_ROBOT} --target trunk=0.35,0.1,0.7 {sole}");
     let answer = answer!("{reach} --balance-margin 0.02");
     let [x, y, _] = centre(&numbers(&answer["q"]));
     // Balance is at a higher priority level than the target.
     assert_eq!(task(&answer, "balance")["reached"], true);
     assert!(x < 0.08 + 2e-6 && y < 0.18 + 2e-6, "{x} {y}");
     // A start in balance is already a solution.
-    let start_balanced = answer!("solve {LEANING_ROBOT} {sole}");
+    let start_balanced = answer!("body {LEANING_ROBOT} {sole}");
     assert_eq!(start_balanced["reached"], true);
     assert_eq!(numbers(&start_balanced["q"]), [0.0; 4]);
-    let text = text!("solve {LEANING_ROBOT} {sole}");
+    let text = text!("body {LEANING_ROBOT} {sole}");
     says!(text => "balance");
 }
 
 #[test]
 fn rig_balances_by_the_volume_of_its_mesh() {
     let rig = "../models/humanoid/humanoid.json";
-    let answer = answer!("solve {rig} --free --center-of-mass 0.05,0");
+    let answer = answer!("body {rig} --hold none --center-of-mass 0.05,0");
     assert_eq!(answer["reached"], true);
     let feet = "--balance left_toes --balance right_toes --balance left_foot/tail --balance right_foot/tail";
-    let answer = answer!("solve {rig} {feet} --target left_hand=0.4,0.3,1.1");
+    let answer = answer!("body {rig} {feet} --target left_hand=0.4,0.3,1.1");
     assert_eq!(task(&answer, "balance")["reached"], true);
 }
 
@@ -103,7 +103,7 @@ fn rig_balances_by_the_volume_of_its_mesh() {
 fn support_includes_all_links_fixed_to_the_feet() {
     let nao = "../models/aldebaran_nao.urdf";
     let standing_command = format!(
-        "solve {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
+        "body {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
     );
     let robot = kinopt::robot::Robot::read(nao).unwrap();
     let robot = robot
@@ -131,12 +131,11 @@ fn support_includes_all_links_fixed_to_the_feet() {
 #[test]
 fn massless_models_and_invalid_options_are_rejected() {
     let arm = "../models/franka_panda.urdf";
-    refused!("solve {arm} --center-of-mass 0,0" => 1, "no centre of mass");
-    refused!("solve {arm} --balance link0" => 1, "no centre of mass");
-    refused!("solve {LEANING_ROBOT} --balance foot" => 1, "`foot` | shank");
-    refused!("solve {LEANING_ROBOT} --center-of-mass 1" => 2, "x,y");
-    refused!("solve {LEANING_ROBOT} --center-of-mass free,free,free" => 2, "free");
-    refused!("solve {LEANING_ROBOT} --center-of-mass 0,0 --balance-margin 0.1" => 2, "--balance");
-    refused!("solve {LEANING_ROBOT} --balance plate=1,2" => 2, "the point");
-    refused!("solve {LEANING_ROBOT}" => 2, "--center-of-mass");
+    refused!("body {arm} --center-of-mass 0,0" => 1, "no centre of mass");
+    refused!("body {arm} --balance link0" => 1, "no centre of mass");
+    refused!("body {LEANING_ROBOT} --balance foot" => 1, "`foot` | shank");
+    refused!("body {LEANING_ROBOT} --center-of-mass 1" => 2, "x,y");
+    refused!("body {LEANING_ROBOT} --center-of-mass free,free,free" => 2, "free");
+    refused!("body {LEANING_ROBOT} --balance plate=1,2" => 2, "the point");
+    refused!("body {LEANING_ROBOT}" => 2, "nothing to solve | --target");
 }

@@ -1,4 +1,4 @@
-//! Promise: with `--joints ball` the bones of a figure have ball joints, within the cones of `--cones`. `--base-joint
+//! Promise: with `joints` of a problem file the bones of a figure have ball joints, within its `cones`. `--base-joint
 //! free` adds a free root. The written pose equals the pose that the file's own format defines.
 
 use crate::forked_rig::*;
@@ -15,7 +15,7 @@ fn close(a: &[f64], b: &[f64]) -> bool {
 fn captured_pose_is_a_configuration() {
     let folder = Folder::new("ball-capture");
     let file = folder.text("wave.bvh", WAVE);
-    let balls = format!("{file} --joints ball --base-joint free");
+    let balls = format!("{file} @model.joints=ball --base-joint free");
     let posed = answer!("fk {balls} --time 0.25");
     let half = 0.5_f64.sqrt();
     // The hips are rotated about y, the arm about z.
@@ -31,7 +31,7 @@ fn captured_pose_is_a_configuration() {
     assert_eq!(posed["joints"], json!(names));
     let tip = numbers(&posed["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&tip, &[1.0, 9.0, 5.0]), "{tip:?}");
-    // `fk` reads the document again, with its names. The command without `--joints` returns equal placements.
+    // `fk` reads the document again, with its names. The command without `joints` returns equal placements.
     let saved = folder.text("q.json", &posed);
     let again = answer!("fk {balls} --q-file {saved}");
     assert_eq!(again["frames"], posed["frames"]);
@@ -39,7 +39,7 @@ fn captured_pose_is_a_configuration() {
     let plain = numbers(&plain["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&plain, &tip));
     // A fixed root still rotates.
-    let fixed = answer!("fk {file} --joints ball --time 0.25");
+    let fixed = answer!("fk {file} @model.joints=ball --time 0.25");
     assert_eq!(list(&fixed["q"]).len(), 8);
     let tip = numbers(&fixed["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&tip, &[0.0, 7.0, 0.0]), "{tip:?}");
@@ -50,15 +50,16 @@ fn solution_is_written_unchanged() {
     let folder = Folder::new("ball-written");
     let file = folder.text("wave.bvh", WAVE);
     let (out, target) = (folder.file("out.bvh"), "--target 'Upper Arm/tip=2,1,-4'");
-    let solved =
-        answer!("solve {file} --joints ball --base-joint free --hold none {target} --out {out}");
+    let solved = answer!(
+        "solve {file} @model.joints=ball --base-joint free --hold none {target} --out {out}"
+    );
     assert_eq!(solved["reached"], true);
     let written = answer!("fk {out} --time 0");
     let tip = numbers(&written["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&tip, &[2.0, 1.0, -4.0]), "{tip:?}");
     let mesh = folder.file("posed.obj");
     let hand = "--target left_hand=0.35,0.45,1.5";
-    let solved = answer!("solve {HUMANOID} --joints ball --lock head {hand} --out {mesh}");
+    let solved = answer!("solve {HUMANOID} @model.joints=ball --lock head {hand} --out {mesh}");
     assert_eq!(solved["reached"], true);
     assert!(std::fs::read_to_string(mesh).unwrap().contains("\nf "));
 }
@@ -67,13 +68,15 @@ fn solution_is_written_unchanged() {
 #[test]
 fn figure_crouches_on_flat_feet() {
     let folder = Folder::new("ball-crouch");
-    let figure =
-        format!("{HUMANOID} --joints ball --base-joint free --cones ../models/humanoid/cones.json");
+    let figure = format!(
+        "{HUMANOID} @model.joints=ball --base-joint free @model.cones={}",
+        model("humanoid/cones.json")
+    );
     let soles: Vec<String> = (["left_foot", "right_foot"].iter())
         .map(|foot| format!("--hold {foot} --balance {foot} --balance {foot}=-0.2,0,0"))
         .collect();
     let soles = soles.join(" ");
-    let solved = answer!("solve {figure} {soles} --start bent --target left_hand=0.35,0.35,0.3");
+    let solved = answer!("body {figure} {soles} --start bent --target left_hand=0.35,0.35,0.3");
     assert_eq!(solved["reached"], true);
     let (rest, saved) = (answer!("fk {figure}"), folder.text("q.json", &solved));
     let posed = answer!("fk {figure} --q-file {saved}");
@@ -104,7 +107,7 @@ fn solutions_stay_within_their_cones() {
         "left_forearm": {"swing": 1, "axis": [0, 0, 1], "twist": [0, 120]},
     });
     let cones = folder.text("cones.json", &cones);
-    let info = answer!("info {HUMANOID} --cones {cones}");
+    let info = answer!("info {HUMANOID} @model.cones={cones}");
     let joints = list(&info["joints"]);
     let arm = joints
         .iter()
@@ -113,8 +116,10 @@ fn solutions_stay_within_their_cones() {
     let swing = 30f64.to_radians();
     assert_eq!(arm["kind"], "ball");
     has!(arm["cone"], {"swing": [swing, swing]});
-    says!(text!("info {HUMANOID} --cones {cones}") => "a swing of 30.000, a twist of -10.000 to 10.000");
-    let ask = format!("solve {HUMANOID} --cones {cones} --free --only left_upper_arm,left_forearm");
+    says!(text!("info {HUMANOID} @model.cones={cones}") => "a swing of 30.000, a twist of -10.000 to 10.000");
+    let ask = format!(
+        "solve {HUMANOID} @model.cones={cones} --hold none @model.only=[\"left_upper_arm\",\"left_forearm\"]"
+    );
     let answer = answer!("{ask} --target left_hand=0.3,0.6,1.9");
     let first = usize::try_from(arm["coordinate"].as_u64().unwrap()).unwrap();
     let q = numbers(&answer["q"]);
@@ -138,18 +143,18 @@ fn conflicting_options_are_rejected() {
     let folder = Folder::new("ball-refused");
     let file = folder.text("wave.bvh", WAVE);
     let robot = "../models/universal_ur5e.urdf";
-    refused!("fk {robot} --joints ball" => 2, "--joints | rigs, scenes and motion capture");
-    refused!("fk {HUMANOID} --base-joint free" => 2, "--base-joint | --joints ball");
-    refused!("fk {file} --joints ball --base-joint planar" => 2, "free or fixed");
-    refused!("fk {file} --joints ball --lenient" => 2, "--lenient | robots");
+    refused!("fk {robot} @model.joints=ball" => 2, "`joints` | rigs, scenes and motion capture");
+    refused!("fk {HUMANOID} --base-joint free" => 2, "--base-joint | ball joints");
+    refused!("fk {file} @model.joints=ball --base-joint planar" => 2, "free or fixed");
+    refused!("fk {file} @model.joints=ball --lenient" => 2, "--lenient | robots");
     let cones = folder.text("cones.json", "{\"Uper Arm\": {\"swing\": 30}}");
-    refused!("info {file} --cones {cones}" => 1, "cones.json | `Uper Arm` | Upper Arm");
-    refused!("info {file} --joints twist-bend-twist --cones {cones}" => 2, "--cones");
+    refused!("info {file} @model.cones={cones}" => 1, "cones.json | `Uper Arm` | Upper Arm");
+    refused!("info {file} @model.joints=twist-bend-twist @model.cones={cones}" => 2, "`cones`");
     let cones = folder.text("wide.json", "{\"Hips\": {\"swing\": 300}}");
-    refused!("info {file} --cones {cones}" => 1, "wide.json | Hips.swing | 300");
+    refused!("info {file} @model.cones={cones}" => 1, "wide.json | Hips.swing | 300");
     let cones = folder.text("root.json", "{\"Hips\": {\"swing\": 30}}");
-    refused!("info {file} --cones {cones} --base-joint free" => 1, "`Hips` | free root");
-    refused!("fk {HUMANOID} --joints ball --time 1" => 2, "--time | ball joints");
-    refused!("solve {HUMANOID} --joints ball --lock head=1 --target left_hand=0,0,1" => 2,
+    refused!("info {file} @model.cones={cones} --base-joint free" => 1, "`Hips` | free root");
+    refused!("fk {HUMANOID} @model.joints=ball --time 1" => 2, "--time | ball joints");
+    refused!("solve {HUMANOID} @model.joints=ball --lock head=1 --target left_hand=0,0,1" => 2,
         "--lock | `head` | ball");
 }

@@ -1,4 +1,4 @@
-//! Promise: `--base-joint` gives a robot a moving base within `--base-bounds`, and `--hold` keeps links in place.
+//! Promise: `--base-joint` gives a robot a moving base within `base_bounds`, and `--hold` keeps links in place.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -38,7 +38,7 @@ fn free_base_moves_where_the_arm_does_not_reach() {
 #[test]
 fn base_stays_within_its_bounds() {
     let ask = format!("solve {UR5E} --target flange=3,-2,1.5 --base-joint");
-    let bounds = "--base-bounds x=-0.1..0.2,y=-1..1";
+    let bounds = "@model.base_bounds.x=[-0.1,0.2] @model.base_bounds.y=[-1,1]";
     let solution = answer!("{ask} planar {bounds}");
     assert_eq!(solution["reached"], false);
     let q = numbers(&solution["q"]);
@@ -56,9 +56,9 @@ fn base_stays_within_its_bounds() {
     );
     let rail = answer!("{ask} slide-x");
     assert_eq!(rail["reached"], false, "it is 2 m beside the rail");
-    refused!("{ask} slide-x {bounds}" => 2, "--base-bounds y | does not move along y");
+    refused!("{ask} slide-x {bounds}" => 2, "base_bounds of a slide-x base | `y`");
     refused!("{ask} hover" => 2, "hover | free");
-    refused!("{ask} planar --base-bounds x=1..0" => 2, "1..0 | above the upper end");
+    refused!("{ask} planar @model.base_bounds.x=[1,0]" => 1, "root_joint/x");
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn body_crouches_over_its_held_feet() {
     says!(text!("solve {body} --start bent {target}") => "left_knee_pitch | right_ankle_roll | hold left_sole");
     refused!("solve {NAO} --hold left_sole --start bent {target}" => 2, "--start bent | --base-joint free");
     // For a target out of reach the feet hardly move, as their weight is ten times that of the hand.
-    let missed = answer!("solve {body} --start bent --target left_hand=2,0.1,0 --attempts 1");
+    let missed = answer!("solve {body} --start bent --target left_hand=2,0.1,0 @solve.attempts=1");
     let q = format!("--q={}", commas(&numbers(&missed["q"])));
     assert!(
         missed["reached"] == false
@@ -179,14 +179,13 @@ fn body_keeps_its_move_limits() {
     refused!("{ask} --max-move=1,2" => 2, "--max-move | 2 numbers | 13 | root_joint/rotation w");
     refused!("{ask} --max-move=-1" => 1, "max_move is -1");
     // `--max-move` also bounds general solvers, the steps of a path and figures.
-    let q = numbers(&answer!("{ask} --solver gauss-newton --max-move 0.02")["q"]);
+    let q = numbers(&answer!("{ask} @solve.solver=gauss-newton --max-move 0.02")["q"]);
     within(&q, 0.02);
     let folder = Folder::new("moves-of-a-path");
     let targets = json!({"targets": [[0.2, 0.3, 1.0], [0.5, 0.3, 1.0], [2.0, 0.3, 1.0]]});
     let targets = folder.text("path.json", &targets);
-    let path = answer!(
-        "solve {UR5E} --base-joint free --tip flange --targets {targets} --track --max-move 0.1"
-    );
+    let path =
+        answer!("track {UR5E} --base-joint free --tip flange --targets {targets} --max-move 0.1");
     let mut before = vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     for step in list(&path["solutions"]) {
         let q = numbers(&step["q"]);
@@ -213,6 +212,6 @@ fn global_search_after_a_miss_lowers_the_cost() {
     let ask = format!("{ask} --target left_hand=0.6,0.1,0.1");
     let solution = answer!("{ask}");
     assert_eq!(solution["reached"], false);
-    let anywhere = answer!("{ask} --global-search-on-miss");
+    let anywhere = answer!("{ask} @solve.global_search_on_miss=true");
     assert!(anywhere["cost"].as_f64().unwrap() <= solution["cost"].as_f64().unwrap());
 }

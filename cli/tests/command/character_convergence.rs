@@ -26,11 +26,12 @@ fn solution_on_another_branch_is_reported() {
     let arm = model("robot-arm/robot-arm.json");
     let another = answer!("solve {arm} {TARGET} {BENT_START}");
     has!(another, {"reached": true, "way": "another"});
-    let solution = answer!("solve {arm} {TARGET} {BENT_START} --restarts=0");
+    let solution = answer!("solve {arm} {TARGET} {BENT_START} @solve.attempts=1");
     has!(solution, {"reached": false, "way": "own", "attempts": 1});
     says!(text!("solve {arm} {TARGET} {BENT_START}") => "branch of the start did not reach");
     assert!(
-        !text!("solve {arm} {TARGET} {BENT_START} --restarts=0").contains("branch of the start")
+        !text!("solve {arm} {TARGET} {BENT_START} @solve.attempts=1")
+            .contains("branch of the start")
     );
 }
 
@@ -39,10 +40,10 @@ fn missed_target_stays_on_its_branch_by_default() {
     let arm = model("robot-arm/robot-arm.json");
     let unreachable = "--target=gripper=-0.9,-4.8,0.14";
     let solve = |more: &str| answer!("solve {arm} {unreachable} {BENT_START} {more}");
-    let (alone, default) = (solve("--restarts=0"), solve(""));
+    let (alone, default) = (solve("@solve.attempts=1"), solve(""));
     has!(default, {"reached": false, "way": "own", "q": alone["q"]});
     assert!(count(&default["attempts"]) > 1);
-    let anywhere = solve("--global-search-on-miss");
+    let anywhere = solve("@solve.global_search_on_miss=true");
     match word(&anywhere["way"]) {
         "another" => {
             assert_eq!(default["lower_cost_elsewhere"], anywhere["cost"]);
@@ -58,7 +59,7 @@ fn many_targets_settle_and_time_limit_stops() {
     let folder = Folder::new("settled-many");
     let targets = json!({"targets": [[0.35, 0.45, 1.5], [0.3, 0.5, 1.4]]});
     let file = folder.text("targets.json", targets);
-    let many = answer!("solve {humanoid} --tip=left_hand --targets {file}");
+    let many = answer!("batch {humanoid} --tip=left_hand --targets {file}");
     let hand = "--target=left_hand=0.35,0.45,1.5";
     let alone = answer!("solve {humanoid} {hand}");
     has!(many["solutions"][0], {"way": "own", "q": alone["q"]});
@@ -74,9 +75,9 @@ fn path_steps_settle_like_single_targets() {
     let at = |k: f64| [0.0014 * k, 0.7824 - 0.0309 * k, 0.9086 + 0.0275 * k];
     let targets: Vec<_> = (0..5).map(|k| at(f64::from(k))).collect();
     let file = folder.text("targets.json", json!({ "targets": targets }));
-    for options in ["--track", ""] {
-        let all = answer!("solve {humanoid} --tip=left_hand --targets {file} {options}");
-        assert_eq!(all["summary"]["solved"], 5, "{options}");
+    for subcommand in ["track", "batch"] {
+        let all = answer!("{subcommand} {humanoid} --tip=left_hand --targets {file}");
+        assert_eq!(all["summary"]["solved"], 5, "{subcommand}");
     }
 }
 

@@ -121,7 +121,7 @@ fn joints_beyond_limits_are_reported_by_name() {
 #[test]
 fn example_of_the_help_fits_the_panda() {
     let help = text!("check --help");
-    let example = help.split("franka_panda.urdf --q ").nth(1).unwrap();
+    let example = help.split("robot.urdf --q ").nth(1).unwrap();
     let q = example.split_whitespace().next().unwrap();
     let (panda, table) = (model("franka_panda.urdf"), model("worlds/table.json"));
     let report = answer!("check {panda} --q {q} --world {table}");

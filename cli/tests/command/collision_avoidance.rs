@@ -75,14 +75,9 @@ fn body_solution_is_free_or_names_collisions() {
     // Allowed collisions with the board are ignored.
     let names = pairs.iter().filter(|pair| pair["second"] == "board");
     let may: Vec<String> = names
-        .map(|pair| {
-            format!(
-                "--allow-collision {}=board",
-                pair["first"].as_str().unwrap()
-            )
-        })
+        .map(|pair| format!(r#"["{}","board"]"#, pair["first"].as_str().unwrap()))
         .collect();
-    let may = may.join(" ");
+    let may = format!("@collisions.allow_collision=[{}]", may.join(","));
     let through =
         answer!("solve {nao} {body} --target left_hand=0.23,0.11,-0.05 --world {world} {may}");
     assert!(
@@ -109,16 +104,16 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
         "link6",
         "link5",
     ];
-    let may: Vec<String> = links
-        .map(|link| format!("--allow-collision {link}=table"))
-        .to_vec();
-    let may = may.join(" ");
+    let may: Vec<String> = links.map(|link| format!(r#"["{link}","table"]"#)).to_vec();
+    let may = format!("@collisions.allow_collision=[{}]", may.join(","));
     assert!(pairs.iter().any(|pair| pair["second"] == "table"));
     has!(with(inside, &may), {"reached": true, "collisions": []});
-    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision hand=tabel" => 2, "--allow-collision hand=tabel | table");
-    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision hnad=table" => 1, "did you mean `hand`?");
-    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision table" => 2, "two names");
-    refused!("check {panda} --allow-collision hand=table" => 2, "--world");
+    let ask = format!("solve {panda} --base base --target {inside} --world {table}");
+    let allow = "@collisions.allow_collision=";
+    refused!(r#"{ask} {allow}[["hand","tabel"]]"# => 2, "allow_collision | table");
+    refused!(r#"{ask} {allow}[["hnad","table"]]"# => 1, "did you mean `hand`?");
+    refused!(r#"{ask} {allow}[["table"]]"# => 1, "collisions | length 1");
+    refused!(r#"check {panda} {allow}[["hand","table"]]"# => 2, "allow_collision | table");
     // The base is inside the floor.
     let floor = folder.text(
         "floor.json",
@@ -132,7 +127,10 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     let touching = kinopt!("check {panda} {q} --world {floor}");
     assert_eq!(touching.status.code(), Some(1));
     says!(stderr(&touching) => "1 pair is in contact");
-    for world in [format!("{floor} --allow-collision floor=base"), floor_world] {
+    for world in [
+        format!(r#"{floor} @collisions.allow_collision=[["floor","base"]]"#),
+        floor_world,
+    ] {
         has!(answer!("check {panda} {q} --world {world}"), {"free": true});
     }
 }
@@ -166,15 +164,15 @@ fn sphere_model_file_changes_no_result() {
     });
     let small = folder.text("small.yml", small.collect::<String>());
     for (file, note) in [(&out, false), (&small, true)] {
-        let free = with(POSE, &format!("--sphere-model {file}"));
+        let free = with(POSE, &format!("@collisions.sphere_model={file}"));
         assert_eq!(free["reached"], true);
         let inside = with(
             "flange=0.6,0,0.18,0,1,0,0",
-            &format!("--sphere-model {file}"),
+            &format!("@collisions.sphere_model={file}"),
         );
         has!(inside, {"reached": false, "goals_reached": true});
         let output = kinopt!(
-            "solve {panda} --base base --target {POSE} --world {table} --sphere-model {file}"
+            "solve {panda} --base base --target {POSE} --world {table} @collisions.sphere_model={file}"
         );
         let messages = stderr(&output);
         assert_eq!(
@@ -184,8 +182,8 @@ fn sphere_model_file_changes_no_result() {
         );
     }
     let humanoid = model("humanoid/humanoid.json");
-    refused!("solve {humanoid} --target left_hand=0.3,0.4,1.5 --sphere-model {out}" => 2, "--sphere-model is for robots");
-    refused!("solve {panda} --base base --target {POSE} --sphere-model {out}.gone" => 1, "panda.yml.gone");
+    refused!("solve {humanoid} --target left_hand=0.3,0.4,1.5 @collisions.sphere_model={out}" => 2, "`sphere_model` is for robots");
+    refused!("solve {panda} --base base --target {POSE} @collisions.sphere_model={out}.gone" => 1, "panda.yml.gone");
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn arm_starts_at_the_srdf_state() {
          <group_state name='ready' group='arm'>{state}</group_state></robot>"
     );
     std::fs::write(&file, text).unwrap();
-    let step = answer!("solve {PANDA} {TARGET} --srdf {file} --max-move 0.000001");
+    let step = answer!("solve {PANDA} {TARGET} @model.srdf={file} --max-move 0.000001");
     let start: Vec<f64> = READY_CONFIGURATION
         .split(',')
         .map(|number| number.parse().unwrap())
@@ -67,7 +67,7 @@ fn arm_starts_at_the_srdf_state() {
     assert_near(&q_of(&step), &start);
     // `--start` has priority over the SRDF state.
     let step = answer!(
-        "solve {PANDA} {TARGET} --srdf {file} --start={MIDDLE_CONFIGURATION} --max-move 0.000001"
+        "solve {PANDA} {TARGET} @model.srdf={file} --start={MIDDLE_CONFIGURATION} --max-move 0.000001"
     );
     let middle: Vec<f64> = MIDDLE_CONFIGURATION
         .split(',')
@@ -80,7 +80,7 @@ fn arm_starts_at_the_srdf_state() {
 fn targets_of_a_file_start_at_the_default_start() {
     let folder = Folder::new("default-start-many");
     let file = folder.text("targets.json", json!({"targets": [[0.45, 0.05, 0.55]]}));
-    let many = answer!("solve {PANDA} --targets {file} --tip flange --max-move 0.000001");
+    let many = answer!("batch {PANDA} --targets {file} --tip flange --max-move 0.000001");
     let one = answer!("solve {PANDA} --target flange=0.45,0.05,0.55 --max-move 0.000001");
     let solutions = list(&many["solutions"]);
     assert_near(&q_of(&solutions[0]), &q_of(&one));

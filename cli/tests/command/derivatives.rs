@@ -17,7 +17,7 @@ fn derivative_predicts_the_moved_solution() {
     let solve = |x: f64, z: f64, more: &str| {
         answer!("solve {UR5E} --target flange={x},0.2,{z},0,1,0,0 --tolerance 1e-12 {more}")
     };
-    let solution = solve(0.4, 0.5, "--derivative");
+    let solution = solve(0.4, 0.5, "@output.derivative=true");
     assert_eq!(solution["derivative"]["differentiability"], "unique");
     assert_eq!(solution["derivative"]["velocity"], solution["joints"]);
     let q = numbers(&solution["q"]);
@@ -38,12 +38,12 @@ fn derivative_predicts_the_moved_solution() {
     let general = solve(
         0.4,
         0.5,
-        &format!("{start} --derivative --max-iterations 50"),
+        &format!("{start} @output.derivative=true @solve.max_iterations=50"),
     );
     for (row, expected) in by_target(&general, "flange").iter().zip(&by_target_rows) {
         assert!(distance(row, expected) < 1e-6, "{row:?} {expected:?}");
     }
-    let text = text!("solve {UR5E} --target flange=0.4,0.2,0.5,0,1,0,0 --derivative");
+    let text = text!("solve {UR5E} --target flange=0.4,0.2,0.5,0,1,0,0 @output.derivative=true");
     says!(text => "Derivative by the target: the solution is differentiable");
     says!(text => "by flange | per m along x | per rad about x");
 }
@@ -51,7 +51,7 @@ fn derivative_predicts_the_moved_solution() {
 #[test]
 fn derivative_is_optional_and_states_its_existence() {
     let options = "--target flange=0.4,0.2,0.5";
-    let answer = answer!("solve {UR5E} {options} --derivative");
+    let answer = answer!("solve {UR5E} {options} @output.derivative=true");
     let differentiability = &answer["derivative"]["differentiability"];
     assert_eq!(differentiability, "shortest_of_many", "{answer}");
     assert!(

@@ -38,10 +38,10 @@ fn files_outside_the_folder_are_opened_when_listed() {
         ),
     );
     refused!("check {robot} --q 0 --world {world}" => 1, "meshes[0] | outside of the folders");
-    answer!("check {robot} --q 0 --world {world} --allow-folder {listed}");
-    refused!("check {robot} --q 0 --confine" => 1, "outside of the folders");
-    answer!("check {robot} --q 0 --confine --package {listed}");
-    refused!("info {plain} --max-file-bytes x" => 2, "--max-file-bytes");
+    answer!("check {robot} --q 0 --world {world} @files.allow_folder=[\"{listed}\"]");
+    refused!("check {robot} --q 0 @files.confine=true" => 1, "outside of the folders");
+    answer!("check {robot} --q 0 @files.confine=true @collisions.package=[\"{listed}\"]");
+    refused!("info {plain} @files.max_file_bytes=x" => 1, "files: | u64");
     let capture = inside.text("rig.json", "{}");
-    refused!("info {capture} --max-file-bytes 1" => 1, "1 bytes");
+    refused!("info {capture} @files.max_file_bytes=1" => 1, "1 bytes");
 }

@@ -162,16 +162,40 @@ fn strips() -> (TriangleMesh, SkinWeights) {
     (mesh, weights.build().unwrap())
 }
 
-/// Runs a command line. Words are separated by spaces or enclosed in quotation marks.
+/// Runs a command line. Words are separated by spaces or enclosed in quotation marks. Words such as
+/// `@solve.attempts=1` are keys of a problem file.
 pub(crate) fn kinopt(line: &str) -> Output {
     let parts = line.split('\'').enumerate();
     let words = parts.map(|(k, part)| match k % 2 {
         0 => part.split_whitespace().collect(),
         _ => vec![part],
     });
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
     let words = words.collect::<Vec<Vec<&str>>>().concat();
-    command.args(words).output().unwrap()
+    let (keys, words): (Vec<&str>, Vec<&str>) =
+        words.into_iter().partition(|word| word.starts_with('@'));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
+    command.args(words);
+    if keys.is_empty() {
+        return command.output().unwrap();
+    }
+    let folder = Folder::new("problem");
+    let file = folder.text("problem.json", problem(&keys));
+    command.args(["--problem", &file]).output().unwrap()
+}
+
+/// Problem of keys such as `@solve.attempts=1`. A value that is not JSON is a string.
+fn problem(keys: &[&str]) -> Value {
+    let mut problem = Value::Object(Default::default());
+    for key in keys {
+        let (place, text) = key[1..].split_once('=').unwrap();
+        let value = serde_json::from_str(text).unwrap_or_else(|_| text.into());
+        let mut entry = &mut problem;
+        for name in place.split('.') {
+            entry = &mut entry[name];
+        }
+        *entry = value;
+    }
+    problem
 }
 
 /// Standard output and standard error of a run that must succeed.

@@ -53,16 +53,16 @@ fn goal_bounds_of_other_models_are_used() {
     let (_folder, rig) = Folder::with_rig("room");
     // The tip of the stretched arm is at x = −3. No configuration has this rotation about the bone's axis there.
     let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
-    for solver in ["", "--solver=levenberg-marquardt"] {
+    for solver in ["", "@solve.solver=levenberg-marquardt"] {
         let solution = |line: &str| answer!("solve {rig} {line} {solver}");
         for (line, reached) in [
             ("--target=bone/2=-3.1,0,0", false),
             ("--target=bone/2=-3.1,0,0 --interval=x=0..0.2", true),
             ("--target=bone/2=-3.1,0,0 --interval=x=-0.2..0", false),
             (turned, false),
-            (&format!("{turned} --free-axis=x"), true),
             (&format!("{turned} --interval=rx=free"), true),
-            (&format!("{turned} --free-axis=y"), false),
+            (&format!("{turned} --interval=rx=free"), true),
+            (&format!("{turned} --interval=ry=free"), false),
         ] {
             assert_eq!(solution(line)["reached"], reached, "{line} {solver}");
         }
@@ -72,8 +72,8 @@ fn goal_bounds_of_other_models_are_used() {
     for (bounds, reached) in [
         ("", [false, false]),
         ("--interval=x=-0.2..0.2", [false, true]),
-        ("--free-axis=x", [true, false]),
-        ("--free-axis=x --interval=x=-0.2..0.2", [true, true]),
+        ("--interval=rx=free", [true, false]),
+        ("--interval=rx=free --interval=x=-0.2..0.2", [true, true]),
     ] {
         let solution = answer!("solve {rig} {two} {bounds}");
         let tasks = [0, 1].map(|task| solution["tasks"][task]["reached"] == true);
@@ -82,13 +82,13 @@ fn goal_bounds_of_other_models_are_used() {
     let points = "--target=bone/2=-2.5,0.5,0 --target=bone/4=2.5,0.5,0";
     refused!("solve {rig} {points} --interval=rz=1" => 2, "orientation");
     let ray = "--ray=bone/2=0,0,5:1,0,0";
-    refused!("solve {rig} {ray} --interval=x=1" => 2, "--interval | there are none");
-    refused!("solve {rig} --target=bone/2=-3,0,0 --free-axis=x" => 2, "orientation");
+    refused!("body {rig} {ray} @goal.interval=[\"x=1\"]" => 2, "--interval | there are none");
+    refused!("solve {rig} --target=bone/2=-3,0,0 --interval=rx=free" => 2, "orientation");
 
     let panda = Seeded::panda();
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
-    let solver = "--solver=levenberg-marquardt";
+    let solver = "@solve.solver=levenberg-marquardt";
     let solution = answer!("solve {panda} {target} {solver} --interval=rz=free,y=0.01..0.02");
     assert_eq!(solution["reached"], true);
     let expected = panda.base_from("tool", &q);
@@ -103,7 +103,7 @@ fn task_weights_balance_conflicting_targets() {
     // Two conflicting targets of one arm. The weights decide the compromise.
     let ask = |weight: &str| {
         let targets = "--target=bone/2=-2.5,0.5,0 --target=bone/1=-1.5,-0.8,0";
-        let solution = answer!("solve {rig} {targets} {weight}");
+        let solution = answer!("body {rig} {targets} {weight}");
         [0, 1].map(|task| number(&solution["tasks"][task]["position_error"]))
     };
     let even = ask("");
@@ -112,9 +112,9 @@ fn task_weights_balance_conflicting_targets() {
     let less = hand[0] < 0.5 * even[0] && elbow[1] < 0.5 * even[1];
     assert!(less, "{even:?} {hand:?} {elbow:?}");
     let hand = "--target=bone/2=-2.5,0.5,0 --weight=bone/2";
-    refused!("solve {rig} {hand}=1 --weight=bone/3=2" => 1, "`bone/3`");
-    refused!("solve {rig} {hand}=0" => 2, "not above 0");
-    refused!("solve {rig} {hand}=1 --weight=bone/2=2" => 2, "given twice");
+    refused!("body {rig} {hand}=1 --weight=bone/3=2" => 1, "`bone/3`");
+    refused!("body {rig} {hand}=0" => 2, "not above 0");
+    refused!("body {rig} {hand}=1 --weight=bone/2=2" => 2, "given twice");
 }
 
 #[test]
@@ -123,18 +123,19 @@ fn joint_weights_select_the_nearest_solution() {
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
     let moved = |weights: &str| {
-        let solution = answer!("solve {panda} {target} --search=nearest --joint-weights={weights}");
+        let solution =
+            answer!("solve {panda} {target} --search=nearest @solve.joint_weights=[{weights}]");
         assert_eq!(solution["reached"], true);
         let start = answer!("solve {panda} {target} --max-move=0");
         (number(&solution["q"][0]) - number(&start["q"][0])).abs()
     };
     let (even, heavy) = (moved("1"), moved("100,1,1,1,1,1,1"));
     assert!(heavy < even, "{heavy} {even}");
-    refused!("solve {panda} {target} --joint-weights=1,2" => 2, "--joint-weights");
+    refused!("solve {panda} {target} @solve.joint_weights=[1,2]" => 2, "joint_weights");
     // The unit weight decides between position and orientation error of an unreachable pose.
     let unreachable = "--target=tool=1.5,0,0.5,1,0,0,0";
     let angle = |metres: f64| {
-        let solution = answer!("solve {panda} {unreachable} --metres-per-radian={metres}");
+        let solution = answer!("solve {panda} {unreachable} @solve.metres_per_radian={metres}");
         number(&solution["tasks"][0]["orientation_error"])
     };
     assert!(angle(10.0) < angle(0.01));
@@ -149,18 +150,22 @@ fn fail_on_miss_sets_the_exit_code() {
     let unreachable = "--target=flange=2,0,0.2";
     let near = "--target=flange=0.4,0.1,0.2";
     for (line, code, message) in [
-        (unreachable.to_owned(), 0, ""),
+        (format!("solve {scara} {unreachable}"), 0, ""),
         (
-            format!("{unreachable} --fail-on-miss"),
+            format!("solve {scara} {unreachable} --fail-on-miss"),
             3,
             "target was not reached",
         ),
-        (format!("{near} --fail-on-miss"), 0, ""),
-        (format!("--targets {targets}"), 0, ""),
-        (format!("--targets {targets} --fail-on-miss"), 3, "1 of 2"),
+        (format!("solve {scara} {near} --fail-on-miss"), 0, ""),
+        (format!("batch {scara} --targets {targets}"), 0, ""),
+        (
+            format!("batch {scara} --targets {targets} --fail-on-miss"),
+            3,
+            "1 of 2",
+        ),
     ] {
         for format in ["", "--json"] {
-            let output = kinopt!("solve {scara} {line} {format}");
+            let output = kinopt!("{line} {format}");
             let messages = stderr(&output);
             assert_eq!(output.status.code(), Some(code), "{line}: {messages}");
             // The result is printed in any case.
@@ -175,8 +180,8 @@ fn fail_on_miss_sets_the_exit_code() {
 fn held_frames_have_a_weight() {
     let panda = Seeded::panda();
     let slips = [0.1, 1.0, 10.0].map(|weight| {
-        let held = format!("--no-priorities --hold=link5 --weight=link5={weight}");
-        let solution = answer!("solve {panda} --target=tool=0.7,0.4,0.9 {held}");
+        let held = format!("@body.no_priorities=true --hold=link5 --weight=link5={weight}");
+        let solution = answer!("body {panda} --target=tool=0.7,0.4,0.9 {held}");
         number(&solution["tasks"][1]["position_error"])
     });
     assert!(

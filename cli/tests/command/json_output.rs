@@ -171,7 +171,7 @@ fn unreached_target_is_a_result() {
     // The elbow's lower limit is −2.2 rad, so the bone cannot fold back onto its parent.
     let straight = "--start=0,0,0,0,0,0,0,0,0,0,0,0,0,-2,0";
     let targets = "--target=bone/4=1,0,0 --target=bone/3=2,0,0";
-    let solution = answer!("solve {rig} {targets} {straight} --free");
+    let solution = answer!("solve {rig} {targets} {straight} --hold none");
     assert_eq!(solution["reached"], false);
     let mut limits = list(&solution["active_limits"]).iter();
     let elbow = limits
@@ -184,7 +184,7 @@ fn unreached_target_is_a_result() {
 #[test]
 fn free_option_releases_pinned_tips() {
     let (_folder, rig) = Folder::with_rig("free");
-    let solution = answer!("solve {rig} --free {LEFT_TARGET}");
+    let solution = answer!("solve {rig} --hold none {LEFT_TARGET}");
     assert_eq!(list(&solution["tasks"]).len(), 1);
     // Both pinned tips are targets, so none is held.
     let solution = answer!("solve {rig} {LEFT_TARGET} --target=bone/4/tip=2.5,0.5,0");
@@ -196,7 +196,7 @@ fn free_option_releases_pinned_tips() {
 #[test]
 fn rays_and_poses_are_targets() {
     let (folder, rig) = Folder::with_rig("rays");
-    let solution = answer!("solve {rig} --ray=bone/4=2.4,0.4,9:2.4,0.4,0");
+    let solution = answer!("body {rig} --ray=bone/4=2.4,0.4,9:2.4,0.4,0");
     assert_eq!(solution["reached"], true);
     let file = folder.text("ray.json", &solution["q"]);
     let fk = answer!("fk {rig} --q-file {file}");
@@ -219,8 +219,8 @@ fn every_solver_and_derivative_route_can_be_chosen() {
     let (_folder, rig) = Folder::with_rig("choices");
     for method in METHODS {
         for route in ["analytic", "dual", "fd", "central"] {
-            let chosen = format!("--solver {method} --jacobian {route}");
-            let limits = "--tolerance 1e-3 --max-iterations 1000";
+            let chosen = format!("@solve.solver={method} @solve.jacobian={route}");
+            let limits = "--tolerance 1e-3 @solve.max_iterations=1000";
             let solution = answer!("solve {rig} {LEFT_TARGET} {chosen} {limits}");
             assert_eq!(solution["reached"], true, "{chosen}");
         }
@@ -231,7 +231,8 @@ fn every_solver_and_derivative_route_can_be_chosen() {
 fn same_seed_gives_the_same_solution() {
     let (_folder, rig) = Folder::with_rig("seed");
     let q = |seed: u32| {
-        let solution = answer!("solve {rig} {LEFT_TARGET} --free --start=random --rng-seed {seed}");
+        let solution =
+            answer!("solve {rig} {LEFT_TARGET} --hold none --start=random @solve.rng_seed={seed}");
         assert_eq!(solution["reached"], true);
         numbers(&solution["q"])
     };
@@ -250,12 +251,12 @@ fn unreached_target_states_its_certainty() {
     says!(word(&beyond["explanation"]) => "Out of reach");
 
     // The target is within the arm's length, but outside its limits. This is not proven; the attempts agree.
-    let blocked = solve("-1,0,0 --global-search-on-miss");
+    let blocked = solve("-1,0,0 @solve.global_search_on_miss=true");
     has!(blocked, {"reached": false, "out_of_reach": false});
     let [agreeing, all] = ["agreeing_attempts", "attempts"].map(|key| count(&blocked[key]));
     assert!(agreeing > 1 && agreeing <= all, "{blocked}");
 
-    let alone = solve("-1,0,0 --attempts=1");
+    let alone = solve("-1,0,0 @solve.attempts=1");
     has!(alone, {"attempts": 1, "agreeing_attempts": 1});
     says!(word(&alone["explanation"]) => "Only one attempt was made");
 }

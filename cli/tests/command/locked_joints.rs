@@ -1,4 +1,4 @@
-//! Promise: locked joints keep their values, `--only` moves the listed joints alone, and a tool is attached to its
+//! Promise: locked joints keep their values, `only` moves the listed joints alone, and a tool is attached to its
 //! frame. This holds for every solver and any number of targets.
 
 use crate::forked_rig::*;
@@ -18,7 +18,7 @@ fn locked_joint_keeps_its_value() {
     let mut q = panda.configuration(11);
     q[2] = 0.25;
     let target = typed("tool", &panda.pose(&q));
-    for solver in ["", "--search=first", "--solver=levenberg-marquardt"] {
+    for solver in ["", "--search=first", "@solve.solver=levenberg-marquardt"] {
         for lock in [
             "--lock=joint3=0.25",
             "--lock=joint3=14.32394487827058 --degrees",
@@ -49,14 +49,14 @@ fn only_selected_joints_move() {
     let mut q = start.clone();
     q[3..6].iter_mut().for_each(|value| *value += 0.2);
     let (typed_start, target) = (commas(&start), typed("flange", &ur5e.pose(&q)));
-    let only = format!("--only={}", names[3..].join(","));
-    for solver in ["--search=start", "--solver=gauss-newton"] {
+    let only = format!("@model.only=[\"{}\"]", names[3..].join("\",\""));
+    for solver in ["--search=start", "@solve.solver=gauss-newton"] {
         let solution = answer!("solve {ur5e} {target} --start={typed_start} {only} {solver}");
         assert_eq!(solution["reached"], true, "{solver}");
         assert_eq!(numbers(&solution["q"])[..3], start[..3]);
     }
     let ask = format!("solve {ur5e} {target}");
-    refused!("{ask} {only} --lock={fourth}=0" => 2, "{fourth} | --only");
+    refused!("{ask} {only} --lock={fourth}=0" => 2, "{fourth} | `only`");
     refused!("{ask} --lock={first}=0 --lock={first}=0" => 1, "{first} | locked twice");
     refused!("{ask} --lock=elbo" => 1, "moving joint | `elbo` | {second}");
     refused!("{ask} --lock={first}=99" => 1, "{first} | 99");
@@ -78,9 +78,14 @@ fn many_targets_and_paths_keep_locked_joints() {
     let targets: Vec<Vec<f64>> = (0..6).map(|_| next()).collect();
     let file = folder.text("path.json", json!({"targets": targets, "tip_link": "tool"}));
     let held = format!("--lock=joint3=0.2 --start={start} --tool=0.02,0,0.1");
-    for options in ["", "--batch", "--track", "--solver=levenberg-marquardt"] {
-        let all = answer!("solve {panda} --targets {file} {held} {options}");
-        assert_eq!(all["summary"]["solved"], 6, "{options}");
+    for (subcommand, options) in [
+        ("batch", ""),
+        ("batch", "--together"),
+        ("track", ""),
+        ("batch", "@solve.solver=levenberg-marquardt"),
+    ] {
+        let all = answer!("{subcommand} {panda} --targets {file} {held} {options}");
+        assert_eq!(all["summary"]["solved"], 6, "{subcommand} {options}");
         for (solution, target) in list(&all["solutions"]).iter().zip(&targets) {
             assert_eq!(value(solution, &all["joints"], "joint3"), 0.2);
             let placed = panda.base_from("tool", &numbers(&solution["q"])) * tool;
@@ -97,7 +102,7 @@ fn held_joints_are_shown_in_text() {
     for (option, held) in [
         ("--lock=joint3", &["joint3"][..]),
         (
-            "--only=joint1,joint2,joint4",
+            "@model.only=[\"joint1\",\"joint2\",\"joint4\"]",
             &["joint3", "joint5", "joint6", "joint7"],
         ),
     ] {
@@ -119,7 +124,7 @@ fn tool_is_attached_to_the_tip() {
     let q = panda.configuration(11);
     let tool = "--tool=0,0.05,0.1,0.5,0.5,0.5,0.5";
     let target = typed("tool", &panda.pose(&q));
-    for solver in ["--search=start", "--solver=levenberg-marquardt"] {
+    for solver in ["--search=start", "@solve.solver=levenberg-marquardt"] {
         // The flange is away from the target, by the length of the tool.
         let solution = answer!("solve {panda} {target} {tool} {solver}");
         assert_eq!(solution["reached"], true, "{solver}: {solution}");
@@ -144,10 +149,10 @@ fn rigs_lock_bones_and_carry_tools() {
     let target = format!("--target={lower}=-1.9,0.9,0");
     for held in [
         format!("--lock={upper}"),
-        format!("--only={lower}"),
-        "--only=bone/2".to_owned(),
+        format!("@model.only=[\"{lower}\"]"),
+        "@model.only=[\"bone/2\"]".to_owned(),
     ] {
-        let solution = answer!("solve {rig} {target} {held} --free");
+        let solution = answer!("solve {rig} {target} {held} --hold none");
         let q = numbers(&solution["q"]);
         assert!(q[3..6].iter().all(|angle| *angle == 0.0), "{held}: {q:?}");
         assert!(q[6..9].iter().any(|angle| *angle != 0.0), "{held}: {q:?}");

@@ -1,4 +1,4 @@
-//! Promise: the command closes the loops of files and of `--connect` and `--weld`. `fk` moves passive joints to close
+//! Promise: the command closes the loops of files and of `connect` and `weld`. `fk` moves passive joints to close
 //! loops and reports loops that stay open.
 
 use crate::forked_rig::*;
@@ -30,7 +30,9 @@ fn fk_closes_loops_by_passive_joints() {
     }
     refused!("fk {LEG} --q {} --frame foot", motors(1.6) => 1, "loop `knee_rod` is open by | no values of knee_rod, knee");
     // Without passive joints the configuration is used as given.
-    let as_given = answer!("fk {BAXTER} --weld left_tool=right_tool --frame left_tool");
+    let as_given = answer!(
+        "fk {BAXTER} @model.weld=[{{\"frames\":[\"left_tool\",\"right_tool\"]}}] --frame left_tool"
+    );
     assert_eq!(as_given["loops"][0]["closed"], false);
 }
 
@@ -40,24 +42,32 @@ fn solve_closes_loops_of_files_and_options() {
     has!(solution, {"reached": true, "open_loops": []});
 
     // Box held by two hands; the target is for one of them.
-    let grip = "@0,0,0.2,0.7071067811865476";
-    let hands =
-        format!("left_tool{grip},0.7071067811865476,0,0=right_tool{grip},-0.7071067811865476,0,0");
-    let solution = answer!("solve {BAXTER} --weld {hands} --target left_tool=0.7,0.2,0.3");
+    let grip = [0.0, 0.0, 0.2, 0.5_f64.sqrt(), 0.5_f64.sqrt(), 0.0, 0.0];
+    let mut other = grip;
+    other[4] = -other[4];
+    let hands = json!([{"frames": ["left_tool", "right_tool"], "placements": [grip, other]}]);
+    let solution = answer!("solve {BAXTER} @model.weld={hands} --target left_tool=0.7,0.2,0.3");
     has!(solution, {"reached": true, "open_loops": []});
     let q = commas(&numbers(&solution["q"]));
-    let placed = answer!("fk {BAXTER} --weld {hands} --q={q} --frame left_tool");
+    let placed = answer!("fk {BAXTER} @model.weld={hands} --q={q} --frame left_tool");
     assert!(placed["loops"][0]["gap"].as_f64().unwrap() <= 1e-9);
 }
 
 #[test]
 fn invalid_loops_are_rejected_by_name() {
     let ask = format!("solve {BAXTER} --target left_tool=0.7,0.2,0.3");
-    refused!("{ask} --connect left_tool" => 2, "--connect | FRAME=FRAME");
-    refused!("{ask} --connect left_tool@1,2=right_tool" => 2, "3 numbers");
-    refused!("{ask} --connect left_tol=right_tool" => 1, "--connect | left_tool");
-    refused!("{ask} --connect left_tool@99,0,0=right_tool" => 1, "loop `left_tool@99,0,0=right_tool` cannot close");
-    refused!("{ask} --connect left_tool@nan,0,0=right_tool" => 2, "--connect");
-    refused!("{ask} --passive elbow" => 1, "--passive | elbow");
-    refused!("fk ../models/robot-arm/robot-arm.json --connect a=b" => 2, "--connect is for robots");
+    let connect = |first: &str, placement: &str| {
+        format!(
+            r#"{ask} @model.connect=[{{"frames":["{first}","right_tool"],"placements":[{placement},[0,0,0]]}}]"#
+        )
+    };
+    refused(&connect("left_tool", "[1,2]"), 1, "model: | 3 numbers");
+    refused(&connect("left_tool", "[1e200,0,0]"), 1, "model: | 1e150");
+    refused(&connect("left_tol", "[0,0,0]"), 1, "connect | left_tool");
+    let open = "loop `left_tool=right_tool` cannot close";
+    refused(&connect("left_tool", "[99,0,0]"), 1, open);
+    refused!("{ask} @model.connect=[1]" => 1, "model: | ClosedLoop");
+    refused!("{ask} @model.passive=[\"elbow\"]" => 1, "passive | elbow");
+    let rig = "../models/robot-arm/robot-arm.json";
+    refused!("fk {rig} @model.passive=[\"a\"]" => 2, "`passive` is for robots");
 }

@@ -25,12 +25,12 @@ fn every_reachable_target_is_reached() {
     let folder = Folder::new("reached");
     for seeded in robots() {
         let file = folder.text("targets.json", seeded.targets(15));
-        for options in ["", "--search=first", "--batch --threads=2"] {
-            let document = answer!("solve {seeded} --targets {file} {options}");
+        for options in ["", "--search=first", "--together --threads=2"] {
+            let document = answer!("batch {seeded} --targets {file} {options}");
             let summary = &document["summary"];
             has!(summary, {"solved": 15, "total": 15});
             assert!(number(&summary["micros_mean"]) > 0.0);
-            let alone = !options.contains("--batch");
+            let alone = !options.contains("--together");
             for key in ["micros_median", "micros_p99"] {
                 assert_eq!(summary.get(key).is_some(), alone, "{options:?}");
             }
@@ -49,17 +49,21 @@ fn every_reachable_target_is_reached() {
 #[test]
 fn results_are_bitwise_equal_for_any_thread_count() {
     let folder = Folder::new("threads");
-    // More targets than one thread takes at once in `--batch`.
+    // More targets than one thread takes at once in `--together`.
     let ur5e = Seeded::new("universal_ur5e", "base", "flange");
     for (seeded, count, ways) in [
-        (Seeded::panda(), 150, ["--batch", "--search=first"]),
-        (ur5e, 30, ["--search=start", "--solver=levenberg-marquardt"]),
+        (Seeded::panda(), 150, ["--together", "--search=first"]),
+        (
+            ur5e,
+            30,
+            ["--search=start", "@solve.solver=levenberg-marquardt"],
+        ),
     ] {
         let file = folder.text("targets.json", seeded.targets(count));
         for options in ways {
             let on = |threads: &str| {
                 configurations(&answer!(
-                    "solve {seeded} --targets {file} {options} {threads}"
+                    "batch {seeded} --targets {file} {options} {threads}"
                 ))
             };
             let one = on("--threads=1");
@@ -90,7 +94,7 @@ fn path_continues_from_the_last_solution() {
         let content = json!({"targets": targets, "starts": start, "joint_names": names,
             "tip_link": seeded.tip, "base_link": seeded.base});
         let file = folder.text("path.json", content);
-        let document = answer!("solve {seeded} --targets {file} --track");
+        let document = answer!("track {seeded} --targets {file}");
         has!(document["summary"], {"solved": 201, "jumps": []});
         let q = configurations(&document);
         for (q, pose) in q.iter().zip(&targets) {
@@ -121,18 +125,18 @@ fn jump_is_reported() {
     let starts = vec![start; targets.len()];
     let content = json!({"targets": targets, "starts": starts, "tip_link": "flange"});
     let path = folder.text("path.json", content);
-    let track = format!("solve {file} --targets {path} --track --base=base");
+    let track = format!("track {file} --targets {path} --base=base");
     // The default stays on its branch.
     assert_eq!(answer!("{track}")["summary"]["jumps"], json!([]));
-    let document = answer!("{track} --global-search-on-miss");
+    let document = answer!("{track} @solve.global_search_on_miss=true");
     let jumps = list(&document["summary"]["jumps"]);
     assert_eq!(jumps.len(), 1, "{jumps:?}");
     has!(jumps[0], {"step": 31, "continuous": false});
     assert!(number(&jumps[0]["distance"]) > 0.2);
-    let text = text!("{track} --global-search-on-miss");
+    let text = text!("{track} @solve.global_search_on_miss=true");
     says!(text => &format!("step 31 | {}", word(&jumps[0]["joint"])));
-    // Targets without `--track` have no jumps.
-    let alone = answer!("solve {file} --targets {path}");
+    // Independent targets have no jumps.
+    let alone = answer!("batch {file} --targets {path}");
     assert!(alone["summary"].get("jumps").is_none());
 }
 
@@ -151,7 +155,7 @@ fn starts_are_given_by_name_or_in_order() {
         json!({"targets": [pose], "starts": [q]}),
     ] {
         let file = folder.text("targets.json", content);
-        let answer = answer!("solve {panda} --targets {file} --tip=tool");
+        let answer = answer!("batch {panda} --targets {file} --tip=tool");
         assert!(distance(&configurations(&answer)[0][..7], &q[..7]) < 1e-6);
     }
 }
@@ -164,7 +168,7 @@ fn command_line_overrides_the_file() {
     content["tip_link"] = "flange".into();
     content["base_link"] = "base".into();
     let file = folder.text("targets.json", content);
-    let document = answer!("solve {seeded} --targets {file} --tip=hand --base=link1");
+    let document = answer!("batch {seeded} --targets {file} --tip=hand --base=link1");
     for (q, pose) in configurations(&document).iter().zip(seeded.poses(10)) {
         seeded.check(q, &pose);
     }
@@ -181,13 +185,13 @@ fn positions_and_unreached_targets_are_summarised() {
         "targets.json",
         json!({"targets": points, "tip_link": "tool"}),
     );
-    let document = answer!("solve {panda} --targets {file}");
+    let document = answer!("batch {panda} --targets {file}");
     has!(document["summary"], {"solved": 5, "total": 6});
     assert_eq!(document["solutions"][4]["reached"], false);
-    let output = kinopt!("solve {panda} --targets {file}");
+    let output = kinopt!("batch {panda} --targets {file}");
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     says!(stdout(&output) => "5 of 6 | median | target 4: Not reached | misses by");
-    let text = text!("solve {panda} --targets {file} --batch");
+    let text = text!("batch {panda} --targets {file} --together");
     assert!(text.contains("mean") && !text.contains("median"));
 }
 
@@ -196,15 +200,16 @@ fn tip_of_a_rig_reaches_many_targets() {
     let (folder, rig) = Folder::with_rig("rig");
     let targets = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
     let file = folder.text("targets.json", targets);
-    for options in ["--track", "--batch", "--threads=2"] {
-        let document = answer!("solve {rig} --targets {file} --tip=bone/2 {options}");
+    for line in ["track RIG", "batch RIG --together", "batch RIG --threads=2"] {
+        let line = line.replace("RIG", &rig);
+        let document = answer!("{line} --targets {file} --tip=bone/2");
         assert_eq!(document["summary"]["solved"], 2);
         let tasks = &document["solutions"][0]["tasks"];
         has!(tasks[1], {"frame": "bone/4", "held": true});
         assert!(number(&tasks[0]["position_error"]) < 1e-8);
         assert!(document.get("joints").is_none());
     }
-    refused!("solve {rig} --targets {file}" => 1, "--tip");
+    refused!("batch {rig} --targets {file}" => 1, "--tip");
 }
 
 #[test]
@@ -242,21 +247,34 @@ hello => is not JSON | line 1
         let (content, words) = line.split_once(" => ").unwrap();
         let content = content.replace("POSE", "[0.4,0,0.5,0,1,0,0]");
         let file = folder.text("targets.json", content);
-        refused!("solve {panda} --targets {file} --json" => 1, "{words}");
+        refused!("batch {panda} --targets {file} --json" => 1, "{words}");
     }
     let missing = folder.file("missing.json");
-    refused!("solve {panda} --targets {missing}" => 1, "missing.json");
+    refused!("batch {panda} --targets {missing}" => 1, "missing.json");
 }
 
 #[test]
 fn wrong_usage_is_rejected() {
     let panda = Seeded::panda();
+    refused!("batch {panda}" => 2, "--targets");
     let file = "--targets=poses.json";
-    refused!("solve {panda} {file} --target=tool=1,2,3" => 2, "--target");
-    refused!("solve {panda} {file} --track --batch" => 2, "--batch");
-    refused!("solve {panda} {file} --track --threads=2" => 2, "--threads");
-    refused!("solve {panda} {file} --threads=0" => 2, "0");
-    refused!("solve {panda} {file} --out=posed.obj" => 2, "--out");
-    refused!("solve {panda} --target=tool=1,2,3 --batch" => 2, "--batch");
-    refused!("solve {panda} --target=tool=1,2,3 --tip=tool" => 2, "--tip");
+    refused!("batch {panda} {file} --target=tool=1,2,3" => 2, "--target");
+    refused!("batch {panda} {file} @goal.target=[\"tool=1,2,3\"]" => 2, "`target`");
+    refused!("track {panda} {file} --together" => 2, "--together");
+    refused!("track {panda} {file} @output.derivative=true" => 2, "`derivative`");
+    refused!("batch {panda} {file} --threads=0" => 2, "0");
+    refused!("batch {panda} {file} --out=posed.obj" => 2, "--out");
+    refused!("solve {panda} --target=1,2,3" => 1, "--tip | finger_left");
+}
+
+#[test]
+fn target_without_a_frame_is_of_the_tip() {
+    let panda = Seeded::panda();
+    let named = answer!("solve {panda} --target=tool=0.4,0.1,0.5");
+    let of_tip = answer!("solve {panda} --tip=tool --target=0.4,0.1,0.5");
+    assert_eq!(named["q"], of_tip["q"]);
+    // A robot with one tip needs no name.
+    let scara = Seeded::new("adept_cobra_s600", "base", "flange");
+    let only = answer!("solve {scara} --target=0.4,0.1,0.2");
+    has!(only, {"reached": true, "tasks/0/frame": "flange"});
 }

@@ -1,5 +1,5 @@
 //! Promise: the command reads MJCF files as robots, recognised by their root element. An SRDF file's passive joints
-//! are locked, and `--group` moves one group alone.
+//! are locked, and `group` moves one group alone.
 
 use crate::forked_rig::*;
 use serde_json::json;
@@ -22,7 +22,7 @@ fn info_fk_and_solve_take_mjcf() {
     let solution = answer!("{ask}");
     assert_eq!(solution["reached"], false);
     assert!(!list(&solution["open_loops"]).is_empty());
-    let solution = answer!("{ask} --without-loops");
+    let solution = answer!("{ask} @model.without_loops=true");
     assert_eq!(solution["reached"], true);
     let solved = numbers(&solution["q"]);
     assert!((solved[4] - (0.1 - 1.5 * solved[2])).abs() < 1e-12);
@@ -56,12 +56,12 @@ fn srdf_fixes_passive_joints_and_moves_one_group() {
     let start = [0.1, -0.4, 0.2, -1.5, 0.3, 1.5, 0.4, 0.01, 0.01];
     let typed = start.map(|value: f64| value.to_string()).join(",");
     let ask = format!(
-        "solve ../models/franka_panda.urdf --target flange=0.45,0.05,0.55 --start={typed} --srdf {}",
+        "solve ../models/franka_panda.urdf --target flange=0.45,0.05,0.55 --start={typed} @model.srdf={}",
         file.display()
     );
     let all = numbers(&answer!("{ask}")["q"]);
     assert_eq!((all[4], all[0] == 0.1), (0.3, false));
-    let front = numbers(&answer!("{ask} --group front")["q"]);
+    let front = numbers(&answer!("{ask} @model.group=front")["q"]);
     assert_eq!(front[..3], start[..3]);
     assert_eq!(front[4], 0.3);
     assert_ne!(front[3], start[3]);
@@ -69,7 +69,7 @@ fn srdf_fixes_passive_joints_and_moves_one_group() {
     let text = text.replace("</robot>", r#"<passive_joint name="joint9"/></robot>"#);
     std::fs::write(&file, text).unwrap();
     refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");
-    let (mended, notes) = answer!(with_messages "{ask} --group front --lenient");
+    let (mended, notes) = answer!(with_messages "{ask} @model.group=front --lenient");
     says!(notes => "panda.srdf:2: passive_joint `joint9`: left out: ");
     assert_eq!(
         notes.matches("passive_joint `joint9`").count(),

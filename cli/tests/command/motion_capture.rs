@@ -111,7 +111,7 @@ fn invalid_captures_and_options_are_rejected() {
     let rig = folder.rig();
     let capture = folder.file("posed.bvh");
     let tip = "--target=bone/2=-2,0,0";
-    refused!("solve {rig} {tip} --time=1" => 2, "--time | motion");
+    refused!("solve {rig} {tip} @model.time=1" => 2, "`time` | motion");
     refused!("solve {rig} {tip} --out {capture}" => 2, ".bvh | rig");
     let broken = folder.text("broken.BVH", WAVE.replace("5 90", "5 NaN"));
     refused!("info {broken}" => 1, "broken.BVH: line 20:  | `Hips` in frame 2 | `NaN`");
@@ -125,7 +125,7 @@ fn solve_starts_from_a_captured_pose() {
     let out = folder.file("posed.bvh");
     // At 0.25 s the hips are at (1, 2, 5), rotated by 90° about y.
     let target = "--target=Upper Arm/tip=1,9,5";
-    let solved = answer!("solve {file} --time=0.25 '{target}' --out {out}");
+    let solved = answer!("solve {file} @model.time=0.25 '{target}' --out {out}");
     has!(solved, {"reached": true, "way": "own"});
     for (frame, at) in [
         ("Upper Arm/tip", [1.0, 9.0, 5.0]),

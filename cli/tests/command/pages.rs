@@ -86,7 +86,7 @@ fn commands_of_body_pages_reach_targets() {
     let bodies = ["whole-bodies", "balance", "ball-joints"].map(page);
     let commands = bodies.map(|page| blocks(page, "sh")).concat();
     for line in commands.iter().flat_map(|block| block.lines()) {
-        if line.starts_with("kinopt solve") {
+        if line.starts_with("kinopt solve") || line.starts_with("kinopt body") {
             let text = run(&folder, &format!("{line} --json"));
             let answer: Value = serde_json::from_str(&text).unwrap();
             assert_eq!(answer["reached"], true, "{line}");
@@ -97,7 +97,7 @@ fn commands_of_body_pages_reach_targets() {
         panic!("one block: {cones:?}")
     };
     let file = folder.text("cones.json", cones);
-    let info: Value = answer!("info ../models/humanoid/humanoid.json --cones {file}");
+    let info: Value = answer!("info ../models/humanoid/humanoid.json @model.cones={file}");
     let with = list(&info["joints"])
         .iter()
         .filter(|joint| !joint["cone"].is_null());

@@ -40,7 +40,7 @@ fn interpretation_of_the_table_is_reported() {
 fn rows_are_written_as_a_table() {
     let folder = Folder::new("path-rows");
     let file = folder.file("rows.csv");
-    text!("path {PANDA} {SEAM} --tip tool --free-axis z --out {file}");
+    text!("path {PANDA} {SEAM} --tip tool --interval rz=free --out {file}");
     let text = std::fs::read_to_string(&file).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 122);
@@ -85,7 +85,7 @@ fn invalid_paths_and_options_are_named() {
     refused!("path {PANDA} {SEAM}" => 2, "--tip");
     refused!("path {PANDA} {SEAM} --tip tool --start 0,0,0" => 2, "--start");
     refused!("path {PANDA} {SEAM} --tip tool --start 0,0,0,-1,0,1,0" => 1, "start");
-    refused!("path {PANDA} {SEAM} --tip tool --samples 1" => 1, "samples");
+    refused!("path {PANDA} {SEAM} --tip tool @path.samples=1" => 1, "samples");
     refused!("path {PANDA} {SEAM} --tip tool --out rows.txt" => 2, ".csv");
 }
 
@@ -143,7 +143,8 @@ fn table_may_have_several_tools() {
     });
     let table = "x,y,z,qw,qx,qy,qz,tool\n".to_owned() + &rows.collect::<String>();
     std::fs::write(&file, table).unwrap();
-    let report = answer!("path {PANDA} {file} --tip flange --tool 0,0,0.1 --add-tool 0,0.05,0.2");
+    let report =
+        answer!("path {PANDA} {file} --tip flange --tool 0,0,0.1 @path.add_tool=[[0,0.05,0.2]]");
     has!(report, {"points": 20, "missed": []});
     for (row, offset) in [(9, [0.0, 0.1]), (10, [0.05, 0.2])] {
         let q: Vec<String> = list(&list(&report["q"])[row])

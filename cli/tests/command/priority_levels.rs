@@ -1,4 +1,4 @@
-//! Promise: held frames and balance have a higher priority level than targets, and --level sets other levels.
+//! Promise: held frames and balance have a higher priority level than targets, and `--level` sets other levels.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ fn miss(answer: &Value, name: &str) -> f64 {
 
 #[test]
 fn feet_stay_where_a_hand_is_out_of_reach() {
-    let answer = answer!("solve {NAO} {UNREACHABLE_OPTIONS} --attempts 1");
+    let answer = answer!("body {NAO} {UNREACHABLE_OPTIONS} @solve.attempts=1");
     assert_eq!(answer["reached"], false);
     for foot in ["hold left_sole", "hold right_sole"] {
         assert_eq!(task(&answer, foot)["reached"], true);
@@ -30,11 +30,11 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     }
     assert_eq!(level(&answer, "target left_hand"), 2);
     assert!(miss(&answer, "target left_hand") > 0.5);
-    let text = text!("solve {NAO} {UNREACHABLE_OPTIONS} --attempts 1");
+    let text = text!("body {NAO} {UNREACHABLE_OPTIONS} @solve.attempts=1");
     says!(text => "Level 2 gives way");
 
     let traded = answer!(
-        "solve {NAO} {UNREACHABLE_OPTIONS} --weight left_hand=100 --no-priorities --attempts 1"
+        "body {NAO} {UNREACHABLE_OPTIONS} --weight left_hand=100 @body.no_priorities=true @solve.attempts=1"
     );
     assert_eq!(level(&traded, "target left_hand"), 0);
     assert!(miss(&traded, "hold left_sole") > 0.1, "{traded}");
@@ -45,7 +45,7 @@ fn reachable_solution_is_independent_of_levels() {
     let near =
         "--base-joint free --hold left_sole --hold right_sole --target left_hand=0.12,0.1,-0.05";
     let ranked = answer!("solve {NAO} {near}");
-    let weighed = answer!("solve {NAO} {near} --no-priorities");
+    let weighed = answer!("solve {NAO} {near} @body.no_priorities=true");
     assert_eq!(ranked["reached"], true, "{ranked}");
     // The rows have another order, so the last bits can differ.
     let apart = distance(&numbers(&ranked["q"]), &numbers(&weighed["q"]));
@@ -54,22 +54,20 @@ fn reachable_solution_is_independent_of_levels() {
 
 #[test]
 fn levels_are_set_by_target_and_task_names() {
-    let folder = Folder::new("levels");
     let tasks = json!([
         {"task": "gaze", "frame": "head", "axis": [1, 0, 0], "direction": [-1, 0, 0], "half_angle": 0.1,
             "level": 3},
         {"task": "joint coupling", "coefficients": {"left_shoulder_roll": 1, "right_shoulder_roll": 2},
             "tolerance": 1e-6, "name": "arms"},
     ]);
-    let file = folder.text("tasks.json", &tasks);
     let hands = "--target left_hand=2,0.5,0 --target right_hand=0.1,-0.2,0.05";
     let answer = answer!(
-        "solve {NAO} {hands} --tasks {file} --level left_hand=1 --level arms=4 --max-iterations 5"
+        "body {NAO} {hands} '@tasks={tasks}' --level left_hand=1 --level arms=4 @solve.max_iterations=5"
     );
     let levels = ["target left_hand", "target right_hand", "gaze head", "arms"];
     assert_eq!(levels.map(|name| level(&answer, name)), [1, 0, 3, 4]);
     let held = answer!(
-        "solve {NAO} {UNREACHABLE_OPTIONS} --tasks {file} --level left_sole=5 --max-iterations 5"
+        "body {NAO} {UNREACHABLE_OPTIONS} '@tasks={tasks}' --level left_sole=5 @solve.max_iterations=5"
     );
     let levels = [
         "target left_hand",
@@ -83,7 +81,7 @@ fn levels_are_set_by_target_and_task_names() {
 
 #[test]
 fn invalid_levels_are_rejected() {
-    refused!("solve {NAO} {UNREACHABLE_OPTIONS} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
+    refused!("body {NAO} {UNREACHABLE_OPTIONS} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
     for wrong in [
         "left_hand",
         "left_hand=-1",
@@ -91,7 +89,7 @@ fn invalid_levels_are_rejected() {
         "=1",
         "left_hand=1.5",
     ] {
-        refused!("solve {NAO} {UNREACHABLE_OPTIONS} --level {wrong}" => 2, "--level");
+        refused!("body {NAO} {UNREACHABLE_OPTIONS} --level {wrong}" => 2, "--level");
     }
 }
 

@@ -178,10 +178,10 @@ fn self_collisions_are_avoided_on_request() {
     let robot = model("aldebaran_nao.urdf");
     let out = folder.file("sway.json");
     let command = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
-    for margin in ["", "0.002"] {
-        assert_eq!(answer!("{command} --keep-clear {margin}")["frames"], 4);
+    for margin in ["0", "0.002"] {
+        assert_eq!(answer!("{command} --margin {margin}")["frames"], 4);
     }
-    refused!("{command} --keep-clear=-1" => 2, "keep-clear");
+    refused!("{command} --margin=-1" => 2, "--margin");
 }
 
 /// A pole at the head is avoided, frame by frame and as one problem.
@@ -212,10 +212,10 @@ fn world_collisions_are_avoided_on_request() {
         });
         frames.count()
     };
-    let report = answer!("{command} --keep-clear");
+    let report = answer!("{command} --margin 0");
     assert!(report["stride"].as_f64().unwrap() < 1.0, "{report}");
     assert!(touches() > 0);
-    for how in ["", "--margin 0.002 --whole", "--keep-clear 0.002"] {
+    for how in ["", "--margin 0.002 --whole"] {
         let (_, messages) = answer!(with_messages "{command} --world {world} {how}");
         assert!(!messages.contains("remain in collision"), "{messages}");
         assert_eq!(touches(), 0, "{how}");
@@ -237,7 +237,6 @@ fn world_collisions_are_avoided_on_request() {
     let world = folder.text("crate.json", held);
     let (_, messages) = answer!(with_messages "{command} --world {world}");
     says!(messages => "remain in collision, first frame 0");
-    refused!("{command} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
     refused!("{command} --margin=-1" => 2, "margin");
     refused!("{command} --world none.json" => 1, "none.json");
     let rig = model("humanoid/humanoid.json");

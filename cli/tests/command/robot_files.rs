@@ -65,16 +65,19 @@ fn soft_limits_apply_on_request() {
     let target = "--target=tip=0.5403,-0.8415,0";
     let hinge = |more: &str| number(&answer!("solve {file} {target} --lenient {more}")["q"][0]);
     assert!(hinge("") < -0.9);
-    assert_eq!(hinge("--soft-limits"), -0.5);
-    let info = answer!("info {file} --lenient --soft-limits");
+    assert_eq!(hinge("@model.soft_limits=true"), -0.5);
+    let info = answer!("info {file} --lenient @model.soft_limits=true");
     assert_eq!(info["joints"][0]["lower"], -0.5);
 }
 
 #[test]
 fn robot_options_are_rejected_for_rigs() {
     let (_folder, rig) = Folder::with_rig("rig");
-    for option in ["--lenient", "--soft-limits"] {
-        refused!("info {rig} {option}" => 2, "{option}");
-        refused!("fk {rig} {option}" => 2, "{option}");
+    for (option, name) in [
+        ("--lenient", "--lenient"),
+        ("@model.soft_limits=true", "`soft_limits`"),
+    ] {
+        refused!("info {rig} {option}" => 2, "{name}");
+        refused!("fk {rig} {option}" => 2, "{name}");
     }
 }

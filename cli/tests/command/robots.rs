@@ -81,14 +81,14 @@ fn every_search_and_solver_reaches_the_target() {
         "--search=first",
         "--search=nearest",
         "--search=distinct:3",
-        "--start=random --rng-seed=4",
+        "--start=random @solve.rng_seed=4",
         "--posture=0,0,0,-1.5,0,1.5,0",
-        "--attempts=50 --time-limit=1000",
-        "--solver=levenberg-marquardt",
-        "--solver=gauss-newton --jacobian=dual",
-        "--restarts=40 --jacobian=central",
+        "@solve.attempts=50 --time-limit=1000",
+        "@solve.solver=levenberg-marquardt",
+        "@solve.solver=gauss-newton @solve.jacobian=dual",
+        "@solve.attempts=41 @solve.jacobian=central",
         // Reached after several attempts from other starts.
-        "--solver=projected-gradient-bb --max-iterations=2000",
+        "@solve.solver=projected-gradient-bb @solve.max_iterations=2000",
     ] {
         let solution = answer!("solve {panda} {target} {options}");
         assert_eq!(solution["reached"], true, "{options}: {solution}");
@@ -126,7 +126,7 @@ fn partial_poses_are_targets() {
         assert!(position <= 1.001e-6 && orientation > 1e-3);
         assert!(solution["tasks"][0]["orientation_error"].is_null());
     }
-    let solution = answer!("solve {panda} {by_pose} --free-axis=z");
+    let solution = answer!("solve {panda} {by_pose} --interval=rz=free");
     assert_eq!(solution["reached"], true);
     let q = numbers(&solution["q"]);
     let base_from_tool = panda.base_from("tool", &q);
@@ -163,7 +163,7 @@ fn targets_are_in_the_base_frame() {
         let panda = Seeded::new("franka_panda", base, "tool");
         let pose = panda.pose(&panda.configuration(8));
         let target = typed("tool", &pose);
-        for solver in ["--search=start", "--solver=levenberg-marquardt"] {
+        for solver in ["--search=start", "@solve.solver=levenberg-marquardt"] {
             let solution = answer!("solve {panda} {target} --base {base} {solver}");
             assert_eq!(solution["reached"], true, "{base} {solver}");
             panda.check(&numbers(&solution["q"]), &pose);
@@ -223,12 +223,11 @@ fn wrong_names_and_options_are_rejected() {
     refused!("solve {panda} {pose} --max-move=1,2" => 2, "--max-move | 7 | joint4 | 9");
     refused!("solve {panda} {pose} --start=1,2" => 2, "--start | joint4");
     refused!("solve {panda} {pose} --search=best" => 2, "nearest | distinct:K");
-    refused!("solve {panda} {pose} --search=first --solver=gauss-newton" => 2, "--solver");
+    refused!("solve {panda} {pose} --search=first @solve.solver=gauss-newton" => 2, "--search | `solver`");
     refused!("solve {panda} {pose} {both} --search=first" => 2, "--search | 2 targets");
-    refused!("solve {panda} {pose} --attempts=0" => 2, "0");
-    refused!("solve {panda} {pose} --free-axis=w" => 2, "w");
-    refused!("solve {panda} {both} --free-axis=z" => 2, "--free-axis | orientation");
-    refused!("solve {panda} {pose} --track" => 2, "--track");
+    refused!("solve {panda} {pose} @solve.attempts=0" => 1, "solve: | nonzero");
+    refused!("solve {panda} {pose} --interval=rw=free" => 2, "rz");
+    refused!("solve {panda} {both} --interval=rz=free" => 2, "--interval | orientation");
     refused!("solve {rig} {point} --search=nearest" => 2, "--search | rig | start or first");
     refused!("info robot.xacro" => 1, ".xacro | .urdf | .json");
 }
@@ -239,13 +238,13 @@ fn other_arm_stays_at_its_start() {
     let file = model("rethink_baxter.urdf");
     let robot = kinopt::robot::Robot::read(&file).unwrap();
     let start = robot.model().random_configuration(0);
-    let more = "--start=random --attempts=4 --max-iterations=30";
+    let more = "--start=random @solve.attempts=4 @solve.max_iterations=30";
     for target in ["0.6,0.4,0.2", "6,0.4,0.2"] {
         for (solver, jacobian) in METHODS
             .iter()
             .flat_map(|solver| [(solver, "analytic"), (solver, "fd")])
         {
-            let options = format!("--solver={solver} --jacobian={jacobian}");
+            let options = format!("@solve.solver={solver} @solve.jacobian={jacobian}");
             let solution = answer!("solve {file} --target=left_tool={target} {options} {more}");
             let names = list(&solution["joints"]);
             let pairs = numbers(&solution["q"]).into_iter().zip(&start);

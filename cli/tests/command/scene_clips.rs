@@ -109,7 +109,7 @@ fn solved_pose_is_a_clip_with_one_key() {
         folder.text("walker.gltf", WALKER),
         folder.file("posed.gltf"),
     );
-    let solved = answer!("solve {file} --target=knee=0.5,1,0 --into {out} --clip-name=kick");
+    let solved = answer!("solve {file} --target=knee=0.5,1,0 --into {out} @output.clip_name=kick");
     assert_eq!(solved["reached"], true);
     let scene = keeps(&out);
     assert_eq!(scene.clip("kick").unwrap().span(), [0.0, 0.0]);
@@ -126,7 +126,7 @@ fn solved_pose_is_a_clip_with_one_key() {
     );
     // The rest pose is unchanged.
     assert_eq!(scene.armature, gltf::read(&file).unwrap().armature);
-    refused!("solve {file} --target=knee=0.5,1,0 --into {out} --clip-name=kick" => 1, "`kick`");
+    refused!("solve {file} --target=knee=0.5,1,0 --into {out} @output.clip_name=kick" => 1, "`kick`");
     let rig = folder.rig();
     refused!("solve {rig} --target=bone/1=0,1,0 --into {out}" => 2, "--into | rig");
 }

@@ -131,7 +131,7 @@ fn animate_poses_a_clip_at_one_or_many_times() {
     let turned = [low, high, [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
     for (skinning, ending) in [("lbs", "glb"), ("lbs", "ply"), ("dqs", "ply")] {
         let out = folder.file(&format!("{skinning}.{ending}"));
-        let document = answer!("animate {file} --time=1 --skinning {skinning} --out {out}");
+        let document = answer!("animate {file} --time=1 @output.skinning={skinning} --out {out}");
         has!(document, {"vertices": 4, "skinning": skinning});
         match ending {
             "glb" => near(&posed(&out), turned),
@@ -140,7 +140,7 @@ fn animate_poses_a_clip_at_one_or_many_times() {
     }
     // Viewers use linear blend skinning.
     let out = folder.file("dual.glb");
-    refused!("animate {file} --time=1 --skinning dqs --out {out}" => 2, "dual.glb | dqs");
+    refused!("animate {file} --time=1 @output.skinning=dqs --out {out}" => 2, "dual.glb | dqs");
     let out = folder.file("frames");
     let document = answer!("animate {file} --clip=sink --fps=2 --format=ply --out {out}");
     let frames = list(&document["frames"]);

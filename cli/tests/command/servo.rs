@@ -1,4 +1,4 @@
-//! Promise: `--servo` keeps velocity and position limits, reaches the last target if there is time, and reports the
+//! Promise: `kinopt servo` keeps velocity and position limits, reaches the last target if there is time, and reports the
 //! active limits.
 
 use crate::forked_rig::*;
@@ -47,7 +47,7 @@ fn line_is_followed_within_velocity_limits() {
     let seeded = Seeded::panda();
     let start = start(&seeded);
     let (file, last) = targets(&folder, &seeded, &start);
-    let document = answer!("solve {seeded} --targets {file} --servo 1000");
+    let document = answer!("servo {seeded} --targets {file} --rate 1000");
     let ticks = list(&document["ticks"]);
     assert_eq!(ticks.len(), 400);
     let moving = seeded.robot.model().moving_joints()[..7].iter();
@@ -72,7 +72,7 @@ fn line_is_followed_within_velocity_limits() {
         assert_eq!(*top, speeds.fold(0.0, f64::max), "joint {joint}");
     }
     assert!(top_speeds.iter().any(|top| *top > 0.1), "{top_speeds:?}");
-    let text = text!("solve {seeded} --targets {file} --servo 1000");
+    let text = text!("servo {seeded} --targets {file} --rate 1000");
     assert!(text.starts_with("cycles    400 at 1000 Hz"), "{text}");
     says!(text => "end       on target");
 }
@@ -83,8 +83,8 @@ fn slower_limits_hold_and_are_reported() {
     let seeded = Seeded::panda();
     let start = start(&seeded);
     let (file, last) = targets(&folder, &seeded, &start);
-    let slow = "--servo 1000 --velocity-limits 0.05 --json --fail-on-miss";
-    let missed = kinopt!("solve {seeded} --targets {file} {slow}");
+    let slow = "--rate 1000 --velocity-limits 0.05 --json --fail-on-miss";
+    let missed = kinopt!("servo {seeded} --targets {file} {slow}");
     let document: Value = serde_json::from_str(stdout(&missed)).unwrap();
     let ticks = list(&document["ticks"]);
     let all = speeds(ticks, &start).concat();
@@ -103,17 +103,16 @@ fn invalid_servo_options_are_rejected() {
     let folder = Folder::new("no-servo");
     let seeded = Seeded::panda();
     let (file, _) = targets(&folder, &seeded, &start(&seeded));
-    let command = format!("solve {seeded} --targets {file}");
-    refused!("{command} --servo 0" => 2, "--servo");
-    refused!("{command} --servo 1000 --track" => 2, "--track");
-    refused!("{command} --velocity-limits 1" => 2, "--servo");
-    let one = "--target flange=0.4,0.1,0.5";
-    refused!("solve {seeded} {one} --velocity-limits 1" => 2, "--servo");
+    let command = format!("servo {seeded} --targets {file}");
+    refused!("{command}" => 2, "--rate");
+    refused!("{command} --rate 0" => 2, "--rate");
+    refused!("{command} --rate 1000 @solve.max_move=1" => 2, "`max_move`");
+    refused!("{command} --rate 1000 @solve.solver=gauss-newton" => 2, "servo | `solver`");
     let too_few = "--velocity-limits: 2 numbers given";
-    refused!("{command} --servo 1000 --velocity-limits 1,2" => 2, "{too_few}");
+    refused!("{command} --rate 1000 --velocity-limits 1,2" => 2, "{too_few}");
     let rig = model("humanoid/humanoid.json");
-    let ours = "--tip left_hand --servo 1000";
-    refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");
+    let ours = "--tip left_hand --rate 1000";
+    refused!("servo {rig} --targets {file} {ours}" => 2, "kinopt servo is for robots");
 }
 
 #[test]
@@ -130,7 +129,7 @@ fn contact_is_reported_and_target_unreached() {
         "world.json",
         json!({"boxes": [{"name": "block", "size": [0.1, 0.1, 0.1], "position": position}]}),
     );
-    let line = format!("solve {seeded} --targets {targets} --servo 100 --world {world}");
+    let line = format!("servo {seeded} --targets {targets} --rate 100 --world {world}");
     let text = text!("{line}");
     says!(text => "1 in contact | obstacle `block`");
     let document = answer!("{line}");

@@ -93,7 +93,7 @@ fn invalid_input_is_rejected() {
     refused!("spheres {bare} --out {out}" => 1, "bare has no collision shapes");
     let mesh = r#"<robot name="m"><link name="a"><collision><geometry><mesh filename="package://pack/a.stl"/></geometry></collision></link></robot>"#;
     let mesh = folder.text("mesh.urdf", mesh);
-    refused!("spheres {mesh} --package /nowhere --out {out}" => 1, "/nowhere/pack/a.stl");
+    refused!("spheres {mesh} @collisions.package=[\"/nowhere\"] --out {out}" => 1, "/nowhere/pack/a.stl");
 }
 
 /// A robot file with a floor, which is too large for a resolution of a fiftieth of the reach.

@@ -1,4 +1,4 @@
-//! Promise: `--tasks` adds the tasks of a file to targets and balance. Errors name the location in the file.
+//! Promise: `tasks` of a problem file are added to targets and balance. Errors name the location in the file.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -37,10 +37,9 @@ fn each_task_has_its_effect() {
         {"task": "manipulability", "frame": "right_hand", "base": "torso", "least": 1e-5, "of": "position",
             "role": "preference"},
     ]);
-    let file = folder.text("tasks.json", &tasks);
     // A fixed arm with five joints cannot reach a velocity of six components.
     let free = "--base-joint free";
-    let answer = answer!("solve {NAO} {free} --tasks {file}");
+    let answer = answer!("body {NAO} {free} '@tasks={tasks}'");
     assert_eq!(answer["reached"], true);
     let names: Vec<&str> = list(&answer["tasks"])
         .iter()
@@ -63,11 +62,8 @@ fn each_task_has_its_effect() {
         of_joint(&answer, "left_shoulder_roll") + 2.0 * of_joint(&answer, "right_shoulder_roll");
     assert!((rolls - 0.4).abs() < 1e-8);
     // Hand position at the start, from a task of zero velocity.
-    let at_rest = folder.text(
-        "still.json",
-        json!([{"task": "frame velocity", "frame": "left_hand", "time_step_s": 1}]),
-    );
-    let begun = answer!("solve {NAO} {free} --tasks {at_rest}");
+    let at_rest = json!([{"task": "frame velocity", "frame": "left_hand", "time_step_s": 1}]);
+    let begun = answer!("body {NAO} {free} '@tasks={at_rest}'");
     let (from, _) = placed(&folder, free, &begun, "left_hand");
     let (to, _) = placed(&folder, free, &answer, "left_hand");
     for (moved, direction) in to
@@ -82,12 +78,10 @@ fn each_task_has_its_effect() {
 
 #[test]
 fn posture_weights_distribute_the_null_space() {
-    let folder = Folder::new("task-posture");
     let moved = |weights: &Value| {
         let tasks = json!([{"task": "posture", "joint_weights": weights}]);
-        let file = folder.text("posture.json", tasks);
         let free = "--base-joint free --hold left_sole";
-        let answer = answer!("solve {NAO} {free} --target left_hand=0.25,0.1,0.05 --tasks {file}");
+        let answer = answer!("body {NAO} {free} --target left_hand=0.25,0.1,0.05 '@tasks={tasks}'");
         assert_eq!(answer["reached"], true);
         ["left_shoulder_pitch", "left_hip_pitch"].map(|joint| of_joint(&answer, joint).abs())
     };
@@ -99,7 +93,6 @@ fn posture_weights_distribute_the_null_space() {
 
 #[test]
 fn invalid_task_files_are_rejected_by_location() {
-    let folder = Folder::new("task-refused");
     for (tasks, words) in [
         (json!({}), "not a list of tasks"),
         (json!([]), "the list has no task"),
@@ -148,7 +141,6 @@ fn invalid_task_files_are_rejected_by_location() {
             "[0] | `wish` | goal",
         ),
     ] {
-        let file = folder.text("wrong.json", &tasks);
-        refused!("solve {NAO} --tasks {file}" => 1, "{words}");
+        refused!("body {NAO} '@tasks={tasks}'" => 1, "{words}");
     }
 }

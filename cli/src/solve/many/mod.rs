@@ -1,43 +1,48 @@
-//! `--targets`: several independent targets of one frame, a path, or the targets of a servo.
+//! Many targets of one frame, from a file.
 
+pub(crate) mod batch;
 pub(super) mod servo;
+pub(crate) mod servo_arguments;
 mod summary;
+pub(crate) mod track;
 
 use self::summary::Outcomes;
-use super::arguments::Arguments;
 use super::backend::QueryBackend;
+use super::job::{Job, Mode};
 use super::query::Query;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::progress::Countdown;
 
-/// Solves all queries as the arguments say, and prints the results.
+/// Solves all queries as the subcommand says, and prints the results.
 pub(super) fn run(
+    job: &Job<'_>,
     loaded: &LoadedModel,
-    arguments: &Arguments,
     backend: &impl QueryBackend,
     queries: &[Query],
     json: bool,
 ) -> Outcome<()> {
-    let outcomes = answer(arguments, backend, queries)?;
+    let outcomes = answer(job, backend, queries)?;
     output::result(json, || outcomes.document(loaded), || outcomes.text(loaded))?;
     let answers = &outcomes.answers;
     let missed = answers.iter().filter(|answer| !answer.solution.reached);
-    arguments.fail_on_misses(missed.count(), answers.len())
+    job.fail_on_misses(missed.count(), answers.len())
 }
 
 fn answer<'b>(
-    arguments: &Arguments,
+    job: &Job<'_>,
     backend: &'b impl QueryBackend,
     queries: &[Query],
 ) -> Outcome<Outcomes<'b>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     // At most one thread for each target and core.
     let max_threads = cores.min(queries.len()).max(1);
-    let threads = arguments
-        .threads
-        .map(|threads| max_threads.min(threads.into()));
+    let (together, threads) = match job.mode {
+        Mode::Batch(_, options) => (options.together, options.threads),
+        _ => (false, None),
+    };
+    let threads = threads.map(|threads| max_threads.min(threads.into()));
     let pool = threads.map(|threads| {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         builder.build()
@@ -46,14 +51,14 @@ fn answer<'b>(
     let countdown = Countdown::new(queries.len(), "targets");
     let answered = || countdown.one_more();
     let (mut jumps, mut batch_micros) = (None, None);
-    let answers = if arguments.batch {
+    let answers = if together {
         let (answers, micros) = match &pool {
             Some(pool) => pool.install(|| backend.batch(queries, true))?,
             None => backend.batch(queries, false)?,
         };
         batch_micros = Some(micros);
         answers
-    } else if arguments.track {
+    } else if let Mode::Track(_) = job.mode {
         let path = backend.path(queries, &answered)?;
         jumps = Some(path.jumps);
         path.answers
@@ -67,7 +72,7 @@ fn answer<'b>(
         answers,
         jumps,
         tasks: backend.tasks(),
-        keeps_clear: arguments.obstacles.given().is_some(),
+        keeps_clear: job.problem.collisions.given().is_some(),
         batch_micros,
     })
 }

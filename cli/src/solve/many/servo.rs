@@ -1,4 +1,4 @@
-//! `--servo`: targets at a fixed rate, one in each control cycle, under velocity limits.
+//! Targets at a fixed rate, one in each control cycle, under velocity limits.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -8,9 +8,10 @@ use kinopt::collision::Collision;
 use kinopt::ik::Side;
 use serde::{Serialize, Serializer};
 
-use super::super::arguments::Arguments;
+use super::super::arguments::ServoOptions;
 use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
+use super::super::job::Job;
 use super::super::query::Query;
 use super::summary::{median, percentile};
 use crate::collision_document::{CollisionDocument, depth};
@@ -61,33 +62,31 @@ struct Summary {
     micros_p99: Option<f64>,
 }
 
-/// Follows the targets from the start of the first, at a rate in control cycles per second, and prints the result.
+/// Follows the targets from the start of the first, at the rate of the options, and prints the result.
 pub(in super::super) fn run(
+    job: &Job<'_>,
     loaded: &LoadedModel,
     backend: &ArmBackend<'_>,
-    arguments: &Arguments,
-    queries: &[Query],
-    ticks_a_second: f64,
+    (queries, options): (&[Query], &ServoOptions),
     json: bool,
 ) -> Outcome<()> {
-    let document = follow(loaded, backend, arguments, queries, ticks_a_second)?;
+    let document = follow(loaded, backend, queries, options)?;
     output::result(json, || &document, || document.text())?;
     let last = document.ticks.last();
     let missed = last.is_some_and(|tick| tick.status != ServoStatus::OnTarget);
-    arguments.fail_on_misses(usize::from(missed), 1)
+    job.fail_on_misses(usize::from(missed), 1)
 }
 
 fn follow<'a>(
     loaded: &'a LoadedModel,
     backend: &'a ArmBackend<'_>,
-    arguments: &Arguments,
     queries: &[Query],
-    ticks_a_second: f64,
+    options: &ServoOptions,
 ) -> Outcome<Document<'a>> {
     let Some(first) = queries.first() else {
         return Err(failure!("there are no targets to follow"));
     };
-    let mut servo = backend.servo(arguments, first, ticks_a_second)?;
+    let mut servo = backend.servo(first, options)?;
     let arm_joints = backend.joint_names();
     let limits = servo.velocity_limits().iter();
     let velocity_limits = limits.map(|limit| limit.is_finite().then_some(*limit));
@@ -122,7 +121,7 @@ fn follow<'a>(
         arm_joints,
         velocity_limits,
         summary: Summary {
-            ticks_a_second,
+            ticks_a_second: options.rate,
             total: ticks.len(),
             statuses,
             top_speeds,

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::super::query::{Answer, LongStep};
 use super::super::report::{self, Report};
-use super::super::task_name::TaskName;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
+use crate::problem::task_name::TaskName;
 
 /// Largest number of unreached targets and jumps that the text explains.
 const MAX_EXPLAINED: usize = 3;
@@ -42,7 +42,7 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     micros_p99: Option<f64>,
     micros_mean: f64,
-    /// With --track: steps in which a joint moves more than 0.2 rad.
+    /// In a sequence: steps in which a joint moves more than 0.2 rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     jumps: Option<&'a [LongStep]>,
 }

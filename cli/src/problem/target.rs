@@ -1,16 +1,19 @@
-//! `--target` and `--ray` in their text form.
+//! Targets of frames: poses, positions and rays.
+
+use std::str::FromStr;
 
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 
-use crate::number_list::{between_commas, number, parse_exactly};
+use super::number_list::{between_commas, parse_exactly};
+use super::text::named;
 
 /// Largest deviation of a typed quaternion's length from 1; the quaternion is normalised.
 pub(crate) const QUATERNION_LENGTH_TOLERANCE: f64 = 0.01;
 
-/// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
+/// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`; without `FRAME=` it is of the tip.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Target {
-    pub(crate) frame: String,
+    pub(crate) frame: Option<String>,
     /// Target pose of the frame; the rotation is the identity if only a position is given.
     pub(crate) placement: Placement<f64>,
     /// True if an orientation is given.
@@ -25,9 +28,15 @@ pub(crate) struct RayTarget {
     pub(crate) through: [f64; 3],
 }
 
-impl Target {
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let (frame, numbers) = split(text, "FRAME=x,y,z or FRAME=x,y,z,qw,qx,qy,qz")?;
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (frame, numbers) = match text.contains('=') {
+            true => named(text, "FRAME=x,y,z or FRAME=x,y,z,qw,qx,qy,qz")
+                .map(|(frame, numbers)| (Some(frame), numbers))?,
+            false => (None, text),
+        };
         let (placement, turns) = placement(&between_commas(numbers)?)?;
         Ok(Self {
             frame,
@@ -59,10 +68,12 @@ pub(crate) fn placement(numbers: &[f64]) -> Result<(Placement<f64>, bool), Strin
     }
 }
 
-impl RayTarget {
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+impl FromStr for RayTarget {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
         let shape = "FRAME=ex,ey,ez:mx,my,mz";
-        let (frame, numbers) = split(text, shape)?;
+        let (frame, numbers) = named(text, shape)?;
         let Some((eye, through)) = numbers.split_once(':') else {
             return Err(format!("expected {shape}: a colon between the two points"));
         };
@@ -79,16 +90,6 @@ impl RayTarget {
     }
 }
 
-/// Splits at the last `=`: the name of the frame may contain `=`, numbers cannot.
-fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
-    match text.rsplit_once('=') {
-        Some((frame, numbers)) if !frame.trim().is_empty() => {
-            Ok((frame.trim().to_owned(), numbers))
-        }
-        _ => Err(format!("expected {shape}")),
-    }
-}
-
 /// Normalised quaternion, w first; an error if its length is not near 1.
 fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -100,39 +101,6 @@ fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     ))
 }
 
-/// Value of `--start`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Start {
-    Default,
-    Rest,
-    Bent,
-    Random,
-    Numbers(Vec<f64>),
-}
-
-impl Start {
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        match text.trim() {
-            "default" => Ok(Self::Default),
-            "rest" => Ok(Self::Rest),
-            "bent" => Ok(Self::Bent),
-            "random" => Ok(Self::Random),
-            numbers => match crate::number_list::parse(numbers) {
-                Ok(numbers) => Ok(Self::Numbers(numbers)),
-                Err(problem) if number(first_word(numbers)).is_ok() => Err(problem),
-                Err(_) => Err(
-                    "expected `default`, `rest`, `bent`, `random` or the configuration's numbers"
-                        .into(),
-                ),
-            },
-        }
-    }
-}
-
-fn first_word(text: &str) -> &str {
-    text.split([',', ' ']).next().unwrap_or("")
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -140,11 +108,12 @@ mod tests {
 
     #[test]
     fn target_points_and_poses_parse() {
-        let target = Target::parse("left=hand=1,-2.5,3e-1").unwrap();
-        assert_eq!(target.frame, "left=hand");
+        let target = Target::from_str("left=hand=1,-2.5,3e-1").unwrap();
+        assert_eq!(target.frame.as_deref(), Some("left=hand"));
         let at = Placement::translation(Vector3::new(1.0, -2.5, 0.3));
         assert_eq!((target.placement, target.turns), (at, false));
-        let pose = Target::parse("a=0,0,0,0.7071,0,0.7071,0").unwrap();
+        assert_eq!(Target::from_str("1,2,3").unwrap().frame, None);
+        let pose = Target::from_str("a=0,0,0,0.7071,0,0.7071,0").unwrap();
         let half = 0.5_f64.sqrt();
         let Quaternion { w, v } = Quaternion::from_matrix(&pose.placement.rotation);
         assert!((w - half).abs() < 1e-12 && (v.y - half).abs() < 1e-12);
@@ -154,7 +123,7 @@ mod tests {
     #[test]
     fn target_malformed_text_names_the_cause() {
         for (text, reason) in [
-            ("a", "expected FRAME="),
+            ("a", "`a` is not a number"),
             ("=1,2,3", "expected FRAME="),
             ("a=1,2", "not 2"),
             ("a=1,2,3,4", "not 4"),
@@ -163,14 +132,14 @@ mod tests {
             ("a=1,2,3,0,0,0,0", "length 0"),
             ("a=1,2,3,1,1,0,0", "length 1.41"),
         ] {
-            let error = Target::parse(text).unwrap_err();
+            let error = Target::from_str(text).unwrap_err();
             assert!(error.contains(reason), "{text}: {error}");
         }
     }
 
     #[test]
     fn rays_parse() {
-        let ray = RayTarget::parse("tip=0,0,5:1,1,0").unwrap();
+        let ray = RayTarget::from_str("tip=0,0,5:1,1,0").unwrap();
         assert_eq!((ray.eye, ray.through), ([0.0, 0.0, 5.0], [1.0, 1.0, 0.0]));
         let bad = [
             "tip=0,0,5",
@@ -179,16 +148,7 @@ mod tests {
             "0,0,5:1,1,1",
         ];
         for text in bad {
-            assert!(RayTarget::parse(text).is_err(), "{text}");
+            assert!(RayTarget::from_str(text).is_err(), "{text}");
         }
-    }
-
-    #[test]
-    fn starts_parse() {
-        assert_eq!(Start::parse("rest"), Ok(Start::Rest));
-        assert_eq!(Start::parse(" random "), Ok(Start::Random));
-        assert_eq!(Start::parse("1, -2"), Ok(Start::Numbers(vec![1.0, -2.0])));
-        assert!(Start::parse("1, x").unwrap_err().contains("`x`"));
-        assert!(Start::parse("home").unwrap_err().contains("`random`"));
     }
 }

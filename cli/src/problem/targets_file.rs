@@ -1,16 +1,14 @@
-//! File of `--targets`, validated; every error names the file and the position in it.
+//! Files of many targets, validated; every error names the file and the position in it.
 
 use std::path::Path;
 
 use kinopt::spatial::Placement;
 use serde_json::{Map, Value};
 
+use super::number_list::MAX_NUMBER;
+use super::target::placement;
 use crate::failure::Outcome;
-use crate::joint_columns::JointColumns;
 use crate::json_file;
-use crate::loaded_model::LoadedModel;
-use crate::number_list::MAX_NUMBER;
-use crate::target::placement;
 
 /// Content of a file of targets.
 #[derive(Debug)]
@@ -20,8 +18,8 @@ pub(crate) struct TargetsFile {
     /// True if the targets have orientations.
     pub(crate) turns: bool,
     /// One row for each target, all of one length.
-    starts: Option<Vec<Vec<f64>>>,
-    joint_names: Option<Vec<String>>,
+    pub(crate) starts: Option<Vec<Vec<f64>>>,
+    pub(crate) joint_names: Option<Vec<String>>,
     pub(crate) tip_link: Option<String>,
     pub(crate) base_link: Option<String>,
 }
@@ -31,39 +29,6 @@ impl TargetsFile {
         let value = json_file::read(path)?;
         let file = Self::of_value(&value);
         file.map_err(|problem| failure!("{}: {problem}", path.display()))
-    }
-
-    /// Start configurations: rows for all moving joints, for the named joints, or for the free joints from base to tip.
-    pub(crate) fn starts(
-        &self,
-        loaded: &LoadedModel,
-        base_to_tip: Option<&JointColumns>,
-    ) -> Result<Option<Vec<Vec<f64>>>, String> {
-        let Some(rows) = &self.starts else {
-            return Ok(None);
-        };
-        let width = width_of(rows);
-        let all = loaded.model.configuration_len();
-        let columns = match (&self.joint_names, base_to_tip) {
-            (Some(names), _) => {
-                let columns = loaded.joint_columns(names);
-                columns.map_err(|problem| format!("joint_names: {problem}"))?
-            }
-            (None, _) if width == all => loaded.columns_of((0..all).collect()),
-            (None, Some(columns)) if columns.width() == width => columns.clone(),
-            (None, columns) => {
-                let or_arm = columns.map_or_else(String::new, |columns| {
-                    let (count, names) = (columns.width(), columns.names(loaded));
-                    format!(", or {count} from base to tip: {}", names.join(", "))
-                });
-                return Err(format!(
-                    "starts[0]: has {width} numbers; without joint_names, expected {all} for all \
-                     moving joints{or_arm}"
-                ));
-            }
-        };
-        let starts = rows.iter().map(|row| columns.configuration(row));
-        Ok(Some(starts.collect()))
     }
 
     fn of_value(value: &Value) -> Result<Self, String> {

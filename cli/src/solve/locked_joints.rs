@@ -1,8 +1,5 @@
-//! Options of locked joints and tools, for all solvers.
+//! Locked joints and tools, for all solvers.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use kinopt::model::{
     FrameId, JointId, Model, ModelBuilder, ParameterMap, ParameterMapBuilder, UnknownName,
 };
@@ -11,89 +8,17 @@ use kinopt::spatial::Placement;
 
 use crate::failure::Outcome;
 use crate::frame_name::{self, BareName};
-use crate::help_headings::MODEL;
 use crate::loaded_model::{HeldJoints, LoadedModel};
-use crate::model_options::ModelOptions;
-use crate::number_list;
-use crate::target;
+use crate::problem::ModelSettings;
 
-/// Joints to lock and to free, and a tool.
-#[derive(Args, Clone, Debug, Default)]
-pub(crate) struct ChainArguments {
-    /// Lock a joint at a value in radians or metres, or at its start value. Repeatable.
-    #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse, help_heading = MODEL)]
-    lock: Vec<Lock>,
-
-    /// Free joints or bones; all others are locked at the start. Default: all joints are free.
-    #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',', help_heading = MODEL)]
-    only: Vec<String>,
-
-    /// SRDF file: start at state `ready` or `home`, passive joints locked. Default: none.
-    #[arg(long, value_name = "FILE", help_heading = MODEL)]
-    srdf: Option<PathBuf>,
-
-    /// Free only the joints of a group of the SRDF file. Default: all joints are free.
-    #[arg(long, value_name = "GROUP", requires = "srdf", help_heading = MODEL, hide_short_help = true)]
-    group: Option<String>,
-
-    /// Tool placement in the frame of --target or --targets, in metres. Default: none.
-    #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
-          value_parser = target::parse_placement, help_heading = MODEL)]
-    pub(crate) tool: Option<Placement<f64>>,
-}
-
-/// Value of `--lock`.
-#[derive(Clone, Debug, PartialEq)]
-struct Lock {
-    joint: String,
-    value: Option<f64>,
-}
-
-impl Lock {
-    fn parse(text: &str) -> Result<Self, String> {
-        let (joint, value) = match text.rsplit_once('=') {
-            Some((joint, value)) => (joint, Some(number_list::number(value.trim())?)),
-            None => (text, None),
-        };
-        match joint.trim() {
-            "" => Err("expected JOINT or JOINT=VALUE".to_owned()),
-            joint => Ok(Self {
-                joint: joint.to_owned(),
-                value,
-            }),
-        }
-    }
-}
-
-impl ChainArguments {
-    /// Reads the SRDF file, if one is given.
-    pub(crate) fn read_srdf(
-        &self,
-        loaded: &mut LoadedModel,
-        options: &ModelOptions,
-    ) -> Outcome<()> {
-        let Some(file) = &self.srdf else {
-            return Ok(());
-        };
-        let Some(robot) = &loaded.robot else {
-            return Err(usage!("{}: --srdf is for robots", loaded.file));
-        };
-        loaded.srdf = Some(Box::new(options.read_srdf(file, robot)?));
-        Ok(())
-    }
-
-    /// True if an option locks joints.
-    pub(crate) fn holds(&self) -> bool {
+impl ModelSettings {
+    /// True if a setting locks joints.
+    pub(crate) fn locks(&self) -> bool {
         !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
     }
 
-    /// Resolves the names. Joints without a value are locked as in `start`; `degrees` is the unit of typed angles.
-    pub(crate) fn held(
-        &self,
-        loaded: &LoadedModel,
-        start: &[f64],
-        degrees: bool,
-    ) -> Outcome<HeldJoints> {
+    /// Resolves the names. Joints without a value are locked as in `start`.
+    pub(crate) fn held(&self, loaded: &LoadedModel, start: &[f64]) -> Outcome<HeldJoints> {
         let model = &loaded.model;
         let is_angle: Vec<bool> = loaded.is_angle().collect();
         let (mut locked, mut locked_balls) = (Vec::new(), Vec::new());
@@ -123,7 +48,7 @@ impl ChainArguments {
                 let at = |list: &[f64]| coordinate.and_then(|c| list.get(c).copied());
                 let turns = coordinate.and_then(|c| is_angle.get(c).copied());
                 let value = match lock.value {
-                    Some(value) if degrees && turns == Some(true) => value.to_radians(),
+                    Some(value) if lock.degrees && turns == Some(true) => value.to_radians(),
                     Some(value) => value,
                     None => at(start).unwrap_or_default(),
                 };
@@ -136,7 +61,7 @@ impl ChainArguments {
                 let is_locked_ball = locked_balls.iter().any(|(id, _)| *id == joint);
                 if is_locked_ball || locked.iter().any(|(id, _)| *id == joint) {
                     let joint_name = loaded.joint_name(joint);
-                    return Err(usage!("joint `{joint_name}` is in --lock and in --only"));
+                    return Err(usage!("joint `{joint_name}` is locked and in `only`"));
                 }
                 only.push(joint);
             }
@@ -186,7 +111,7 @@ fn is_ball(model: &Model, joint: JointId) -> bool {
     joint.is_some_and(|joint| joint.kind.is_ball())
 }
 
-impl ChainArguments {
+impl ModelSettings {
     /// Locks passive joints and frees the joints of the group. Mimic joints are left out.
     fn take_srdf(
         &self,
@@ -284,24 +209,5 @@ impl LoadedModel {
             Some((frame_below, tool)) if frame_below == frame => tool,
             _ => frame,
         })
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn locks_parse() {
-        let lock = |joint: &str, value| Lock {
-            joint: joint.to_owned(),
-            value,
-        };
-        assert_eq!(Lock::parse("elbow"), Ok(lock("elbow", None)));
-        assert_eq!(Lock::parse("a=b=-1.5"), Ok(lock("a=b", Some(-1.5))));
-        for bad in ["", "=1", "a=", "a=x", "a=nan"] {
-            assert!(Lock::parse(bad).is_err(), "{bad}");
-        }
     }
 }

@@ -1,22 +1,26 @@
-//! `--interval`: allowed offset of a pose component from its target.
+//! Goal bounds: allowed offset of a pose component from its target.
 
-use crate::number_list::{not_negative, number};
+use std::str::FromStr;
+
+use super::number_list::{not_negative, number};
 
 const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 const SHAPE: &str = "expected AXIS=WIDTH, AXIS=LOW..HIGH or AXIS=free, \
                      the axis one of x, y, z, rx, ry, rz";
 
-/// Goal bounds of one component of the tip's pose: offset from the target, in metres or in the typed angle unit.
+/// Goal bounds of one component of the tip's pose: offset from the target, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     /// Index of the component: x, y, z, then the rotations about them.
-    pub(super) axis: usize,
-    pub(super) low: f64,
-    pub(super) high: f64,
+    pub(crate) axis: usize,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
 }
 
-impl Interval {
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+impl FromStr for Interval {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
         let (axis, width) = text.split_once('=').ok_or(SHAPE)?;
         let axis = AXES.iter().position(|name| *name == axis.trim());
         let axis = axis.ok_or(SHAPE)?;
@@ -41,10 +45,20 @@ impl Interval {
         }
         Ok(Self { axis, low, high })
     }
+}
 
+impl Interval {
     /// True for a rotation.
     pub(crate) fn turns(&self) -> bool {
         self.axis >= 3
+    }
+
+    /// Interval of an option, with its unit of angles.
+    pub(crate) fn typed(mut self, degrees: bool) -> Self {
+        if degrees && self.turns() {
+            (self.low, self.high) = (self.low.to_radians(), self.high.to_radians());
+        }
+        self
     }
 }
 
@@ -56,11 +70,11 @@ mod tests {
     #[test]
     fn interval_widths_and_ends_parse() {
         let at = |axis, low, high| Ok(Interval { axis, low, high });
-        assert_eq!(Interval::parse("x=0.01"), at(0, -0.01, 0.01));
-        assert_eq!(Interval::parse("z=-0.01..0.03"), at(2, -0.01, 0.03));
-        assert_eq!(Interval::parse("ry=0.5"), at(4, -0.5, 0.5));
+        assert_eq!(Interval::from_str("x=0.01"), at(0, -0.01, 0.01));
+        assert_eq!(Interval::from_str("z=-0.01..0.03"), at(2, -0.01, 0.03));
+        assert_eq!(Interval::from_str("ry=0.5"), at(4, -0.5, 0.5));
         let free = at(5, f64::NEG_INFINITY, f64::INFINITY);
-        assert_eq!(Interval::parse("rz=free"), free);
+        assert_eq!(Interval::from_str("rz=free"), free);
         for (bad, reason) in [
             ("x", "AXIS=WIDTH"),
             ("w=1", "rx, ry, rz"),
@@ -69,7 +83,7 @@ mod tests {
             ("rx=0..1", "symmetric"),
             ("x=wide", "not a number"),
         ] {
-            let error = Interval::parse(bad).unwrap_err();
+            let error = Interval::from_str(bad).unwrap_err();
             assert!(error.contains(reason), "{bad}: {error}");
         }
     }

@@ -1,11 +1,8 @@
-//! Solvers and derivative modes by name.
+//! Methods of the general solver and routes of its derivatives, by name.
 
-use clap::builder::PossibleValuesParser;
 use kinopt::Solver;
 use kinopt::problem::Derivatives;
 use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient};
-
-use crate::choices::Choice;
 
 /// All solvers; the first is the default.
 fn solvers() -> [Solver; 5] {
@@ -18,35 +15,23 @@ fn solvers() -> [Solver; 5] {
     ]
 }
 
-/// Parser of the names of methods.
-pub(crate) fn names() -> PossibleValuesParser {
-    PossibleValuesParser::new(solvers().iter().map(Solver::method).collect::<Vec<_>>())
+/// Names of the methods.
+pub(crate) fn names() -> [&'static str; 5] {
+    solvers().each_ref().map(Solver::method)
 }
 
-/// Solver of a name that [`names`] accepted.
+/// Solver of a name of [`names`].
 pub(crate) fn solver(name: &str) -> Solver {
     let selected = solvers().into_iter().find(|solver| solver.method() == name);
     selected.unwrap_or_default()
 }
 
-/// Derivative modes of `--jacobian`.
-pub(crate) const JACOBIAN_ROUTES: [Choice<Derivatives>; 4] = [
-    (
-        "analytic",
-        "Geometric, exact, fastest",
-        Derivatives::Analytic,
-    ),
-    (
-        "dual",
-        "Forward-mode dual numbers, exact",
-        Derivatives::Dual,
-    ),
-    ("fd", "Forward differences", Derivatives::ForwardDifference),
-    (
-        "central",
-        "Central differences",
-        Derivatives::CentralDifference,
-    ),
+/// Routes of derivatives.
+pub(crate) const DERIVATIVES: [(&str, Derivatives); 4] = [
+    ("analytic", Derivatives::Analytic),
+    ("dual", Derivatives::Dual),
+    ("fd", Derivatives::ForwardDifference),
+    ("central", Derivatives::CentralDifference),
 ];
 
 #[cfg(test)]

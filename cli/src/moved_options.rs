@@ -1,0 +1,54 @@
+//! Hints for options that another subcommand or the file of `--problem` has.
+
+use crate::problem::place_of;
+
+/// Options with the subcommand that has them, or with the option that replaces them.
+const MOVED: [(&str, &str); 27] = [
+    ("--targets", "kinopt batch, track or servo"),
+    ("--batch", "kinopt batch --together"),
+    ("--threads", "kinopt batch"),
+    ("--track", "kinopt track"),
+    ("--servo", "kinopt servo --rate HZ"),
+    ("--velocity-limits", "kinopt servo"),
+    ("--acceleration-limits", "kinopt servo"),
+    ("--jerk-limits", "kinopt servo"),
+    ("--straight-line", "kinopt servo"),
+    ("--ray", "kinopt body"),
+    ("--center-of-mass", "kinopt body"),
+    ("--balance", "kinopt body"),
+    ("--balance-margin", "kinopt body"),
+    ("--weight", "kinopt body"),
+    ("--level", "kinopt body"),
+    (
+        "--tasks",
+        "kinopt body, with `tasks` in the file of --problem",
+    ),
+    (
+        "--restarts",
+        "one less than `attempts` of the file of --problem",
+    ),
+    ("--free", "--hold none"),
+    ("--free-axis", "--interval, such as rz=free for the z axis"),
+    ("--frame", "--tip"),
+    ("--keep-clear", "--margin M"),
+    ("--help-all", "--help"),
+    ("--target", "kinopt solve or body"),
+    ("--search", "kinopt solve or batch"),
+    ("--hold", "kinopt solve, body, batch or track"),
+    (
+        "--out",
+        "kinopt solve, body, path, animate, retarget or spheres",
+    ),
+    ("--into", "kinopt solve, body or animate"),
+];
+
+/// Place of an option that a subcommand does not have, if there is one.
+pub(crate) fn hint(option: &str) -> Option<String> {
+    let option = option.split('=').next().unwrap_or(option);
+    let moved = MOVED.iter().find(|(name, _)| *name == option);
+    match (moved, place_of(option)) {
+        (Some((_, place)), _) => Some(format!("{option}: see {place}")),
+        (None, Some(place)) => Some(format!("{option}: see {place} in the file of --problem")),
+        (None, None) => None,
+    }
+}
