@@ -4,4 +4,5 @@
 mod jobs;
 mod methods;
 mod options;
+mod retarget_folders;
 mod tasks;

@@ -27,7 +27,6 @@ mod mimic_joint_speeds;
 mod one_sided_limits;
 mod online_retargeting;
 mod rate_factors;
-mod retarget_folders;
 mod retargeted_collision_avoidance;
 mod retargeted_feet;
 mod retargeted_soles;

@@ -6,7 +6,6 @@ use std::path::Path;
 
 use kinopt::animation::Armature;
 use kinopt::io::rig::Rig;
-use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, QUESTION, unfinished};
 use kinopt::motion::retarget::{
     BodyMap, Capture, ContactDetection, FigureTarget, FootShapes, RetargetOptions, Retargeting,
     UpAxis,
@@ -14,6 +13,7 @@ use kinopt::motion::retarget::{
 use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
+use kinopt_bindings::retarget_folder::{FolderQuestion, MovementFolder, QUESTION, unfinished};
 
 use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};

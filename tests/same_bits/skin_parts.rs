@@ -6,10 +6,11 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{
     BoneBoxes, Deformation, DualQuaternion, DualQuaternionBlend, LinearBlend,
     PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights, PointHandle, SkinWeights,
-    SkinningMethod, TwistedTube, single_precision_transform,
+    SkinningMethod, single_precision_transform,
 };
 use kinopt::spatial::Placement;
 use support::random::Random;
+use support::twisted_tube::TwistedTube;
 
 use crate::animated::{check_single, number, rotation, vector};
 use crate::digest::{Digest, Value};

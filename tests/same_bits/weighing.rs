@@ -4,10 +4,11 @@
 use glam::{DVec3, Vec3};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{
-    AutomaticWeights, HeatWeights, SkinWeights, SkinWeightsBuilder, TwistedTube, bone_volumes,
+    AutomaticWeights, HeatWeights, SkinWeights, SkinWeightsBuilder, bone_volumes,
 };
 use nalgebra::DMatrix;
 use support::random::Random;
+use support::twisted_tube::TwistedTube;
 
 use crate::animated::{check_single, vector};
 use crate::digest::{Digest, Value};

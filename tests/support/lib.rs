@@ -43,6 +43,8 @@ pub mod state_machines;
 pub mod stationary;
 pub mod tasks;
 pub mod trees;
+#[path = "../../examples/twisted_tube/tube.rs"]
+pub mod twisted_tube;
 pub mod urdf_matrices;
 
 use kinopt::spatial::{Placement, Vector3};

@@ -4,7 +4,7 @@ use clap::Args;
 use kinopt::collision::{Checker, World};
 use kinopt::counted;
 use kinopt::motion::retarget::Retargeted;
-use kinopt::motion::retarget::folder::FolderQuestion;
+use kinopt_bindings::retarget_folder::FolderQuestion;
 
 use super::target::Target;
 use crate::collision_options::ObstacleOptions;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::motion::retarget::folder::{FolderError, Movement, MovementFolder};
+use kinopt_bindings::retarget_folder::{FolderError, Movement, MovementFolder};
 use rayon::prelude::*;
 use serde::Serialize;
 

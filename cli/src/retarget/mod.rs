@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::counted;
-use kinopt::motion::retarget::folder::FolderQuestion;
 use kinopt::motion::retarget::{
     FootShapes, KnownSkeleton, LostContact, RetargetOptions, Retargeting,
 };
+use kinopt_bindings::retarget_folder::FolderQuestion;
 use serde::Serialize;
 
 use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};

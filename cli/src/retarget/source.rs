@@ -4,8 +4,8 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
-use kinopt::motion::retarget::folder::FolderQuestion;
 use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
+use kinopt_bindings::retarget_folder::FolderQuestion;
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder};
 use kinopt::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
+use kinopt_bindings::retarget_folder::{FolderQuestion, MovementFolder};
 
 use crate::forked_rig::*;
 

@@ -1,8 +1,8 @@
 //! Kinds of errors: the error class of every error of the library.
 
+use crate::retarget_folder::FolderError;
 use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
-use kinopt::motion::retarget::folder::FolderError;
 use kinopt::robot::RobotFileError;
 
 /// Error classes of the interfaces.

@@ -13,6 +13,7 @@
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
 //! - [`json`]: the values and arguments of JSON, for problem files
+//! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - [`error`]: kinds of errors
 
 pub mod cones;
@@ -27,6 +28,7 @@ pub mod parameters;
 pub mod placement;
 pub mod problem;
 mod quantities;
+pub mod retarget_folder;
 pub mod task;
 mod value;
 

@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use kinopt::motion::retarget::folder::{self, FolderError, FolderQuestion, MovementFolder};
 use kinopt_bindings::Classify;
+use kinopt_bindings::retarget_folder::{FolderError, FolderQuestion, MovementFolder};
 use pyo3::prelude::*;
 
 use super::request::{Options, foot_shapes_of, read_map, target_of};
@@ -74,5 +74,5 @@ pub(super) fn folder_begun(
 /// Temporary path of an output file during writing.
 #[pyfunction]
 pub(super) fn unfinished(out: PathBuf) -> PathBuf {
-    folder::unfinished(&out)
+    kinopt_bindings::retarget_folder::unfinished(&out)
 }

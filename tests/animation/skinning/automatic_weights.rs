@@ -1,11 +1,12 @@
 //! Promise: automatic weights follow the nearest bones, sum to 1, are smooth along edges and are reproducible.
 
 use std::collections::BTreeSet;
+use support::twisted_tube::TwistedTube;
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{AutomaticWeights, SkinWeights, SkinningError, TwistedTube};
+use kinopt::skinning::{AutomaticWeights, SkinWeights, SkinningError};
 use support::skins::steepest;
 
 fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {

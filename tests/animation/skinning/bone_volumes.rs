@@ -2,6 +2,7 @@
 //! masses and centre follow from it. Meshes without an inside are rejected.
 
 use std::path::Path;
+use support::twisted_tube::TwistedTube;
 
 use glam::Vec3;
 use kinopt::SizeMismatch;
@@ -9,7 +10,7 @@ use kinopt::io::rig::Rig;
 use kinopt::kinematics::KinematicsError;
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::ModelError;
-use kinopt::skinning::{SkinWeights, SkinningError, TwistedTube, bone_volumes};
+use kinopt::skinning::{SkinWeights, SkinningError, bone_volumes};
 
 /// Box between two corners, with its eight vertices indexed by bits x, y, z.
 fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {

@@ -2,9 +2,10 @@
 //! turn. Under dual quaternions it keeps its shape.
 
 use std::f64::consts::PI;
+use support::twisted_tube::TwistedTube;
 
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{SkinningMethod, TwistedTube};
+use kinopt::skinning::SkinningMethod;
 
 fn twisted(tube: &TwistedTube, method: SkinningMethod, twist: f64) -> TriangleMesh {
     let transforms = TwistedTube::transforms(twist);

@@ -77,7 +77,7 @@ each! { value:
     skinning::PackedDualQuaternionBlend<'static>, skinning::PackedLinearBlend<'static>,
     skinning::PackedWeights, skinning::PointHandle, skinning::Pruning,
     skinning::RestVertices<'static>, skinning::SkinWeights, skinning::SkinWeightsBuilder,
-    skinning::SkinningMethod, skinning::TwistedTube, skinning::WeightRepair,
+    skinning::SkinningMethod, skinning::WeightRepair,
     io::FileAccess, io::Place, io::bvh::BvhChannel, io::bvh::BvhFormat<'static>, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
@@ -110,8 +110,7 @@ each! { value:
     motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::Retargeted, motion::retarget::Retargeting<'static>,
-    motion::retarget::Touching, motion::retarget::UpAxis, motion::retarget::folder::FolderQuestion<'static>,
-    motion::retarget::folder::Movement, motion::retarget::folder::MovementFolder,
+    motion::retarget::Touching, motion::retarget::UpAxis,
 }
 
 each! { value:
@@ -152,7 +151,7 @@ each! { error:
     skinning::SkinningError, mesh::MeshError, model::UnknownName, problem::ProblemError,
     robot::RobotFileError, skinning::UnknownSkinning, spatial::NotRigid, spatial::RigidDefect,
     BadOption, SizeMismatch, simd_ik::LaneError, motion::clip_ik::ClipIkError,
-    motion::path::PathError, motion::retarget::RetargetError, motion::retarget::folder::FolderError,
+    motion::path::PathError, motion::retarget::RetargetError,
     robot::ParseIssue,
 }
 

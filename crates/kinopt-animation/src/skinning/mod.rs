@@ -31,7 +31,6 @@ mod packed;
 mod point_handles;
 mod pruning;
 mod shared_scale;
-mod twisted_tube;
 mod vertices;
 mod weights;
 
@@ -54,7 +53,6 @@ pub use morph::{MorphTarget, MorphTargets};
 pub use packed::{PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights};
 pub use point_handles::PointHandle;
 pub use pruning::Pruning;
-pub use twisted_tube::TwistedTube;
 pub use vertices::{PosedVertices, RestVertices};
 pub use weights::{
     Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, SkinWeightsBuilder, WeightRepair,

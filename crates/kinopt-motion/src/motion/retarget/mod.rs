@@ -16,7 +16,6 @@ mod driven_point;
 mod error;
 mod feet;
 mod figure_target;
-pub mod folder;
 mod follower;
 mod foot_shapes;
 mod footholds;

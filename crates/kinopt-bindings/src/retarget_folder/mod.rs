@@ -4,12 +4,12 @@
 //! name](unfinished) first, so existing files are complete.
 
 mod error;
-mod movement_folder;
-mod question;
+mod folder_settings;
+mod motion_folder;
 
 pub use error::FolderError;
-pub use movement_folder::{Movement, MovementFolder, unfinished};
-pub use question::FolderQuestion;
+pub use folder_settings::FolderQuestion;
+pub use motion_folder::{Movement, MovementFolder, unfinished};
 
 /// Name of the file with the settings of a folder, which all its results share.
 pub const QUESTION: &str = "retarget.json";

@@ -4,10 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
-use super::SkinWeights;
-use crate::skinning::SkinningError;
-use kinopt_kinematics::scalar::elementary;
-use kinopt_mesh::mesh::{MeshError, TriangleMesh};
+use kinopt::mesh::{MeshError, TriangleMesh};
+use kinopt::skinning::{SkinWeights, SkinningError};
 
 /// A closed tube along x with flat ends. Bone 0 holds the end at x = 0. Bone 1 holds the end at `length` and twists
 /// about x. Between them, weights are interpolated linearly over a middle part.
@@ -51,7 +49,7 @@ impl TwistedTube {
         let mut positions = Vec::new();
         for ring in 0..rings {
             for side in 0..sides {
-                let (sin, cos) = elementary::sin_cos(TAU * f64::from(side) / f64::from(sides));
+                let (sin, cos) = (TAU * f64::from(side) / f64::from(sides)).sin_cos();
                 let corner = DVec3::new(self.along(ring), self.radius * cos, self.radius * sin);
                 positions.push(corner.as_vec3());
             }
@@ -103,7 +101,7 @@ impl TwistedTube {
     /// The transforms of the two bones (rest → posed) for a twist in radians.
     #[must_use]
     pub fn transforms(twist: f64) -> [Affine3A; 2] {
-        let (sin, cos) = elementary::sin_cos(0.5 * twist);
+        let (sin, cos) = (0.5 * twist).sin_cos();
         let rotation = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
         [Affine3A::IDENTITY, Affine3A::from_quat(rotation)]
     }
@@ -116,7 +114,7 @@ impl TwistedTube {
         let rings = posed.positions().chunks_exact(sides);
         let radius = |ring: &[Vec3]| {
             let points = ring.iter().map(|p| p.as_dvec3());
-            let distances = points.map(|p| elementary::hypot(p.y, p.z));
+            let distances = points.map(|p| p.y.hypot(p.z));
             distances.sum::<f64>() / sides as f64
         };
         let coordinates = (0..self.rings.max(2)).map(|ring| self.along(ring));

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{FolderError, FolderQuestion, QUESTION};
-use kinopt_kinematics::file_replacement::write_file;
+use kinopt::io::write_file;
 
 /// File extensions of motions.
 const FILE_EXTENSIONS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
@@ -17,7 +17,7 @@ const UNFINISHED_PREFIX: &str = ".part.";
 ///
 /// ```
 /// # std::env::set_current_dir("../..")?;
-/// use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, unfinished};
+/// use kinopt_bindings::retarget_folder::{FolderQuestion, MovementFolder, unfinished};
 /// use kinopt::motion::retarget::RetargetOptions;
 /// use kinopt::robot::{BaseJoint, Robot};
 ///

@@ -5,6 +5,9 @@
 //! collapses the waist (the candy wrapper). Dual quaternions keep both.
 #![allow(clippy::print_stdout)]
 
+#[allow(dead_code, unreachable_pub, reason = "tests share it")]
+mod tube;
+
 use std::error::Error;
 use std::f32::consts::PI;
 
@@ -14,7 +17,9 @@ use kinopt::animation::rotation::EulerOrder;
 use kinopt::animation::{
     Armature, ArmatureBone, Channel, Clip, Cursor, EulerCurve, LocalTransform, Playback,
 };
-use kinopt::skinning::{MeshWeights, SkinningMethod, TwistedTube};
+use kinopt::skinning::{MeshWeights, SkinningMethod};
+
+use tube::TwistedTube;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let tube = TwistedTube::default();

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use kinopt::motion::retarget::folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
 use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
+use kinopt_bindings::retarget_folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
 use support::arms::floating_nao;
 use support::fault_tables::ExpectedError;
 

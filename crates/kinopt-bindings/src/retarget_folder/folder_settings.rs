@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
-use kinopt_robot::robot::Robot;
+use kinopt::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
+use kinopt::robot::Robot;
 
 /// Settings of a folder of motions: target, map and options.
 #[derive(Clone, Debug)]
@@ -144,11 +144,10 @@ impl<'a> FolderQuestion<'a> {
         let RetargetOptions {
             contacts, windows, ..
         } = &self.options;
-        let map = self.map.map(|map| BodyMap {
-            joints: Vec::new(),
-            frame_rate: None,
-            up: None,
-            ..map.clone()
+        let map = self.map.map(|map| {
+            let mut map: BodyMap = map.clone();
+            (map.joints, map.frame_rate, map.up) = (Vec::new(), None, None);
+            map
         });
         // Separate values override those of the map.
         let rate = self.frame_rate.or(self.map.and_then(|map| map.frame_rate));

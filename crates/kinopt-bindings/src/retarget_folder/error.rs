@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::QUESTION;
-use kinopt_animation::io::{ReadError, WriteError};
+use kinopt::io::{ReadError, WriteError};
 
 /// Reason why a folder of motions cannot be started or continued.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -65,11 +65,7 @@ fn differing(differs: &[String]) -> String {
 impl FolderError {
     pub(super) fn reading(path: &Path, problem: std::io::Error) -> Self {
         let name = path.display().to_string();
-        Self::Read(ReadError::new(
-            &name,
-            kinopt_animation::io::Place::File,
-            problem,
-        ))
+        Self::Read(ReadError::new(&name, kinopt::io::Place::File, problem))
     }
 
     pub(super) fn writing(path: &Path, problem: std::io::Error) -> Self {
