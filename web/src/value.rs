@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use kinopt::SizeMismatch;
+use kinopt::model::UnknownName;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Camera, PoseBounds};
 use kinopt_bindings::{Arguments, ErrorKind, QuantityValues};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
-use crate::{arm, clock, names, placement, raise};
+use crate::{clock, names, placement, raise};
 
 /// A JavaScript value.
 pub(crate) struct Value(pub(crate) JsValue);
@@ -110,7 +111,7 @@ impl kinopt_bindings::Value for Value {
     }
 
     fn pose_bounds(&self, _what: &str) -> Result<PoseBounds, JsError> {
-        arm::goal(&self.0)
+        goal(&self.0)
     }
 
     fn camera(&self, what: &str) -> Result<Camera, JsError> {
@@ -163,5 +164,26 @@ impl Arguments for NamedArguments {
             JsError::new(&format!("{} `{name}` is missing", self.what))
         };
         Arguments::get(self, name)?.ok_or_else(missing)
+    }
+}
+
+/// Reads "pose", "position", or half widths along and about the axes.
+fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
+    match value.as_string().as_deref() {
+        Some("pose") => Ok(PoseBounds::pose()),
+        Some("position") => Ok(PoseBounds::position()),
+        Some(other) => {
+            let names = ["pose", "position"];
+            Err(raise(UnknownName::new("goal", other, names)))
+        }
+        None => {
+            let widths = arguments::vector::<6>(value, "goal")?;
+            match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
+                None => Ok(PoseBounds::within(widths)),
+                Some(width) => Err(JsError::new(&format!(
+                    "goal contains {width}, expected numbers of at least 0"
+                ))),
+            }
+        }
     }
 }

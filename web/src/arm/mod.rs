@@ -14,7 +14,6 @@ use crate::raise;
 use crate::robot::Robot;
 use crate::solution::Solution;
 use follower::Follower;
-pub(crate) use options::goal;
 use servo::{Servo, ServoOptions};
 use track::{Batch, Track};
 

@@ -1,7 +1,6 @@
 //! Options of an arm.
 
-use kinopt::arm::{Base, PoseBounds};
-use kinopt::model::UnknownName;
+use kinopt::arm::Base;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options as options_of_arms};
 use kinopt_bindings::option::names;
 use wasm_bindgen::prelude::*;
@@ -83,25 +82,4 @@ pub(super) fn build(
         .filter(|name| !OBJECTS.contains(name));
     let options = NamedArguments::of(options, "option of an arm", known)?;
     apply(builder, &options, &neutral)?.build().map_err(raise)
-}
-
-/// Reads "pose", "position", or half widths along and about the axes.
-pub(crate) fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
-    match value.as_string().as_deref() {
-        Some("pose") => Ok(PoseBounds::pose()),
-        Some("position") => Ok(PoseBounds::position()),
-        Some(other) => {
-            let names = ["pose", "position"];
-            Err(raise(UnknownName::new("goal", other, names)))
-        }
-        None => {
-            let widths = crate::arguments::vector::<6>(value, "goal")?;
-            match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
-                None => Ok(PoseBounds::within(widths)),
-                Some(width) => Err(JsError::new(&format!(
-                    "goal contains {width}, expected numbers of at least 0"
-                ))),
-            }
-        }
-    }
 }
