@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use kinopt::robot::Geometry;
 use kinopt::spatial::Vector3;
 use kinopt_bindings::option::{names, robot};
+use kinopt_bindings::shape::{self, Measure};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
@@ -232,29 +232,21 @@ impl Robot {
 
 fn shape_object(shape: &kinopt::robot::Shape) -> JsValue {
     let list = |numbers: &[f64]| JsValue::from(js_sys::Float64Array::from(numbers));
-    let fields: Vec<(&str, JsValue)> = match &shape.geometry {
-        Geometry::Box { size } => vec![("kind", "box".into()), ("size", list(size))],
-        Geometry::Cylinder { radius, length } => round("cylinder", *radius, Some(*length)),
-        Geometry::Capsule { radius, length } => round("capsule", *radius, Some(*length)),
-        Geometry::Sphere { radius } => round("sphere", *radius, None),
-        Geometry::Ellipsoid { radii } => vec![("kind", "ellipsoid".into()), ("radii", list(radii))],
-        Geometry::Mesh { file, scale } => vec![
-            ("kind", "mesh".into()),
-            ("file", file.as_str().into()),
-            ("scale", list(scale)),
-        ],
-    };
+    let measures = shape::measures(&shape.geometry).into_iter();
+    let fields = measures.map(|(name, measure)| {
+        let value = match measure {
+            Measure::Number(number) => number.into(),
+            Measure::Numbers(numbers) => list(&numbers),
+            Measure::Text(text) => text.into(),
+        };
+        (name, value)
+    });
+    let kind = shape::kind(&shape.geometry).into();
     let link_from_shape = list(&placement::columns(&shape.link_from_shape));
-    let object = object::of([("linkFromShape", link_from_shape)]);
+    let object = object::of([("linkFromShape", link_from_shape), ("kind", kind)]);
     let name = shape.name.as_deref().map(|name| ("name", name.into()));
-    for (field, value) in fields.into_iter().chain(name) {
+    for (field, value) in fields.chain(name) {
         let _ = js_sys::Reflect::set(&object, &field.into(), &value);
     }
     object.into()
-}
-
-fn round(kind: &str, radius: f64, length: Option<f64>) -> Vec<(&'static str, JsValue)> {
-    let mut fields = vec![("kind", kind.into()), ("radius", radius.into())];
-    fields.extend(length.map(|length| ("length", length.into())));
-    fields
 }

@@ -10,6 +10,7 @@
 //! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
+//! - [`shape`]: kinds and dimensions of the shapes of links
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
 //! - [`json`]: the values and arguments of JSON, for problem files
@@ -29,6 +30,7 @@ pub mod placement;
 pub mod problem;
 mod quantities;
 pub mod retarget_folder;
+pub mod shape;
 pub mod task;
 mod value;
 

@@ -1,5 +1,6 @@
 //! Read-only shapes of links.
 
+use kinopt_bindings::shape::{self, Measure};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -36,15 +37,7 @@ impl Shape {
     /// "box", "cylinder", "capsule", "sphere", "ellipsoid" or "mesh".
     #[getter]
     fn kind(&self) -> &'static str {
-        use kinopt::robot::Geometry;
-        match self.inner.geometry {
-            Geometry::Box { .. } => "box",
-            Geometry::Cylinder { .. } => "cylinder",
-            Geometry::Capsule { .. } => "capsule",
-            Geometry::Sphere { .. } => "sphere",
-            Geometry::Ellipsoid { .. } => "ellipsoid",
-            Geometry::Mesh { .. } => "mesh",
-        }
+        shape::kind(&self.inner.geometry)
     }
 
     /// Dimensions by name. A box has `size` (full lengths along x, y, z). A cylinder and a capsule have `radius` and
@@ -52,19 +45,12 @@ impl Shape {
     /// (as written in the robot's file) and `scale`.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        use kinopt::robot::Geometry;
         let measures = PyDict::new(py);
-        match &self.inner.geometry {
-            Geometry::Box { size } => measures.set_item("size", *size)?,
-            Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
-                measures.set_item("radius", *radius)?;
-                measures.set_item("length", *length)?;
-            }
-            Geometry::Sphere { radius } => measures.set_item("radius", *radius)?,
-            Geometry::Ellipsoid { radii } => measures.set_item("radii", *radii)?,
-            Geometry::Mesh { file, scale } => {
-                measures.set_item("file", file)?;
-                measures.set_item("scale", *scale)?;
+        for (name, measure) in shape::measures(&self.inner.geometry) {
+            match measure {
+                Measure::Number(number) => measures.set_item(name, number)?,
+                Measure::Numbers(numbers) => measures.set_item(name, numbers)?,
+                Measure::Text(text) => measures.set_item(name, text)?,
             }
         }
         Ok(measures)
