@@ -71,6 +71,7 @@
 //! - `rayon`: batches on several threads
 //! - `serde`: serialisation of models, options, solutions and clips
 //! - `argmin`: the bridge to argmin
+//! - `num-dual`: dual numbers of the crate num-dual as scalars
 
 #![warn(clippy::disallowed_methods)]
 // On docs.rs every item shows the feature it needs.
@@ -124,6 +125,8 @@ pub mod prelude;
 
 // These crates' types are part of the interface; another version in a caller's crate would not match.
 pub use glam;
+#[cfg(feature = "num-dual")]
+pub use kinopt_kinematics::num_dual;
 pub use nalgebra;
 
 /// Examples of the guide and the reference, run as tests.

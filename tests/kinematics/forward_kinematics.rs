@@ -3,7 +3,9 @@
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError};
 use kinopt::model::{FrameId, ParameterMap};
+use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
+use support::dual_numbers::DualNumber;
 use support::maps::maps_of;
 use support::random::Random;
 use support::trees::RandomTree;
@@ -71,11 +73,10 @@ fn placements_hold_far_from_the_origin() {
     }
 }
 
-#[test]
-fn dual_number_values_equal_plain_ones() {
+fn dual_values_equal_plain_ones<D: DualNumber<1>>() {
     let tree = RandomTree::new(8, 13);
     let q = tree.configuration(&mut Random::new(8));
-    let duals: Vec<Dual<1>> = q.iter().map(|&v| Dual::variable(v, 0)).collect();
+    let duals: Vec<D> = q.iter().map(|&v| D::variable(v, 0)).collect();
     let mut kinematics = ForwardKinematics::new(&tree.model);
     let placed = kinematics.place(&duals).unwrap();
     for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {
@@ -83,6 +84,12 @@ fn dual_number_values_equal_plain_ones() {
         let error = (nalgebra::Vector3::from(values) - theirs.translation.vector).amax();
         assert!(error < 1e-12);
     }
+}
+
+#[test]
+fn dual_number_values_equal_plain_ones() {
+    dual_values_equal_plain_ones::<Dual<1>>();
+    dual_values_equal_plain_ones::<DualSVec64<1>>();
 }
 
 #[test]

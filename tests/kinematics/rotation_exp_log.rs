@@ -3,9 +3,11 @@
 
 use std::f64::consts::PI;
 
+use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
 use kinopt::spatial::{Matrix3, Vector3, rotation_exp, rotation_log, rotation_log_jacobian};
 use nalgebra as na;
+use support::dual_numbers::DualNumber;
 use support::random::Random;
 
 const ANGLES: [f64; 19] = [
@@ -52,16 +54,16 @@ fn difference(a: Matrix3<f64>, b: na::Matrix3<f64>) -> f64 {
 }
 
 /// ω with derivatives along x, y and z.
-fn variables(omega: na::Vector3<f64>) -> Vector3<Dual<3>> {
+fn variables<D: DualNumber<3>>(omega: na::Vector3<f64>) -> Vector3<D> {
     Vector3::new(
-        Dual::variable(omega.x, 0),
-        Dual::variable(omega.y, 1),
-        Dual::variable(omega.z, 2),
+        D::variable(omega.x, 0),
+        D::variable(omega.y, 1),
+        D::variable(omega.z, 2),
     )
 }
 
 /// ∂v/∂ω by rows.
-fn jacobian(v: Vector3<Dual<3>>) -> na::Matrix3<f64> {
+fn jacobian<D: DualNumber<3>>(v: Vector3<D>) -> na::Matrix3<f64> {
     let rows = v.to_array().map(|c| na::RowVector3::from(c.derivatives()));
     na::Matrix3::from_rows(&rows)
 }
@@ -130,11 +132,10 @@ fn logarithm_beyond_half_a_turn_is_shortest() {
     }
 }
 
-#[test]
-fn derivative_of_log_exp_is_the_identity() {
+fn check_derivative_of_log_exp<D: DualNumber<3>>() {
     for axis in axes() {
         for angle in ANGLES {
-            let omega = variables(axis * angle);
+            let omega = variables::<D>(axis * angle);
             let there_and_back = jacobian(rotation_log(&rotation_exp(omega)));
             let error = (there_and_back - na::Matrix3::identity()).amax();
             assert!(error < 1e-12, "{axis} × {angle}: {error:e}");
@@ -143,8 +144,13 @@ fn derivative_of_log_exp_is_the_identity() {
 }
 
 #[test]
-fn exponential_derivative_at_zero_is_cross_product() {
-    let turned = rotation_exp(variables(na::Vector3::zeros()));
+fn derivative_of_log_exp_is_the_identity() {
+    check_derivative_of_log_exp::<Dual<3>>();
+    check_derivative_of_log_exp::<DualSVec64<3>>();
+}
+
+fn check_exponential_derivative_at_zero<D: DualNumber<3>>() {
+    let turned = rotation_exp(variables::<D>(na::Vector3::zeros()));
     let columns = [turned.x, turned.y, turned.z].map(jacobian);
     for (k, ours) in columns.into_iter().enumerate() {
         // ∂(ω × e_k)/∂ω = −[e_k]×
@@ -154,11 +160,16 @@ fn exponential_derivative_at_zero_is_cross_product() {
 }
 
 #[test]
-fn logarithm_jacobian_matches_dual_numbers() {
+fn exponential_derivative_at_zero_is_cross_product() {
+    check_exponential_derivative_at_zero::<Dual<3>>();
+    check_exponential_derivative_at_zero::<DualSVec64<3>>();
+}
+
+fn check_logarithm_jacobian<D: DualNumber<3>>() {
     for axis in axes() {
         for angle in ANGLES {
             let phi = axis * angle;
-            let turn = rotation_exp(variables(na::Vector3::zeros()));
+            let turn = rotation_exp(variables::<D>(na::Vector3::zeros()));
             let turned = turn * Matrix3::constant(rotation_exp(Vector3::from(phi)));
             let dual = jacobian(rotation_log(&turned));
             let closed = na::Matrix3::from(rotation_log_jacobian(Vector3::from(phi)));
@@ -166,6 +177,12 @@ fn logarithm_jacobian_matches_dual_numbers() {
             assert!(error < 1e-12, "{axis} × {angle}: {error:e}");
         }
     }
+}
+
+#[test]
+fn logarithm_jacobian_matches_dual_numbers() {
+    check_logarithm_jacobian::<Dual<3>>();
+    check_logarithm_jacobian::<DualSVec64<3>>();
 }
 
 #[test]

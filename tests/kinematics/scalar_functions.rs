@@ -2,7 +2,9 @@
 //! includes the axes, on which naive formulas divide by zero.
 
 use kinopt::Scalar;
+use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
+use support::dual_numbers::DualNumber;
 
 const POINTS: [f64; 9] = [-3.0, -1.0, -0.4, -1e-3, 0.0, 1e-3, 0.5, 1.0, 2.7];
 
@@ -15,7 +17,7 @@ fn slope(f: impl Fn(f64) -> f64, x: f64) -> f64 {
     (16.0 * b - a) / 15.0
 }
 
-fn check(name: &str, x: f64, dual: Dual<2>, f: impl Fn(f64) -> f64) {
+fn check<D: DualNumber<2>>(name: &str, x: f64, dual: D, f: impl Fn(f64) -> f64) {
     // A quotient of dual numbers multiplies by the reciprocal, which rounds once more.
     let rounding = 2.0 * f64::EPSILON * f(x).abs();
     assert!((dual.value() - f(x)).abs() <= rounding, "{name}({x})");
@@ -26,19 +28,18 @@ fn check(name: &str, x: f64, dual: Dual<2>, f: impl Fn(f64) -> f64) {
     assert_eq!(across, 0.0, "{name}({x}) does not depend on the other");
 }
 
-/// One function over every scalar.
+/// One function over `f64` and over the dual numbers `D`.
 macro_rules! law {
     ($name:literal, $x:ident, $body:expr) => {
         (
             $name,
             (|$x: f64| $body) as fn(f64) -> f64,
-            (|$x: Dual<2>| $body) as fn(Dual<2>) -> Dual<2>,
+            (|$x: D| $body) as fn(D) -> D,
         )
     };
 }
 
-#[test]
-fn functions_of_one_variable() {
+fn check_functions_of_one_variable<D: DualNumber<2>>() {
     fn constant<S: Scalar>(value: f64, _like: S) -> S {
         S::constant(value)
     }
@@ -69,7 +70,7 @@ fn functions_of_one_variable() {
     ];
     for (name, plain, dual) in everywhere {
         for x in POINTS {
-            check(name, x, dual(Dual::variable(x, 0)), plain);
+            check(name, x, dual(D::variable(x, 0)), plain);
         }
     }
     let positive = [
@@ -78,7 +79,7 @@ fn functions_of_one_variable() {
     ];
     for (name, plain, dual) in positive {
         for x in [1e-2, 0.5, 1.0, 40.0] {
-            check(name, x, dual(Dual::variable(x, 0)), plain);
+            check(name, x, dual(D::variable(x, 0)), plain);
         }
     }
     let off_zero = [
@@ -88,13 +89,18 @@ fn functions_of_one_variable() {
     ];
     for (name, plain, dual) in off_zero {
         for x in POINTS.into_iter().filter(|x| *x != 0.0 && *x != 1.0) {
-            check(name, x, dual(Dual::variable(x, 0)), plain);
+            check(name, x, dual(D::variable(x, 0)), plain);
         }
     }
 }
 
 #[test]
-fn atan2_has_both_derivatives_on_the_axes() {
+fn functions_of_one_variable() {
+    check_functions_of_one_variable::<Dual<2>>();
+    check_functions_of_one_variable::<DualSVec64<2>>();
+}
+
+fn check_atan2_on_the_axes<D: DualNumber<2>>() {
     for (y, x) in [
         (1.0, 0.0),
         (-2.0, 0.0),
@@ -102,7 +108,7 @@ fn atan2_has_both_derivatives_on_the_axes() {
         (0.5, -0.5),
         (1e-8, 0.0),
     ] {
-        let angle = Dual::<2>::variable(y, 0).atan2(Dual::variable(x, 1));
+        let angle = D::variable(y, 0).atan2(D::variable(x, 1));
         let squared: f64 = x * x + y * y;
         // The system's arc tangent may differ in the last bit.
         assert!((angle.value() - f64::atan2(y, x)).abs() <= 1e-15);
@@ -113,41 +119,68 @@ fn atan2_has_both_derivatives_on_the_axes() {
 }
 
 #[test]
-fn select_keeps_derivatives_of_the_chosen_side() {
-    let yes = Dual::<2>::new(1.0, [5.0, 6.0]);
-    let no = Dual::<2>::new(2.0, [f64::NAN, f64::INFINITY]);
-    assert_eq!(Dual::select(true, yes, no), yes);
-    assert_eq!(Dual::select(false, no, yes), yes);
+fn atan2_has_both_derivatives_on_the_axes() {
+    check_atan2_on_the_axes::<Dual<2>>();
+    check_atan2_on_the_axes::<DualSVec64<2>>();
+}
+
+fn check_select<D: DualNumber<2>>() {
+    let parts = |number: D| (number.value(), number.derivatives());
+    let yes = D::with_derivatives(1.0, [5.0, 6.0]);
+    let no = D::with_derivatives(2.0, [f64::NAN, f64::INFINITY]);
+    assert_eq!(parts(D::select(true, yes, no)), parts(yes));
+    assert_eq!(parts(D::select(false, no, yes)), parts(yes));
     assert!(yes.less_than(no), "comparisons look at the value alone");
     assert!(!no.less_than(yes));
+    let tie = D::with_derivatives(1.0, [9.0, 9.0]);
+    let first = parts(yes);
+    assert_eq!(
+        parts(yes.min(tie)),
+        first,
+        "of two equals the first is kept"
+    );
+    assert_eq!(parts(yes.max(tie)), first);
+}
+
+#[test]
+fn select_keeps_derivatives_of_the_chosen_side() {
+    check_select::<Dual<2>>();
+    check_select::<DualSVec64<2>>();
     assert_eq!(Scalar::select(true, 1.0, f64::NAN), 1.0);
-    let tie = Dual::<2>::new(1.0, [9.0, 9.0]);
-    assert_eq!(yes.min(tie), yes, "of two equals the first is kept");
-    assert_eq!(yes.max(tie), yes);
+}
+
+fn check_constants_and_variables<D: DualNumber<2>>() {
+    let constant = D::constant(3.5);
+    assert_eq!((constant.value(), constant.derivatives()), (3.5, [0.0; 2]));
+    let mut sum = D::variable(1.0, 1);
+    sum += constant;
+    sum -= D::one();
+    sum *= D::constant(2.0);
+    assert_eq!((sum.value(), sum.derivatives()), (7.0, [0.0, 2.0]));
+    assert_eq!(D::zero().value(), 0.0);
 }
 
 #[test]
 fn constants_and_variables() {
-    let constant = Dual::<2>::constant(3.5);
-    assert_eq!((constant.value(), constant.derivatives()), (3.5, [0.0; 2]));
+    check_constants_and_variables::<Dual<2>>();
+    check_constants_and_variables::<DualSVec64<2>>();
     let beyond = Dual::<2>::variable(3.5, 2);
     assert_eq!(beyond.derivatives(), [0.0; 2]);
-    let mut sum = Dual::<2>::variable(1.0, 1);
-    sum += constant;
-    sum -= Dual::one();
-    sum *= Dual::constant(2.0);
-    assert_eq!((sum.value(), sum.derivatives()), (7.0, [0.0, 2.0]));
-    assert_eq!(Dual::<2>::zero().value(), 0.0);
 }
 
-#[test]
-fn unselected_branch_has_no_influence() {
+fn check_guarded_root<D: DualNumber<1>>() {
     // The pattern that the trait's documentation prescribes for a guarded root.
     fn guarded<S: Scalar>(squared: S) -> S {
         let zero = squared.less_than(S::constant(1e-30));
         let root = S::select(zero, S::one(), squared).sqrt();
         S::select(zero, squared, root)
     }
-    let at_zero = guarded(Dual::<1>::variable(0.0, 0));
+    let at_zero = guarded(D::variable(0.0, 0));
     assert_eq!((at_zero.value(), at_zero.derivatives()), (0.0, [1.0]));
+}
+
+#[test]
+fn unselected_branch_has_no_influence() {
+    check_guarded_root::<Dual<1>>();
+    check_guarded_root::<DualSVec64<1>>();
 }

@@ -24,6 +24,7 @@ pub mod classics;
 pub mod configuration_rules;
 pub mod convex_shapes;
 pub mod courses;
+pub mod dual_numbers;
 pub mod fault_tables;
 pub mod figures;
 pub mod folders;

@@ -23,10 +23,12 @@ const FEW_RUNS: u64 = 5;
 const MANY_RUNS: u64 = 25;
 
 /// Counted stages; other stages have similar code.
-const COUNTED_STAGES: [&str; 37] = [
+const COUNTED_STAGES: [&str; 39] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
+    "Jacobian, dual numbers, 22 bones",
+    "Jacobian, user-defined residual, 22 bones",
     "gradient, reverse mode, 22 bones",
     "iteration, Levenberg-Marquardt",
     "SIMD solver, first solution of one query",

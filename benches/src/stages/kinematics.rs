@@ -3,11 +3,13 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use kinopt::Problem;
+use kinopt::model::FrameId;
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::skeleton::Posing;
 use kinopt::solver::LeastSquares;
-use kinopt::task::Point;
+use kinopt::spatial::{Placement, rotation_log};
+use kinopt::task::{Point, Quantity, Residual, RowBlock};
+use kinopt::{Problem, Scalar};
 use nalgebra::DMatrix;
 
 use super::{Run, Stage, single};
@@ -18,16 +20,19 @@ pub(super) fn stages() -> Vec<Stage> {
         single("forward kinematics, 22 bones", || forward(2, 4)),
         single("forward kinematics, 60 bones", || forward(10, 10)),
         single("Jacobian, analytic, 22 bones", || {
-            jacobian(Derivatives::Analytic)
+            jacobian(five_tips()?, Derivatives::Analytic)
         }),
         single("Jacobian, dual numbers, 22 bones", || {
-            jacobian(Derivatives::Dual)
+            jacobian(five_tips()?, Derivatives::Dual)
+        }),
+        single("Jacobian, user-defined residual, 22 bones", || {
+            jacobian(five_spheres()?, Derivatives::Analytic)
         }),
         single("Jacobian, forward differences, 22 bones", || {
-            jacobian(Derivatives::ForwardDifference)
+            jacobian(five_tips()?, Derivatives::ForwardDifference)
         }),
         single("Jacobian, central differences, 22 bones", || {
-            jacobian(Derivatives::CentralDifference)
+            jacobian(five_tips()?, Derivatives::CentralDifference)
         }),
         single("gradient, reverse mode, 22 bones", gradient),
     ]
@@ -63,8 +68,50 @@ fn five_tips() -> Result<Problem, Box<dyn Error>> {
     Ok(builder.build()?)
 }
 
-fn jacobian(route: Derivatives) -> Result<Run, Box<dyn Error>> {
-    let problem = five_tips()?.with_derivatives(route);
+/// Distance of a frame from the unit sphere about the origin, and the rotation vector of the frame.
+#[derive(Clone)]
+struct OnSphere {
+    frame: FrameId,
+}
+
+impl Residual for OnSphere {
+    fn kind(&self) -> &'static str {
+        "sphere"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![
+            RowBlock::new(Quantity::Metres, 1),
+            RowBlock::new(Quantity::Radians, 3),
+        ]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let p = frames[0].translation;
+        residual[0] = (p.x * p.x + p.y * p.y + p.z * p.z).sqrt() - S::one();
+        residual[1..].copy_from_slice(&rotation_log(&frames[0].rotation).to_array());
+    }
+}
+
+/// Five tips of 22 bones, each with a residual that brings no derivative; every angle is a variable.
+fn five_spheres() -> Result<Problem, Box<dyn Error>> {
+    let (skeleton, tips) = figure(2, 4);
+    let skeleton = every_angle_free(&skeleton);
+    let mut builder = Problem::builder(skeleton.model());
+    for tip in tips {
+        builder.add(OnSphere {
+            frame: skeleton.tip(tip),
+        });
+    }
+    Ok(builder.build()?)
+}
+
+fn jacobian(problem: Problem, route: Derivatives) -> Result<Run, Box<dyn Error>> {
+    let problem = problem.with_derivatives(route);
     let configurations = configurations(problem.variables());
     let mut scratch = problem.scratch();
     let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());

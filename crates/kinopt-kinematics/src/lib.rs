@@ -38,6 +38,9 @@ pub mod spatial;
 pub use bad_option::BadOption;
 pub use buffer::Buffer;
 pub use model::Model;
+#[cfg(feature = "num-dual")]
+#[doc(hidden)] // For the facade.
+pub use num_dual;
 pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;

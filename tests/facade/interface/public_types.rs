@@ -5,6 +5,7 @@ use std::error::Error;
 use std::fmt::Debug;
 use std::path::Path;
 
+use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
 use kinopt::{
     BadOption, Model, Problem, SizeMismatch, Skeleton, Solution, Solver, Workspace, animation, arm,
@@ -33,7 +34,7 @@ each! { value:
     robot::MjcfReader, robot::UrdfReader, robot::Repair, robot::RepairKind, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
     spatial::Matrix3<f64>, spatial::Placement<f64>, spatial::Quaternion<f64>,
-    spatial::Vector3<f64>, Dual<6>,
+    spatial::Vector3<f64>, Dual<6>, DualSVec64<6>,
     mesh::TriangleMesh,
     collision::Shape, collision::ShapeKind, collision::ShapeNote, collision::Ball, collision::BoundingBox,
     collision::ConvexHull, collision::TriangleMesh, collision::HeightField, collision::PointCloud,

@@ -1,9 +1,11 @@
 //! Promise: handwritten derivatives with respect to a task's target equal those by dual numbers.
 
 use kinopt::model::{FrameId, Model};
-use kinopt::scalar::{Dual, Scalar};
+use kinopt::num_dual::DualSVec64;
+use kinopt::scalar::Dual;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Orientation, Point, Pose, Residual};
+use support::dual_numbers::DualNumber;
 use support::random::Random;
 
 fn anywhere(random: &mut Random) -> Placement<f64> {
@@ -12,12 +14,16 @@ fn anywhere(random: &mut Random) -> Placement<f64> {
 }
 
 /// By the dual numbers of `evaluate_moved`.
-fn expected(residual: &impl Residual, frames: &[Placement<f64>], counts: &[f64]) -> Vec<f64> {
-    let frames: Vec<Placement<Dual<6>>> = frames.iter().map(Placement::constant).collect();
+fn expected<D: DualNumber<6>>(
+    residual: &impl Residual,
+    frames: &[Placement<f64>],
+    counts: &[f64],
+) -> Vec<f64> {
+    let frames: Vec<Placement<D>> = frames.iter().map(Placement::constant).collect();
     let step: Vec<_> = (0..residual.target_len())
-        .map(|k| Dual::variable(0.0, k))
+        .map(|k| D::variable(0.0, k))
         .collect();
-    let mut rows = vec![Dual::zero(); counts.len()];
+    let mut rows = vec![D::zero(); counts.len()];
     residual.evaluate_moved(&frames, &[], &step, &mut rows);
     let slope = |k: usize| {
         rows.iter()
@@ -33,11 +39,16 @@ fn agree(residual: &impl Residual, frames: &[Placement<f64>], random: &mut Rando
     let counts: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
     let mut slopes = vec![0.25; residual.target_len()];
     assert!(residual.add_target_slopes(frames, &[], &counts, &mut slopes));
-    for (slope, expected) in slopes.iter().zip(expected(residual, frames, &counts)) {
-        assert!(
-            (slope - 0.25 - expected).abs() < 1e-12,
-            "{slope} {expected}"
-        );
+    for expected in [
+        expected::<Dual<6>>(residual, frames, &counts),
+        expected::<DualSVec64<6>>(residual, frames, &counts),
+    ] {
+        for (slope, expected) in slopes.iter().zip(expected) {
+            assert!(
+                (slope - 0.25 - expected).abs() < 1e-12,
+                "{slope} {expected}"
+            );
+        }
     }
 }
 

@@ -3,10 +3,14 @@
 //! The same code runs on `f64` to solve, on [`Dual`] numbers to differentiate, and on SIMD lanes for speed. Code over
 //! [`Scalar`] must not branch on values, because lanes would branch differently. It compares into a [`Scalar::Mask`]
 //! and picks with [`Scalar::select`].
+//!
+//! With the feature `num-dual`, `DualSVec64` of the crate num-dual is a [`Scalar`] too.
 
 mod dual;
 #[doc(hidden)]
 pub mod elementary;
+#[cfg(feature = "num-dual")]
+mod num_dual;
 #[doc(hidden)]
 pub mod trigonometry;
 
