@@ -3,7 +3,7 @@
 use kinopt::model::{FrameId, Model};
 use kinopt::scalar::{Dual, Scalar};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Orientation, Point, Pose, Residual};
+use kinopt::task::{DifferentiableTarget, Orientation, Point, Pose};
 use support::random::Random;
 
 fn anywhere(random: &mut Random) -> Placement<f64> {
@@ -12,7 +12,11 @@ fn anywhere(random: &mut Random) -> Placement<f64> {
 }
 
 /// By the dual numbers of `evaluate_moved`.
-fn expected(residual: &impl Residual, frames: &[Placement<f64>], counts: &[f64]) -> Vec<f64> {
+fn expected(
+    residual: &impl DifferentiableTarget,
+    frames: &[Placement<f64>],
+    counts: &[f64],
+) -> Vec<f64> {
     let frames: Vec<Placement<Dual<6>>> = frames.iter().map(Placement::constant).collect();
     let step: Vec<_> = (0..residual.target_len())
         .map(|k| Dual::variable(0.0, k))
@@ -28,7 +32,7 @@ fn expected(residual: &impl Residual, frames: &[Placement<f64>], counts: &[f64])
     (0..residual.target_len()).map(slope).collect()
 }
 
-fn agree(residual: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
+fn agree(residual: &impl DifferentiableTarget, frames: &[Placement<f64>], random: &mut Random) {
     let rows = residual.rows().iter().map(|rows| rows.count).sum();
     let counts: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
     let mut slopes = vec![0.25; residual.target_len()];
