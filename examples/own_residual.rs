@@ -13,7 +13,7 @@ use kinopt::model::{FrameId, Limits, Model, ModelError};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Posture, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{Description, Inputs, Posture, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 
@@ -30,12 +30,8 @@ struct OnTorus {
 }
 
 impl Residual for OnTorus {
-    fn kind(&self) -> &'static str {
-        "torus"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -46,6 +42,10 @@ impl Residual for OnTorus {
         let Vector3 { x, y, z } = frames[0].translation - Vector3::constant(self.centre);
         let outwards = (x * x + y * y).sqrt() - S::constant(self.ring);
         residual[0] = (outwards * outwards + z * z).sqrt() - S::constant(self.tube);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("torus")
     }
 }
 
@@ -59,12 +59,8 @@ struct Balance {
 }
 
 impl Residual for Balance {
-    fn kind(&self) -> &'static str {
-        "balance"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.parts.iter().map(|&(frame, _)| frame).collect()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.parts.iter().map(|&(frame, _)| frame))
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -79,6 +75,10 @@ impl Residual for Balance {
         }
         residual[0] = centre.x - S::constant(self.support[0]);
         residual[1] = centre.y - S::constant(self.support[1]);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("balance")
     }
 }
 

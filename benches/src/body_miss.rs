@@ -8,7 +8,7 @@ use kinopt::robot::Robot;
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Point, Pose, Quantity, Residual, RowBlock};
+use kinopt::task::{Description, Inputs, LocalJacobian, Point, Pose, Quantity, Residual, RowBlock};
 use kinopt::{Model, Problem, Skeleton};
 
 /// A body with unreachable problems.
@@ -30,12 +30,8 @@ struct Balance {
 }
 
 impl Residual for Balance {
-    fn kind(&self) -> &'static str {
-        "balance"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.clone()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames.clone())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -64,6 +60,10 @@ impl Residual for Balance {
             jacobian.linear_mut(k)[1] = Vector3::new(0.0, share, 0.0);
         }
         self.by_hand
+    }
+
+    fn description(&self) -> Description {
+        Description::new("balance")
     }
 }
 

@@ -10,7 +10,7 @@ use kinopt::model::{FrameId, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, Problem};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Quantity, Residual, RowBlock};
+use kinopt::task::{Inputs, Point, Quantity, Residual, RowBlock};
 use nalgebra::DMatrix;
 use support::bones::RandomRig;
 use support::planar_arm;
@@ -67,8 +67,8 @@ struct Counted {
 }
 
 impl Residual for Counted {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

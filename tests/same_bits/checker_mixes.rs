@@ -11,7 +11,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::Model;
 use kinopt::problem::{ClearanceCheck, CollisionAvoidance};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Residual;
+use kinopt::task::{InequalityResidual, Residual};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -154,17 +154,23 @@ fn asked(
 
 /// A clearance's rows and their slopes, for each of the kinds of questions that solvers ask.
 fn cleared(digest: &mut Digest, clearance: &Clearance, model: &Model, q: &[f64]) {
-    let frames = Residual::frames(clearance);
+    let inputs = Residual::inputs(clearance);
     let rows: usize = Residual::rows(clearance).iter().map(|row| row.count).sum();
     let mut kinematics = ForwardKinematics::<f64>::new(model);
     let all = kinematics.place(q).unwrap();
-    let placed: Vec<_> = frames.iter().map(|frame| all[frame.index()]).collect();
+    let placed: Vec<_> = inputs
+        .frame_ids()
+        .iter()
+        .map(|frame| all[frame.index()])
+        .collect();
     let mut values = vec![0.0; rows];
     clearance.evaluate(&placed, &[], &mut values);
     digest.doubles(values.iter().copied());
     clearance.slacks(&placed, &[], &mut values);
     digest.doubles(values);
-    digest.noted(&(clearance.distance(), clearance.validate(), clearance.kind()));
+    let description = clearance.description();
+    let validity = description.defect().map_or(Ok(()), Err);
+    digest.noted(&(clearance.distance(), validity, description.kind()));
 }
 
 fn checkers() -> [Value; 2] {

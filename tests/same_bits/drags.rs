@@ -10,7 +10,10 @@ use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance, Problem, Ta
 use kinopt::scalar::Scalar;
 use kinopt::solver::{Damping, GaussNewton, LevenbergMarquardt, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LimitCentring, Point, Posture, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{
+    Description, Inequality, InequalityResidual, Inputs, LimitCentring, Point, Posture, Quantity,
+    Residual, RowBlock, Task,
+};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -132,12 +135,8 @@ fn refused() -> Value {
 pub(crate) struct Depths(Vec<FrameId>, f64);
 
 impl Residual for Depths {
-    fn kind(&self) -> &'static str {
-        "depths"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.clone()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.0.clone())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -149,6 +148,18 @@ impl Residual for Depths {
             *row = (S::constant(self.1) - frame.translation.z).max(S::zero());
         }
     }
+
+    fn description(&self) -> Description {
+        Description::new("depths")
+    }
+}
+
+impl InequalityResidual for Depths {
+    fn inequalities(&self) -> Vec<Inequality> {
+        Vec::new()
+    }
+
+    fn slacks<S: Scalar>(&self, _: &[Placement<S>], _: &[S], _: &mut [S]) {}
 }
 
 /// The floor, and whose frames stay over it.

@@ -13,7 +13,7 @@ use kinopt::solver::{
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Gaze, JointCoupling, LimitCentring, Numeric, NumericResidual, Orientation, Point, Pose,
+    Gaze, Inputs, JointCoupling, LimitCentring, Numeric, NumericResidual, Orientation, Point, Pose,
     Posture, Quantity, RowBlock, Smoothness, Task,
 };
 use kinopt::{Solver, Workspace};
@@ -156,8 +156,8 @@ fn searches() -> [Value; 2] {
 struct Lost(FrameId);
 
 impl NumericResidual for Lost {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -7,10 +7,10 @@ use kinopt::problem::{Derivatives, Evaluation, Problem, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling,
-    LimitCentring, LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual, Orientation,
-    Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, RowBlock, Smoothness,
-    SupportPolygon, Task,
+    Axis, Bounded, Camera, CentreOfMass, Description, Distance, FrameVelocity, Gaze, Inputs,
+    JointCoupling, LimitCentring, LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual,
+    Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, RowBlock,
+    Smoothness, SupportPolygon, Task,
 };
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -43,12 +43,8 @@ pub(crate) struct Own {
 }
 
 impl NumericResidual for Own {
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.joint]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames).with_joints([self.joint])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -86,6 +82,13 @@ impl NumericResidual for Own {
         true
     }
 
+    fn description(&self) -> Description {
+        Description::default().with_validity(self.validate())
+    }
+}
+
+impl Own {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         match self.frames[0] == self.frames[1] {
             true => Err("is of one frame".to_owned()),

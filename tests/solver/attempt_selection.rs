@@ -4,11 +4,11 @@
 use std::ops::ControlFlow;
 
 use kinopt::ik::Restarts;
-use kinopt::model::{FrameId, JointId, Limits, Model};
+use kinopt::model::{JointId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{Inputs, Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Scalar, Solver, Workspace};
 
 /// One row that nearly vanishes at −2 and vanishes at 2. One row of infinite tolerance that costs more at 2 than the
@@ -17,12 +17,8 @@ use kinopt::{Scalar, Solver, Workspace};
 struct Wells(JointId);
 
 impl Residual for Wells {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::joints([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -105,12 +101,8 @@ fn restarts_keep_a_reached_limb() {
 struct Ripples(JointId);
 
 impl Residual for Ripples {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::joints([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

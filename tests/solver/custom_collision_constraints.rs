@@ -8,7 +8,9 @@ use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use kinopt::scalar::Scalar;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{
+    Description, Inequality, InequalityResidual, Inputs, Point, Quantity, Residual, RowBlock, Task,
+};
 use kinopt::{Problem, Solution, Solver};
 use support::planar_arm;
 
@@ -20,12 +22,8 @@ const MIN_CLEARANCE: f64 = 1e-3;
 struct Depth(FrameId);
 
 impl Residual for Depth {
-    fn kind(&self) -> &'static str {
-        "depth"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -35,6 +33,18 @@ impl Residual for Depth {
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         residual[0] = (-frames[0].translation.z).max(S::zero());
     }
+
+    fn description(&self) -> Description {
+        Description::new("depth")
+    }
+}
+
+impl InequalityResidual for Depth {
+    fn inequalities(&self) -> Vec<Inequality> {
+        Vec::new()
+    }
+
+    fn slacks<S: Scalar>(&self, _: &[Placement<S>], _: &[S], _: &mut [S]) {}
 }
 
 /// Checks the height, the second coordinate of a configuration.

@@ -6,8 +6,8 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, Gaze, Inequality, Plane, Point, Pose, PoseBounds, Posture, Quantity, Residual,
-    RowBlock, SupportPolygon, Task,
+    Bounded, Extensions, Gaze, Inequality, InequalityResidual, Inputs, Plane, Point, Pose,
+    PoseBounds, Posture, Quantity, Residual, RowBlock, SupportPolygon, Task,
 };
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
@@ -49,19 +49,27 @@ fn hinge() -> (Model, FrameId) {
 struct Below(FrameId, f64);
 
 impl Residual for Below {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.0]
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
+
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.0])
     }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
+
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
         let below = S::constant(self.1) - frames[0].translation.z;
         residual[0] = below.max(S::zero());
     }
+}
+
+impl InequalityResidual for Below {
     fn inequalities(&self) -> Vec<Inequality> {
         vec![Inequality::new(0..1, 1)]
     }
+
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = frames[0].translation.z - S::constant(self.1);
     }

@@ -1,11 +1,11 @@
 //! Promise: errors of zero weight are reported, and a miss reports the number of agreeing attempts.
 
 use kinopt::ik::{Drag, Restarts};
-use kinopt::model::{FrameId, JointId, Limits, Model};
+use kinopt::model::{JointId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{Inputs, Point, Pose, Quantity, Residual, RowBlock, Task};
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::arms::robot;
 use support::planar_arm;
@@ -120,12 +120,8 @@ fn attempts_of_earlier_problems_do_not_agree() {
 struct Split(JointId);
 
 impl Residual for Split {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::joints([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -9,7 +9,7 @@ use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, RowBlock,
+    Inputs, LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, RowBlock,
 };
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::fault_tables::ExpectedError;
@@ -140,8 +140,8 @@ struct Cliff {
 }
 
 impl Residual for Cliff {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.tip]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.tip])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -202,8 +202,8 @@ struct CarelessLength {
 }
 
 impl Residual for CarelessLength {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.tip]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.tip])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -2,12 +2,12 @@
 //! weights, and soft tasks are at a minimum within it.
 
 use kinopt::ik::Drag;
-use kinopt::model::{FrameId, JointId, Model};
+use kinopt::model::{JointId, Model};
 use kinopt::problem::{Problem, TaskId};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    LimitCentring, Point, Pose, Posture, Quantity, Residual, RowBlock, Smoothness, Task,
+    Inputs, LimitCentring, Point, Pose, Posture, Quantity, Residual, RowBlock, Smoothness, Task,
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
@@ -195,12 +195,8 @@ fn posture_costs_a_drag_few_steps_per_frame() {
 struct Sum([JointId; 2]);
 
 impl Residual for Sum {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.0.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.0)
     }
 
     fn rows(&self) -> Vec<RowBlock> {

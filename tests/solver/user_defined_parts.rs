@@ -10,7 +10,7 @@ use kinopt::solver::{
     Stopping, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{self, Posture, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{self, Description, Inputs, Posture, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::classics::{Bounded, Rosenbrock};
@@ -26,8 +26,8 @@ struct OnCircle {
 }
 
 impl Residual for OnCircle {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -39,6 +39,13 @@ impl Residual for OnCircle {
         residual[0] = (out.x * out.x + out.y * out.y).sqrt() - S::constant(self.radius);
     }
 
+    fn description(&self) -> Description {
+        Description::default().with_validity(self.validate())
+    }
+}
+
+impl OnCircle {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         match self.radius > 0.0 {
             true => Ok(()),

@@ -10,8 +10,8 @@ use kinopt::model::{FrameId, JointId};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Bounded, Camera, Distance, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose,
-    PoseBounds, Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task,
+    Axis, Bounded, Camera, Distance, Inputs, LimitCentring, LookAt, Orientation, Pixel, Plane,
+    Point, Pose, PoseBounds, Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task,
 };
 use nalgebra as na;
 
@@ -34,12 +34,8 @@ pub struct Entangled {
 }
 
 impl Residual for Entangled {
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames).with_joints(self.joints)
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -412,12 +408,8 @@ pub trait Curve: Clone + Send + Sync + 'static {
 pub struct OfJoint<C>(pub JointId, pub C);
 
 impl<C: Curve> Residual for OfJoint<C> {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::joints([self.0])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -8,7 +8,7 @@ use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::skeleton::Posing;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, rotation_log};
-use kinopt::task::{Point, Quantity, Residual, RowBlock};
+use kinopt::task::{Inputs, Point, Quantity, Residual, RowBlock};
 use kinopt::{Problem, Scalar};
 use nalgebra::DMatrix;
 
@@ -75,12 +75,8 @@ struct OnSphere {
 }
 
 impl Residual for OnSphere {
-    fn kind(&self) -> &'static str {
-        "sphere"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {

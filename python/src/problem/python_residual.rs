@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kinopt::Model;
 use kinopt::model::{FrameId, JointId};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, NumericResidual, RowBlock};
+use kinopt::task::{Inputs, LocalJacobian, NumericResidual, RowBlock};
 use kinopt_bindings::names::quantity;
 use kinopt_bindings::task::{Goal, NumericTarget};
 use pyo3::prelude::*;
@@ -170,12 +170,8 @@ impl PythonResidual {
 }
 
 impl NumericResidual for PythonResidual {
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames.iter().copied()).with_joints(self.joints.iter().copied())
     }
 
     fn rows(&self) -> Vec<RowBlock> {

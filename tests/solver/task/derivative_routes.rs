@@ -9,7 +9,7 @@ use kinopt::model::{FrameId, Limits};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{Inputs, Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Model, Problem, Scalar};
 use nalgebra::{DMatrix, DVector};
 use support::maps::maps_of;
@@ -168,8 +168,8 @@ fn gradients_by_every_route_agree() {
 struct Centre(Vec<FrameId>);
 
 impl Residual for Centre {
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.clone()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.0.clone())
     }
 
     fn rows(&self) -> Vec<RowBlock> {

@@ -1,10 +1,10 @@
 //! Promise: handwritten derivatives of a residual are weighted row by row, in any storage form.
 
-use kinopt::model::{FrameId, JointId, Limits, Model};
+use kinopt::model::{JointId, Limits, Model};
 use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{Inputs, LocalJacobian, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar};
 use nalgebra::DMatrix;
 
@@ -16,22 +16,22 @@ struct TwoSorts {
 }
 
 impl Residual for TwoSorts {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints)
     }
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.to_vec()
-    }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![
             RowBlock::new(Quantity::JointUnits, 1),
             RowBlock::new(Quantity::Ratio, 1),
         ]
     }
+
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
         r[0] = joints[0] * S::constant(2.0);
         r[1] = joints[1] * S::constant(3.0);
     }
+
     fn differentiate(&self, _: &[Placement<f64>], _: &[f64], to: &mut LocalJacobian) -> bool {
         match self.diagonal {
             true => to.set_diagonal([2.0, 3.0]),
@@ -79,21 +79,21 @@ struct DiagonalAndMore {
 }
 
 impl Residual for DiagonalAndMore {
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints)
     }
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.to_vec()
-    }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::JointUnits, self.rows)]
     }
+
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
         for (row, &joint) in r.iter_mut().zip(joints) {
             *row = joint * S::constant(2.0);
         }
         r[0] += joints[1] * S::constant(5.0);
     }
+
     fn differentiate(&self, _: &[Placement<f64>], _: &[f64], to: &mut LocalJacobian) -> bool {
         // There are at most as many entries as rows and joints.
         to.set_diagonal([2.0; 5]);

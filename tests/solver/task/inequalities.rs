@@ -5,18 +5,19 @@ use kinopt::model::{Masses, PointMass};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, CentreOfMass, Gaze, Manipulability, Point, Pose, PoseBounds, Residual, SupportPolygon,
+    Bounded, CentreOfMass, Gaze, InequalityResidual, Manipulability, Point, Pose, PoseBounds,
+    SupportPolygon,
 };
 use support::arms::panda;
 use support::random::Random;
 use support::trees::configuration_of;
 
 /// Counts of random configurations of an arm with all inequalities satisfied, and with one violated.
-fn evaluations_inside_and_outside<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
+fn evaluations_inside_and_outside<R: InequalityResidual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     let (robot, ..) = panda();
     let model = robot.model();
     let residual = make(&robot);
-    let (frames, joints) = (residual.frames(), residual.joints());
+    let inputs = residual.inputs();
     let (rooms, rows) = (residual.inequalities(), residual.rows());
     let mut values = vec![0.0; rows.iter().map(|rows| rows.count).sum()];
     let mut depths = vec![0.0; rooms.iter().map(kinopt::task::Inequality::edges).sum()];
@@ -26,8 +27,13 @@ fn evaluations_inside_and_outside<R: Residual>(make: impl Fn(&Robot) -> R) -> [u
     for _ in 0..400 {
         let q = configuration_of(model, &mut random);
         let placed = kinematics.place(&q).unwrap();
-        let placements: Vec<Placement<f64>> = frames.iter().map(|id| placed[id.index()]).collect();
-        let turned: Vec<f64> = joints
+        let placements: Vec<Placement<f64>> = inputs
+            .frame_ids()
+            .iter()
+            .map(|id| placed[id.index()])
+            .collect();
+        let turned: Vec<f64> = inputs
+            .joint_ids()
             .iter()
             .map(|id| q[model.coordinate(*id).unwrap()])
             .collect();

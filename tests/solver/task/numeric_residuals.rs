@@ -6,7 +6,7 @@ use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock,
+    Bounded, Inputs, LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock,
 };
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
@@ -28,33 +28,32 @@ fn mixed<S: Scalar>(frames: &[Placement<S>], joints: &[S], r: &mut [S]) {
 }
 
 impl Residual for Mixed {
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames).with_joints([self.joint])
     }
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.joint]
-    }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Ratio, 2)]
     }
+
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         mixed(frames, joints, residual);
     }
 }
 
 impl NumericResidual for Mixed {
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames).with_joints([self.joint])
     }
-    fn joints(&self) -> Vec<JointId> {
-        vec![self.joint]
-    }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Ratio, 2)]
     }
+
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
         mixed(frames, joints, residual);
     }
+
     fn differentiate(
         &self,
         frames: &[Placement<f64>],
@@ -134,12 +133,14 @@ fn solutions_match_the_scalar_residual() {
     #[derive(Clone)]
     struct At(FrameId, Vector3<f64>);
     impl NumericResidual for At {
-        fn frames(&self) -> Vec<FrameId> {
-            vec![self.0]
+        fn inputs(&self) -> Inputs {
+            Inputs::frames([self.0])
         }
+
         fn rows(&self) -> Vec<RowBlock> {
             vec![RowBlock::new(Quantity::Metres, 3)]
         }
+
         fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
             residual.copy_from_slice(&(frames[0].translation - self.1).to_array());
         }
@@ -168,12 +169,14 @@ fn difference_steps_scale_with_coordinates() {
     #[derive(Clone)]
     struct Away(FrameId);
     impl NumericResidual for Away {
-        fn frames(&self) -> Vec<FrameId> {
-            vec![self.0]
+        fn inputs(&self) -> Inputs {
+            Inputs::frames([self.0])
         }
+
         fn rows(&self) -> Vec<RowBlock> {
             vec![RowBlock::new(Quantity::Metres, 1)]
         }
+
         fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
             residual[0] = frames[0].translation.norm();
         }
@@ -203,15 +206,14 @@ fn difference_steps_scale_with_joint_values() {
     #[derive(Clone)]
     struct Along(JointId);
     impl NumericResidual for Along {
-        fn frames(&self) -> Vec<FrameId> {
-            Vec::new()
+        fn inputs(&self) -> Inputs {
+            Inputs::joints([self.0])
         }
-        fn joints(&self) -> Vec<JointId> {
-            vec![self.0]
-        }
+
         fn rows(&self) -> Vec<RowBlock> {
             vec![RowBlock::new(Quantity::Metres, 1)]
         }
+
         fn evaluate(&self, _frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
             residual[0] = 0.3 * joints[0];
         }

@@ -4,7 +4,7 @@ use kinopt::model::{FrameId, Model};
 use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Orientation, Point, Pose, Residual};
+use kinopt::task::{DifferentiableTarget, Orientation, Point, Pose};
 use support::dual_numbers::DualNumber;
 use support::random::Random;
 
@@ -15,7 +15,7 @@ fn anywhere(random: &mut Random) -> Placement<f64> {
 
 /// By the dual numbers of `evaluate_moved`.
 fn expected<D: DualNumber<6>>(
-    residual: &impl Residual,
+    residual: &impl DifferentiableTarget,
     frames: &[Placement<f64>],
     counts: &[f64],
 ) -> Vec<f64> {
@@ -34,7 +34,7 @@ fn expected<D: DualNumber<6>>(
     (0..residual.target_len()).map(slope).collect()
 }
 
-fn agree(residual: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
+fn agree(residual: &impl DifferentiableTarget, frames: &[Placement<f64>], random: &mut Random) {
     let rows = residual.rows().iter().map(|rows| rows.count).sum();
     let counts: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
     let mut slopes = vec![0.25; residual.target_len()];

@@ -4,19 +4,26 @@
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual,
+    Axis, Bounded, DifferentiableTarget, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point,
+    Pose, Ray,
 };
 
-fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
+fn same<R: DifferentiableTarget>(task: &R, moved: &R, step: &[f64]) {
     let placed = Placement::new(
         rotation_exp(Vector3::new(0.4, -0.3, 0.8)),
         Vector3::new(0.2, 0.5, -0.1),
     );
-    same_at(task, moved, step, &vec![placed; task.frames().len()], &[]);
+    same_at(
+        task,
+        moved,
+        step,
+        &vec![placed; task.inputs().frame_ids().len()],
+        &[],
+    );
 }
 
 /// Compares the rows of a task with its target moved by a step and of one set there, at given frames and joints.
-fn same_at<R: Residual>(
+fn same_at<R: DifferentiableTarget>(
     task: &R,
     moved: &R,
     step: &[f64],
@@ -32,7 +39,7 @@ fn same_at<R: Residual>(
         let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
         pairs.fold(0.0, f64::max)
     };
-    let kind = task.kind();
+    let kind = task.description().kind();
     assert!(
         deviation_of(&unmoved, &by_step) > 1e-6,
         "{kind}: {unmoved:?} {by_step:?}"
@@ -203,14 +210,24 @@ fn getters_return_the_given_values() {
 }
 
 /// Compares the rows of a task with numbers moved by a step and of one set there.
-fn same_with<R: Residual>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
-    assert_eq!(task.target_len(), step.len(), "{}", task.kind());
+fn same_with<R: DifferentiableTarget>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
+    assert_eq!(
+        task.target_len(),
+        step.len(),
+        "{}",
+        task.description().kind()
+    );
     let mut random = support::random::Random::new(31);
     let mut anywhere = || {
         let mut random_vector = || Vector3::from([0; 3].map(|_| random.within(-0.5, 0.5)));
         Placement::new(rotation_exp(random_vector()), random_vector())
     };
-    let frames: Vec<_> = task.frames().iter().map(|_| anywhere()).collect();
+    let frames: Vec<_> = task
+        .inputs()
+        .frame_ids()
+        .iter()
+        .map(|_| anywhere())
+        .collect();
     same_at(task, moved, step, &frames, joints);
 }
 

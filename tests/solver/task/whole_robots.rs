@@ -10,9 +10,9 @@ use kinopt::problem::{Derivatives, Evaluation, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring,
-    LookAt, Manipulability, Orientation, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray,
-    Residual, RowBlock, Smoothness, SupportPolygon, Task,
+    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, Inputs, JointCoupling,
+    LimitCentring, LookAt, Manipulability, Orientation, Plane, Point, Pose, PoseBounds, Posture,
+    Quantity, Ray, Residual, RowBlock, Smoothness, SupportPolygon, Task,
 };
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
@@ -294,8 +294,9 @@ fn manipulability_is_symmetric_in_base_and_frame() {
     for case in 0..20 {
         let q: Vec<f64> = (0..12).map(|_| random.within(-2.0, 2.0)).collect();
         let measure = |task: Manipulability| {
-            let joints = task.joints().into_iter();
-            let values: Vec<f64> = joints.map(|id| q[model.coordinate(id).unwrap()]).collect();
+            let inputs = task.inputs();
+            let joints = inputs.joint_ids().iter();
+            let values: Vec<f64> = joints.map(|id| q[model.coordinate(*id).unwrap()]).collect();
             let mut residual = [0.0];
             task.evaluate(&[], &values, &mut residual);
             1.0 - residual[0]
@@ -402,12 +403,14 @@ fn balanced_robot_does_not_move() {
 struct Depth(FrameId);
 
 impl Residual for Depth {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.0])
     }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
+
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
         r[0] = frames[0].translation.norm() - S::constant(2.0);
     }

@@ -11,7 +11,10 @@ use kinopt::solver::{
     LeastSquares, Outcome, Silent, SolveError, SolverState, Stopping, Termination, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Inequality, LocalJacobian, Point, Quantity, Residual, RowBlock};
+use kinopt::task::{
+    Extensions, Inequality, InequalityResidual, Inputs, LocalJacobian, Point, Quantity, Residual,
+    RowBlock,
+};
 use nalgebra::DMatrix;
 use support::fault_tables::ExpectedError;
 use support::methods::methods;
@@ -157,15 +160,18 @@ fn searches_of_wrong_shapes_do_not_start() {
 struct UndeclaredDerivatives(FrameId);
 
 impl Residual for UndeclaredDerivatives {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.0]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.0])
     }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
+
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
         r[0] = frames[0].translation.x;
     }
+
     fn differentiate(
         &self,
         _frames: &[Placement<f64>],
@@ -256,18 +262,26 @@ struct OneSided {
 }
 
 impl Residual for OneSided {
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
+
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
+
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
+
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
         residual[0] = frames[0].translation.z.max(S::zero());
     }
+}
+
+impl InequalityResidual for OneSided {
     fn inequalities(&self) -> Vec<Inequality> {
         vec![Inequality::new(self.rows.clone(), 1)]
     }
+
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = -frames[0].translation.z;
     }

@@ -38,13 +38,15 @@ pub(super) fn posture<A: Arguments>(
         }
     };
     let words = ["by range", "upright"];
-    let joints = posture.joints();
-    visitor.visit(match weights(arguments, model, &joints, &words)? {
-        JointWeights::Even => posture,
-        JointWeights::ByRange => posture.by_range(model),
-        JointWeights::Upright => posture.upright(model),
-        JointWeights::Given(weights) => posture.with_weights(weights),
-    })
+    let inputs = posture.inputs();
+    visitor.visit(
+        match weights(arguments, model, inputs.joint_ids(), &words)? {
+            JointWeights::Even => posture,
+            JointWeights::ByRange => posture.by_range(model),
+            JointWeights::Upright => posture.upright(model),
+            JointWeights::Given(weights) => posture.with_weights(weights),
+        },
+    )
 }
 
 /// Reads a smoothness of all joints.
@@ -56,12 +58,14 @@ pub(super) fn smoothness<A: Arguments>(
     let previous = arguments.required("previous")?;
     let previous = previous.vector("previous", model.configuration_len())?;
     let smoothness = Smoothness::new(model, &previous, arguments.number("time_step")?);
-    let joints = smoothness.joints();
-    visitor.visit(match weights(arguments, model, &joints, &["by range"])? {
-        JointWeights::Even => smoothness,
-        JointWeights::ByRange | JointWeights::Upright => smoothness.by_range(model),
-        JointWeights::Given(weights) => smoothness.with_weights(weights),
-    })
+    let inputs = smoothness.inputs();
+    visitor.visit(
+        match weights(arguments, model, inputs.joint_ids(), &["by range"])? {
+            JointWeights::Even => smoothness,
+            JointWeights::ByRange | JointWeights::Upright => smoothness.by_range(model),
+            JointWeights::Given(weights) => smoothness.with_weights(weights),
+        },
+    )
 }
 
 /// Reads weights of these joints: a word for all, a list, or some by name, the others 1.

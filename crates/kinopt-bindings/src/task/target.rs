@@ -119,13 +119,13 @@ pub fn moved<V: Value, R: Target>(
     let mut moved = residual.clone();
     let aimed = moved.aim(goal);
     aimed.map_err(|mismatch| V::wrong_length(what, &mismatch))?;
-    moved.validate().map_err(|problem| {
-        V::error(
+    match moved.description().defect() {
+        Some(defect) => Err(V::error(
             ErrorKind::InvalidValue,
-            format!("{what}{separator} {problem}"),
-        )
-    })?;
-    Ok(moved)
+            format!("{what}{separator} {defect}"),
+        )),
+        None => Ok(moved),
+    }
 }
 
 impl<V: Value> Goal<V> for f64 {

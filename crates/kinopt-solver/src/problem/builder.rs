@@ -10,7 +10,9 @@ use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
 use crate::solver::{RotationSets, Swing, TurnLimit};
-use crate::task::{ErasedResidual, Inequality, Quantity, Residual, Role, RowBlock, Task};
+use crate::task::{
+    Description, ErasedResidual, Inequality, Inputs, Quantity, Residual, Role, RowBlock, Task,
+};
 use kinopt_kinematics::kinematics::{FrameSlot, Tree};
 use kinopt_kinematics::model::{
     FrameId, JointId, JointKind, LengthUnit, Limits, Model, ParameterMap,
@@ -27,9 +29,7 @@ const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(super) struct PendingTask {
     name: Option<String>,
-    kind: &'static str,
-    /// True if it has no frame that reports would name.
-    is_of_body: bool,
+    description: Description,
     /// True if it closes a loop of the model. Such tasks are not the user's, and come before them in priority.
     pub(super) is_loop: bool,
     role: Role,
@@ -37,8 +37,7 @@ pub(super) struct PendingTask {
     weights: Vec<(Quantity, f64)>,
     pub(super) factor: f64,
     tolerances: Vec<(Quantity, f64)>,
-    frames: Vec<FrameId>,
-    joints: Vec<JointId>,
+    inputs: Inputs,
     rows: Vec<RowBlock>,
     residual: Box<dyn ErasedResidual>,
 }
@@ -56,16 +55,14 @@ impl PendingTask {
     pub(super) fn new<R: Residual>(task: Task<R>) -> Self {
         Self {
             name: task.name,
-            kind: task.residual.kind(),
-            is_of_body: task.residual.is_of_body(),
+            description: task.residual.description(),
             is_loop: false,
             role: task.role,
             level: task.level,
             weights: task.weights,
             factor: task.factor,
             tolerances: task.tolerances,
-            frames: task.residual.frames(),
-            joints: task.residual.joints(),
+            inputs: task.residual.inputs(),
             rows: task.residual.rows(),
             residual: Box::new(task.residual),
         }
@@ -73,8 +70,8 @@ impl PendingTask {
 
     /// The frame that reports name.
     fn own_frame(&self) -> Option<FrameId> {
-        let first = self.frames.first().copied();
-        first.filter(|_| !self.is_of_body)
+        let first = self.inputs.frames.first().copied();
+        first.filter(|_| !self.description.is_of_body)
     }
 }
 
@@ -368,20 +365,21 @@ fn compile_task(
     };
     let frame = pending.own_frame();
     let frame_name = frame.and_then(|f| model.frames().get(f.index()));
+    let description = &pending.description;
     let name = pending.name.clone().unwrap_or_else(|| match frame_name {
-        Some(frame) => format!("{} of `{}`", pending.kind, frame.name),
-        None if pending.is_of_body => pending.kind.to_owned(),
-        None => format!("{} (task {index})", pending.kind),
+        Some(frame) => format!("{} of `{}`", description.kind, frame.name),
+        None if description.is_of_body => description.kind.to_owned(),
+        None => format!("{} (task {index})", description.kind),
     });
-    if let Err(problem) = pending.residual.validate() {
+    if let Some(defect) = description.defect() {
         return Err(ProblemError::BadTask {
             task: name,
-            problem,
+            problem: defect.to_owned(),
         });
     }
 
-    let mut slots: Vec<FrameSlot> = Vec::with_capacity(pending.frames.len());
-    for &frame in &pending.frames {
+    let mut slots: Vec<FrameSlot> = Vec::with_capacity(pending.inputs.frames.len());
+    for &frame in &pending.inputs.frames {
         if frame.index() >= model.frames().len() {
             return Err(foreign(&name, "frame"));
         }
@@ -391,22 +389,22 @@ fn compile_task(
             frames.len() - 1
         }));
     }
-    let mut coordinates = Vec::with_capacity(pending.joints.len());
-    for &joint in &pending.joints {
+    let mut coordinates = Vec::with_capacity(pending.inputs.joints.len());
+    for &joint in &pending.inputs.joints {
         let Some(first) = model.coordinate(joint) else {
             return Err(foreign(&name, "moving joint"));
         };
         let coordinate_count = model.joint_of(first).kind.coordinates();
         coordinates.extend(first..first + coordinate_count);
     }
-    if let Some(expected) = pending.residual.joint_values()
+    if let Some(expected) = pending.inputs.joint_values
         && expected != coordinates.len()
     {
         let joint = |id: &JointId| &model.joints()[id.index()];
-        let mut joints = pending.joints.iter().map(joint);
+        let mut joints = pending.inputs.joints.iter().map(joint);
         let ball = joints.find(|joint| joint.kind.is_ball());
         let problem = match ball {
-            Some(ball) if expected == pending.joints.len() => format!(
+            Some(ball) if expected == pending.inputs.joints.len() => format!(
                 "it has one number per joint, but `{}` is a ball joint with a quaternion",
                 ball.name
             ),

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::builder::{ClearanceAs, PendingTask};
 use super::{Collision, Problem, ProblemBuilder, ProblemError};
-use crate::task::{Residual, Task};
+use crate::task::{InequalityResidual, Task};
 
 /// Weight factor of the strong clearance relative to the plain one.
 ///
@@ -18,7 +18,7 @@ const STRONG_CLEARANCE_FACTOR: f64 = 100.0;
 /// [`ProblemBuilder::keep_clear`] adds one to a problem.
 pub trait CollisionAvoidance {
     /// The residual that moves the body out of collisions.
-    type Clearance: Residual;
+    type Clearance: InequalityResidual;
     /// A check with its own workspace.
     type Check: ClearanceCheck + 'static;
 

@@ -79,7 +79,7 @@ impl Evaluation<'_> {
         let problem = self.instance.problem;
         for (index, task, _) in problem.tasks_of(self.subset) {
             if !task.slack_weights.is_empty() {
-                self.differentiate_depths(index, task);
+                self.differentiate_slacks(index, task);
                 self.add_local(x, task, task.slacks_by_rank.start, jacobian);
             }
         }
@@ -102,7 +102,7 @@ impl Evaluation<'_> {
         for (index, task, _) in problem.tasks_of(self.subset) {
             let task_multipliers = &multipliers[task.slacks_by_rank.clone()];
             if task_multipliers.iter().any(|multiplier| *multiplier != 0.0) {
-                self.differentiate_depths(index, task);
+                self.differentiate_slacks(index, task);
                 self.push_local(x, task, task_multipliers, slope);
             }
         }
@@ -111,12 +111,12 @@ impl Evaluation<'_> {
     }
 
     /// The weighted local derivatives of one task's slacks at the last forward pass.
-    fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
+    fn differentiate_slacks(&mut self, index: usize, task: &CompiledTask) {
         let residual = self.instance.residual(index);
         Self::gather(self.scratch, task);
         let (frames, joints, local, dual) = self.scratch.differentiation_inputs();
         local.reset(task.slack_weights.len(), frames.len(), joints.len());
-        residual.differentiate_depths(frames, joints, local, dual);
+        residual.differentiate_slacks(frames, joints, local, dual);
         local.scale_rows(&task.slack_weights);
     }
 }

@@ -7,14 +7,14 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// One number for each parameter that the solution of a [`Problem`] depends on: a change or a derivative.
 ///
-/// A task's target has as many numbers as its residual reports ([`Residual::target_len`]):
+/// A task's target has as many numbers as its residual reports ([`DifferentiableTarget::target_len`]):
 /// - three for a position;
 /// - six for a pose, along and about the target's axes, metres then radians, as
 ///   [`Model::integrate`](kinopt_kinematics::model::Model::integrate) moves a free joint;
 /// - for a posture one for each joint, three for each ball joint;
 /// - none without a target.
 ///
-/// [`Residual::target_len`]: crate::task::Residual::target_len
+/// [`DifferentiableTarget::target_len`]: crate::task::DifferentiableTarget::target_len
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterVector {
     targets: Vec<f64>,

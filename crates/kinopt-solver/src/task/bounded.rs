@@ -1,8 +1,11 @@
 //! Bounds on any residual.
 
+use super::extensions::TargetFunctions;
 use super::residual::error_if;
-use super::{Inequality, Residual, Role, RowBlock};
-use kinopt_kinematics::model::{FrameId, JointId};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inequality, InequalityResidual, Inputs,
+    Residual, Role, RowBlock,
+};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
 
@@ -41,29 +44,26 @@ use kinopt_kinematics::spatial::Placement;
 /// [level](super::Task::at_level) above the other tasks, no other required task affects it.
 ///
 /// ```
-/// # use kinopt::model::{FrameId, JointId, Limits, Model};
+/// # use kinopt::model::{JointId, Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Point, Quantity, Residual, RowBlock, Task, Bounded};
+/// # use kinopt::task::{Bounded, Description, Inputs, Point, Quantity, Residual, RowBlock, Task};
 /// # use kinopt::{Problem, Scalar, Solver};
 /// /// The angle of a wrist beyond 1.2 rad minus half the angle of the elbow.
 /// #[derive(Clone)]
 /// struct WristByElbow([JointId; 2]);
 ///
 /// impl Residual for WristByElbow {
-///     fn kind(&self) -> &'static str {
-///         "wrist by elbow"
-///     }
-///     fn frames(&self) -> Vec<FrameId> {
-///         Vec::new()
-///     }
-///     fn joints(&self) -> Vec<JointId> {
-///         self.0.to_vec()
+///     fn inputs(&self) -> Inputs {
+///         Inputs::joints(self.0)
 ///     }
 ///     fn rows(&self) -> Vec<RowBlock> {
 ///         vec![RowBlock::new(Quantity::Radians, 1)]
 ///     }
 ///     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
 ///         residual[0] = joints[0] + joints[1] * S::constant(0.5) - S::constant(1.2);
+///     }
+///     fn description(&self) -> Description {
+///         Description::new("wrist by elbow")
 ///     }
 /// }
 /// # let mut builder = Model::builder("two links");
@@ -147,51 +147,60 @@ impl<R: Residual> Bounded<R> {
 impl<R: Residual> Residual for Bounded<R> {
     const ROLE: Role = R::ROLE;
 
-    fn kind(&self) -> &'static str {
-        self.residual.kind()
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions {
+        target: Some(Self::TARGET),
+        ..Extensions::NONE.with_inequalities()
+    };
 
-    fn is_of_body(&self) -> bool {
-        self.residual.is_of_body()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.residual.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.residual.joints()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        self.residual.joint_values()
+    fn inputs(&self) -> Inputs {
+        self.residual.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.residual.rows()
     }
 
-    fn target_len(&self) -> usize {
-        self.residual.target_len()
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
+        self.residual.evaluate(frames, joints, residual);
+        self.apply_bounds(residual);
     }
 
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        self.residual.evaluate_moved(frames, joints, step, residual);
-        for row in residual {
+    fn description(&self) -> Description {
+        let description = self.residual.description();
+        description.with_validity(self.validate())
+    }
+}
+
+impl<R: Residual> Bounded<R> {
+    /// The target of the bounded residual, which may have none.
+    const TARGET: TargetFunctions<Self> = TargetFunctions {
+        target_len: |bounded| Extensions::target_len(&bounded.residual),
+        evaluate_moved: |bounded, frames, joints, step, rows| {
+            Extensions::evaluate_moved(&bounded.residual, frames, joints, step, rows);
+            bounded.apply_bounds(rows);
+        },
+        add_target_slopes: |_, _, _, _, _| false,
+        has_edges: |_| true,
+    };
+
+    /// Replaces values of the bounded residual by their signed distances beyond the interval.
+    fn apply_bounds<S: Scalar>(&self, rows: &mut [S]) {
+        for row in rows {
             *row = beyond(*row, self.lower, self.upper);
         }
     }
 
+    /// Returns the defect of the interval.
+    fn validate(&self) -> Result<(), String> {
+        let (lower, upper) = (self.lower, self.upper);
+        let is_valid = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
+        error_if(!is_valid, || {
+            format!("its interval from {lower} to {upper} holds no number")
+        })
+    }
+}
+
+impl<R: Residual> InequalityResidual for Bounded<R> {
     /// One inequality for each row, if the interval is more than a number.
     fn inequalities(&self) -> Vec<Inequality> {
         let edges = self.edges();
@@ -218,14 +227,22 @@ impl<R: Residual> Residual for Bounded<R> {
             }
         }
     }
+}
 
-    fn validate(&self) -> Result<(), String> {
-        self.residual.validate()?;
-        let (lower, upper) = (self.lower, self.upper);
-        let is_valid = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
-        error_if(!is_valid, || {
-            format!("its interval from {lower} to {upper} holds no number")
-        })
+impl<R: DifferentiableTarget> DifferentiableTarget for Bounded<R> {
+    fn target_len(&self) -> usize {
+        self.residual.target_len()
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.residual.evaluate_moved(frames, joints, step, residual);
+        self.apply_bounds(residual);
     }
 }
 

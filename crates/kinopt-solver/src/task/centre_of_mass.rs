@@ -2,7 +2,10 @@
 
 use super::goal::Axis;
 use super::residual::{check_finite, moved};
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::{FrameId, Masses};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -155,43 +158,19 @@ impl Body {
 }
 
 impl Residual for CentreOfMass {
-    fn kind(&self) -> &'static str {
-        "center of mass"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn is_of_body(&self) -> bool {
-        true
+    fn inputs(&self) -> Inputs {
+        let parts = self.body.frames.iter().copied();
+        Inputs::frames(parts.chain(self.base))
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, self.axes().count())]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        let parts = self.body.frames.iter().copied();
-        parts.chain(self.base).collect()
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        self.evaluate_frames(frames, step, residual);
     }
 
     fn differentiate(
@@ -227,10 +206,39 @@ impl Residual for CentreOfMass {
         true
     }
 
+    fn description(&self) -> Description {
+        Description::new("center of mass")
+            .of_body()
+            .with_validity(self.validate())
+    }
+}
+
+impl CentreOfMass {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         match self.is_constrained {
             [false, false, false] => Err("all its axes are free".to_owned()),
             _ => check_finite("its target", self.target.to_array()),
         }
+    }
+}
+
+impl DifferentiableTarget for CentreOfMass {
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 }

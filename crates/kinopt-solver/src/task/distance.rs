@@ -1,7 +1,7 @@
 //! Distance task between two frames.
 
 use super::residual::{check_finite, error_if, moved_by};
-use super::{Quantity, Residual, RowBlock};
+use super::{Description, DifferentiableTarget, Extensions, Inputs, Quantity, Residual, RowBlock};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -45,24 +45,41 @@ impl Distance {
 }
 
 impl Residual for Distance {
-    fn kind(&self) -> &'static str {
-        "distance"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames)
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
-    fn target_len(&self) -> usize {
-        1
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("distance").with_validity(self.validate())
+    }
+}
+
+impl Distance {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its distance", [self.distance])?;
+        error_if(self.distance < 0.0, || {
+            format!("its distance {} is negative", self.distance)
+        })?;
+        error_if(self.frames[0] == self.frames[1], || {
+            "it is from a frame to itself".to_owned()
+        })
+    }
+}
+
+impl DifferentiableTarget for Distance {
+    fn target_len(&self) -> usize {
+        1
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -73,15 +90,5 @@ impl Residual for Distance {
         residual: &mut [S],
     ) {
         self.evaluate_frames(frames, step, residual);
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its distance", [self.distance])?;
-        error_if(self.distance < 0.0, || {
-            format!("its distance {} is negative", self.distance)
-        })?;
-        error_if(self.frames[0] == self.frames[1], || {
-            "it is from a frame to itself".to_owned()
-        })
     }
 }

@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::by_dual_numbers::{CHUNK, DualScratch, by_dual_numbers};
-use super::{Inequality, LocalJacobian, Residual};
+use super::{Extensions, Inequality, LocalJacobian, Residual};
 use kinopt_kinematics::scalar::Dual;
 use kinopt_kinematics::spatial::Placement;
 
@@ -52,7 +52,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
     fn slacks(&self, frames: &[Placement<f64>], joints: &[f64], slacks: &mut [f64]);
 
     /// The same as [`differentiate`](Self::differentiate), for the slacks.
-    fn differentiate_depths(
+    fn differentiate_slacks(
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
@@ -60,11 +60,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         scratch: &mut DualScratch,
     );
 
-    fn joint_values(&self) -> Option<usize>;
-
     fn has_edges(&self) -> bool;
-
-    fn validate(&self) -> Result<(), String>;
 
     fn as_any(&self) -> &dyn Any;
 
@@ -88,27 +84,25 @@ impl Clone for Box<dyn ErasedResidual> {
 
 impl<R: Residual> ErasedResidual for R {
     fn kind(&self) -> &'static str {
-        Residual::kind(self)
+        self.description().kind
     }
 
     fn target_len(&self) -> usize {
-        Residual::target_len(self)
+        Extensions::target_len(self)
     }
 
     fn inequalities(&self) -> Vec<Inequality> {
-        Residual::inequalities(self)
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Residual::joint_values(self)
+        match &R::EXTENSIONS.inequality {
+            Some(inequality) => (inequality.inequalities)(self),
+            None => Vec::new(),
+        }
     }
 
     fn has_edges(&self) -> bool {
-        Residual::has_edges(self)
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        Residual::validate(self)
+        match &R::EXTENSIONS.target {
+            Some(target) => (target.has_edges)(self),
+            None => true,
+        }
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -143,7 +137,7 @@ impl<R: Residual> ErasedResidual for R {
         step: &[Dual<CHUNK>],
         residual: &mut [Dual<CHUNK>],
     ) {
-        Residual::evaluate_moved(self, frames, joints, step, residual);
+        Extensions::evaluate_moved(self, frames, joints, step, residual);
     }
 
     fn add_target_slopes(
@@ -153,7 +147,10 @@ impl<R: Residual> ErasedResidual for R {
         coefficients: &[f64],
         slopes: &mut [f64],
     ) -> bool {
-        Residual::add_target_slopes(self, frames, joints, coefficients, slopes)
+        match &R::EXTENSIONS.target {
+            Some(target) => (target.add_target_slopes)(self, frames, joints, coefficients, slopes),
+            None => false,
+        }
     }
 
     fn differentiate(
@@ -175,19 +172,24 @@ impl<R: Residual> ErasedResidual for R {
     }
 
     fn slacks(&self, frames: &[Placement<f64>], joints: &[f64], slacks: &mut [f64]) {
-        Residual::slacks(self, frames, joints, slacks);
+        if let Some(inequality) = &R::EXTENSIONS.inequality {
+            (inequality.slacks)(self, frames, joints, slacks);
+        }
     }
 
-    fn differentiate_depths(
+    fn differentiate_slacks(
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
         jacobian: &mut LocalJacobian,
         scratch: &mut DualScratch,
     ) {
-        if !Residual::differentiate_depths(self, frames, joints, jacobian) {
+        let Some(inequality) = &R::EXTENSIONS.inequality else {
+            return;
+        };
+        if !(inequality.differentiate_slacks)(self, frames, joints, jacobian) {
             by_dual_numbers(
-                |frames, joints, slacks| Residual::slacks(self, frames, joints, slacks),
+                |frames, joints, slacks| (inequality.dual_slacks)(self, frames, joints, slacks),
                 frames,
                 joints,
                 jacobian,

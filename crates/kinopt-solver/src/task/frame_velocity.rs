@@ -2,7 +2,10 @@
 
 use super::orientation::check_rotation;
 use super::residual::{check_finite, check_time_step, moved};
-use super::{Orientation, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, Orientation, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -72,20 +75,10 @@ impl FrameVelocity {
 }
 
 impl Residual for FrameVelocity {
-    fn kind(&self) -> &'static str {
-        "frame velocity"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn target_len(&self) -> usize {
-        6
-    }
-
-    fn has_edges(&self) -> bool {
-        false
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -99,6 +92,27 @@ impl Residual for FrameVelocity {
         self.evaluate_moved(frames, joints, &[], residual);
     }
 
+    fn description(&self) -> Description {
+        Description::new("frame velocity").with_validity(self.validate())
+    }
+}
+
+impl FrameVelocity {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its previous place", self.previous.translation.to_array())?;
+        check_rotation("its previous place has", &self.previous.rotation)?;
+        check_finite("its velocity", self.linear.to_array())?;
+        check_finite("its angular velocity", self.angular.to_array())?;
+        check_time_step(self.time_step_s)
+    }
+}
+
+impl DifferentiableTarget for FrameVelocity {
+    fn target_len(&self) -> usize {
+        6
+    }
+
     fn evaluate_moved<S: Scalar>(
         &self,
         frames: &[Placement<S>],
@@ -109,11 +123,7 @@ impl Residual for FrameVelocity {
         self.evaluate_frames(frames, step, residual);
     }
 
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its previous place", self.previous.translation.to_array())?;
-        check_rotation("its previous place has", &self.previous.rotation)?;
-        check_finite("its velocity", self.linear.to_array())?;
-        check_finite("its angular velocity", self.angular.to_array())?;
-        check_time_step(self.time_step_s)
+    fn has_edges(&self) -> bool {
+        false
     }
 }

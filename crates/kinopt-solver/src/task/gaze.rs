@@ -5,7 +5,10 @@ use std::f64::consts::PI;
 use super::bounded::beyond;
 use super::look_at::{line_of_sight, rotation_onto};
 use super::residual::{check_direction, check_finite, error_if, moved};
-use super::{Inequality, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inequality, InequalityResidual, Inputs,
+    Quantity, Residual, RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -123,47 +126,27 @@ impl Gaze {
 }
 
 impl Residual for Gaze {
-    fn kind(&self) -> &'static str {
-        "gaze"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities().with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Radians, 1)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn inequalities(&self) -> Vec<Inequality> {
-        vec![Inequality::new(0..1, 1)]
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
     }
 
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        self.evaluate_frames(frames, step, residual);
+    fn description(&self) -> Description {
+        Description::new("gaze").with_validity(self.validate())
     }
+}
 
-    /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
-        let half_angle = S::constant(self.half_angle);
-        let squared = self.squared_angle(frames, &[]);
-        slacks[0] = (half_angle * half_angle - squared) / (half_angle + half_angle);
-    }
-
+impl Gaze {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         let (ConeAxis::Along(aim) | ConeAxis::At(aim)) = self.cone_axis;
         check_finite("its target", aim.to_array())?;
@@ -177,5 +160,34 @@ impl Residual for Gaze {
         error_if(!(half_angle > 0.0 && half_angle < PI), || {
             format!("its half angle {half_angle} rad is not within 0 and π")
         })
+    }
+}
+
+impl InequalityResidual for Gaze {
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
+    }
+
+    /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
+        let half_angle = S::constant(self.half_angle);
+        let squared = self.squared_angle(frames, &[]);
+        slacks[0] = (half_angle * half_angle - squared) / (half_angle + half_angle);
+    }
+}
+
+impl DifferentiableTarget for Gaze {
+    fn target_len(&self) -> usize {
+        3
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        frames: &[Placement<S>],
+        _joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.evaluate_frames(frames, step, residual);
     }
 }

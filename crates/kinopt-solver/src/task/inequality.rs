@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Residual rows that are zero together exactly if all of their slacks are at least zero.
 ///
 /// For priority levels below, such rows are the inequalities slack ≥ 0 rather than equations: see
-/// [`Residual::inequalities`](super::Residual::inequalities).
+/// [`InequalityResidual`](super::InequalityResidual).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inequality {
     rows: Range<usize>,

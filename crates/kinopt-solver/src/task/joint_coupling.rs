@@ -1,8 +1,11 @@
 //! Linear relation between joints.
 
 use super::residual::{check_finite, error_if, moved_by};
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
-use kinopt_kinematics::model::{FrameId, JointId, Model};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
+use kinopt_kinematics::model::{JointId, Model};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
 
@@ -74,36 +77,45 @@ impl JointCoupling {
 }
 
 impl Residual for JointCoupling {
-    fn kind(&self) -> &'static str {
-        "joint coupling"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.coefficients.len())
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints.clone()).with_joint_values(self.coefficients.len())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(self.quantity, 1)]
     }
 
-    fn target_len(&self) -> usize {
-        1
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
+        for (joint, &coefficient) in self.coefficients.iter().enumerate() {
+            jacobian.joint_mut(joint).fill(coefficient);
+        }
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("joint coupling").with_validity(self.validate())
+    }
+}
+
+impl JointCoupling {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its coefficients", self.coefficients.iter().copied())?;
+        check_finite("its offset", [self.offset])?;
+        let is_zero = self.coefficients.iter().all(|c| *c == 0.0);
+        error_if(is_zero, || "it couples no joints".to_owned())
+    }
+}
+
+impl DifferentiableTarget for JointCoupling {
+    fn target_len(&self) -> usize {
+        1
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -120,17 +132,7 @@ impl Residual for JointCoupling {
         );
     }
 
-    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
-        for (joint, &coefficient) in self.coefficients.iter().enumerate() {
-            jacobian.joint_mut(joint).fill(coefficient);
-        }
-        true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its coefficients", self.coefficients.iter().copied())?;
-        check_finite("its offset", [self.offset])?;
-        let is_zero = self.coefficients.iter().all(|c| *c == 0.0);
-        error_if(is_zero, || "it couples no joints".to_owned())
+    fn has_edges(&self) -> bool {
+        false
     }
 }

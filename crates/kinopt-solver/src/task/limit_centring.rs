@@ -1,7 +1,7 @@
 //! Joint limit avoidance.
 
-use super::{LocalJacobian, Quantity, Residual, Role, RowBlock};
-use kinopt_kinematics::model::{FrameId, JointId, Model};
+use super::{Description, Inputs, LocalJacobian, Quantity, Residual, Role, RowBlock};
+use kinopt_kinematics::model::{JointId, Model};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
 
@@ -43,16 +43,8 @@ impl LimitCentring {
 impl Residual for LimitCentring {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "limit centring"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints.clone())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -73,5 +65,9 @@ impl Residual for LimitCentring {
                 .map(|(_, half_range)| 1.0 / half_range),
         );
         true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("limit centring")
     }
 }

@@ -1,7 +1,7 @@
 //! Look-at task: an axis of a frame points at a target.
 
 use super::residual::{check_direction, check_finite, moved};
-use super::{Quantity, Residual, RowBlock};
+use super::{Description, DifferentiableTarget, Extensions, Inputs, Quantity, Residual, RowBlock};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Quaternion, Vector3};
@@ -50,28 +50,36 @@ impl LookAt {
 }
 
 impl Residual for LookAt {
-    fn kind(&self) -> &'static str {
-        "look-at"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Radians, 3)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("look-at").with_validity(self.validate())
+    }
+}
+
+impl LookAt {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its target", self.target.to_array())?;
+        check_direction("its axis", self.axis)
+    }
+}
+
+impl DifferentiableTarget for LookAt {
+    fn target_len(&self) -> usize {
+        3
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -84,9 +92,8 @@ impl Residual for LookAt {
         self.evaluate_frames(frames, step, residual);
     }
 
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its target", self.target.to_array())?;
-        check_direction("its axis", self.axis)
+    fn has_edges(&self) -> bool {
+        false
     }
 }
 

@@ -2,7 +2,10 @@
 
 use super::bounded::beyond;
 use super::residual::error_if;
-use super::{Inequality, Quantity, Residual, Role, RowBlock};
+use super::{
+    Description, Extensions, Inequality, InequalityResidual, Inputs, Quantity, Residual, Role,
+    RowBlock,
+};
 use kinopt_kinematics::model::{FrameId, JointId, JointKind, Model};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3};
@@ -288,28 +291,14 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
 impl Residual for Manipulability {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "manipulability"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.values)
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints.clone()).with_joint_values(self.values)
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Ratio, 1)]
-    }
-
-    fn inequalities(&self) -> Vec<Inequality> {
-        vec![Inequality::new(0..1, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -317,10 +306,13 @@ impl Residual for Manipulability {
         residual[0] = beyond(missing, f64::NEG_INFINITY, 0.0);
     }
 
-    fn slacks<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        slacks[0] = self.measure(joints) * S::constant(1.0 / self.min_measure) - S::one();
+    fn description(&self) -> Description {
+        Description::new("manipulability").with_validity(self.validate())
     }
+}
 
+impl Manipulability {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         let required = if self.motions == Motions::All { 6 } else { 3 };
         let chain_joints = self.chains.iter().flatten();
@@ -336,5 +328,15 @@ impl Residual for Manipulability {
         error_if(!(min_measure > 0.0 && min_measure.is_finite()), || {
             format!("its least measure {min_measure} is not a number above 0")
         })
+    }
+}
+
+impl InequalityResidual for Manipulability {
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
+    }
+
+    fn slacks<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        slacks[0] = self.measure(joints) * S::constant(1.0 / self.min_measure) - S::one();
     }
 }

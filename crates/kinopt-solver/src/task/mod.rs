@@ -5,19 +5,25 @@
 //! one end effector is on a viewing [`Ray`] or at a [`Pixel`], and others stay at a [`Point`].
 //!
 //! A [`Residual`] is written once over the [`Scalar`](kinopt_kinematics::Scalar), which gives exact derivatives. A residual known
-//! by its values only is [`Numeric`]. A [`Task`] adds weights, tolerances and a name.
+//! by its values only is [`Numeric`]. A residual with inequalities is also an [`InequalityResidual`], one with a target a
+//! [`DifferentiableTarget`]. A [`Task`] adds weights, tolerances and a name.
 
 mod bounded;
 mod by_dual_numbers;
 mod centre_of_mass;
 mod convex_polygon;
+mod description;
+mod differentiable_target;
 mod distance;
 mod erased;
+mod extensions;
 mod frame_goal;
 mod frame_velocity;
 mod gaze;
 mod goal;
 mod inequality;
+mod inequality_residual;
+mod inputs;
 mod joint_coupling;
 mod limit_centring;
 mod local_jacobian;
@@ -41,13 +47,18 @@ mod weighted;
 pub use bounded::Bounded;
 pub(crate) use by_dual_numbers::{CHUNK, DualScratch};
 pub use centre_of_mass::CentreOfMass;
+pub use description::Description;
+pub use differentiable_target::DifferentiableTarget;
 pub use distance::Distance;
 pub(crate) use erased::ErasedResidual;
+pub use extensions::Extensions;
 pub(crate) use frame_goal::FrameGoal;
 pub use frame_velocity::FrameVelocity;
 pub use gaze::Gaze;
 pub use goal::{Axis, PoseBounds};
 pub use inequality::Inequality;
+pub use inequality_residual::InequalityResidual;
+pub use inputs::Inputs;
 pub use joint_coupling::JointCoupling;
 pub use limit_centring::LimitCentring;
 pub use local_jacobian::LocalJacobian;

@@ -2,8 +2,7 @@
 
 use std::any::TypeId;
 
-use super::{LocalJacobian, Residual, Role, RowBlock};
-use kinopt_kinematics::model::{FrameId, JointId};
+use super::{Description, Inputs, LocalJacobian, Residual, Role, RowBlock};
 use kinopt_kinematics::scalar::{Scalar, elementary};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 
@@ -14,18 +13,8 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
     /// See [`Residual::ROLE`].
     const ROLE: Role = Role::Goal;
 
-    /// See [`Residual::kind`].
-    fn kind(&self) -> &'static str {
-        "custom"
-    }
-
-    /// See [`Residual::frames`].
-    fn frames(&self) -> Vec<FrameId>;
-
-    /// See [`Residual::joints`].
-    fn joints(&self) -> Vec<JointId> {
-        Vec::new()
-    }
+    /// See [`Residual::inputs`].
+    fn inputs(&self) -> Inputs;
 
     /// See [`Residual::rows`].
     fn rows(&self) -> Vec<RowBlock>;
@@ -46,12 +35,9 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// See [`Residual::validate`].
-    ///
-    /// # Errors
-    /// Returns a description of the first defect.
-    fn validate(&self) -> Result<(), String> {
-        Ok(())
+    /// See [`Residual::description`].
+    fn description(&self) -> Description {
+        Description::default()
     }
 }
 
@@ -60,7 +46,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 /// ```
 /// use kinopt::model::{FrameId, Limits, Model};
 /// use kinopt::spatial::{Placement, Vector3};
-/// use kinopt::task::{Numeric, NumericResidual, Quantity, RowBlock};
+/// use kinopt::task::{Inputs, Numeric, NumericResidual, Quantity, RowBlock};
 /// use kinopt::{Problem, Solver};
 ///
 /// /// The height above a terrain that is known by samples.
@@ -68,7 +54,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 /// struct OnTerrain { foot: FrameId, heights: [f64; 4] }
 ///
 /// impl NumericResidual for OnTerrain {
-///     fn frames(&self) -> Vec<FrameId> { vec![self.foot] }
+///     fn inputs(&self) -> Inputs { Inputs::frames([self.foot]) }
 ///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
 ///     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
 ///         let Vector3 { x, z, .. } = frames[0].translation;
@@ -107,24 +93,12 @@ impl<R: NumericResidual> Numeric<R> {
 impl<R: NumericResidual> Residual for Numeric<R> {
     const ROLE: Role = R::ROLE;
 
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.0.joints()
+    fn inputs(&self) -> Inputs {
+        self.0.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.0.rows()
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.0.validate()
     }
 
     /// Evaluates dual numbers to first order. NaN for SIMD lanes, which no problem uses.
@@ -171,6 +145,10 @@ impl<R: NumericResidual> Residual for Numeric<R> {
     ) -> bool {
         self.derivatives(frames, joints, jacobian);
         true
+    }
+
+    fn description(&self) -> Description {
+        self.0.description()
     }
 }
 

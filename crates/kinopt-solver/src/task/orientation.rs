@@ -3,7 +3,10 @@
 use super::residual::{
     add_base_derivatives, check_base, check_finite, frame_and_base, in_base, rotated,
 };
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{
@@ -113,28 +116,47 @@ impl Orientation {
 }
 
 impl Residual for Orientation {
-    fn kind(&self) -> &'static str {
-        "orientation"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(frame_and_base(self.frame, self.base))
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Radians, 3)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        Self::differentiate_error(self.target, in_base(frames).rotation, 0, jacobian);
+        add_base_derivatives(frames, jacobian);
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("orientation").with_validity(self.validate())
+    }
+}
+
+impl Orientation {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_base(self.frame, self.base)?;
+        check_rotation("its target is", &self.target)
+    }
+}
+
+impl DifferentiableTarget for Orientation {
+    fn target_len(&self) -> usize {
+        3
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -162,20 +184,8 @@ impl Residual for Orientation {
         true
     }
 
-    fn differentiate(
-        &self,
-        frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        Self::differentiate_error(self.target, in_base(frames).rotation, 0, jacobian);
-        add_base_derivatives(frames, jacobian);
-        true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_base(self.frame, self.base)?;
-        check_rotation("its target is", &self.target)
+    fn has_edges(&self) -> bool {
+        false
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra as na;
 
 use super::residual::{check_finite, moved_by};
-use super::{Quantity, Residual, RowBlock};
+use super::{Description, DifferentiableTarget, Extensions, Inputs, Quantity, Residual, RowBlock};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -103,28 +103,37 @@ impl Pixel {
 }
 
 impl Residual for Pixel {
-    fn kind(&self) -> &'static str {
-        "pixel"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Pixels, 2)]
     }
 
-    fn target_len(&self) -> usize {
-        2
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("pixel").with_validity(self.validate())
+    }
+}
+
+impl Pixel {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its pixel", self.target)?;
+        let camera = self.camera.pixel_from_world.into_iter().flatten();
+        check_finite("its camera", camera)
+    }
+}
+
+impl DifferentiableTarget for Pixel {
+    fn target_len(&self) -> usize {
+        2
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -137,9 +146,7 @@ impl Residual for Pixel {
         self.evaluate_frames(frames, step, residual);
     }
 
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its pixel", self.target)?;
-        let camera = self.camera.pixel_from_world.into_iter().flatten();
-        check_finite("its camera", camera)
+    fn has_edges(&self) -> bool {
+        false
     }
 }

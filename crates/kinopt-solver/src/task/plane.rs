@@ -1,7 +1,10 @@
 //! Plane task: a frame's origin is in a plane.
 
 use super::residual::{check_direction, check_finite, moved};
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -49,28 +52,41 @@ impl Plane {
 }
 
 impl Residual for Plane {
-    fn kind(&self) -> &'static str {
-        "plane"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
+        jacobian.linear_mut(0)[0] = self.unit_normal();
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("plane").with_validity(self.validate())
+    }
+}
+
+impl Plane {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_finite("its point", self.point.to_array())?;
+        check_direction("its normal", self.normal)
+    }
+}
+
+impl DifferentiableTarget for Plane {
+    fn target_len(&self) -> usize {
+        3
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -83,13 +99,7 @@ impl Residual for Plane {
         self.evaluate_frames(frames, step, residual);
     }
 
-    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
-        jacobian.linear_mut(0)[0] = self.unit_normal();
-        true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_finite("its point", self.point.to_array())?;
-        check_direction("its normal", self.normal)
+    fn has_edges(&self) -> bool {
+        false
     }
 }

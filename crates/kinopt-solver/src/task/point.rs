@@ -3,7 +3,10 @@
 use super::residual::{
     add_base_derivatives, check_base, check_finite, frame_and_base, in_base, moved,
 };
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -78,28 +81,50 @@ impl Point {
 }
 
 impl Residual for Point {
-    fn kind(&self) -> &'static str {
-        "point"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(frame_and_base(self.frame, self.base))
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 3)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let has_offset = self.offset != Vector3::zero();
+        let lever = has_offset.then(|| in_base(frames).rotation * self.offset);
+        jacobian.set_point(0, lever, 1.0);
+        add_base_derivatives(frames, jacobian);
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("point").with_validity(self.validate())
+    }
+}
+
+impl Point {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_base(self.frame, self.base)?;
+        check_finite("its target", self.target.to_array())?;
+        check_finite("its offset", self.offset.to_array())
+    }
+}
+
+impl DifferentiableTarget for Point {
+    fn target_len(&self) -> usize {
+        3
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -125,22 +150,7 @@ impl Residual for Point {
         true
     }
 
-    fn differentiate(
-        &self,
-        frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        let has_offset = self.offset != Vector3::zero();
-        let lever = has_offset.then(|| in_base(frames).rotation * self.offset);
-        jacobian.set_point(0, lever, 1.0);
-        add_base_derivatives(frames, jacobian);
-        true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_base(self.frame, self.base)?;
-        check_finite("its target", self.target.to_array())?;
-        check_finite("its offset", self.offset.to_array())
+    fn has_edges(&self) -> bool {
+        false
     }
 }

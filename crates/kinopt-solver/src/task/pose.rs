@@ -6,7 +6,10 @@ use super::orientation::check_rotation;
 use super::residual::{
     add_base_derivatives, check_base, check_finite, frame_and_base, in_base, rotated,
 };
-use super::{Inequality, LocalJacobian, Orientation, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inequality, InequalityResidual, Inputs,
+    LocalJacobian, Orientation, Quantity, Residual, RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
@@ -229,24 +232,100 @@ impl Pose {
 }
 
 impl Residual for Pose {
-    fn kind(&self) -> &'static str {
-        "pose"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities().with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(frame_and_base(self.frame, self.base))
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.row_blocks().to_vec()
     }
 
-    fn target_len(&self) -> usize {
-        6
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let placement = self.base_from_tool(frames);
+        let tool = self.frame_from_tool.map(|tool| tool.translation);
+        let lever = tool.map(|tool| in_base(frames).rotation * tool);
+        if let Some(goal) = &self.goal {
+            self.differentiate_goal(goal, &placement, lever, jacobian);
+            add_base_derivatives(frames, jacobian);
+            return true;
+        }
+        jacobian.set_point(0, lever, 1.0);
+        Orientation::differentiate_error(self.target.rotation, placement.rotation, 3, jacobian);
+        add_base_derivatives(frames, jacobian);
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("pose").with_validity(self.validate())
+    }
+}
+
+impl Pose {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        check_base(self.frame, self.base)?;
+        check_finite("its target", self.target.translation.to_array())?;
+        check_rotation("its target is", &self.target.rotation)?;
+        if let Some(tool) = &self.frame_from_tool {
+            check_finite("its tool", tool.translation.to_array())?;
+            check_rotation("its tool has", &tool.rotation)?;
+        }
+        let Some(goal) = &self.goal else {
+            return Ok(());
+        };
+        match goal.invalid_half_width() {
+            Some((component, value)) => Err(format!(
+                "its half width for {component} is {value}, which is no number of at least 0"
+            )),
+            None if !goal.has_position() && !goal.has_orientation() => {
+                Err("its goal leaves every component free".to_owned())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl InequalityResidual for Pose {
+    /// One inequality for each bounded component.
+    fn inequalities(&self) -> Vec<Inequality> {
+        let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
+        let rows = (0..6).filter(|&row| 0.0 < bands[row] && bands[row] < f64::INFINITY);
+        rows.map(|row| Inequality::new(row..row + 1, 2)).collect()
+    }
+
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
+        let Some(goal) = &self.goal else { return };
+        let placement = self.base_from_tool(frames);
+        let target = Placement::constant(&self.target);
+        let rotation = Self::relative_rotation(&target, placement.rotation);
+        // Of q and −q take the smaller rotation, so that the two bounds do not swap.
+        let two = S::constant(2.0);
+        let double_sign = S::select(rotation.w.less_than(S::zero()), -two, two);
+        let components =
+            [Self::offset(&target, &placement), rotation.v * double_sign].map(Vector3::to_array);
+        let components = components.into_iter().flatten().zip(goal.bands());
+        let bounded = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
+        for (component_slacks, (value, band)) in slacks.chunks_exact_mut(2).zip(bounded) {
+            component_slacks[0] = S::constant(band) + value;
+            component_slacks[1] = S::constant(band) - value;
+        }
+    }
+}
+
+impl DifferentiableTarget for Pose {
+    fn target_len(&self) -> usize {
+        6
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -289,75 +368,8 @@ impl Residual for Pose {
         true
     }
 
-    fn differentiate(
-        &self,
-        frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        let placement = self.base_from_tool(frames);
-        let tool = self.frame_from_tool.map(|tool| tool.translation);
-        let lever = tool.map(|tool| in_base(frames).rotation * tool);
-        if let Some(goal) = &self.goal {
-            self.differentiate_goal(goal, &placement, lever, jacobian);
-            add_base_derivatives(frames, jacobian);
-            return true;
-        }
-        jacobian.set_point(0, lever, 1.0);
-        Orientation::differentiate_error(self.target.rotation, placement.rotation, 3, jacobian);
-        add_base_derivatives(frames, jacobian);
-        true
-    }
-
-    /// One inequality for each bounded component.
-    fn inequalities(&self) -> Vec<Inequality> {
-        let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
-        let rows = (0..6).filter(|&row| 0.0 < bands[row] && bands[row] < f64::INFINITY);
-        rows.map(|row| Inequality::new(row..row + 1, 2)).collect()
-    }
-
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
-        let Some(goal) = &self.goal else { return };
-        let placement = self.base_from_tool(frames);
-        let target = Placement::constant(&self.target);
-        let rotation = Self::relative_rotation(&target, placement.rotation);
-        // Of q and −q take the smaller rotation, so that the two bounds do not swap.
-        let two = S::constant(2.0);
-        let double_sign = S::select(rotation.w.less_than(S::zero()), -two, two);
-        let components =
-            [Self::offset(&target, &placement), rotation.v * double_sign].map(Vector3::to_array);
-        let components = components.into_iter().flatten().zip(goal.bands());
-        let bounded = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
-        for (component_slacks, (value, band)) in slacks.chunks_exact_mut(2).zip(bounded) {
-            component_slacks[0] = S::constant(band) + value;
-            component_slacks[1] = S::constant(band) - value;
-        }
-    }
-
     fn has_edges(&self) -> bool {
         self.goal
             .is_some_and(|goal| goal.bands().iter().any(|band| *band != 0.0))
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        check_base(self.frame, self.base)?;
-        check_finite("its target", self.target.translation.to_array())?;
-        check_rotation("its target is", &self.target.rotation)?;
-        if let Some(tool) = &self.frame_from_tool {
-            check_finite("its tool", tool.translation.to_array())?;
-            check_rotation("its tool has", &tool.rotation)?;
-        }
-        let Some(goal) = &self.goal else {
-            return Ok(());
-        };
-        match goal.invalid_half_width() {
-            Some((component, value)) => Err(format!(
-                "its half width for {component} is {value}, which is no number of at least 0"
-            )),
-            None if !goal.has_position() && !goal.has_orientation() => {
-                Err("its goal leaves every component free".to_owned())
-            }
-            None => Ok(()),
-        }
     }
 }

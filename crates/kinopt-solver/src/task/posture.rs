@@ -1,9 +1,12 @@
 //! Posture task: joints are near reference values.
 
 use super::residual::{check_finite, error_if, moved_by};
-use super::{LocalJacobian, Quantity, Residual, Role, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual, Role,
+    RowBlock,
+};
 use kinopt_kinematics::SizeMismatch;
-use kinopt_kinematics::model::{FrameId, JointId, JointKind, Model, quaternion_at};
+use kinopt_kinematics::model::{JointId, JointKind, Model, quaternion_at};
 use kinopt_kinematics::scalar::{Dual, Scalar};
 use kinopt_kinematics::spatial::{Placement, Quaternion, Vector3};
 
@@ -211,52 +214,18 @@ fn rotation_from<S: Scalar>(reference: &[f64], coordinates: [S; 4], step: &[S]) 
 impl Residual for Posture {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "posture"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.reference.len())
+    fn inputs(&self) -> Inputs {
+        Inputs::joints(self.joints.clone()).with_joint_values(self.reference.len())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::JointUnits, self.target_len())]
     }
 
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        self.is_ball
-            .iter()
-            .map(|ball| if *ball { 3 } else { 1 })
-            .sum()
-    }
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        _frames: &[Placement<S>],
-        joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        self.differences(joints, step, residual);
-        if !self.weights.is_empty() {
-            self.apply_weights(residual);
-        }
     }
 
     fn differentiate(
@@ -268,7 +237,14 @@ impl Residual for Posture {
         self.differentiate_values(joints, 1.0, jacobian)
     }
 
-    fn validate(&self) -> Result<(), String> {
+    fn description(&self) -> Description {
+        Description::new("posture").with_validity(self.validate())
+    }
+}
+
+impl Posture {
+    /// Returns the first defect of the parameters.
+    pub(super) fn validate(&self) -> Result<(), String> {
         check_finite("its reference", self.reference.iter().copied())?;
         let (weights, joints) = (self.weights.len(), self.joints.len());
         error_if(weights != 0 && weights != joints, || {
@@ -289,5 +265,31 @@ impl Residual for Posture {
             first += if is_ball { 4 } else { 1 };
         }
         Ok(())
+    }
+}
+
+impl DifferentiableTarget for Posture {
+    fn target_len(&self) -> usize {
+        self.is_ball
+            .iter()
+            .map(|ball| if *ball { 3 } else { 1 })
+            .sum()
+    }
+
+    fn evaluate_moved<S: Scalar>(
+        &self,
+        _frames: &[Placement<S>],
+        joints: &[S],
+        step: &[S],
+        residual: &mut [S],
+    ) {
+        self.differences(joints, step, residual);
+        if !self.weights.is_empty() {
+            self.apply_weights(residual);
+        }
+    }
+
+    fn has_edges(&self) -> bool {
+        false
     }
 }

@@ -1,7 +1,10 @@
 //! Ray task: a frame's origin is on a line, such as a viewing ray.
 
 use super::residual::{check_finite, error_if, moved};
-use super::{LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Quantity, Residual,
+    RowBlock,
+};
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -55,28 +58,48 @@ impl Ray {
 }
 
 impl Residual for Ray {
-    fn kind(&self) -> &'static str {
-        "ray"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 3)]
     }
 
-    fn target_len(&self) -> usize {
-        3
-    }
-
-    fn has_edges(&self) -> bool {
-        false
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
+        let direction = self.direction();
+        for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
+            *row = unit - direction * unit.dot(direction);
+        }
+        true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("ray").with_validity(self.validate())
+    }
+}
+
+impl Ray {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        let points = [self.eye, self.through];
+        check_finite("its line", points.iter().flat_map(|p| p.to_array()))?;
+        let length = (self.eye - self.through).norm();
+        error_if(length <= 0.0, || {
+            "its eye and point coincide, so they span no line".to_owned()
+        })
+    }
+}
+
+impl DifferentiableTarget for Ray {
+    fn target_len(&self) -> usize {
+        3
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -89,20 +112,7 @@ impl Residual for Ray {
         self.evaluate_frames(frames, step, residual);
     }
 
-    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
-        let direction = self.direction();
-        for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
-            *row = unit - direction * unit.dot(direction);
-        }
-        true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        let points = [self.eye, self.through];
-        check_finite("its line", points.iter().flat_map(|p| p.to_array()))?;
-        let length = (self.eye - self.through).norm();
-        error_if(length <= 0.0, || {
-            "its eye and point coincide, so they span no line".to_owned()
-        })
+    fn has_edges(&self) -> bool {
+        false
     }
 }

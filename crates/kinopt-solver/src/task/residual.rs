@@ -1,7 +1,7 @@
 //! The trait of all residuals.
 
-use super::{Inequality, LocalJacobian, RowBlock};
-use kinopt_kinematics::model::{FrameId, JointId};
+use super::{Description, Extensions, Inputs, LocalJacobian, RowBlock};
+use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 
@@ -28,7 +28,7 @@ pub enum Role {
 /// ```
 /// use kinopt::model::FrameId;
 /// use kinopt::spatial::Placement;
-/// use kinopt::task::{Quantity, Residual, RowBlock};
+/// use kinopt::task::{Inputs, Quantity, Residual, RowBlock};
 /// use kinopt::Scalar;
 ///
 /// /// Keeps a frame on a cylinder around the world's z axis.
@@ -36,7 +36,7 @@ pub enum Role {
 /// struct OnCylinder { frame: FrameId, radius: f64 }
 ///
 /// impl Residual for OnCylinder {
-///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
+///     fn inputs(&self) -> Inputs { Inputs::frames([self.frame]) }
 ///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
 ///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
 ///         let at = frames[0].translation;
@@ -56,28 +56,14 @@ pub trait Residual: Clone + Send + Sync + 'static {
     /// The role of a task with this residual, unless the task sets another one.
     const ROLE: Role = Role::Goal;
 
-    /// The kind of task in one or two words, for reports.
-    fn kind(&self) -> &'static str {
-        "custom"
-    }
+    /// The optional traits of this residual that a problem uses: [`InequalityResidual`] and [`DifferentiableTarget`].
+    ///
+    /// [`InequalityResidual`]: super::InequalityResidual
+    /// [`DifferentiableTarget`]: super::DifferentiableTarget
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE;
 
-    /// True if it concerns the whole body rather than its first frame; reports then name no frame.
-    fn is_of_body(&self) -> bool {
-        false
-    }
-
-    /// The frames it reads, in the order of `evaluate`'s `frames`.
-    fn frames(&self) -> Vec<FrameId>;
-
-    /// The moving joints whose values it reads, in the order of `evaluate`'s `joints`.
-    fn joints(&self) -> Vec<JointId> {
-        Vec::new()
-    }
-
-    /// The expected number of joint values in `evaluate`, if known: one for each joint, four for a ball joint.
-    fn joint_values(&self) -> Option<usize> {
-        None
-    }
+    /// The frames and joints that it reads, in the order of the arguments of [`evaluate`](Self::evaluate).
+    fn inputs(&self) -> Inputs;
 
     /// Its row blocks in order.
     fn rows(&self) -> Vec<RowBlock>;
@@ -99,110 +85,11 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// Number of parameters of its target, for [`evaluate_moved`](Self::evaluate_moved); 0 without a target.
-    fn target_len(&self) -> usize {
-        0
-    }
-
-    /// Evaluates the residual with its target moved by `step`, which has [`target_len`](Self::target_len) numbers.
+    /// Its kind for reports, and the result of the check of its parameters.
     ///
-    /// Only the derivative at a step of zero is used, to differentiate solutions by the target. Positions and values
-    /// move by the step itself. Orientations rotate about their own axes, as
-    /// [`Model::integrate`](kinopt_kinematics::model::Model::integrate) moves a free joint. The default has no target.
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let _ = step;
-        self.evaluate(frames, joints, residual);
-    }
-
-    /// Adds the derivatives of Σ cᵢ rᵢ by the step of [`evaluate_moved`](Self::evaluate_moved), at a step of zero.
-    ///
-    /// Returns true, or returns false to use dual numbers. `coefficients` are the cᵢ, one for each row.
-    fn add_target_slopes(
-        &self,
-        frames: &[Placement<f64>],
-        joints: &[f64],
-        coefficients: &[f64],
-        slopes: &mut [f64],
-    ) -> bool {
-        let _ = (frames, joints, coefficients, slopes);
-        false
-    }
-
-    /// True if rows may be zero on a region with a boundary, as with bounds.
-    ///
-    /// A solution on such a boundary may have no derivative. Returning false saves the check.
-    fn has_edges(&self) -> bool {
-        true
-    }
-
-    /// The inequalities of the residual: row blocks that are zero if all their slacks are at least zero.
-    ///
-    /// Lower priority levels treat these rows as the inequalities slack ≥ 0, with the slacks of
-    /// [`slacks`](Self::slacks). Rows in no inequality are equations, even if they are zero at a solution.
-    ///
-    /// ```
-    /// use kinopt::model::FrameId;
-    /// use kinopt::spatial::Placement;
-    /// use kinopt::task::{Quantity, Residual, Inequality, RowBlock};
-    /// use kinopt::Scalar;
-    ///
-    /// /// Keeps a frame outside a ball about the world's origin.
-    /// #[derive(Clone)]
-    /// struct OutsideBall { frame: FrameId, radius: f64 }
-    ///
-    /// impl OutsideBall {
-    ///     fn depth<S: Scalar>(&self, frames: &[Placement<S>]) -> S {
-    ///         frames[0].translation.norm() - S::constant(self.radius)
-    ///     }
-    /// }
-    ///
-    /// impl Residual for OutsideBall {
-    ///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
-    ///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
-    ///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], r: &mut [S]) {
-    ///         r[0] = self.depth(frames).min(S::zero());
-    ///     }
-    ///     fn inequalities(&self) -> Vec<Inequality> { vec![Inequality::new(0..1, 1)] }
-    ///     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], slacks: &mut [S]) {
-    ///         slacks[0] = self.depth(frames);
-    ///     }
-    /// }
-    /// ```
-    fn inequalities(&self) -> Vec<Inequality> {
-        Vec::new()
-    }
-
-    /// Writes the slacks of its [inequalities](Self::inequalities), one inequality after the other.
-    ///
-    /// A slack is zero at the boundary, positive inside, and smooth on both sides, in the unit of the rows. An absent
-    /// bound has an infinite slack.
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        let _ = (frames, joints, slacks);
-    }
-
-    /// The same as [`differentiate`](Self::differentiate), for the slacks of [`slacks`](Self::slacks).
-    fn differentiate_depths(
-        &self,
-        frames: &[Placement<f64>],
-        joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        let _ = (frames, joints, jacobian);
-        false
-    }
-
-    /// Checks the residual's parameters when a problem is built.
-    ///
-    /// # Errors
-    /// Returns a description of the first defect, as a continuation of the task's name.
-    fn validate(&self) -> Result<(), String> {
-        Ok(())
+    /// A problem reads it when the task is added.
+    fn description(&self) -> Description {
+        Description::default()
     }
 }
 

@@ -1,9 +1,12 @@
 //! Joint velocity minimisation.
 
 use super::residual::check_time_step;
-use super::{LocalJacobian, Posture, Quantity, Residual, Role, RowBlock};
+use super::{
+    Description, DifferentiableTarget, Extensions, Inputs, LocalJacobian, Posture, Quantity,
+    Residual, Role, RowBlock,
+};
 use kinopt_kinematics::SizeMismatch;
-use kinopt_kinematics::model::{FrameId, JointId, Model};
+use kinopt_kinematics::model::Model;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
 
@@ -54,28 +57,10 @@ impl Smoothness {
 impl Residual for Smoothness {
     const ROLE: Role = Role::Preference;
 
-    fn joints(&self) -> Vec<JointId> {
-        self.previous.joints()
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_target();
 
-    fn joint_values(&self) -> Option<usize> {
-        self.previous.joint_values()
-    }
-
-    fn target_len(&self) -> usize {
-        self.previous.target_len()
-    }
-
-    fn kind(&self) -> &'static str {
-        "smoothness"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn has_edges(&self) -> bool {
-        false
+    fn inputs(&self) -> Inputs {
+        self.previous.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -85,6 +70,34 @@ impl Residual for Smoothness {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
+    }
+
+    fn differentiate(
+        &self,
+        _frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        self.previous
+            .differentiate_values(joints, 1.0 / self.time_step_s, jacobian)
+    }
+
+    fn description(&self) -> Description {
+        Description::new("smoothness").with_validity(self.validate())
+    }
+}
+
+impl Smoothness {
+    /// Returns the first defect of the parameters.
+    fn validate(&self) -> Result<(), String> {
+        self.previous.validate()?;
+        check_time_step(self.time_step_s)
+    }
+}
+
+impl DifferentiableTarget for Smoothness {
+    fn target_len(&self) -> usize {
+        self.previous.target_len()
     }
 
     fn evaluate_moved<S: Scalar>(
@@ -101,18 +114,7 @@ impl Residual for Smoothness {
         }
     }
 
-    fn differentiate(
-        &self,
-        _frames: &[Placement<f64>],
-        joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        self.previous
-            .differentiate_values(joints, 1.0 / self.time_step_s, jacobian)
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.previous.validate()?;
-        check_time_step(self.time_step_s)
+    fn has_edges(&self) -> bool {
+        false
     }
 }

@@ -4,7 +4,10 @@ use super::by_dual_numbers::moved_by_unit_twists;
 use super::centre_of_mass::Body;
 use super::convex_polygon::{ConvexPolygon, Point2};
 use super::residual::{check_finite, error_if};
-use super::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
+use super::{
+    Description, Extensions, Inequality, InequalityResidual, Inputs, LocalJacobian, Quantity,
+    Residual, RowBlock,
+};
 use kinopt_kinematics::model::{FrameId, Masses};
 use kinopt_kinematics::scalar::{Dual, Scalar};
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -237,26 +240,15 @@ impl SupportPolygon {
 }
 
 impl Residual for SupportPolygon {
-    fn kind(&self) -> &'static str {
-        "support polygon"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn is_of_body(&self) -> bool {
-        true
+    fn inputs(&self) -> Inputs {
+        let parts = self.body.frames.iter();
+        Inputs::frames(parts.chain(&self.frames).copied())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 2)]
-    }
-
-    /// The polygon; one slack for each support point, finite for corners.
-    fn inequalities(&self) -> Vec<Inequality> {
-        vec![Inequality::new(0..2, self.points.len())]
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        let parts = self.body.frames.iter();
-        parts.chain(&self.frames).copied().collect()
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -278,26 +270,15 @@ impl Residual for SupportPolygon {
         true
     }
 
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
-        let (parts, feet) = frames.split_at(self.body.frames.len());
-        Self::slacks(self, self.body.centre(parts), feet, slacks);
+    fn description(&self) -> Description {
+        Description::new("support polygon")
+            .of_body()
+            .with_validity(self.validate())
     }
+}
 
-    fn differentiate_depths(
-        &self,
-        frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        let edges = jacobian.rows();
-        let (mut rows, mut slopes) = (vec![Dual::zero(); edges], vec![Vector3::zero(); edges]);
-        let buffers = (&mut rows[..], &mut slopes[..]);
-        self.differentiate_by(frames, jacobian, buffers, |centre, feet, slacks| {
-            Self::slacks(self, centre, feet, slacks);
-        });
-        true
-    }
-
+impl SupportPolygon {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         check_finite("the vertical", self.up.to_array())?;
         error_if(self.up.norm() <= 0.0, || {
@@ -324,5 +305,32 @@ impl Residual for SupportPolygon {
         error_if(!polygon.contains_margin(margin), || {
             format!("its margin {margin} m leaves nothing of its polygon")
         })
+    }
+}
+
+impl InequalityResidual for SupportPolygon {
+    /// The polygon; one slack for each support point, finite for corners.
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..2, self.points.len())]
+    }
+
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
+        let (parts, feet) = frames.split_at(self.body.frames.len());
+        Self::slacks(self, self.body.centre(parts), feet, slacks);
+    }
+
+    fn differentiate_slacks(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let edges = jacobian.rows();
+        let (mut rows, mut slopes) = (vec![Dual::zero(); edges], vec![Vector3::zero(); edges]);
+        let buffers = (&mut rows[..], &mut slopes[..]);
+        self.differentiate_by(frames, jacobian, buffers, |centre, feet, slacks| {
+            Self::slacks(self, centre, feet, slacks);
+        });
+        true
     }
 }

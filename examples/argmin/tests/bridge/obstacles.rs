@@ -10,7 +10,9 @@ use kinopt::model::FrameId;
 use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use kinopt::scalar::Scalar;
 use kinopt::spatial::Placement;
-use kinopt::task::{Pose, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{
+    Description, Inequality, InequalityResidual, Inputs, Pose, Quantity, Residual, RowBlock, Task,
+};
 
 use crate::bent_arm::{arm, world_from_tip};
 
@@ -26,12 +28,8 @@ struct Wall {
 }
 
 impl Residual for Wall {
-    fn kind(&self) -> &'static str {
-        "wall"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.tip]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.tip])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -41,6 +39,18 @@ impl Residual for Wall {
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
         residual[0] = S::zero();
     }
+
+    fn description(&self) -> Description {
+        Description::new("wall")
+    }
+}
+
+impl InequalityResidual for Wall {
+    fn inequalities(&self) -> Vec<Inequality> {
+        Vec::new()
+    }
+
+    fn slacks<S: Scalar>(&self, _: &[Placement<S>], _: &[S], _: &mut [S]) {}
 }
 
 impl ClearanceCheck for Wall {

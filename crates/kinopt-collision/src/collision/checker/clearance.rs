@@ -6,11 +6,11 @@ use super::Checker;
 use super::parts::{Pair, Scene};
 use super::workspace_pool::WorkspacePool;
 use crate::collision::Separation;
-use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 use kinopt_solver::task::{
-    Inequality, LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock,
+    Description, Extensions, Inequality, InequalityResidual, Inputs, LocalJacobian, Numeric,
+    NumericResidual, Quantity, Residual, RowBlock,
 };
 
 /// Residual that keeps all checked pairs at least a distance d₀ apart, metres.
@@ -136,12 +136,8 @@ impl Distances {
 }
 
 impl NumericResidual for Distances {
-    fn kind(&self) -> &'static str {
-        "clearance"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.scene.frames().collect()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.scene.frames())
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -168,6 +164,13 @@ impl NumericResidual for Distances {
         true
     }
 
+    fn description(&self) -> Description {
+        Description::new("clearance").with_validity(self.validate())
+    }
+}
+
+impl Distances {
+    /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         match self.distance.is_finite() {
             true => Ok(()),
@@ -184,30 +187,35 @@ impl NumericResidual for Distances {
 const ACTIVE_SLACK: f64 = 5e-10;
 
 impl Residual for Clearance {
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.frames()
+    fn inputs(&self) -> Inputs {
+        self.0.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.0.rows()
     }
 
-    fn validate(&self) -> Result<(), String> {
-        self.0.validate()
-    }
-
-    fn is_of_body(&self) -> bool {
-        true
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.0.evaluate(frames, joints, residual);
     }
 
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        self.0.differentiate(frames, joints, jacobian)
+    }
+
+    fn description(&self) -> Description {
+        self.0.description().of_body()
+    }
+}
+
+impl InequalityResidual for Clearance {
     fn inequalities(&self) -> Vec<Inequality> {
         let rows = 0..self.0.0.scene.frames().len();
         rows.map(|row| Inequality::new(row..row + 1, 1)).collect()
@@ -222,16 +230,7 @@ impl Residual for Clearance {
         }
     }
 
-    fn differentiate(
-        &self,
-        frames: &[Placement<f64>],
-        joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
-        self.0.differentiate(frames, joints, jacobian)
-    }
-
-    fn differentiate_depths(
+    fn differentiate_slacks(
         &self,
         frames: &[Placement<f64>],
         _joints: &[f64],

@@ -10,7 +10,9 @@ use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::Problem;
 use kinopt_solver::problem::Evaluation;
 use kinopt_solver::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
-use kinopt_solver::task::{LocalJacobian, Numeric, NumericResidual, Quantity, RowBlock};
+use kinopt_solver::task::{
+    Description, Inputs, LocalJacobian, Numeric, NumericResidual, Quantity, RowBlock,
+};
 
 /// Penetration depth that a descent aims at, metres. A descent to depth 0 ends slightly before contact.
 const TARGET_PENETRATION: f64 = 1e-3;
@@ -33,12 +35,8 @@ impl LinkDistance {
 }
 
 impl NumericResidual for LinkDistance {
-    fn kind(&self) -> &'static str {
-        "distance of links"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.links.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.links)
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -74,6 +72,10 @@ impl NumericResidual for LinkDistance {
             }
         }
         true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("distance of links")
     }
 }
 
@@ -128,18 +130,20 @@ mod tests {
 
     use super::LinkDistance;
     use crate::collision::{CollisionModel, CollisionObject, Shape};
-    use kinopt_kinematics::model::{FrameId, Limits, Model};
+    use kinopt_kinematics::model::{Limits, Model};
     use kinopt_kinematics::random::RandomStream;
     use kinopt_kinematics::spatial::{Placement, Vector3, rotation_exp};
-    use kinopt_solver::task::{LocalJacobian, Numeric, NumericResidual, Residual, RowBlock};
+    use kinopt_solver::task::{
+        Inputs, LocalJacobian, Numeric, NumericResidual, Residual, RowBlock,
+    };
 
     /// The same residual with numerical derivatives.
     #[derive(Clone)]
     struct NumericalDistance(LinkDistance);
 
     impl NumericResidual for NumericalDistance {
-        fn frames(&self) -> Vec<FrameId> {
-            self.0.frames()
+        fn inputs(&self) -> Inputs {
+            self.0.inputs()
         }
 
         fn rows(&self) -> Vec<RowBlock> {

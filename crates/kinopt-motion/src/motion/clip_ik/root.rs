@@ -8,7 +8,7 @@ use kinopt_kinematics::kinematics::ForwardKinematics;
 use kinopt_kinematics::model::{FrameId, Limits, Model};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
-use kinopt_solver::task::{Point, Quantity, Residual, RowBlock};
+use kinopt_solver::task::{Description, Inputs, Point, Quantity, Residual, RowBlock};
 
 /// Time constant of the smoothing, seconds.
 const SMOOTHING_S: f64 = 0.1;
@@ -31,12 +31,8 @@ struct LimbReach {
 }
 
 impl Residual for LimbReach {
-    fn kind(&self) -> &'static str {
-        "limb long enough"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.root]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.root])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -48,6 +44,10 @@ impl Residual for LimbReach {
         let shortfall = offset.norm() - S::constant(self.demand.length);
         let zero = S::constant(0.0);
         residual[0] = S::select(zero.less_than(shortfall), shortfall, zero);
+    }
+
+    fn description(&self) -> Description {
+        Description::new("limb long enough")
     }
 }
 

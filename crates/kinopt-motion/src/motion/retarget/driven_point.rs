@@ -3,7 +3,7 @@
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
-use kinopt_solver::task::{LocalJacobian, Point, Residual, RowBlock};
+use kinopt_solver::task::{Description, Inputs, LocalJacobian, Point, Residual, RowBlock};
 
 /// Residual r = w (x + R o − target): a [`Point`] with a weight that changes with its target.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,20 +34,12 @@ impl DrivenPoint {
 }
 
 impl Residual for DrivenPoint {
-    fn frames(&self) -> Vec<FrameId> {
-        self.point.frames()
+    fn inputs(&self) -> Inputs {
+        self.point.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.point.rows()
-    }
-
-    fn kind(&self) -> &'static str {
-        "driven point"
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -65,5 +57,9 @@ impl Residual for DrivenPoint {
         let known = self.point.differentiate(frames, joints, jacobian);
         jacobian.scale_rows(&[self.weight; 3]);
         known
+    }
+
+    fn description(&self) -> Description {
+        Description::new("driven point")
     }
 }

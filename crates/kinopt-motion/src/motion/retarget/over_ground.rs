@@ -1,10 +1,12 @@
 //! Task of a foot: no ground penetration, and orientation in contact.
 
 use super::sole::Sole;
-use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
-use kinopt_solver::task::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
+use kinopt_solver::task::{
+    Description, Extensions, Inequality, InequalityResidual, Inputs, LocalJacobian, Quantity,
+    Residual, RowBlock,
+};
 
 /// Weight of the tilt of a foot, in metres of position per radian.
 const TILT_WEIGHT: f64 = 0.15;
@@ -122,12 +124,10 @@ impl OverGround {
 }
 
 impl Residual for OverGround {
-    fn kind(&self) -> &'static str {
-        "foot over the ground"
-    }
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.sole.frame]
+    fn inputs(&self) -> Inputs {
+        Inputs::frames([self.sole.frame])
     }
 
     fn rows(&self) -> Vec<RowBlock> {
@@ -148,22 +148,6 @@ impl Residual for OverGround {
             let (tilt, weight) = self.tilt(k);
             let direction = frames[0].rotation * Vector3::constant(*direction);
             *row = (direction.z - S::constant(tilt)) * S::constant(weight);
-        }
-    }
-
-    fn inequalities(&self) -> Vec<Inequality> {
-        let balls = 0..self.sole.balls.len();
-        balls
-            .map(|ball| Inequality::new(ball..ball + 1, 1))
-            .collect()
-    }
-
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
-        let balls = self.sole.balls.iter().zip(self.heights());
-        for (slack, ((ball, _), height)) in slacks.iter_mut().zip(balls) {
-            let position = frames[0].apply(Vector3::constant(ball.at));
-            let clearance = position.z - S::constant(ball.radius + height);
-            *slack = clearance * S::constant(self.weights[0]);
         }
     }
 
@@ -190,6 +174,28 @@ impl Residual for OverGround {
             }
         }
         true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("foot over the ground")
+    }
+}
+
+impl InequalityResidual for OverGround {
+    fn inequalities(&self) -> Vec<Inequality> {
+        let balls = 0..self.sole.balls.len();
+        balls
+            .map(|ball| Inequality::new(ball..ball + 1, 1))
+            .collect()
+    }
+
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
+        let balls = self.sole.balls.iter().zip(self.heights());
+        for (slack, ((ball, _), height)) in slacks.iter_mut().zip(balls) {
+            let position = frames[0].apply(Vector3::constant(ball.at));
+            let clearance = position.z - S::constant(ball.radius + height);
+            *slack = clearance * S::constant(self.weights[0]);
+        }
     }
 }
 

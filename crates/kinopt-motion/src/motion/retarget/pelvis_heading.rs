@@ -4,7 +4,7 @@ use super::limbs::Limbs;
 use kinopt_kinematics::model::FrameId;
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::{Placement, Vector3};
-use kinopt_solver::task::{LocalJacobian, Quantity, Residual, RowBlock};
+use kinopt_solver::task::{Description, Inputs, LocalJacobian, Quantity, Residual, RowBlock};
 
 /// Weight of the rotation of the hip line, in metres of position per radian.
 const ROTATION_WEIGHT: f64 = 0.3;
@@ -56,20 +56,12 @@ impl HipLine {
 }
 
 impl Residual for HipLine {
-    fn kind(&self) -> &'static str {
-        "hip line"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
+    fn inputs(&self) -> Inputs {
+        Inputs::frames(self.frames)
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         vec![RowBlock::new(Quantity::Metres, 3)]
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -89,5 +81,9 @@ impl Residual for HipLine {
             jacobian.set_point(k, Some(lever), weight);
         }
         true
+    }
+
+    fn description(&self) -> Description {
+        Description::new("hip line")
     }
 }

@@ -1,10 +1,11 @@
 //! Residual that can be disabled at some samples.
 
-use kinopt_kinematics::model::{FrameId, JointId};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
-use kinopt_solver::task::{Inequality, RowBlock};
-use kinopt_solver::task::{LocalJacobian, Residual};
+use kinopt_solver::task::{
+    Description, Extensions, Inequality, InequalityResidual, Inputs, LocalJacobian, Residual,
+    RowBlock,
+};
 
 /// Wrapper that evaluates to the wrapped residual, or to 0.
 #[derive(Clone, Debug)]
@@ -27,50 +28,21 @@ impl<R> Switchable<R> {
     }
 }
 
-impl<R: Residual> Residual for Switchable<R> {
-    fn kind(&self) -> &'static str {
-        self.inner.kind()
-    }
+impl<R: InequalityResidual> Residual for Switchable<R> {
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn is_of_body(&self) -> bool {
-        self.inner.is_of_body()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.inner.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.inner.joints()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        self.inner.joint_values()
+    fn inputs(&self) -> Inputs {
+        self.inner.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.inner.rows()
     }
 
-    fn inequalities(&self) -> Vec<Inequality> {
-        self.inner.inequalities()
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.inner.validate()
-    }
-
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         match self.enabled {
             true => self.inner.evaluate(frames, joints, residual),
             false => residual.fill(S::constant(0.0)),
-        }
-    }
-
-    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
-        match self.enabled {
-            true => self.inner.slacks(frames, joints, slacks),
-            false => slacks.fill(S::constant(f64::INFINITY)),
         }
     }
 
@@ -83,12 +55,29 @@ impl<R: Residual> Residual for Switchable<R> {
         !self.enabled || self.inner.differentiate(frames, joints, jacobian)
     }
 
-    fn differentiate_depths(
+    fn description(&self) -> Description {
+        self.inner.description()
+    }
+}
+
+impl<R: InequalityResidual> InequalityResidual for Switchable<R> {
+    fn inequalities(&self) -> Vec<Inequality> {
+        self.inner.inequalities()
+    }
+
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        match self.enabled {
+            true => self.inner.slacks(frames, joints, slacks),
+            false => slacks.fill(S::constant(f64::INFINITY)),
+        }
+    }
+
+    fn differentiate_slacks(
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        !self.enabled || self.inner.differentiate_depths(frames, joints, jacobian)
+        !self.enabled || self.inner.differentiate_slacks(frames, joints, jacobian)
     }
 }

@@ -3,8 +3,6 @@
 //! Tolerances, weights and steps of retargeting are in metres for a body of human size. A rig has no unit of length. A
 //! model in [`LengthUnit::Own`] is therefore scaled to human leg length, solved, and the result scaled back.
 
-use kinopt_kinematics::model::{FrameId, JointId};
-use kinopt_solver::task::{Inequality, RowBlock};
 use std::borrow::Cow;
 
 use super::limbs::Limbs;
@@ -15,7 +13,10 @@ use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;
 use kinopt_robot::robot::Robot;
 use kinopt_solver::problem::{ClearanceCheck, Collision, CollisionAvoidance};
-use kinopt_solver::task::{Quantity, Residual, Task};
+use kinopt_solver::task::{
+    Description, Extensions, Inequality, InequalityResidual, Inputs, Quantity, Residual, RowBlock,
+    Task,
+};
 
 /// Ratio of lengths of the solved body to lengths of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,37 +151,15 @@ impl<R> ScaledClearance<R> {
     }
 }
 
-impl<R: Residual> Residual for ScaledClearance<R> {
-    fn kind(&self) -> &'static str {
-        self.inner.kind()
-    }
+impl<R: InequalityResidual> Residual for ScaledClearance<R> {
+    const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities();
 
-    fn is_of_body(&self) -> bool {
-        self.inner.is_of_body()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.inner.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.inner.joints()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        self.inner.joint_values()
+    fn inputs(&self) -> Inputs {
+        self.inner.inputs()
     }
 
     fn rows(&self) -> Vec<RowBlock> {
         self.inner.rows()
-    }
-
-    fn inequalities(&self) -> Vec<Inequality> {
-        self.inner.inequalities()
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.inner.validate()
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -188,6 +167,16 @@ impl<R: Residual> Residual for ScaledClearance<R> {
             .evaluate(&self.to_model_unit(frames), joints, residual);
         let scale = S::constant(self.unit.scale());
         residual.iter_mut().for_each(|row| *row *= scale);
+    }
+
+    fn description(&self) -> Description {
+        self.inner.description()
+    }
+}
+
+impl<R: InequalityResidual> InequalityResidual for ScaledClearance<R> {
+    fn inequalities(&self) -> Vec<Inequality> {
+        self.inner.inequalities()
     }
 
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
