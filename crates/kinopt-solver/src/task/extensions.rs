@@ -22,13 +22,16 @@ pub struct Extensions<R> {
 /// Evaluation of rows or slacks by one scalar.
 type Evaluate<R, S> = fn(&R, &[Placement<S>], &[S], &mut [S]);
 
+/// Exact derivatives of slacks; false to use dual numbers.
+type Differentiate<R> = fn(&R, &[Placement<f64>], &[f64], &mut LocalJacobian) -> bool;
+
 /// The methods of an [`InequalityResidual`](super::InequalityResidual), for the scalars in use.
 #[derive(Debug)]
 pub(super) struct InequalityFunctions<R> {
     pub(super) inequalities: fn(&R) -> Vec<Inequality>,
     pub(super) slacks: Evaluate<R, f64>,
     pub(super) dual_slacks: Evaluate<R, Dual<CHUNK>>,
-    pub(super) differentiate_slacks: fn(&R, &[Placement<f64>], &[f64], &mut LocalJacobian) -> bool,
+    pub(super) differentiate_slacks: Differentiate<R>,
 }
 
 /// The methods of a [`DifferentiableTarget`](super::DifferentiableTarget), for the scalars in use.
@@ -36,13 +39,16 @@ pub(super) struct InequalityFunctions<R> {
 pub(super) struct TargetFunctions<R> {
     pub(super) target_len: fn(&R) -> usize,
     pub(super) evaluate_moved: EvaluateMoved<R>,
-    pub(super) add_target_slopes: fn(&R, &[Placement<f64>], &[f64], &[f64], &mut [f64]) -> bool,
+    pub(super) add_target_slopes: AddTargetSlopes<R>,
     pub(super) has_edges: fn(&R) -> bool,
 }
 
 /// Evaluation of rows with a moved target.
 type EvaluateMoved<R> =
     fn(&R, &[Placement<Dual<CHUNK>>], &[Dual<CHUNK>], &[Dual<CHUNK>], &mut [Dual<CHUNK>]);
+
+/// Exact derivatives by the target; false to use dual numbers.
+type AddTargetSlopes<R> = fn(&R, &[Placement<f64>], &[f64], &[f64], &mut [f64]) -> bool;
 
 impl<R> Extensions<R> {
     /// No optional trait.
