@@ -25,4 +25,4 @@ pub use crate::problem::Problem;
 pub use crate::robot::Robot;
 pub use crate::skeleton::{Bone, BoneId, Skeleton};
 pub use crate::spatial::{Matrix3, Placement, Vector3};
-pub use crate::task::{Orientation, Point, Pose, Task};
+pub use crate::task::{FramePose, Orientation, Point, Task};

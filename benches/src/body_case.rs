@@ -11,7 +11,7 @@ use kinopt::model::{FrameId, Masses};
 use kinopt::problem::{ProblemBuilder, Targets, TaskId};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, SupportPolygon};
+use kinopt::task::{FramePose, Point, SupportPolygon};
 use kinopt::{Problem, Solver, Workspace};
 use serde_json::Value;
 
@@ -25,7 +25,7 @@ enum Contact {
 /// Task of one hand.
 enum HandTask {
     Point(TaskId<Point>),
-    Pose(TaskId<Pose>),
+    Pose(TaskId<FramePose>),
 }
 
 /// A robot on a free base, with fixed feet and hands that reach.
@@ -137,7 +137,7 @@ impl BodyCase {
                     builder.add(Point::new(foot, placement.translation));
                 }
                 Contact::Pose => {
-                    builder.add(Pose::new(foot, placement));
+                    builder.add(FramePose::new(foot, placement));
                 }
             }
         }
@@ -145,7 +145,7 @@ impl BodyCase {
         let placement = Placement::identity();
         let tasks = hands.iter().map(|&hand| match self.hands_as {
             Contact::Point => HandTask::Point(builder.add(Point::new(hand, placement.translation))),
-            Contact::Pose => HandTask::Pose(builder.add(Pose::new(hand, placement))),
+            Contact::Pose => HandTask::Pose(builder.add(FramePose::new(hand, placement))),
         });
         Ok(BodyProblem {
             hands: tasks.collect(),

@@ -8,7 +8,9 @@ use kinopt::robot::Robot;
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Description, Inputs, LocalJacobian, Point, Pose, Quantity, Residual, RowBlock};
+use kinopt::task::{
+    Description, FramePose, Inputs, LocalJacobian, Point, Quantity, Residual, RowBlock,
+};
 use kinopt::{Model, Problem, Skeleton};
 
 /// A body with unreachable problems.
@@ -168,7 +170,7 @@ impl BodyMiss {
         ] {
             let mut builder = Problem::builder(&model);
             for foot in feet {
-                builder.add(Pose::new(foot, placements[foot.index()]));
+                builder.add(FramePose::new(foot, placements[foot.index()]));
             }
             if balanced {
                 let centre = links.iter().fold(Vector3::new(0.0, 0.0, 0.0), |sum, id| {

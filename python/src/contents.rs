@@ -1,6 +1,6 @@
 //! Contents of files: texts, bytes, and files opened by a function of the caller.
 
-use kinopt::io::{Place, ReadError};
+use kinopt::io::{FileLocation, ReadError};
 use kinopt_bindings::Classify;
 use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
 use pyo3::prelude::*;
@@ -38,7 +38,7 @@ fn opened(
 ) -> Result<Vec<u8>, ReadError> {
     let fail = |kind, text: String| ReadError {
         file: file.to_owned(),
-        place: Place::File,
+        place: FileLocation::File,
         problem: std::io::Error::new(kind, text).into(),
     };
     let missing = |text: &str| fail(std::io::ErrorKind::NotFound, text.to_owned());

@@ -3,7 +3,7 @@
 
 use kinopt::ik::Restarts;
 use kinopt::robot::Robot;
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 use kinopt::{Problem, Solver, Workspace};
 use support::urdf_matrices::{Matrix, Tree, apart, placement};
 
@@ -42,7 +42,7 @@ impl Torso {
         let mut builder = Problem::builder(model);
         builder.parameters(self.robot.map().clone());
         for (tip, target) in TIPS.iter().zip(targets) {
-            builder.add(Pose::new(model.frame(tip).unwrap(), placement(target)));
+            builder.add(FramePose::new(model.frame(tip).unwrap(), placement(target)));
         }
         builder.build().unwrap()
     }

@@ -1,12 +1,12 @@
 //! Methods of solvers by name.
 
-use kinopt_bindings::method::{METHODS, Method};
+use kinopt_bindings::method::{METHODS, SolverMethod};
 use kinopt_bindings::option::solver::SolverOptions;
 use serde_json::{Value, json};
 
-fn method(name: &str, settings: Value) -> Result<Option<Method>, String> {
+fn method(name: &str, settings: Value) -> Result<Option<SolverMethod>, String> {
     let settings = settings.as_object().unwrap().clone();
-    let method = Method::of(name, &settings, &SolverOptions::default());
+    let method = SolverMethod::of(name, &settings, &SolverOptions::default());
     method.map_err(|error| error.to_string())
 }
 
@@ -66,6 +66,6 @@ fn two_bone_rejects_limits() {
     };
     let settings = json!({"elbow": "positive"});
     let settings = settings.as_object().unwrap().clone();
-    assert!(Method::of("two_bone", &settings, &SolverOptions::default()).is_ok());
-    assert!(Method::of("two_bone", &settings, &limits).is_err());
+    assert!(SolverMethod::of("two_bone", &settings, &SolverOptions::default()).is_ok());
+    assert!(SolverMethod::of("two_bone", &settings, &limits).is_err());
 }

@@ -9,7 +9,7 @@ use kinopt::problem::{Derivatives, Evaluation, TaskId};
 use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, Point, Posture, Task};
 use kinopt::{Problem, Solver, Workspace};
 use support::arms::floating_nao;
 use support::bones::humanoid;
@@ -61,7 +61,7 @@ impl Nao {
         let hand = tasks.add(Task::new(hand).at_level(level));
         for foot in ["left_sole", "right_sole"] {
             let frame = model.frame(foot).unwrap();
-            tasks.add(Task::new(Pose::new(frame, self.at(foot))).scale(10.0));
+            tasks.add(Task::new(FramePose::new(frame, self.at(foot))).scale(10.0));
         }
         tasks.add(Posture::new(model, &self.stance).upright(model));
         if let Some(checker) = checker {

@@ -8,7 +8,7 @@ use kinopt::model::{FrameId, Limits, Loop, Masses, Model, ParameterMap, PointMas
 use kinopt::problem::{Problem, ProblemInstance, TaskId};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Gaze, LookAt, Point, Pose, Posture, SupportPolygon, Task};
+use kinopt::task::{FramePose, Gaze, LookAt, Point, Posture, SupportPolygon, Task};
 use kinopt::{Solution, Solver};
 use support::arms::{floating_nao, robot};
 use support::bones::humanoid;
@@ -64,7 +64,7 @@ fn methods(record: &mut Record) {
             tasks.parameters(nao.map().clone());
             let target = placed[0].translation + vector(&mut random, far);
             tasks.add(Point::new(hand, target));
-            tasks.add(Task::new(Pose::new(sole, placed[1])).scale(0.5));
+            tasks.add(Task::new(FramePose::new(sole, placed[1])).scale(0.5));
             tasks.add(LookAt::new(
                 model.frame("head").unwrap(),
                 [1.0, 0.0, 0.0],
@@ -142,7 +142,7 @@ fn levels(record: &mut Record) {
         let corners = [[0.07, 0.03], [0.07, -0.03], [-0.03, -0.03], [-0.03, 0.03]];
         let mut polygon = SupportPolygon::new(&masses).with_margin(0.01);
         for (foot, at) in feet.into_iter().zip(&placed) {
-            tasks.add(Pose::new(foot, *at));
+            tasks.add(FramePose::new(foot, *at));
             polygon = polygon.with_points(corners.map(|[x, y]| at.apply([x, y, 0.0].into())));
         }
         tasks.add(Task::new(polygon).at_level(1));

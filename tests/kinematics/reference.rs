@@ -19,7 +19,7 @@ use kinopt::problem::{Derivatives, Evaluation, Problem};
 use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Quantity, Task};
+use kinopt::task::{FramePose, Point, Quantity, Task};
 use nalgebra::DMatrix;
 use serde::Deserialize;
 
@@ -126,7 +126,7 @@ fn twists(
     let frame_pose = kinematics.place(x).unwrap()[0];
     let mut builder = Problem::builder(model);
     builder.parameters(map.clone());
-    let task = Task::new(Pose::new(frame, frame_pose));
+    let task = Task::new(FramePose::new(frame, frame_pose));
     builder.add(
         task.weight(Quantity::Metres, 1.0)
             .weight(Quantity::Radians, 1.0),

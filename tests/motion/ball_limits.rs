@@ -8,7 +8,7 @@ use kinopt::motion::trajectory::{
     MotionTermination, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Point, Pose};
+use kinopt::task::{FramePose, Point};
 
 const STEP: f64 = 1.0 / 30.0;
 const FRAMES: usize = 40;
@@ -167,7 +167,7 @@ fn free_body(
     let frame = builder.frame("body", Some(base), Placement::identity());
     let model = builder.build().unwrap();
     let mut motion = MotionProblem::builder(&model, FRAMES, STEP);
-    let follow = motion.add(Pose::new(frame, target_at(0)));
+    let follow = motion.add(FramePose::new(frame, target_at(0)));
     motion.follow(follow, move |frame, pose| pose.set_target(target_at(frame)));
     motion.rate_cost(RateCost::acceleration(1e-3));
     limit(&mut motion);

@@ -3,7 +3,7 @@
 use kinopt::model::{Limits, Model};
 use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 
 #[test]
 fn body_rotating_twice_follows_without_a_jump() {
@@ -19,7 +19,7 @@ fn body_rotating_twice_follows_without_a_jump() {
     };
     for order in 1..=3 {
         let mut motion = MotionProblem::builder(&model, frames, 1.0 / 60.0);
-        let follow = motion.add(Pose::new(frame, at(0)));
+        let follow = motion.add(FramePose::new(frame, at(0)));
         motion.follow(follow, move |frame, pose| pose.set_target(at(frame)));
         motion.rate_cost(match order {
             1 => RateCost::velocity(1e-3),

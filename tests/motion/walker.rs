@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, Model};
 use kinopt::motion::trajectory::{Contact, MotionProblem, RateCost};
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, Point, Posture, Task};
 use support::arms::floating_nao;
 
 /// Frames per second.
@@ -63,9 +63,9 @@ impl Walker {
             );
         });
         let [left, right] = self.feet;
-        motion.add(Task::new(Pose::new(left, placed[left.index()])).scale(10.0));
+        motion.add(Task::new(FramePose::new(left, placed[left.index()])).scale(10.0));
         let stood = placed[right.index()];
-        let step = motion.add(Pose::new(right, stood));
+        let step = motion.add(FramePose::new(right, stood));
         motion.follow(step, move |frame, pose| {
             let phase = frame as f64 / RATE * 3.0;
             let mut target = stood;

@@ -13,7 +13,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, U
 use kinopt::problem::{Problem, ProblemInstance};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Gaze, Point, Pose, Posture, SupportPolygon, Task};
+use kinopt::task::{FramePose, Gaze, Point, Posture, SupportPolygon, Task};
 use support::arms::robot;
 use support::random::Random;
 
@@ -66,7 +66,7 @@ impl Standing {
         let corners = [[0.07, 0.03], [0.07, -0.03], [-0.03, -0.03], [-0.03, 0.03]];
         let mut polygon = SupportPolygon::new(&self.masses).with_margin(0.01);
         for (sole, stands) in self.soles {
-            builder.add(Pose::new(sole, stands));
+            builder.add(FramePose::new(sole, stands));
             polygon = polygon.with_points(corners.map(|[x, y]| stands.apply([x, y, 0.0].into())));
         }
         builder.add(Task::new(polygon).at_level(1));

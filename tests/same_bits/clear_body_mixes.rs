@@ -8,7 +8,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::problem::{Derivatives, Problem, TaskId};
 use kinopt::solver::{GaussNewton, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LimitCentring, Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, LimitCentring, Point, Posture, Task};
 use kinopt::{Solver, Workspace};
 use support::random::Random;
 
@@ -57,7 +57,7 @@ fn problem(
         _ => {}
     }
     if random.below(5) == 0 {
-        tasks.add(Pose::new(head, placed[head.index()]));
+        tasks.add(FramePose::new(head, placed[head.index()]));
     }
     match random.below(4) {
         0 => {

@@ -14,7 +14,7 @@ use kinopt::problem::{Derivatives, Preferences, Problem};
 use kinopt::solver::{LevenbergMarquardt, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Camera, Distance, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture,
+    Camera, Distance, FramePose, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Posture,
     Quantity, Ray, Smoothness, Task,
 };
 use kinopt::{Skeleton, Solver, Workspace};
@@ -52,7 +52,7 @@ fn every_task(
     tasks.add(
         Task::new(Point::new(frame, near).at(vector(random, 0.1))).weight(Quantity::Metres, 2.0),
     );
-    tasks.add(Task::new(Pose::new(other, at)).tolerance(Quantity::Radians, 0.3));
+    tasks.add(Task::new(FramePose::new(other, at)).tolerance(Quantity::Radians, 0.3));
     tasks.add(Task::new(LookAt::new(frame, vector(random, 1.0), near)).scale(0.5));
     tasks.add(Task::new(Orientation::new(other, at.rotation)).named("stance"));
     tasks.add(Plane::new(frame, near, vector(random, 1.0)));

@@ -7,8 +7,8 @@ use kinopt::problem::{Preferences, Problem, ProblemBuilder, ProblemInstance};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LookAt,
-    Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, Smoothness,
+    Bounded, Camera, CentreOfMass, Distance, FramePose, FrameVelocity, Gaze, JointCoupling, LookAt,
+    Orientation, Pixel, Plane, Point, PoseBounds, Posture, Quantity, Ray, Smoothness,
     SupportPolygon, Task,
 };
 use kinopt::{Solver, Workspace};
@@ -35,7 +35,7 @@ fn everything(
     let (aside, x) = (vector(random, 0.3), Vector3::UNITS[0]);
     match part {
         0 => {
-            tasks.add(Pose::new(foot, low));
+            tasks.add(FramePose::new(foot, low));
             tasks.add(
                 Point::new(hand, near.translation + aside)
                     .at(aside)
@@ -47,9 +47,9 @@ fn everything(
         }
         1 => {
             let tool = Placement::new(near.rotation, aside);
-            tasks.add(Pose::new(hand, near).with_tool(tool).relative_to(foot));
+            tasks.add(FramePose::new(hand, near).with_tool(tool).relative_to(foot));
             let room = PoseBounds::within([0.1, 0.0, 0.0, 0.3, 0.0, 3.2]);
-            tasks.add(Pose::new(foot, low).with_goal(room));
+            tasks.add(FramePose::new(foot, low).with_goal(room));
             tasks.add(Task::new(Posture::new(model, q).by_range(model)).scale(0.2));
         }
         2 => {

@@ -10,7 +10,7 @@ use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
 use kinopt::problem::{Problem, ProblemInstance};
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LookAt, Orientation, Point, Pose, Posture, Quantity, Residual, Task};
+use kinopt::task::{FramePose, LookAt, Orientation, Point, Posture, Quantity, Residual, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -117,7 +117,7 @@ fn asked(
             1 | 2 => {
                 let to = Placement::new(turned, to);
                 tasks.add(weighed(
-                    Pose::new(frame, to).with_tool(Vector3::new(0.1, 0.0, 0.05) * size),
+                    FramePose::new(frame, to).with_tool(Vector3::new(0.1, 0.0, 0.05) * size),
                     random,
                 ));
             }

@@ -7,7 +7,7 @@ use kinopt::problem::{Preferences, Problem, ProblemBuilder};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, CentreOfMass, Gaze, LimitCentring, Orientation, Plane, Point, Pose, PoseBounds,
+    Bounded, CentreOfMass, FramePose, Gaze, LimitCentring, Orientation, Plane, Point, PoseBounds,
     Posture, SupportPolygon, Task,
 };
 use kinopt::{Solver, Workspace};
@@ -33,10 +33,10 @@ fn first(
         [-0.4, 0.4, 0.0],
     ];
     match case {
-        0 => drop(tasks.add(Pose::new(foot, low)).index()),
+        0 => drop(tasks.add(FramePose::new(foot, low)).index()),
         1 => {
             let room = PoseBounds::within([0.1, 0.05, 0.0, 0.3, 3.2, 0.2]);
-            tasks.add(Pose::new(foot, low).with_goal(room));
+            tasks.add(FramePose::new(foot, low).with_goal(room));
             tasks.add(
                 SupportPolygon::new(masses)
                     .with_points(square)

@@ -10,7 +10,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::Problem;
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{LookAt, Orientation, Point, Pose, PoseBounds, Quantity, Task};
+use kinopt::task::{FramePose, LookAt, Orientation, Point, PoseBounds, Quantity, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -106,11 +106,12 @@ fn asked(model: &Model, map: ParameterMap, case: usize, random: &mut Random) -> 
             tasks.add(Task::new(Point::new(right, near(random, right).translation)).scale(0.5));
         }
         2 => {
-            tasks
-                .add(Task::new(Pose::new(left, near(random, left))).weight(Quantity::Radians, 0.2));
+            tasks.add(
+                Task::new(FramePose::new(left, near(random, left))).weight(Quantity::Radians, 0.2),
+            );
         }
         3 => {
-            tasks.add(Pose::new(left, near(random, left)).with_tool(place(random, 0.1)));
+            tasks.add(FramePose::new(left, near(random, left)).with_tool(place(random, 0.1)));
             tasks.add(Point::new(frame("still"), vector(random, 0.1)));
         }
         _ => {
@@ -240,10 +241,10 @@ fn refused() -> Value {
         all[1].add(Orientation::new(frame, at.rotation));
         all[2].add(LookAt::new(frame, [0.0, 0.0, 1.0], at.translation));
         all[3].add(Point::new(frame, at.translation).relative_to(base));
-        all[4].add(Pose::new(frame, at).with_goal(PoseBounds::position()));
-        all[5].add(Task::new(Pose::new(frame, at)).weight(Quantity::Metres, 0.0));
+        all[4].add(FramePose::new(frame, at).with_goal(PoseBounds::position()));
+        all[5].add(Task::new(FramePose::new(frame, at)).weight(Quantity::Metres, 0.0));
         all[6].add(Task::new(Point::new(frame, at.translation)).named("reach"));
-        all[6].add(Pose::new(base, at).relative_to(frame));
+        all[6].add(FramePose::new(base, at).relative_to(frame));
         let start = model.neutral();
         for tasks in all {
             let problem = tasks.build().unwrap();

@@ -7,9 +7,9 @@ use kinopt::model::{FrameId, JointId, Limits, Masses, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring,
-    LookAt, Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture,
-    Ray, Residual, Smoothness, SupportPolygon, Task,
+    Axis, Bounded, CentreOfMass, Distance, FramePose, FrameVelocity, Gaze, JointCoupling,
+    LimitCentring, LookAt, Manipulability, Numeric, Orientation, Pixel, Plane, Point, PoseBounds,
+    Posture, Ray, Residual, Smoothness, SupportPolygon, Task,
 };
 use support::random::Random;
 
@@ -107,15 +107,19 @@ fn of_frames(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random) {
             Point::new(one, off).relative_to(other).at(far),
             random,
         )),
-        2 => drop(put(tasks, Pose::new(one, near(one)), random)),
+        2 => drop(put(tasks, FramePose::new(one, near(one)), random)),
         3 => drop(put(
             tasks,
-            Pose::new(one, turned).with_goal(goal).with_tool(off),
+            FramePose::new(one, turned).with_goal(goal).with_tool(off),
             random,
         )),
-        4 => drop(put(tasks, Pose::new(one, turned).with_goal(room), random)),
+        4 => drop(put(
+            tasks,
+            FramePose::new(one, turned).with_goal(room),
+            random,
+        )),
         5 => {
-            let own = Pose::new(one, place(random, 0.3)).relative_to(other);
+            let own = FramePose::new(one, place(random, 0.3)).relative_to(other);
             put(tasks, own.with_goal(goal), random);
         }
         6 => drop(put(tasks, Orientation::new(one, turned.rotation), random)),

@@ -7,7 +7,7 @@ use kinopt::motion::trajectory::{
     Contact, MotionProblem, MotionSolution, MotionSolver, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Point, Pose};
+use kinopt::task::{FramePose, Point};
 use support::arms::robot;
 
 use crate::digest::{Digest, Value, check};
@@ -83,7 +83,7 @@ fn free_body() -> Value {
     ];
     for rate in rates {
         let mut motion = MotionProblem::builder(&model, 30, 1.0 / 60.0);
-        let follow = motion.add(Pose::new(frame, at(0)));
+        let follow = motion.add(FramePose::new(frame, at(0)));
         motion.follow(follow, move |frame, pose| pose.set_target(at(frame)));
         motion.rate_cost(rate);
         motion.max_speed("base/x", 5.0);

@@ -7,7 +7,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder};
 use kinopt::solver::Stopping;
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{FramePose, Point, Posture, Quantity, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -26,7 +26,7 @@ fn restated() -> Value {
     let [chest, elbow, plate] = joints(&model, ["chest", "elbow", "plate"]);
     let mut tasks = Problem::builder(&model);
     tasks.add(
-        Task::new(Pose::new(hand, place(&mut random, 0.4)))
+        Task::new(FramePose::new(hand, place(&mut random, 0.4)))
             .weight(Quantity::Radians, 0.7)
             .at_level(1),
     );
@@ -48,7 +48,7 @@ fn restated() -> Value {
     digest.refusal(tasks.build());
     let mut tasks = Problem::builder(&model);
     tasks.add(
-        Task::new(Pose::new(hand, place(&mut random, 0.4)))
+        Task::new(FramePose::new(hand, place(&mut random, 0.4)))
             .weight(Quantity::Radians, 0.7)
             .at_level(1),
     );

@@ -13,8 +13,8 @@ use kinopt::solver::{
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Gaze, Inputs, JointCoupling, LimitCentring, Numeric, NumericResidual, Orientation, Point, Pose,
-    Posture, Quantity, RowBlock, Smoothness, Task,
+    FramePose, Gaze, Inputs, JointCoupling, LimitCentring, Numeric, NumericResidual, Orientation,
+    Point, Posture, Quantity, RowBlock, Smoothness, Task,
 };
 use kinopt::{Solver, Workspace};
 use support::random::Random;
@@ -43,7 +43,7 @@ fn asked(
     let far = vector(random, 0.2);
     match case {
         0 => {
-            tasks.add(Pose::new(hand, near));
+            tasks.add(FramePose::new(hand, near));
             tasks.add(Point::new(foot, low.translation));
         }
         1 => {
@@ -58,10 +58,10 @@ fn asked(
         3 => {
             let turned = rotation_exp(vector(random, 2.5)) * at[head.index()].rotation;
             tasks.add(Orientation::new(head, turned).relative_to(back));
-            tasks.add(Task::new(Pose::new(foot, low)).weight(Quantity::Radians, 0.0));
+            tasks.add(Task::new(FramePose::new(foot, low)).weight(Quantity::Radians, 0.0));
         }
         4 => {
-            tasks.add(Task::new(Pose::new(hand, near)).tolerance(Quantity::Metres, 0.01));
+            tasks.add(Task::new(FramePose::new(hand, near)).tolerance(Quantity::Metres, 0.01));
             tasks.add(Task::new(LimitCentring::new(model)).scale(0.2).preference());
             tasks.add(Smoothness::new(model, &model.neutral(), 0.5));
             tasks.preferences(Preferences::Traded);

@@ -6,9 +6,9 @@ use kinopt::problem::{Evaluation, Problem, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LookAt,
-    Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity,
-    Ray, Smoothness, SupportPolygon, Task,
+    Axis, Bounded, Camera, CentreOfMass, Distance, FramePose, FrameVelocity, Gaze, JointCoupling,
+    LookAt, Manipulability, Numeric, Orientation, Pixel, Plane, Point, PoseBounds, Posture,
+    Quantity, Ray, Smoothness, SupportPolygon, Task,
 };
 use support::random::Random;
 
@@ -31,7 +31,7 @@ fn targets() -> Value {
     let point = tasks.add(Point::new(hand, x).relative_to(foot).at(x));
     let orientation = tasks.add(Orientation::new(hand, Matrix3::identity()).relative_to(foot));
     let pose = tasks.add(
-        Pose::new(hand, x)
+        FramePose::new(hand, x)
             .with_goal(PoseBounds::free_about(Axis::X))
             .relative_to(foot),
     );
@@ -172,13 +172,14 @@ fn refused() -> Value {
         Point::new(hand, x).relative_to(hand),
         Orientation::new(hand, slanted.rotation),
         Orientation::new(hand, straight.rotation).relative_to(hand),
-        Pose::new(hand, slanted),
-        Pose::new(hand, straight).with_tool(slanted),
-        Pose::new(hand, straight).relative_to(hand),
-        Pose::new(hand, Vector3::from(nan)),
-        Pose::new(hand, straight).with_tool(Vector3::from(nan)),
-        Pose::new(hand, straight).with_goal(PoseBounds::within([0.0, -0.1, 0.0, 0.0, 0.0, 0.0])),
-        Pose::new(hand, straight).with_goal(PoseBounds::within([
+        FramePose::new(hand, slanted),
+        FramePose::new(hand, straight).with_tool(slanted),
+        FramePose::new(hand, straight).relative_to(hand),
+        FramePose::new(hand, Vector3::from(nan)),
+        FramePose::new(hand, straight).with_tool(Vector3::from(nan)),
+        FramePose::new(hand, straight)
+            .with_goal(PoseBounds::within([0.0, -0.1, 0.0, 0.0, 0.0, 0.0])),
+        FramePose::new(hand, straight).with_goal(PoseBounds::within([
             0.0,
             0.0,
             0.0,
@@ -186,7 +187,7 @@ fn refused() -> Value {
             f64::NAN,
             0.0
         ])),
-        Pose::new(hand, straight).with_goal(PoseBounds::within([f64::INFINITY; 6])),
+        FramePose::new(hand, straight).with_goal(PoseBounds::within([f64::INFINITY; 6])),
         LookAt::new(hand, zero, x),
         LookAt::new(hand, x, nan),
         Gaze::at(hand, x, nan, 0.2),

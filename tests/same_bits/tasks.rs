@@ -7,10 +7,10 @@ use kinopt::problem::{Derivatives, Evaluation, Problem, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, Camera, CentreOfMass, Description, Distance, FrameVelocity, Gaze, Inputs,
-    JointCoupling, LimitCentring, LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual,
-    Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, RowBlock,
-    Smoothness, SupportPolygon, Task,
+    Axis, Bounded, Camera, CentreOfMass, Description, Distance, FramePose, FrameVelocity, Gaze,
+    Inputs, JointCoupling, LimitCentring, LocalJacobian, LookAt, Manipulability, Numeric,
+    NumericResidual, Orientation, Pixel, Plane, Point, PoseBounds, Posture, Quantity, Ray,
+    RowBlock, Smoothness, SupportPolygon, Task,
 };
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -137,11 +137,11 @@ fn of_frames(
         PoseBounds::within([0.05, inf, 0.01, 0.1, 0.02, 3.2]),
         PoseBounds::within([0.4, 0.3, 0.2, 1.0, 2.0, 1.5]),
     ];
-    tasks.add(Pose::new(hand, turned(random, 0.2)));
-    tasks.add(Pose::new(hand, turned(random, 0.2)).with_tool(place(random, 0.2)));
+    tasks.add(FramePose::new(hand, turned(random, 0.2)));
+    tasks.add(FramePose::new(hand, turned(random, 0.2)).with_tool(place(random, 0.2)));
     for goal in goals {
-        tasks.add(Pose::new(hand, turned(random, 0.4)).with_goal(goal));
-        let pose = Pose::new(hand, turned(random, 0.4)).with_goal(goal);
+        tasks.add(FramePose::new(hand, turned(random, 0.4)).with_goal(goal));
+        let pose = FramePose::new(hand, turned(random, 0.4)).with_goal(goal);
         tasks.add(pose.with_tool(place(random, 0.2)).relative_to(foot));
     }
     tasks.add(LookAt::new(head, vector(random, 2.0), vector(random, 1.0)));

@@ -5,7 +5,7 @@
 use kinopt::model::{BallLimits, JointId, Limits, Loop, Model, ModelBuilder};
 use kinopt::motion::trajectory::{MotionError, MotionProblem, MotionSolver, RateCost, Windows};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Point, Pose};
+use kinopt::task::{FramePose, Point};
 
 use crate::digest::{Digest, Value, check};
 use crate::robot_texts::add_error;
@@ -24,7 +24,7 @@ fn led(
         let (sin, cos) = kinopt::Scalar::sin_cos(0.5 * frame as f64);
         Placement::new(rotation_exp(turn * (sin + 0.2 * frame as f64)), way * cos)
     };
-    let pose = motion.add(Pose::new(tip, at(0)));
+    let pose = motion.add(FramePose::new(tip, at(0)));
     motion.follow(pose, move |frame, pose| pose.set_target(at(frame)));
     motion.rate_cost(RateCost::acceleration(1e-4));
     ask(&mut motion);

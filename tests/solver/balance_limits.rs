@@ -9,7 +9,7 @@ use kinopt::model::{FrameId, Masses, PointMass};
 use kinopt::problem::{Problem, ProblemBuilder};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{CentreOfMass, Point, Pose, SupportPolygon, Task};
+use kinopt::task::{CentreOfMass, FramePose, Point, SupportPolygon, Task};
 use nalgebra::{DMatrix, DVector};
 use support::arms::floating_nao;
 
@@ -74,7 +74,7 @@ impl Standing {
 
     fn hold_feet(&self, builder: &mut ProblemBuilder<'_>) {
         for (foot, foot_pose) in self.feet {
-            builder.add(Pose::new(foot, foot_pose));
+            builder.add(FramePose::new(foot, foot_pose));
         }
     }
 

@@ -8,7 +8,7 @@ use kinopt::model::{BallLimits, Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::{LeastSquares, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Orientation, Point, Pose, Posture, Smoothness};
+use kinopt::task::{FramePose, Orientation, Point, Posture, Smoothness};
 use kinopt::{Problem, Solver, Workspace};
 use nalgebra::DMatrix;
 use support::figures::{Figure, Kind};
@@ -25,7 +25,7 @@ fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
     let mut builder = Problem::builder(&figure.model);
     let mut target = at[last];
     target.translation.vector += random.vector(off);
-    builder.add(Pose::new(figure.frames[last], placement(&target)));
+    builder.add(FramePose::new(figure.frames[last], placement(&target)));
     let position = at[other].translation.vector + random.vector(off);
     builder.add(Point::new(figure.frames[other], support::vector(position)));
     builder.build().unwrap()
@@ -103,7 +103,7 @@ fn derivative_routes_agree_at_special_rotations() {
         let map = ParameterMap::free(model);
         builder.parameters(map.clone());
         for &frame in &figure.frames {
-            builder.add(Pose::new(frame, placement(&random.rigid(0.5))));
+            builder.add(FramePose::new(frame, placement(&random.rigid(0.5))));
         }
         builder.add(Posture::new(model, &reference));
         builder.add(Smoothness::new(model, &reference, 0.1));

@@ -5,7 +5,7 @@ use kinopt::Solver;
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::problem::{Problem, ProblemBuilder, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, PoseBounds, Posture};
+use kinopt::task::{FramePose, Point, PoseBounds, Posture};
 use support::arms::panda;
 use support::random::{Random, cases};
 use support::trees::configuration_of;
@@ -13,12 +13,15 @@ use support::trees::configuration_of;
 use crate::soft_task_fixtures::placement_of;
 
 /// Pose of the tool, and the tasks that `more` adds.
-fn problem(goal: PoseBounds, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
+fn problem(
+    goal: PoseBounds,
+    more: impl Fn(&mut ProblemBuilder<'_>),
+) -> (Problem, TaskId<FramePose>) {
     let (robot, _, tool) = panda();
     let mut builder = Problem::builder(robot.model());
     builder.parameters(robot.map().clone());
     let tool = robot.model().frame(tool).unwrap();
-    let pose = builder.add(Pose::new(tool, Placement::identity()).with_goal(goal));
+    let pose = builder.add(FramePose::new(tool, Placement::identity()).with_goal(goal));
     more(&mut builder);
     (builder.build().unwrap(), pose)
 }

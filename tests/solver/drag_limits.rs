@@ -7,7 +7,7 @@ use kinopt::model::{FrameId, Model};
 use kinopt::problem::TaskId;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, Point, Posture, Task};
 use support::arms::floating_nao;
 use support::random::Random;
 
@@ -66,7 +66,7 @@ impl Body {
         tasks.parameters(self.robot.map().clone());
         let hand = tasks.add(Point::new(self.hand, poses[2].translation));
         for (&foot, &pose) in self.feet.iter().zip(poses) {
-            tasks.add(Task::new(Pose::new(foot, pose)).scale(10.0));
+            tasks.add(Task::new(FramePose::new(foot, pose)).scale(10.0));
         }
         tasks.add(Posture::new(self.model(), &self.stance).upright(self.model()));
         let drag = Drag::new(tasks.build().unwrap(), &self.stance).unwrap();

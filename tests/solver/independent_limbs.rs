@@ -5,7 +5,7 @@ use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::problem::Problem;
 use kinopt::robot::Robot;
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 use kinopt::{Solver, Workspace};
 
 const ARMS: [&str; 4] = ["a", "b", "c", "d"];
@@ -51,7 +51,7 @@ fn independent_limbs_reach_as_often_as_alone() {
         let placed = kinematics.place(q).unwrap();
         let mut tasks = Problem::builder(model);
         for &k in frames {
-            tasks.add(Pose::new(tips[k], placed[k]));
+            tasks.add(FramePose::new(tips[k], placed[k]));
         }
         let problem = tasks.build().unwrap();
         solver

@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, Extensions, Gaze, Inequality, InequalityResidual, Inputs, Plane, Point, Pose,
+    Bounded, Extensions, FramePose, Gaze, Inequality, InequalityResidual, Inputs, Plane, Point,
     PoseBounds, Posture, Quantity, Residual, RowBlock, SupportPolygon, Task,
 };
 use kinopt::{Scalar, Solution, Solver};
@@ -114,7 +114,7 @@ fn soft_task_leaves_or_keeps_the_boundary() {
         ("goal", &|builder| {
             let target = Placement::translation([0.0, 0.0, 1.25].into());
             let bounds = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, target).with_goal(bounds));
+            builder.add(FramePose::new(carried, target).with_goal(bounds));
         }),
     ];
     for (what, goal) in rooms {
@@ -295,7 +295,7 @@ fn inequalities_on_all_axes_hold() {
         for level in [true, false] {
             let mut builder = Problem::builder(&model);
             let bounds = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
-            builder.add(Pose::new(carried, Placement::identity()).with_goal(bounds));
+            builder.add(FramePose::new(carried, Placement::identity()).with_goal(bounds));
             let target = sign.map(|sign| 1.5 * sign);
             match level {
                 true => {

@@ -8,7 +8,7 @@ use kinopt::solver::{
     Damping, FirstStep, GaussNewton, Iteration, LevenbergMarquardt, ProjectedGradient, Stopping,
 };
 use kinopt::spatial::Placement;
-use kinopt::task::{Orientation, Point, Pose, Quantity};
+use kinopt::task::{FramePose, Orientation, Point, Quantity};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
 use support::random::{Random, part};
@@ -48,7 +48,10 @@ fn problem(rig: &RandomRig, unit: f64, seed: u64) -> Problem {
         let bone = rig.tips[k].index();
         placement(&(transforms[bone] * rig.rests[bone]))
     };
-    builder.add(Pose::new(rig.skeleton.tail(rig.tips[3]), target_pose(3)));
+    builder.add(FramePose::new(
+        rig.skeleton.tail(rig.tips[3]),
+        target_pose(3),
+    ));
     let turned = target_pose(4).rotation;
     builder.add(Orientation::new(rig.skeleton.tail(rig.tips[4]), turned));
     builder.build().unwrap()

@@ -8,7 +8,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Orientation, Point, Pose, Posture};
+use kinopt::task::{FramePose, Orientation, Point, Posture};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
 use support::maps::maps_of;
@@ -90,7 +90,7 @@ fn trees_with_all_maps_stay_within_limits() {
             for target in [reachable, hopeless] {
                 let mut builder = Problem::builder(&tree.model);
                 builder.parameters(expected.map.clone());
-                builder.add(Pose::new(tree.far_frame(), placement(&target)));
+                builder.add(FramePose::new(tree.far_frame(), placement(&target)));
                 let problem = builder.build().unwrap();
                 for (k, solver) in solvers().into_iter().enumerate() {
                     let (stopping, restarts) = short();
@@ -186,7 +186,7 @@ fn problem_bounds_on_mimic_joints_hold() {
         builder.parameters(expected.map.clone());
         let mut goal = tree.frames_at(&q)[9];
         goal.translation.vector += random.vector(1.0);
-        builder.add(Pose::new(tree.far_frame(), placement(&goal)));
+        builder.add(FramePose::new(tree.far_frame(), placement(&goal)));
         // Narrow bounds around one configuration of the map.
         let rooms: Vec<Limits> = q.iter().map(|v| Limits::new(v - 0.05, v + 0.03)).collect();
         for (&joint, &bounds) in moving.iter().zip(&rooms) {

@@ -11,8 +11,8 @@ use kinopt::problem::{Preferences, ProblemBuilder, ProblemInstance};
 use kinopt::solver::{Silent, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, CentreOfMass, Distance, Gaze, LookAt, Manipulability, Orientation, Plane, Point, Pose,
-    Posture, Ray, Residual, Smoothness, SupportPolygon, Task,
+    Bounded, CentreOfMass, Distance, FramePose, Gaze, LookAt, Manipulability, Orientation, Plane,
+    Point, Posture, Ray, Residual, Smoothness, SupportPolygon, Task,
 };
 use kinopt::{Problem, Solver, Workspace};
 use support::bodies::{Body, direction};
@@ -37,7 +37,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
     let pose = Placement::new(frame_pose.rotation, position);
     match random.below(16) {
         0..4 => {
-            tasks.add(Pose::new(frame, pose));
+            tasks.add(FramePose::new(frame, pose));
         }
         4 | 5 => {
             tasks.add(Point::new(frame, position).at(vector(random.vector(0.2))));
@@ -49,7 +49,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
         7 if frame != other => {
             let base = at[other.index()];
             let seen = base.inverse() * pose;
-            tasks.add(Pose::new(frame, seen).relative_to(other));
+            tasks.add(FramePose::new(frame, seen).relative_to(other));
         }
         8 => {
             tasks.add(LookAt::new(frame, direction(random), position));
@@ -58,7 +58,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Gaze::at(frame, direction(random), position, 0.3));
         }
         10 => {
-            tasks.add(Bounded::new(Pose::new(frame, pose), 0.05));
+            tasks.add(Bounded::new(FramePose::new(frame, pose), 0.05));
         }
         11 => {
             tasks.add(CentreOfMass::new(&body.masses, position));

@@ -8,7 +8,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, JointId, Limits, Model, ModelBuilder};
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 use kinopt::{Problem, Solver, Workspace};
 
 const X: usize = 0;
@@ -78,7 +78,7 @@ fn ends_as_at(model: &Model, ends: &[FrameId], q: &[f64]) -> Problem {
     let placed = kinematics.place(q).expect("a configuration");
     let mut tasks = Problem::builder(model);
     for &end in ends {
-        tasks.add(Pose::new(end, placed[end.index()]));
+        tasks.add(FramePose::new(end, placed[end.index()]));
     }
     tasks.build().expect("a valid problem")
 }

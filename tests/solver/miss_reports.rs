@@ -5,7 +5,7 @@ use kinopt::model::{JointId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Inputs, Point, Pose, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{FramePose, Inputs, Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::arms::robot;
 use support::planar_arm;
@@ -25,7 +25,7 @@ fn zero_weight_task_reports_its_error() {
     for (weight, of_place) in [(0.0, 1.0), (1e-300, 2.0), (1e-160, 0.5)] {
         let mut builder = Problem::builder(model);
         builder.parameters(robot.map().clone());
-        let pose = Task::new(Pose::new(tool, target)).weight(Quantity::Radians, weight);
+        let pose = Task::new(FramePose::new(tool, target)).weight(Quantity::Radians, weight);
         builder.add(pose.weight(Quantity::Metres, of_place));
         let problem = builder.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
@@ -201,7 +201,7 @@ fn only_the_missed_part_of_a_pose_is_reported() {
         (Quantity::Metres, [false, true]),
     ] {
         let mut builder = Problem::builder(&model);
-        builder.add(Task::new(Pose::new(tip, target)).tolerance(within, 9.0));
+        builder.add(Task::new(FramePose::new(tip, target)).tolerance(within, 9.0));
         let problem = builder.build().unwrap();
         let words = Solver::default().solve_once(&problem, &[0.1, 0.2]);
         let words = words.unwrap().explain();

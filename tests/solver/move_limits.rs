@@ -9,7 +9,7 @@ use kinopt::model::{BallLimits, FrameId, Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, ProblemInstance};
 use kinopt::solver::{LeastSquares, Side};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
-use kinopt::task::{Orientation, Point, Pose};
+use kinopt::task::{FramePose, Orientation, Point};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
 use support::configuration_rules::angle_between;
@@ -261,7 +261,7 @@ fn derivatives_agree_at_a_move_limit() {
         let random = &mut Random::new(seed);
         let mut tasks = Problem::builder(model);
         for &frame in &figure.frames {
-            tasks.add(Pose::new(frame, placement(&random.rigid(0.5))));
+            tasks.add(FramePose::new(frame, placement(&random.rigid(0.5))));
         }
         let problem = tasks.build().unwrap();
         let start = model.random_configuration(seed);

@@ -7,7 +7,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::Model;
 use kinopt::problem::Problem;
 use kinopt::robot::BaseJoint;
-use kinopt::task::{Point, Pose};
+use kinopt::task::{FramePose, Point};
 use kinopt::{Solver, Workspace};
 use support::arms::robot;
 use support::random::{Random, case_count};
@@ -42,7 +42,7 @@ fn problem(model: &Model, target_q: &[f64]) -> Problem {
     let mut tasks = Problem::builder(model);
     for foot in ["left_sole", "right_sole"] {
         let frame = model.frame(foot).unwrap();
-        tasks.add(Pose::new(frame, places[frame.index()]));
+        tasks.add(FramePose::new(frame, places[frame.index()]));
     }
     for hand in ["left_hand", "right_hand"] {
         let frame = model.frame(hand).unwrap();

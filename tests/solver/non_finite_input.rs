@@ -9,7 +9,7 @@ use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Inputs, LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, RowBlock,
+    FramePose, Inputs, LimitCentring, Orientation, Point, Posture, Quantity, Residual, RowBlock,
 };
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::fault_tables::ExpectedError;
@@ -83,7 +83,7 @@ fn nan_rotation_ends_as_non_finite() {
             let orientation = builder.add(Orientation::new(tip, turned));
             let problem = builder.build().unwrap();
             let mut builder = Problem::builder(&model);
-            let pose = builder.add(Pose::new(tip, Placement::new(turned, Vector3::zero())));
+            let pose = builder.add(FramePose::new(tip, Placement::new(turned, Vector3::zero())));
             let posed = builder.build().unwrap();
             let mut turn = problem.targets();
             turn.get_mut(orientation).unwrap().set_target(broken);

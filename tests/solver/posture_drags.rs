@@ -4,7 +4,7 @@ use kinopt::Problem;
 use kinopt::ik::{Drag, crouched_configuration};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, Point, Posture, Task};
 use support::arms::floating_nao;
 
 /// Smallest steps of two consecutive frames that count as a reversal, radians.
@@ -49,7 +49,7 @@ impl Course {
         tasks.parameters(robot.map().clone());
         let hand = tasks.add(Point::new(frames[2], start));
         for (&foot, &pose) in frames.iter().zip(&poses[..2]) {
-            tasks.add(Task::new(Pose::new(foot, pose)).scale(10.0));
+            tasks.add(Task::new(FramePose::new(foot, pose)).scale(10.0));
         }
         let posture = Posture::new(model, &stance);
         tasks.add(match self.upright {

@@ -5,7 +5,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{FramePose, Point, Posture, Quantity, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::arms::panda;
 use support::bodies::traded_on_a_sledge;
@@ -45,8 +45,8 @@ impl Conflict {
         }
     }
 
-    fn tool(&self) -> Pose {
-        Pose::new(self.model.frame(panda().2).unwrap(), self.tool)
+    fn tool(&self) -> FramePose {
+        FramePose::new(self.model.frame(panda().2).unwrap(), self.tool)
     }
 
     fn elbow(&self) -> Point {

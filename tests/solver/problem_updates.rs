@@ -5,7 +5,7 @@ use kinopt::model::{FrameId, JointId, Limits};
 use kinopt::problem::{Evaluation, ProblemError};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Pose, Posture, Quantity, Task};
+use kinopt::task::{FramePose, Posture, Quantity, Task};
 use kinopt::{Model, Problem, Solver, Workspace};
 use support::random::Random;
 
@@ -46,7 +46,7 @@ fn arm(places: [[f64; 3]; 4]) -> (Model, Vec<JointId>, FrameId) {
 /// Pose of the tip and a posture, with weights in the order of the report.
 fn problem(model: &Model, tip: FrameId, weights: [f64; 3]) -> Problem {
     let mut builder = Problem::builder(model);
-    let pose = Task::new(Pose::new(tip, at([0.3, 0.2, 0.4])));
+    let pose = Task::new(FramePose::new(tip, at([0.3, 0.2, 0.4])));
     let pose = pose.weight(Quantity::Metres, weights[0]);
     builder.add(pose.weight(Quantity::Radians, weights[1]));
     let posture = Task::new(Posture::new(model, &model.neutral()));
@@ -156,9 +156,9 @@ fn invalid_weights_and_origins_are_rejected() {
 fn last_weight_and_tolerance_apply() {
     let (model, _, tip) = arm(POSITIONS);
     let start = model.neutral();
-    let solved = |change: &dyn Fn(Task<Pose>) -> Task<Pose>| {
+    let solved = |change: &dyn Fn(Task<FramePose>) -> Task<FramePose>| {
         let mut tasks = Problem::builder(&model);
-        tasks.add(change(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
+        tasks.add(change(Task::new(FramePose::new(tip, at([0.5, 0.3, 0.2])))));
         tasks.add(Posture::new(&model, &start));
         tasks.preferences(kinopt::problem::Preferences::Traded);
         Solver::default()

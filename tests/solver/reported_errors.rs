@@ -4,7 +4,7 @@
 use kinopt::ik::{Restarts, Side};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
-use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{FramePose, Point, Posture, Quantity, Task};
 use kinopt::{Solution, Workspace};
 use nalgebra as na;
 use support::bones::humanoid;
@@ -47,7 +47,7 @@ fn random_case(seed: u64, reachable: bool) -> TestCase {
     let [a, b] = slots.map(|s| tree.frames[s]);
     let mut builder = Problem::builder(&tree.model);
     builder.add(
-        Task::new(Pose::new(a, placement(&pose)))
+        Task::new(FramePose::new(a, placement(&pose)))
             .weight(Quantity::Metres, METRE_WEIGHT)
             .weight(Quantity::Radians, RADIAN_WEIGHT)
             .tolerance(Quantity::Metres, POSITION_TOLERANCE)

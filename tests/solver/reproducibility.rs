@@ -4,7 +4,7 @@ use kinopt::ik::Restarts;
 use kinopt::model::Limits;
 use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder};
 use kinopt::solver::{Stopping, Termination};
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{FramePose, Point, Posture, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::bones::RandomRig;
 use support::methods::solvers;
@@ -33,7 +33,7 @@ fn questions() -> Vec<ProblemInstance> {
         let frame = tree.frames.len() - 2;
         let mut builder = Problem::builder(&tree.model);
         let target = placement(&tree.frames_at(&q)[frame]);
-        builder.add(Pose::new(tree.frames[frame], target));
+        builder.add(FramePose::new(tree.frames[frame], target));
         all.push(ProblemInstance {
             problem: builder.build().unwrap(),
             start: tree.configuration(&mut random),

@@ -4,7 +4,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::{FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Orientation, Point, Pose, Quantity, Task};
+use kinopt::task::{FramePose, Orientation, Point, Quantity, Task};
 use kinopt::{Solver, Workspace};
 use nalgebra as na;
 use support::methods::solvers;
@@ -24,7 +24,7 @@ fn two_joints_reach_a_full_pose() {
     let turn = na::Rotation3::from_axis_angle(&na::Vector3::z_axis(), q[0] + q[1]);
     let target = rigid(turn, planar_tip(&links, &q));
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(tip, placement(&target)));
+    builder.add(FramePose::new(tip, placement(&target)));
     let problem = builder.build().unwrap();
     for solver in solvers().into_iter().map(patient) {
         let solution = solver.solve_once(&problem, &[0.1, 0.2]).unwrap();

@@ -7,7 +7,8 @@ use kinopt::problem::{Problem, TaskId};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    Inputs, LimitCentring, Point, Pose, Posture, Quantity, Residual, RowBlock, Smoothness, Task,
+    FramePose, Inputs, LimitCentring, Point, Posture, Quantity, Residual, RowBlock, Smoothness,
+    Task,
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
@@ -34,7 +35,7 @@ fn panda_reaches_with_default_soft_tasks() {
             let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
             let target = placement_of(model, tool, &target_q);
             let goal: Add<'_> = &|builder| {
-                builder.add(Pose::new(frame, target));
+                builder.add(FramePose::new(frame, target));
             };
             let pull: Add<'_> = &|builder| match k {
                 0 => {
@@ -107,7 +108,7 @@ fn rows_of_infinite_tolerance_constrain_nothing() {
         let [target_q, start, other] = [(); 3].map(|()| configuration_of(model, &mut random));
         let target = placement_of(model, tool, &target_q);
         let pose: Add<'_> = &|builder| {
-            let pose = Task::new(Pose::new(frame, target));
+            let pose = Task::new(FramePose::new(frame, target));
             builder.add(pose.tolerance(Quantity::Radians, f64::INFINITY));
         };
         let point: Add<'_> = &|builder| {
@@ -272,7 +273,7 @@ fn partly_reached_task_is_not_reached() {
         (Quantity::Radians, [false, true]),
     ] {
         let placement = Placement::new(turned.into(), [1.2, 0.3, 0.5].into());
-        let pose = Pose::new(
+        let pose = FramePose::new(
             tip,
             if free == Quantity::Metres {
                 target

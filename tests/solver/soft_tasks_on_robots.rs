@@ -3,7 +3,7 @@
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::task::{Pose, Posture};
+use kinopt::task::{FramePose, Posture};
 use kinopt::{Problem, Solver, Workspace};
 use support::arms::floating_nao;
 use support::random::{Random, case_count};
@@ -31,7 +31,7 @@ fn robot_postures_on_limits_are_stationary() {
         let (target_q, posture) = (nearby(0.8, 0.95), nearby(1.2, 0.9));
         let mut tasks = Problem::builder(model);
         for (&end, &at) in ends.iter().zip(kinematics.place(&target_q).unwrap()) {
-            tasks.add(Pose::new(end, at));
+            tasks.add(FramePose::new(end, at));
         }
         tasks.add(Posture::new(model, &posture));
         let problem = tasks.build().unwrap();

@@ -6,7 +6,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
 use kinopt::problem::ParameterVector;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{FrameVelocity, Point, Pose};
+use kinopt::task::{FramePose, FrameVelocity, Point};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
 use support::bodies::traded_on_a_sledge;
@@ -283,7 +283,7 @@ fn position_and_rotation_weights_differ() {
     let turned = rotation_exp(Vector3::new(0.0, 0.0, 1.4));
     let mut tasks = Problem::builder(&model);
     let target = Placement::new(turned, Vector3::new(1.1, 0.5, 0.0));
-    tasks.add(Pose::new(tip, target));
+    tasks.add(FramePose::new(tip, target));
     let problem = tasks.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.3, 0.2, 0.4]);
     let solution = solution.unwrap();

@@ -7,7 +7,7 @@ use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
 use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
 use kinopt::robot::BaseJoint;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Posture, SupportPolygon, Task};
+use kinopt::task::{FramePose, Point, Posture, SupportPolygon, Task};
 
 struct Body {
     model: Model,
@@ -82,7 +82,7 @@ fn dragged(body: &Body, start: &[f64], displacement: Vector3<f64>, upright: bool
     let from = placed(model, body.hand, start).translation;
     let hand = tasks.add(Point::new(body.hand, from));
     for foot in body.feet {
-        tasks.add(Task::new(Pose::new(foot, placed(model, foot, start))).scale(10.0));
+        tasks.add(Task::new(FramePose::new(foot, placed(model, foot, start))).scale(10.0));
     }
     let posture = Posture::new(model, start);
     tasks.add(match upright {
@@ -248,7 +248,7 @@ fn hand_dragged_forward_keeps_balance() {
         let mut front = f64::NEG_INFINITY;
         for foot in feet {
             let at = placed(model, foot, &stance);
-            tasks.add(Task::new(Pose::new(foot, at)).scale(10.0));
+            tasks.add(Task::new(FramePose::new(foot, at)).scale(10.0));
             let sole = robot.sole(foot);
             front = (sole.iter().map(|corner| at.apply(*corner).x)).fold(front, f64::max);
             balance = balance.with_points_on(foot, sole);
@@ -295,7 +295,7 @@ fn conflicting_levels_come_to_rest() {
     let mut tasks = Problem::builder(model);
     tasks.parameters(robot.map().clone());
     let at = placed(model, support_foot, &NAO_ON_ONE_FOOT);
-    tasks.add(Pose::new(support_foot, at));
+    tasks.add(FramePose::new(support_foot, at));
     let balance =
         SupportPolygon::new(&masses).with_points_on(support_foot, robot.sole(support_foot));
     tasks.add(Task::new(balance).at_level(1));
@@ -303,7 +303,7 @@ fn conflicting_levels_come_to_rest() {
     raised.rotation = placed(model, pulled, &model.neutral()).rotation;
     raised.translation = Vector3::new(0.244, 0.251, 0.147);
     tasks.add(
-        Task::new(Pose::new(pulled, raised))
+        Task::new(FramePose::new(pulled, raised))
             .named("pulled")
             .at_level(2),
     );

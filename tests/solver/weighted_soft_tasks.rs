@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::{Iteration, Stopping, Termination};
-use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{FramePose, Point, Posture, Quantity, Task};
 use kinopt::{Solver, Workspace};
 use support::arms::panda;
 use support::planar_arm;
@@ -26,7 +26,7 @@ fn weighted_soft_tasks_are_named() {
     for weight in [1.0, 1e-2] {
         let mut builder = Problem::builder(model);
         builder.parameters(map.clone());
-        builder.add(Pose::new(frame, target));
+        builder.add(FramePose::new(frame, target));
         builder.add(
             Task::new(Posture::new(model, &other))
                 .weight(Quantity::JointUnits, weight)
@@ -125,7 +125,7 @@ fn interrupted_or_nan_soft_task_is_reported() {
     let [target_q, other] = [(); 2].map(|()| configuration_of(model, &mut random));
     let mut builder = Problem::builder(model);
     builder.parameters(map.clone());
-    builder.add(Pose::new(frame, placement_of(model, tool, &target_q)));
+    builder.add(FramePose::new(frame, placement_of(model, tool, &target_q)));
     let task = builder.add(Posture::new(model, &other));
     let problem = builder.build().unwrap();
     for (cancels, ended) in [

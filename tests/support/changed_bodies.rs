@@ -5,7 +5,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ParameterMap};
 use kinopt::problem::{ParameterVector, Preferences, ProblemBuilder};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Orientation, Point, Pose, Posture, Quantity, Residual, Task};
+use kinopt::task::{FramePose, Orientation, Point, Posture, Quantity, Residual, Task};
 use nalgebra as na;
 
 use super::random::Random;
@@ -194,7 +194,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
                     Vector3::new(target_rates[0], target_rates[1], target_rates[2]) * step;
                 target.translation += target.rotation * displacement;
                 target.rotation = turned(target.rotation, &target_rates[3..], step);
-                tasks.add(turning(Pose::new(tip, target)).scale(times));
+                tasks.add(turning(FramePose::new(tip, target)).scale(times));
             }));
         }
         3 | 5 => {
@@ -235,7 +235,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
                 let displacement = Vector3::new(other[0], other[1], other[2]) * step;
                 target.translation += target.rotation * displacement;
                 target.rotation = turned(target.rotation, &other[3..], step);
-                tasks.add(turning(Pose::new(tip, target)));
+                tasks.add(turning(FramePose::new(tip, target)));
             }));
         }
     }

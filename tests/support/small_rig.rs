@@ -1,7 +1,7 @@
 //! Rig of three bones and one triangle, in memory.
 
 use kinopt::io::rig::Rig;
-use kinopt::io::{Place, ReadError};
+use kinopt::io::{FileLocation, ReadError};
 
 pub const JSON: &str = r#"{
 "model": {"file": "small.ply"}, "weights": {"file": "small.dmat"}, "author": {"x": [1, null]},
@@ -47,7 +47,7 @@ impl SmallRig {
             };
             part.ok_or_else(|| ReadError {
                 file: file.into(),
-                place: Place::File,
+                place: FileLocation::File,
                 problem: std::io::Error::from(std::io::ErrorKind::NotFound).into(),
             })
         })

@@ -10,8 +10,8 @@ use kinopt::model::{FrameId, JointId};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Bounded, Camera, Distance, Inputs, LimitCentring, LookAt, Orientation, Pixel, Plane,
-    Point, Pose, PoseBounds, Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task,
+    Axis, Bounded, Camera, Distance, FramePose, Inputs, LimitCentring, LookAt, Orientation, Pixel,
+    Plane, Point, PoseBounds, Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task,
 };
 use nalgebra as na;
 
@@ -185,7 +185,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     let target = rigid(random.rotation(), near);
     all.push(sum_case(
         "pose",
-        move || Pose::new(frame, placement(&target)),
+        move || FramePose::new(frame, placement(&target)),
         move |at, _| {
             let mut rows: Vec<f64> = (at[slot].translation.vector - near).as_slice().to_vec();
             rows.extend(rotation_vector(
@@ -311,14 +311,14 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         sum_case(
             "pose of a tool in a base",
             move || {
-                let pose = Pose::new(frame, placement(&relative)).relative_to(base);
+                let pose = FramePose::new(frame, placement(&relative)).relative_to(base);
                 pose.with_tool(placement(&tool))
             },
             move |at, _| world_miss(in_base(at) * tool, relative),
         ),
         sum_case(
             "pose of a tool",
-            move || Pose::new(frame, placement(&target)).with_tool(placement(&tool)),
+            move || FramePose::new(frame, placement(&target)).with_tool(placement(&tool)),
             move |at, _| world_miss(at[slot] * tool, target),
         ),
         sum_case(
@@ -344,7 +344,7 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         all.push(sum_case(
             name,
             move || {
-                let pose = Pose::new(frame, placement(&target)).with_goal(goal);
+                let pose = FramePose::new(frame, placement(&target)).with_goal(goal);
                 pose.with_tool(placement(&tool))
             },
             move |at, _| beyond_goal(at[slot] * tool, target, goal.half_widths()),
@@ -352,7 +352,7 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         all.push(sum_case(
             name,
             move || {
-                let pose = Pose::new(frame, placement(&relative)).with_goal(goal);
+                let pose = FramePose::new(frame, placement(&relative)).with_goal(goal);
                 pose.relative_to(base)
             },
             move |at, _| beyond_goal(in_base(at), relative, goal.half_widths()),

@@ -1,7 +1,7 @@
 //! Referenced files, opened by a function of the caller.
 
 use js_sys::{Function, Uint8Array};
-use kinopt::io::{Place, ReadError};
+use kinopt::io::{FileLocation, ReadError};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -55,7 +55,7 @@ pub(crate) fn parsed<T>(
 fn fail(file: &str, kind: std::io::ErrorKind, text: &str) -> ReadError {
     ReadError {
         file: file.to_owned(),
-        place: Place::File,
+        place: FileLocation::File,
         problem: std::io::Error::new(kind, text).into(),
     }
 }

@@ -206,7 +206,7 @@ fn on_base(robot: kinopt::robot::Robot, options: Option<BaseOptions>) -> Result<
 }
 
 /// Puts a robot on a base. Without a base joint its bounds are ignored.
-fn on(base: &robot::Base, robot: kinopt::robot::Robot) -> Result<Robot, JsError> {
+fn on(base: &robot::BaseSettings, robot: kinopt::robot::Robot) -> Result<Robot, JsError> {
     match base.joint {
         None => Ok(robot.into()),
         Some(_) => Ok(base.of::<Value>(robot)?.into()),
@@ -230,7 +230,7 @@ impl Robot {
     }
 }
 
-fn shape_object(shape: &kinopt::robot::Shape) -> JsValue {
+fn shape_object(shape: &kinopt::robot::GeometryObject) -> JsValue {
     let list = |numbers: &[f64]| JsValue::from(js_sys::Float64Array::from(numbers));
     let measures = shape::measures(&shape.geometry).into_iter();
     let fields = measures.map(|(name, measure)| {

@@ -8,7 +8,7 @@ use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::model::{FrameId, Model};
 use kinopt::problem::ParameterVector;
 use kinopt::robot::Robot;
-use kinopt::task::{Pose, Posture};
+use kinopt::task::{FramePose, Posture};
 use kinopt::{Arm, Problem, Solver, Workspace};
 
 use super::{Run, Stage, single};
@@ -101,7 +101,7 @@ fn query_near(model: &Model, frames: &[FrameId], posture: bool) -> Result<Query,
     let mut kinematics = kinopt::kinematics::ForwardKinematics::of_frames(model, frames)?;
     let mut tasks = Problem::builder(model);
     for (&frame, &target) in frames.iter().zip(kinematics.place(&target_configuration)?) {
-        tasks.add(Pose::new(frame, target));
+        tasks.add(FramePose::new(frame, target));
     }
     if posture {
         tasks.add(Posture::new(model, &neutral));

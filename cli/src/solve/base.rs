@@ -4,7 +4,7 @@ use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, PoseBounds, Task};
+use kinopt::task::{FramePose, Point, PoseBounds, Task};
 
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -23,7 +23,7 @@ pub(crate) enum Base {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TargetTask {
     Point(TaskId<Point>),
-    Pose(TaskId<Pose>),
+    Pose(TaskId<FramePose>),
 }
 
 impl Base {
@@ -65,7 +65,7 @@ impl Base {
         let target = self.placed(base_from_target);
         let frame = self.moving_frame();
         if turns || goal.is_some() {
-            let pose = Pose::new(tip, target);
+            let pose = FramePose::new(tip, target);
             let pose = goal.map_or(pose, |goal| pose.with_goal(goal));
             let pose = frame.map_or(pose, |base| pose.relative_to(base));
             TargetTask::Pose(builder.add(Task::new(pose).named(name).scale(weight).at_level(level)))

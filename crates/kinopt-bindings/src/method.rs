@@ -23,14 +23,14 @@ pub const METHODS: [&str; 5] = [
 ];
 
 /// A method with its settings and limits.
-pub enum Method {
+pub enum SolverMethod {
     /// A method that minimises.
     Optimiser(Solver),
     /// A geometric method.
     Geometric(Box<dyn Geometric>),
 }
 
-impl Method {
+impl SolverMethod {
     /// Reads the method of a name from its settings; `None` for an unknown name.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ pub struct ReadError {
     /// Path of the file, or the name given to the bytes.
     pub file: String,
     /// Location in the file.
-    pub place: Place,
+    pub place: FileLocation,
     /// The problem at that location.
     #[source]
     pub problem: ReadProblem,
@@ -26,7 +26,7 @@ pub struct ReadError {
 /// A location in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Place {
+pub enum FileLocation {
     /// The file as a whole.
     File,
     /// A line, counted from 1.
@@ -130,7 +130,7 @@ impl WriteError {
 
 impl ReadError {
     #[doc(hidden)]
-    pub fn new(file: &str, location: Place, problem: impl Into<ReadProblem>) -> Self {
+    pub fn new(file: &str, location: FileLocation, problem: impl Into<ReadProblem>) -> Self {
         Self {
             file: file.to_owned(),
             place: location,
@@ -148,7 +148,7 @@ impl ReadError {
     #[doc(hidden)]
     pub fn truncated(
         file: &str,
-        location: Place,
+        location: FileLocation,
         what: String,
         needed: u128,
         available: usize,
@@ -181,7 +181,7 @@ impl ReadError {
             _ => Self {
                 file,
                 place: match place {
-                    Place::Json(_) => Place::File,
+                    FileLocation::Json(_) => FileLocation::File,
                     place => place,
                 },
                 problem: ReadProblem::InvalidReferenced,
@@ -191,23 +191,23 @@ impl ReadError {
 
     /// An error in another file, at the location that references it.
     #[doc(hidden)]
-    pub fn referred(file: &str, location: Place, error: Self) -> Self {
+    pub fn referred(file: &str, location: FileLocation, error: Self) -> Self {
         Self::new(file, location, ReadProblem::Referenced(Box::new(error)))
     }
 
     /// An error about a file as a whole.
     #[doc(hidden)]
     pub fn of_file(file: &str, problem: impl Into<String>) -> Self {
-        Self::malformed(file, Place::File, problem)
+        Self::malformed(file, FileLocation::File, problem)
     }
 
     #[doc(hidden)]
-    pub fn malformed(file: &str, location: Place, problem: impl Into<String>) -> Self {
+    pub fn malformed(file: &str, location: FileLocation, problem: impl Into<String>) -> Self {
         Self::new(file, location, ReadProblem::Malformed(problem.into()))
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -223,7 +223,7 @@ impl fmt::Display for Place {
 #[doc(hidden)]
 pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let name = path.display().to_string();
-    let fail = |problem: ReadProblem| ReadError::new(&name, Place::File, problem);
+    let fail = |problem: ReadProblem| ReadError::new(&name, FileLocation::File, problem);
     let metadata = std::fs::metadata(path).map_err(|e| fail(e.into()))?;
     if !metadata.is_file() {
         return Err(fail(ReadProblem::Malformed("is not a regular file".into())));

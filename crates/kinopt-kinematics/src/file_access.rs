@@ -6,7 +6,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::file::{MAX_FILE_BYTES, Place, ReadError, ReadProblem, read_bytes};
+use crate::file::{FileLocation, MAX_FILE_BYTES, ReadError, ReadProblem, read_bytes};
 
 /// Rules for the files that a reader may open: allowed folders and the largest size.
 ///
@@ -168,7 +168,7 @@ impl AllowedFiles {
     #[doc(hidden)]
     pub fn resolve(&self, path: &Path) -> Result<PathBuf, ReadError> {
         let file = path.display().to_string();
-        let fail = |problem: ReadProblem| ReadError::new(&file, Place::File, problem);
+        let fail = |problem: ReadProblem| ReadError::new(&file, FileLocation::File, problem);
         let outside = || {
             let folders = self.roots.iter().map(|root| root.display().to_string());
             fail(ReadProblem::Outside {
@@ -222,7 +222,7 @@ pub fn below_folder(
             let folders = Vec::new();
             Err(ReadError::new(
                 reference,
-                Place::File,
+                FileLocation::File,
                 ReadProblem::Outside { folders },
             ))
         }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use kinopt_kinematics::file::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with};
+use kinopt_kinematics::file::{FileLocation, MAX_FILE_BYTES, ReadError, WriteError, read_with};
 use kinopt_kinematics::file_replacement::write_file;
 
 /// Encoding of the values of a DMAT file.
@@ -101,7 +101,7 @@ fn header_line(
     });
     let size = sizes.ok_or_else(|| {
         let problem = "expected the number of columns and of rows, two whole numbers";
-        ReadError::malformed(name, Place::Line(line), problem)
+        ReadError::malformed(name, FileLocation::Line(line), problem)
     })?;
     Ok((size, (start + length + 1).min(bytes.len())))
 }
@@ -113,7 +113,7 @@ fn checked_count(
     available: usize,
     name: &str,
 ) -> Result<usize, ReadError> {
-    let location = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
+    let location = || FileLocation::Line(if width == TEXT_WIDTH { 1 } else { 2 });
     let what = format!("{columns} columns of {rows} values");
     // Otherwise a size such as 0 × 10¹² would need no bytes and pass.
     if (columns == 0) != (rows == 0) {
@@ -150,7 +150,7 @@ fn text_values(
     let count = checked_count((columns, rows), TEXT_WIDTH, rest.len(), name)?;
     let mut values = Vec::with_capacity(count);
     for (index, line) in rest.split(|&b| b == b'\n').enumerate() {
-        let location = || Place::Line(index + 2);
+        let location = || FileLocation::Line(index + 2);
         let line = std::str::from_utf8(line)
             .map_err(|_| ReadError::malformed(name, location(), "is not text"))?;
         for word in line.split_ascii_whitespace() {
@@ -182,7 +182,7 @@ fn binary_values(
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
     let fail = |value: usize, problem| {
-        let location = Place::Byte(body + 8 * value);
+        let location = FileLocation::Byte(body + 8 * value);
         Err(ReadError::malformed(name, location, problem))
     };
     let mut values = Vec::with_capacity(count);

@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 #[doc(hidden)]
 pub fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
@@ -26,8 +26,8 @@ pub fn parse_by<T>(
         // An error found after a value was read is reported at the comma behind it.
         let read = json[..end].trim_ascii_end();
         let location = match path(read.strip_suffix(b",").unwrap_or(read)) {
-            root if root.is_empty() => Place::File,
-            path => Place::Json(path),
+            root if root.is_empty() => FileLocation::File,
+            path => FileLocation::Json(path),
         };
         ReadError::malformed(name, location, error.to_string())
     })

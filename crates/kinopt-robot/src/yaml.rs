@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use saphyr_parser::{Event, Parser};
 
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 /// Largest nesting depth of lists and maps.
 const MAX_DEPTH: usize = 64;
@@ -38,7 +38,8 @@ struct Open<'t> {
 /// The first document of a text.
 #[doc(hidden)]
 pub fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError> {
-    let fail = |line: usize, problem: &str| ReadError::malformed(file, Place::Line(line), problem);
+    let fail =
+        |line: usize, problem: &str| ReadError::malformed(file, FileLocation::Line(line), problem);
     let mut open: Vec<Open<'t>> = Vec::new();
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error| fail(error.marker().line(), error.info()))?;

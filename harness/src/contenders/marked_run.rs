@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use argmin::core::observers::{Observe, ObserverMode};
 use argmin::core::{Error, Executor, KV, OptimizationResult, Solver, State};
-use kinopt::argmin_bridge::Place;
+use kinopt::argmin_bridge::StateParameters;
 
 use crate::Trace;
 
@@ -13,7 +13,7 @@ struct Watch(Trace);
 
 impl<I: State> Observe<I> for Watch
 where
-    I::Param: Place,
+    I::Param: StateParameters,
 {
     fn observe_init(&mut self, _solver: &str, state: &I, _seen: &KV) -> Result<(), Error> {
         self.mark(state);
@@ -29,7 +29,7 @@ where
 impl Watch {
     fn mark<I: State>(&self, state: &I)
     where
-        I::Param: Place,
+        I::Param: StateParameters,
     {
         if let Some(variables) = state.get_best_param().or_else(|| state.get_param()) {
             self.0.mark(variables.coordinates().as_slice());
@@ -46,7 +46,7 @@ pub(super) fn run<P, S, I>(
 where
     S: Solver<P, I>,
     I: State,
-    I::Param: Place,
+    I::Param: StateParameters,
 {
     let executor = executor.timeout(time_limit);
     if trace.is_on() {

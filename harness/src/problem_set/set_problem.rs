@@ -3,7 +3,7 @@
 use kinopt::Problem;
 use kinopt::problem::{Derivatives, ProblemError, ProblemInstance, Targets, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Pose, Quantity};
+use kinopt::task::{FramePose, Point, Quantity};
 
 use crate::{Case, HarnessError, ProblemSet};
 
@@ -12,7 +12,7 @@ pub(crate) struct SetProblem {
     pub(crate) problem: Problem,
     targets: Targets,
     points: Vec<TaskId<Point>>,
-    poses: Vec<TaskId<Pose>>,
+    poses: Vec<TaskId<FramePose>>,
 }
 
 impl SetProblem {
@@ -25,7 +25,7 @@ impl SetProblem {
         let (mut points, mut poses) = (Vec::new(), Vec::new());
         for &frame in set.frames() {
             if set.turns() {
-                poses.push(builder.add(Pose::new(frame, Placement::identity())));
+                poses.push(builder.add(FramePose::new(frame, Placement::identity())));
             } else {
                 points.push(builder.add(Point::new(frame, [0.0; 3])));
             }

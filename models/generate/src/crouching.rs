@@ -14,7 +14,7 @@ use kinopt::model::ParameterMap;
 use kinopt::problem::TaskId;
 use kinopt::skeleton::{BallSkeleton, SkeletonRoot};
 use kinopt::spatial::Vector3;
-use kinopt::task::{Point, Pose, Posture, SupportPolygon, Task};
+use kinopt::task::{FramePose, Point, Posture, SupportPolygon, Task};
 
 use crate::Failure;
 use crate::picture::{AT_REST, PAPER, POSED, ring};
@@ -80,7 +80,7 @@ impl Crouch {
                 [0.0, -SOLE_LENGTH].map(|x| [-SOLE_HALF_WIDTH, SOLE_HALF_WIDTH].map(|y| (x, y)));
             let corners = corners.into_iter().flatten();
             balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
-            tasks.add(Task::new(Pose::new(foot, placements[foot.index()])).scale(10.0));
+            tasks.add(Task::new(FramePose::new(foot, placements[foot.index()])).scale(10.0));
         }
         tasks.add(Task::new(balance).scale(10.0));
         tasks.add(Posture::new(model, &stance).upright(model));

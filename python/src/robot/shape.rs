@@ -10,11 +10,11 @@ use crate::placement;
 /// A shape of a link: a box, cylinder, capsule, sphere, ellipsoid or mesh; lengths in metres.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Shape {
-    inner: kinopt::robot::Shape,
+    inner: kinopt::robot::GeometryObject,
 }
 
 impl Shape {
-    pub(super) fn of(shape: &kinopt::robot::Shape) -> Self {
+    pub(super) fn of(shape: &kinopt::robot::GeometryObject) -> Self {
         let inner = shape.clone();
         Self { inner }
     }

@@ -7,7 +7,7 @@ use kinopt::io::FileAccess;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
 use kinopt_bindings::ErrorKind;
-use kinopt_bindings::option::robot::{Base, RobotOptions};
+use kinopt_bindings::option::robot::{BaseSettings, RobotOptions};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -41,7 +41,7 @@ pub(super) struct Loops {
 /// Pickled form of soft limits, mimic limits, and texts of joint_limits.yaml with file names.
 pub(super) type PickledLimits = (bool, bool, Vec<(String, String)>);
 
-/// Pickled form of [`Base`].
+/// Pickled form of [`BaseSettings`].
 pub(super) type PickledBase<'py> = (Option<Bound<'py, PyAny>>, Option<Bound<'py, PyDict>>);
 
 /// Pickled form of a tool.
@@ -168,7 +168,7 @@ impl Source {
 pub(super) fn base_of(
     joint: Option<Bound<'_, PyAny>>,
     bounds: Option<Bound<'_, PyDict>>,
-) -> PyResult<Base> {
+) -> PyResult<BaseSettings> {
     let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
     let joint = joint.transpose()?;
     let bounds = bounds.map_or_else(Vec::new, |bounds| bounds.iter().collect());
@@ -184,7 +184,7 @@ pub(super) fn base_of(
             ))),
         }
     });
-    Ok(Base {
+    Ok(BaseSettings {
         joint,
         bounds: ranges.collect::<PyResult<_>>()?,
     })

@@ -5,7 +5,7 @@ use std::time::Duration;
 use kinopt::Workspace;
 use kinopt::ik::MoveLimits;
 use kinopt_bindings::jobs::{self, Jobs};
-use kinopt_bindings::method::Method;
+use kinopt_bindings::method::SolverMethod;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -239,7 +239,7 @@ impl Queries {
     fn solve(
         &self,
         index: usize,
-        (engine, problem): (&Method, &CompiledProblem),
+        (engine, problem): (&SolverMethod, &CompiledProblem),
         workspace: &mut Workspace,
         watch: &mut Watch<'_>,
     ) -> PyResult<kinopt::Solution> {
@@ -256,7 +256,7 @@ impl Queries {
 }
 
 pub(super) fn solve(
-    engine: &Method,
+    engine: &SolverMethod,
     problem: &Bound<'_, Problem>,
     arguments: BatchArrays<'_, '_>,
     threads: Option<usize>,
@@ -279,7 +279,7 @@ pub(super) fn solve(
 
 fn one_by_one(
     queries: &Queries,
-    engine_and_problem: (&Method, &CompiledProblem),
+    engine_and_problem: (&SolverMethod, &CompiledProblem),
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {
     let total = queries.count;
@@ -304,7 +304,7 @@ fn one_by_one(
 /// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
     queries: &Queries,
-    engine_and_problem: (&Method, &CompiledProblem),
+    engine_and_problem: (&SolverMethod, &CompiledProblem),
     threads: usize,
     progress: &Progress,
 ) -> PyResult<Vec<kinopt::Solution>> {

@@ -8,7 +8,7 @@ mod watch;
 
 use std::time::Duration;
 
-use kinopt_bindings::method::Method;
+use kinopt_bindings::method::SolverMethod;
 use kinopt_bindings::option::solver::SolverOptions;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -33,7 +33,7 @@ use watch::Watch;
 /// limit is set.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solver {
-    engine: Method,
+    engine: SolverMethod,
     limits: SolverOptions,
     options: Py<PyDict>,
 }
@@ -42,8 +42,8 @@ impl Solver {
     /// Returns its optimiser; `user` names the caller in the error for geometric methods.
     pub(crate) fn optimiser(&self, user: &str) -> PyResult<&kinopt::Solver> {
         match &self.engine {
-            Method::Optimiser(solver) => Ok(solver),
-            Method::Geometric(_) => Err(invalid(format!(
+            SolverMethod::Optimiser(solver) => Ok(solver),
+            SolverMethod::Geometric(_) => Err(invalid(format!(
                 "{user} needs a method that minimises, which {} does not",
                 self.engine.name()
             ))),

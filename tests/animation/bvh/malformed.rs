@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use kinopt::animation::{Cursor, Playback};
-use kinopt::io::Place;
+use kinopt::io::FileLocation;
 use kinopt::io::bvh::{self, BvhNote, MotionCapture};
 use support::fault_tables::{ExpectedError, faults};
 
@@ -62,7 +62,7 @@ fn read(text: &str) -> Result<MotionCapture, String> {
         }
         Err(error) => {
             let lines = 1..=1 + text.matches('\n').count();
-            assert!(matches!(&error.place, Place::Line(line) if lines.contains(line)));
+            assert!(matches!(&error.place, FileLocation::Line(line) if lines.contains(line)));
             let message = error.to_string();
             assert!(message.starts_with("damaged.bvh: line "), "{message}");
             Err(message)
@@ -426,7 +426,7 @@ fn line_numbers_are_independent_of_line_endings() {
         assert!(
             places
                 .iter()
-                .all(|location| *location == Place::Line(line_of(&word))),
+                .all(|location| *location == FileLocation::Line(line_of(&word))),
             "{places:?}"
         );
     }

@@ -1,7 +1,7 @@
 //! Promise: errors of malformed rigs name the file, the location and the problem.
 
 use kinopt::io::rig::{Rig, RigNote};
-use kinopt::io::{Place, ReadProblem, dmat, ply};
+use kinopt::io::{FileLocation, ReadProblem, dmat, ply};
 use serde_json::{Value, json};
 use support::fault_tables::faults;
 use support::small_rig::{DMAT, JSON, PLY, SmallRig};
@@ -285,7 +285,7 @@ fn missing_weights_file_is_noted() {
 #[test]
 fn unreadable_paths_are_named() {
     let nowhere = Rig::read("no/such/rig.json").unwrap_err();
-    assert_eq!(nowhere.place, Place::File);
+    assert_eq!(nowhere.place, FileLocation::File);
     assert!(matches!(nowhere.problem, ReadProblem::Io(_)));
     assert!(
         nowhere
@@ -312,7 +312,7 @@ fn unreadable_paths_are_named() {
     std::fs::remove_dir_all(&folder).unwrap();
     let missing = folder.join("small.ply").display().to_string();
     assert!(error.to_string().contains(&missing), "{error}");
-    assert_eq!(error.place, Place::Json("model.file".into()));
+    assert_eq!(error.place, FileLocation::Json("model.file".into()));
 }
 
 /// Tension, continuity and bias belong to one interpolation and are rejected for others.

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use kinopt::io::ply::{self, PlyEncoding};
-use kinopt::io::{Place, ReadProblem, cones};
+use kinopt::io::{FileLocation, ReadProblem, cones};
 use support::folders::Folder;
 
 fn written(path: &Path, encoding: PlyEncoding) -> Vec<u8> {
@@ -65,7 +65,7 @@ fn links_and_permissions_are_kept() {
 fn non_regular_and_huge_files_are_not_read() {
     let folder = Folder::new("written-long");
     let of_folder = cones::read(folder.path("")).unwrap_err();
-    assert_eq!(of_folder.place, Place::File);
+    assert_eq!(of_folder.place, FileLocation::File);
     assert!(of_folder.to_string().ends_with(": is not a regular file"));
     let path = folder.path("long.json");
     let long = std::fs::File::create(&path).unwrap();

@@ -3,7 +3,7 @@
 
 use crate::counting_allocator::allocations;
 use kinopt::problem::{Derivatives, Problem, Targets, TaskId};
-use kinopt::task::{LookAt, Point, Pose, Posture};
+use kinopt::task::{FramePose, LookAt, Point, Posture};
 use kinopt::{Solver, Workspace};
 use nalgebra as na;
 use support::bones::RandomRig;
@@ -29,7 +29,7 @@ fn drag() -> Drag {
     let mut builder = Problem::builder(model);
     let task = builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), at_rest));
     let held = rig.skeleton.pose(&rest).unwrap().model_from_bone[rig.tips[1].index()];
-    builder.add(Pose::new(rig.skeleton.tail(rig.tips[1]), held));
+    builder.add(FramePose::new(rig.skeleton.tail(rig.tips[1]), held));
     let gaze = na::Vector3::x();
     builder.add(LookAt::new(
         rig.skeleton.tail(rig.tips[2]),

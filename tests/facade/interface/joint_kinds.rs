@@ -37,7 +37,8 @@ fn joint_kinds_occur_only_where_documented() {
     let of_one_number = &["Fixed", "Revolute", "Continuous", "Prismatic"][..];
     for (kinds, page) in [(of_one_number, of_one), (&["Ball"], of_several)] {
         let words = page.split('`');
-        let files = words.filter(|word| word.starts_with("crates/") || word.starts_with("cli/src/"));
+        let files =
+            words.filter(|word| word.starts_with("crates/") || word.starts_with("cli/src/"));
         let files: BTreeSet<String> = files.map(str::to_owned).collect();
         let mut found = BTreeSet::new();
         for folder in ["crates", "cli/src"] {

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use kinopt::collision::{CollisionModel, CollisionModelError, SphereModel, World};
 use kinopt::io::gltf::{self, SceneFile};
 use kinopt::io::rig::Rig;
-use kinopt::io::{FileAccess, Place, ReadError};
+use kinopt::io::{FileAccess, FileLocation, ReadError};
 use kinopt::robot::Robot;
 use support::fault_tables::ExpectedError;
 use support::folders::Folder;
@@ -492,7 +492,7 @@ fn callbacks_get_names_below_the_folder_alone() {
             opened.push(file.to_owned());
             Err(ReadError {
                 file: file.to_owned(),
-                place: Place::File,
+                place: FileLocation::File,
                 problem: std::io::Error::from(std::io::ErrorKind::NotFound).into(),
             })
         };

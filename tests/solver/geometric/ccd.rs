@@ -10,7 +10,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::solver::{Iteration, Stopping, Termination};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Quantity, Task};
+use kinopt::task::{FramePose, Point, Quantity, Task};
 use kinopt::{Problem, Solution};
 use support::random::Random;
 use support::{planar_arm, planar_tip};
@@ -231,7 +231,7 @@ fn poses_of_an_arm_are_reached() {
     for seed in 0..20 {
         let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
         let mut builder = Problem::builder(&model);
-        builder.add(Pose::new(tip, target));
+        builder.add(FramePose::new(tip, target));
         let problem = builder.build().unwrap();
         let solution = Ccd::default().solve(&problem, &model.neutral()).unwrap();
         assert!(within_limits(&model, &solution));
@@ -311,7 +311,7 @@ fn positions_and_directions_are_weighted() {
         [lever * angle.cos(), lever * angle.sin(), 0.0].into(),
     );
     let mut builder = Problem::builder(&model);
-    let pose = Task::new(Pose::new(model.frame("tip").unwrap(), target));
+    let pose = Task::new(FramePose::new(model.frame("tip").unwrap(), target));
     let pose = pose.weight(Quantity::Metres, 1.0);
     builder.add(pose.weight(Quantity::Radians, weight));
     let problem = builder.build().unwrap();
@@ -448,8 +448,8 @@ fn tool_equals_a_frame_at_the_tip() {
     for seed in 0..10 {
         let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
         let [by_tool, by_frame] = [
-            Pose::new(tip, target).with_tool(tool),
-            Pose::new(at_tool, target),
+            FramePose::new(tip, target).with_tool(tool),
+            FramePose::new(at_tool, target),
         ]
         .map(|pose| {
             let mut builder = Problem::builder(&model);

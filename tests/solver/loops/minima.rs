@@ -8,7 +8,7 @@ use kinopt::ik::Restarts;
 use kinopt::model::{Loop, Model, ParameterMap};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
-use kinopt::task::{Point, Pose, Quantity, Task};
+use kinopt::task::{FramePose, Point, Quantity, Task};
 use kinopt::{Problem, Solution, Solver};
 use serde::Deserialize;
 
@@ -112,7 +112,7 @@ fn solve(statement: &Statement) -> Solution {
         }
         "stewart" => {
             let turn = rotation_exp(vector(&target[3..]));
-            let pose = Pose::new(frame("platform"), Placement::new(turn, vector(target)));
+            let pose = FramePose::new(frame("platform"), Placement::new(turn, vector(target)));
             problem.add(Task::new(pose).weight(Quantity::Radians, 0.4));
         }
         "knee" => {
@@ -123,7 +123,7 @@ fn solve(statement: &Statement) -> Solution {
         _ => {
             let columns = [3, 6, 9].map(|at| vector(&target[at..]));
             let turn = Matrix3::from_columns(columns[0], columns[1], columns[2]);
-            let pose = Pose::new(frame("left_tool"), Placement::new(turn, vector(target)));
+            let pose = FramePose::new(frame("left_tool"), Placement::new(turn, vector(target)));
             let pose = pose.with_tool(crate::loops::two_hands::grips()[0]);
             problem.add(Task::new(pose).weight(Quantity::Radians, 0.3));
         }

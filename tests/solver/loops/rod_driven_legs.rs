@@ -3,7 +3,7 @@
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
-use kinopt::task::{Point, Pose};
+use kinopt::task::{FramePose, Point};
 use kinopt::{Problem, Solver};
 
 fn leg() -> Robot {
@@ -84,7 +84,7 @@ fn foot_reaches_random_closed_configurations() {
         assert_rods(&robot, &drawn);
         let placed = kinematics.place(&drawn).unwrap();
         let mut problem = Problem::builder(model);
-        problem.add(Pose::new(pelvis, placed[pelvis.index()]));
+        problem.add(FramePose::new(pelvis, placed[pelvis.index()]));
         problem.add(Point::new(foot, placed[foot.index()].translation));
         problem.add(Point::new(toe, placed[toe.index()].translation));
         let problem = problem.build().unwrap();

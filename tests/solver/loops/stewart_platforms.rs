@@ -5,7 +5,7 @@ use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{JointId, ParameterMap};
 use kinopt::spatial::Placement;
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 use kinopt::{Problem, Solver};
 use support::random::Random;
 
@@ -45,7 +45,7 @@ fn inverse_kinematics_gives_leg_lengths() {
     for _ in 0..30 {
         let target = Stewart::pose(&mut random);
         let mut problem = Problem::builder(&stewart.model);
-        problem.add(Pose::new(stewart.platform, target));
+        problem.add(FramePose::new(stewart.platform, target));
         let solution = Solver::default()
             .solve_once(&problem.build().unwrap(), &begin(&stewart))
             .unwrap();

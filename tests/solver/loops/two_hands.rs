@@ -5,7 +5,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Loop, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
-use kinopt::task::{Pose, Posture};
+use kinopt::task::{FramePose, Posture};
 use kinopt::{Problem, Solver};
 
 /// From each tool to the centre of the box, 0.4 m wide, held from both sides.
@@ -56,7 +56,7 @@ fn box_reaches_poses_that_both_hands_allow() {
         );
         let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
         let mut problem = Problem::builder(model);
-        problem.add(Pose::new(left, target).with_tool(grips()[0]));
+        problem.add(FramePose::new(left, target).with_tool(grips()[0]));
         problem.add(Posture::new(model, &start));
         let problem = problem.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();

@@ -10,7 +10,7 @@ use kinopt::problem::{Preferences, Problem, ProblemBuilder};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Distance, LimitCentring, LookAt, Orientation, Plane, Point, Pose, Posture, Quantity, Ray,
+    Distance, FramePose, LimitCentring, LookAt, Orientation, Plane, Point, Posture, Quantity, Ray,
     Residual, Task,
 };
 use serde::Deserialize;
@@ -206,7 +206,7 @@ fn add(builder: &mut ProblemBuilder<'_>, task: &StatedTask, loaded: &Loaded) {
             rotation: rows,
         } => {
             let placement = Placement::new(rotation(rows), (*target).into());
-            builder.add(weighted(Pose::new(frame(at), placement), weights));
+            builder.add(weighted(FramePose::new(frame(at), placement), weights));
         }
         StatedResidual::LookAt {
             frame: at,

@@ -7,8 +7,8 @@ use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, CentreOfMass, Distance, Orientation, Plane, Point, Pose, PoseBounds, Quantity,
-    Residual, Task,
+    Axis, Bounded, CentreOfMass, Distance, FramePose, Orientation, Plane, Point, PoseBounds,
+    Quantity, Residual, Task,
 };
 use kinopt::{Problem, Solution, Solver};
 use nalgebra as na;
@@ -57,7 +57,7 @@ fn task_within_its_interval_costs_nothing() {
     let low = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
     let tip_distance = planar_tip(&LINKS[1..], &q[1..]).norm();
     for problem in [
-        problem(&model, Pose::new(tip, near).with_goal(bounds)),
+        problem(&model, FramePose::new(tip, near).with_goal(bounds)),
         problem(&model, Bounded::at_least(low, 0.5)),
         problem(
             &model,
@@ -91,7 +91,11 @@ fn errors_are_measured_from_the_interval() {
     let target = Placement::new(rotation_exp(Z * 2.5), x * 2.0);
     // In the target's axes its x is rotated by 2.5 rad, so the whole position counts.
     let goal = PoseBounds::within([0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]);
-    let solution = solve(&model, Pose::new(tip, target).with_goal(goal), &[0.0; 2]);
+    let solution = solve(
+        &model,
+        FramePose::new(tip, target).with_goal(goal),
+        &[0.0; 2],
+    );
     let task = solution.tasks().next().unwrap();
     assert!((task.position_error().unwrap() - 1.0).abs() < 1e-6);
     assert!((task.orientation_error().unwrap() - 2.0).abs() < 1e-6);
@@ -126,7 +130,7 @@ fn target_in_a_moving_frame_is_met() {
     let turn = rotation_exp(Z * (reference[1] + reference[2]));
     let relative = Placement::new(turn, at.into());
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(tip, relative).relative_to(base));
+    builder.add(FramePose::new(tip, relative).relative_to(base));
     builder.add(Orientation::new(tip, turn).relative_to(base));
     // And at a point where the same joints bring both together.
     let world = Vector3::from(planar_tip(&LINKS, &reference));
@@ -153,13 +157,13 @@ fn far_target_in_a_base_is_not_out_of_reach() {
     );
     assert!(!relative.reached && !relative.is_out_of_reach());
     let at = Placement::translation(unreachable.into());
-    assert!(solve(&model, Pose::new(tip, at), &[0.0; 3]).is_out_of_reach());
-    let slides = Pose::new(tip, at).with_goal(PoseBounds::free_along(Axis::Y));
+    assert!(solve(&model, FramePose::new(tip, at), &[0.0; 3]).is_out_of_reach());
+    let slides = FramePose::new(tip, at).with_goal(PoseBounds::free_along(Axis::Y));
     let slides = solve(&model, slides, &[0.0; 3]);
     assert!(!slides.reached && !slides.is_out_of_reach());
     // A tool of that length could reach.
     let tool = Placement::translation([0.0, 8.0, 0.0].into());
-    let tooled = solve(&model, Pose::new(tip, at).with_tool(tool), &[0.1; 3]);
+    let tooled = solve(&model, FramePose::new(tip, at).with_tool(tool), &[0.1; 3]);
     assert!(!tooled.is_out_of_reach());
 }
 
@@ -168,14 +172,14 @@ fn geometric_solvers_reject_bounds_and_bases() {
     let (model, base, tip) = arm(3.0);
     let target = placed(&[0.5, 0.4, 0.3]);
     let tool = Placement::new(rotation_exp(Z * 0.3), Vector3::new(0.2, 0.1, 0.0));
-    let tooled = Pose::new(tip, target * tool).with_tool(tool);
+    let tooled = FramePose::new(tip, target * tool).with_tool(tool);
     let tooled = Task::new(tooled).tolerance(Quantity::Metres, 1e-3);
     let tooled = tooled.tolerance(Quantity::Radians, 1e-3);
     let ccd = Ccd::default();
     let solution = ccd.solve(&problem(&model, tooled), &[0.1; 3]).unwrap();
     assert!(solution.reached, "{}", solution.explain());
 
-    let pose = Pose::new(tip, target);
+    let pose = FramePose::new(tip, target);
     for refused in [
         problem(&model, pose.relative_to(base)),
         problem(&model, pose.with_goal(PoseBounds::free_about(Axis::Z))),

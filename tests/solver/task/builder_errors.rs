@@ -7,8 +7,8 @@ use kinopt::problem::{Problem, ProblemBuilder};
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Bounded, Camera, Distance, LookAt, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture,
-    Quantity, Ray, Residual, Smoothness, Task,
+    Bounded, Camera, Distance, FramePose, LookAt, Orientation, Pixel, Plane, Point, PoseBounds,
+    Posture, Quantity, Ray, Residual, Smoothness, Task,
 };
 use kinopt::{Solver, Workspace};
 use support::fault_tables::ExpectedError;
@@ -312,7 +312,7 @@ fn task_errors_name_the_task() {
     };
     let bent: Matrix3<f64> = stretched().rotation;
     problem(Point::new(hand, [NAN, 0.0, 0.0])).says("point of `hand` | target | NaN");
-    let (point, pose) = (Point::new(hand, origin), Pose::new(hand, identity()));
+    let (point, pose) = (Point::new(hand, origin), FramePose::new(hand, identity()));
     let turn = Orientation::new(hand, identity().rotation);
     problem(point.relative_to(hand)).says("point of `hand` | own base");
     problem(pose.relative_to(hand)).says("pose of `hand` | own base");
@@ -324,20 +324,20 @@ fn task_errors_name_the_task() {
     problem(Pixel::new(hand, camera(1.0), [NAN, 0.0])).says("pixel");
     problem(Pixel::new(hand, camera(NAN), [0.0, 0.0])).says("camera");
     problem(Orientation::new(hand, bent)).says("orientation of `hand` | orthonormal");
-    problem(Pose::new(hand, stretched())).says("pose of `hand` | orthonormal");
-    problem(Pose::new(hand, mirror())).says("reflection");
-    problem(Pose::new(hand, identity()).with_tool(mirror()))
+    problem(FramePose::new(hand, stretched())).says("pose of `hand` | orthonormal");
+    problem(FramePose::new(hand, mirror())).says("reflection");
+    problem(FramePose::new(hand, identity()).with_tool(mirror()))
         .says("pose of `hand` | tool | reflection");
     for half_width in [-1.0, NAN] {
         let goal = PoseBounds::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
-        problem(Pose::new(hand, identity()).with_goal(goal)).says(&format!(
+        problem(FramePose::new(hand, identity()).with_goal(goal)).says(&format!(
             "pose of `hand` | half width for ry | {half_width}"
         ));
     }
     let nothing = PoseBounds::within([f64::INFINITY; 6]);
-    problem(Pose::new(hand, identity()).with_goal(nothing))
+    problem(FramePose::new(hand, identity()).with_goal(nothing))
         .says("pose of `hand` | every component free");
-    problem(Pose::new(hand, identity()).relative_to(foreign_frame()))
+    problem(FramePose::new(hand, identity()).relative_to(foreign_frame()))
         .says("pose of `hand` | frame | `arm`");
     for (lower, upper) in [(1.0, 0.0), (NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         problem(Bounded::between(Point::new(hand, origin), lower, upper))

@@ -223,7 +223,7 @@ fn frames_sharing_joints_agree() {
 fn routes_agree_on_cone_edges() {
     use kinopt::model::BallLimits;
     use kinopt::problem::ProblemInstance;
-    use kinopt::task::Pose;
+    use kinopt::task::FramePose;
     let mut random = Random::new(47);
     for _ in 0..20 {
         let mut builder = Model::builder("balls");
@@ -242,7 +242,7 @@ fn routes_agree_on_cone_edges() {
         let tip = builder.frame("tip", last, hand);
         let model = builder.build().unwrap();
         let mut builder = Problem::builder(&model);
-        builder.add(Pose::new(tip, hand));
+        builder.add(FramePose::new(tip, hand));
         let problem = builder.build().unwrap();
         let mut x: Vec<f64> = (0..problem.variables())
             .map(|_| random.within(-2.5, 2.5))

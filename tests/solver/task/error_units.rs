@@ -7,8 +7,8 @@ use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Bounded, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt, Orientation,
-    Plane, Point, Pose, Posture, Quantity, Ray, Residual, Smoothness, Task,
+    Bounded, Distance, FramePose, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt,
+    Orientation, Plane, Point, Posture, Quantity, Ray, Residual, Smoothness, Task,
 };
 
 fn quantities(residual: &impl Residual) -> Vec<Quantity> {
@@ -46,7 +46,7 @@ fn every_task_has_the_unit_of_its_quantity() {
         (quantities(&LookAt::new(hook, x, z)), vec![Radians]),
         (quantities(&Gaze::along(hook, x, z, 0.1)), vec![Radians]),
         (
-            quantities(&Pose::new(hook, identity)),
+            quantities(&FramePose::new(hook, identity)),
             vec![Metres, Radians],
         ),
         (quantities(&slow), vec![MetresPerSecond, RadiansPerSecond]),

@@ -5,7 +5,7 @@ use kinopt::model::{Masses, PointMass};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Bounded, CentreOfMass, Gaze, InequalityResidual, Manipulability, Point, Pose, PoseBounds,
+    Bounded, CentreOfMass, FramePose, Gaze, InequalityResidual, Manipulability, Point, PoseBounds,
     SupportPolygon,
 };
 use support::arms::panda;
@@ -80,7 +80,7 @@ fn bounded_goal_rows_match_their_slacks() {
     assert_reported(evaluations_inside_and_outside(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         let target = Placement::translation(Vector3::new(0.3, 0.0, 0.5));
-        Pose::new(tip, target).with_goal(PoseBounds::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
+        FramePose::new(tip, target).with_goal(PoseBounds::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
     }));
 }
 
@@ -145,7 +145,7 @@ fn slacks_of_large_rotations_use_the_shorter_angle() {
     let frame = builder.frame("hand", None, Placement::identity());
     builder.build().unwrap();
     let bands = [0.0, 0.0, f64::INFINITY, 0.4, 1.0, 2.9];
-    let task = Pose::new(frame, Placement::identity()).with_goal(PoseBounds::within(bands));
+    let task = FramePose::new(frame, Placement::identity()).with_goal(PoseBounds::within(bands));
     let mut random = Random::new(5);
     for _ in 0..300 {
         let turn = random.direction().into_inner() * random.within(0.1, 3.1);

@@ -4,7 +4,7 @@ use kinopt::model::{FrameId, Model};
 use kinopt::num_dual::DualSVec64;
 use kinopt::scalar::Dual;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{DifferentiableTarget, Orientation, Point, Pose};
+use kinopt::task::{DifferentiableTarget, FramePose, Orientation, Point};
 use support::dual_numbers::DualNumber;
 use support::random::Random;
 
@@ -62,7 +62,7 @@ fn target_derivatives_match_dual_numbers() {
     for case in 0..200 {
         let [target, placed, tool] = [0; 3].map(|_| anywhere(&mut random));
         let mut frames = vec![placed];
-        let mut pose = Pose::new(hand, target);
+        let mut pose = FramePose::new(hand, target);
         let mut turn = Orientation::new(hand, target.rotation);
         let mut point = Point::new(hand, target.translation);
         if case % 2 == 1 {
@@ -80,6 +80,6 @@ fn target_derivatives_match_dual_numbers() {
             Some(base) => base.inverse() * frames[0],
             None => frames[0],
         };
-        agree(&Pose::new(hand, reached), &frames[..1], &mut random);
+        agree(&FramePose::new(hand, reached), &frames[..1], &mut random);
     }
 }

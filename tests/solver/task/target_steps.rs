@@ -4,8 +4,8 @@
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Bounded, DifferentiableTarget, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point,
-    Pose, Ray,
+    Axis, Bounded, DifferentiableTarget, FramePose, FrameVelocity, Gaze, LookAt, Orientation,
+    Plane, Point, Ray,
 };
 
 fn same<R: DifferentiableTarget>(task: &R, moved: &R, step: &[f64]) {
@@ -91,9 +91,9 @@ fn setter_equals_the_constructor() {
     let mut look = LookAt::new(frame, a, b);
     look.set_target(c);
     assert_eq!(look, LookAt::new(frame, a, c));
-    let mut pose = Pose::new(frame, one);
+    let mut pose = FramePose::new(frame, one);
     pose.set_target(other);
-    assert_eq!(pose, Pose::new(frame, other));
+    assert_eq!(pose, FramePose::new(frame, other));
     let mut turned = Orientation::new(frame, one.rotation);
     turned.set_target(other.rotation);
     assert_eq!(turned, Orientation::new(frame, other.rotation));
@@ -163,7 +163,7 @@ fn targets_of_other_tasks_are_rejected() {
         builder.add(Point::new(frame, b));
     };
     let pose: AddTask<'_> = &|builder| {
-        builder.add(Pose::new(frame, Placement::translation(a)));
+        builder.add(FramePose::new(frame, Placement::translation(a)));
     };
     let look: AddTask<'_> = &|builder| {
         builder.add(LookAt::new(frame, a, b));
@@ -198,8 +198,11 @@ fn getters_return_the_given_values() {
     let frame = builder.frame("tip", Some(hinge), at);
     let model = builder.build().unwrap();
     let tool = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
-    assert_eq!(Pose::new(frame, at).frame_from_tool(), at);
-    assert_eq!(Pose::new(frame, at).with_tool(tool).frame_from_tool(), tool);
+    assert_eq!(FramePose::new(frame, at).frame_from_tool(), at);
+    assert_eq!(
+        FramePose::new(frame, at).with_tool(tool).frame_from_tool(),
+        tool
+    );
     for (is_goal, prefers) in [(true, false), (false, true)] {
         let mut builder = Problem::builder(&model);
         builder.add(Point::new(frame, Vector3::UNITS[0]));

@@ -10,8 +10,8 @@ use kinopt::problem::{Derivatives, Evaluation, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, Inputs, JointCoupling,
-    LimitCentring, LookAt, Manipulability, Orientation, Plane, Point, Pose, PoseBounds, Posture,
+    Axis, Bounded, CentreOfMass, Distance, FramePose, FrameVelocity, Gaze, Inputs, JointCoupling,
+    LimitCentring, LookAt, Manipulability, Orientation, Plane, Point, PoseBounds, Posture,
     Quantity, Ray, Residual, RowBlock, Smoothness, SupportPolygon, Task,
 };
 use kinopt::{Problem, Scalar, Solver};
@@ -137,16 +137,16 @@ fn tasks<'a>(figure: &'a Figure, masses: &'a Masses, seed: u64) -> Vec<Add<'a>> 
         (
             "pose in a base",
             Box::new(move |b| {
-                b.add(Pose::new(last, previous).relative_to(base));
+                b.add(FramePose::new(last, previous).relative_to(base));
             }),
         ),
         (
             "poses with tools, free axes and room",
             Box::new(move |b| {
-                b.add(Pose::new(last, previous).with_tool(previous));
-                b.add(Pose::new(last, previous).with_goal(PoseBounds::free_about(Axis::Y)));
-                b.add(Pose::new(last, previous).with_goal(PoseBounds::within([0.01; 6])));
-                b.add(Bounded::new(Pose::new(base, previous), 0.05));
+                b.add(FramePose::new(last, previous).with_tool(previous));
+                b.add(FramePose::new(last, previous).with_goal(PoseBounds::free_about(Axis::Y)));
+                b.add(FramePose::new(last, previous).with_goal(PoseBounds::within([0.01; 6])));
+                b.add(Bounded::new(FramePose::new(base, previous), 0.05));
             }),
         ),
         (

@@ -26,7 +26,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
-use super::{Place, ReadError, read_with};
+use super::{FileLocation, ReadError, read_with};
 use kinopt_kinematics::model::{BallLimits, Limits};
 use kinopt_kinematics::skeleton::{BoneCone, Cones};
 use kinopt_kinematics::spatial::Vector3;
@@ -67,7 +67,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
             } else {
                 format!("{bone}.{key}")
             };
-            ReadError::malformed(name, Place::Json(path), problem)
+            ReadError::malformed(name, FileLocation::Json(path), problem)
         };
         let cone = entry.cone().map_err(malformed)?;
         if cones.insert(bone.clone(), cone).is_some() {
@@ -81,7 +81,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    swing: Option<Swing>,
+    swing: Option<SwingLimit>,
     twist: Option<[f64; 2]>,
     angle: Option<f64>,
     axis: Option<[f64; 3]>,
@@ -90,7 +90,7 @@ struct Entry {
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "expected degrees, or two of them in an array")]
-enum Swing {
+enum SwingLimit {
     Round(f64),
     Elliptic([f64; 2]),
 }
@@ -104,8 +104,8 @@ impl Entry {
     fn cone(&self) -> Result<BoneCone, (&'static str, String)> {
         let swing = match self.swing {
             None => [HALF_TURN; 2],
-            Some(Swing::Round(swing)) => [swing; 2],
-            Some(Swing::Elliptic(swing)) => swing,
+            Some(SwingLimit::Round(swing)) => [swing; 2],
+            Some(SwingLimit::Elliptic(swing)) => swing,
         };
         let angles = swing.map(|swing| ("swing", swing)).into_iter();
         for (key, angle) in angles.chain(self.angle.map(|angle| ("angle", angle))) {
@@ -124,7 +124,7 @@ impl Entry {
                 return Err(("twist", problem));
             }
         }
-        let elliptic = matches!(self.swing, Some(Swing::Elliptic(_)));
+        let elliptic = matches!(self.swing, Some(SwingLimit::Elliptic(_)));
         if elliptic != self.about.is_some() {
             let problem = match elliptic {
                 true => "of two numbers needs `about`, the axis of the first",

@@ -13,7 +13,7 @@ pub mod rig;
 pub mod state_machine;
 
 pub use format_error::FormatError;
-pub use kinopt_kinematics::file::{Place, ReadError, ReadProblem, WriteError};
+pub use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, WriteError};
 pub use kinopt_kinematics::file_access::FileAccess;
 pub use kinopt_kinematics::file_replacement::write_file;
 pub use kinopt_mesh::dmat;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{Place, ReadError, read_with};
+use super::{FileLocation, ReadError, read_with};
 use crate::animation::{Clip, StateMachine, StateMachineDefinition};
 
 /// Largest file size that is read, bytes.
@@ -31,7 +31,7 @@ pub fn from_bytes(
 ) -> Result<StateMachine, ReadError> {
     let definition: StateMachineDefinition = kinopt_mesh::json::parse(bytes, name)?;
     StateMachine::new(&definition, clips).map_err(|error| {
-        let location = Place::Json(error.path);
+        let location = FileLocation::Json(error.path);
         ReadError::malformed(name, location, error.problem.to_string())
     })
 }

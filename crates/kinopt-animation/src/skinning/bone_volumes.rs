@@ -39,7 +39,7 @@ pub fn bone_volumes(
         return Err(SkinningError::OpenMesh);
     };
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
-    let grid = Grid::over(low, high - low);
+    let grid = ColumnGrid::over(low, high - low);
     let mut hits: Vec<Hit> = Vec::new();
     for (triangle, corners) in mesh.triangles().iter().enumerate() {
         grid.add_hits(mesh, (triangle, *corners), &mut hits);
@@ -93,7 +93,7 @@ struct Hit {
 }
 
 /// A grid of columns along one axis.
-struct Grid {
+struct ColumnGrid {
     low: DVec3,
     step: f64,
     /// Two axes across the columns, then the axis along them.
@@ -101,7 +101,7 @@ struct Grid {
     counts: [usize; 2],
 }
 
-impl Grid {
+impl ColumnGrid {
     fn over(low: DVec3, size: DVec3) -> Self {
         let size = size.to_array();
         let along = (0..3).fold(0, |shortest, axis| {

@@ -4,8 +4,8 @@ use argmin::core::{CostFunction, Error, OptimizationResult, State};
 use nalgebra::{DMatrix, DVector};
 
 use super::error::{BridgeError, check_length};
-use super::pool::{Buffers, Pool};
-use super::solution::{Place, solution_of};
+use super::pool::{EvaluationBuffers, Pool};
+use super::solution::{StateParameters, solution_of};
 use kinopt_solver::ik::{Solution, SolveError};
 use kinopt_solver::problem::{Evaluation, ProblemInstance, TaskSubset};
 use kinopt_solver::search::variables_at;
@@ -84,8 +84,9 @@ impl<'p> BoundedProblem<'p> {
     }
 
     fn evaluate(&self, work: impl FnOnce(&mut Evaluation<'_>)) {
-        let evaluate =
-            |buffers: &mut Buffers| work(&mut Evaluation::new(self.instance, &mut buffers.scratch));
+        let evaluate = |buffers: &mut EvaluationBuffers| {
+            work(&mut Evaluation::new(self.instance, &mut buffers.scratch))
+        };
         self.pool.with(self.instance, evaluate);
     }
 
@@ -99,7 +100,7 @@ impl<'p> BoundedProblem<'p> {
     ) -> Result<Solution, BridgeError>
     where
         I: State<Float = f64>,
-        I::Param: Place,
+        I::Param: StateParameters,
     {
         solution_of((self.instance, &self.pool), run, |x| x.as_slice().to_vec())
     }

@@ -53,5 +53,5 @@ mod unbounded_problem;
 pub use bounded_problem::BoundedProblem;
 pub use error::BridgeError;
 pub use executor_method::{ExecutorMethod, MethodState};
-pub use solution::Place;
+pub use solution::StateParameters;
 pub use unbounded_problem::UnboundedProblem;

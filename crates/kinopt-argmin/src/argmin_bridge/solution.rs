@@ -7,25 +7,25 @@ use argmin::solver::particleswarm::Particle;
 use nalgebra::DVector;
 
 use super::error::BridgeError;
-use super::pool::{Buffers, Pool};
+use super::pool::{EvaluationBuffers, Pool};
 use kinopt_solver::ik::Solution;
 use kinopt_solver::problem::{Evaluation, ProblemInstance, TaskSubset};
 use kinopt_solver::search::End;
 use kinopt_solver::solver::{Counts, LeastSquares, SolverState, Stopping, Termination};
 
 /// Parameters of an argmin state: a vector, or a particle of a swarm.
-pub trait Place {
+pub trait StateParameters {
     /// Variables of the point.
     fn coordinates(&self) -> &DVector<f64>;
 }
 
-impl Place for DVector<f64> {
+impl StateParameters for DVector<f64> {
     fn coordinates(&self) -> &DVector<f64> {
         self
     }
 }
 
-impl Place for Particle<DVector<f64>, f64> {
+impl StateParameters for Particle<DVector<f64>, f64> {
     fn coordinates(&self) -> &DVector<f64> {
         &self.position
     }
@@ -39,7 +39,7 @@ pub(super) fn solution_of<O, S, I>(
 ) -> Result<Solution, BridgeError>
 where
     I: State<Float = f64>,
-    I::Param: Place,
+    I::Param: StateParameters,
 {
     let state = run.state();
     let best = state.get_best_param().or_else(|| state.get_param());
@@ -59,7 +59,7 @@ pub(super) fn solution_at<I: State>(
     run: Option<(&I, &HashMap<&'static str, u64>)>,
 ) -> Solution {
     pool.with(instance, |buffers| {
-        let Buffers {
+        let EvaluationBuffers {
             scratch,
             x: projected_x,
             residual,

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::bounds_transform::{BoundsTransform, Image};
 use super::error::{BridgeError, check_length};
-use super::pool::{Buffers, Pool};
-use super::solution::{Place, is_finished_at, solution_at, solution_of};
+use super::pool::{EvaluationBuffers, Pool};
+use super::solution::{StateParameters, is_finished_at, solution_at, solution_of};
 use kinopt_solver::ik::{Solution, SolveError};
 use kinopt_solver::problem::{Evaluation, ProblemInstance};
 use kinopt_solver::search::variables_at;
@@ -82,7 +82,7 @@ impl<'p> UnboundedProblem<'p> {
     ) -> Result<Solution, BridgeError>
     where
         I: State<Float = f64>,
-        I::Param: Place,
+        I::Param: StateParameters,
     {
         solution_of((self.instance, &self.pool), run, |y| self.variables_at(y))
     }
@@ -101,7 +101,7 @@ impl<'p> UnboundedProblem<'p> {
     ) -> Result<Solution, BridgeError>
     where
         I: State<Float = f64>,
-        I::Param: Place,
+        I::Param: StateParameters,
     {
         match run {
             Ok(run) => self.solution(&run),
@@ -127,7 +127,7 @@ impl<'p> UnboundedProblem<'p> {
     fn evaluate<T>(
         &self,
         y: &DVector<f64>,
-        work: impl FnOnce(ProblemInstance<'_>, &mut Buffers) -> T,
+        work: impl FnOnce(ProblemInstance<'_>, &mut EvaluationBuffers) -> T,
     ) -> Result<T, Error> {
         check_length(y.len(), self.transforms.len())?;
         Ok(self.pool.with(self.instance, |buffers| {
@@ -143,7 +143,7 @@ impl<'p> UnboundedProblem<'p> {
     }
 
     /// ∂r/∂y for buffers that hold x.
-    fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut Buffers) -> DMatrix<f64> {
+    fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut EvaluationBuffers) -> DMatrix<f64> {
         Evaluation::new(self.instance, &mut buffers.scratch)
             .jacobian(&buffers.x, &mut buffers.jacobian);
         let mut jacobian = buffers.jacobian.clone();
@@ -154,7 +154,7 @@ impl<'p> UnboundedProblem<'p> {
     }
 }
 
-impl Buffers {
+impl EvaluationBuffers {
     /// Computes Jᵀr by x for buffers that hold x and r.
     pub(super) fn differentiate_cost(&mut self, instance: ProblemInstance<'_>) {
         Evaluation::new(instance, &mut self.scratch).gradient(

@@ -4,14 +4,14 @@ use super::options::Options;
 use super::serial_chain::Serial;
 use kinopt_kinematics::spatial::Placement;
 use kinopt_solver::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
-use kinopt_solver::task::{Pose, Quantity, RowBlock, Task};
+use kinopt_solver::task::{FramePose, Quantity, RowBlock, Task};
 
 /// Problem of a chain's tool pose, with the target and the bounds of the current query.
 #[derive(Clone, Debug)]
 pub(super) struct PoseProblem {
     pub(super) problem: Problem,
     targets: Targets,
-    task: TaskId<Pose>,
+    task: TaskId<FramePose>,
     /// Measure of the orientation rows.
     orientation_rows: RowBlock,
     /// Lower bounds of the query.
@@ -25,7 +25,7 @@ impl PoseProblem {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
         builder.parameters(serial.map.clone());
-        let pose = Pose::new(serial.tool, Placement::identity()).with_goal(options.goal);
+        let pose = FramePose::new(serial.tool, Placement::identity()).with_goal(options.goal);
         let orientation = if options.goal.has_orientation() {
             options.orientation_tolerance
         } else {
@@ -62,7 +62,7 @@ impl PoseProblem {
     /// Target of the query.
     pub(super) fn target(&self) -> Placement<f64> {
         let pose = self.targets.get(self.task);
-        pose.map_or_else(|_| Placement::identity(), Pose::target)
+        pose.map_or_else(|_| Placement::identity(), FramePose::target)
     }
 
     /// Clamps a value of joint i to the bounds.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use super::{CartesianPath, PathError};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem, read_with};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, read_with};
 use kinopt_kinematics::spatial::{Placement, Quaternion, Vector3};
 
 /// Largest file size, bytes.
@@ -111,16 +111,21 @@ impl CartesianPath {
         name: &str,
         order: QuaternionOrder,
     ) -> Result<(Self, CsvColumns), ReadError> {
-        let malformed = |place: Place, problem: String| ReadError::malformed(name, place, problem);
-        let text = std::str::from_utf8(bytes)
-            .map_err(|error| malformed(Place::Byte(error.valid_up_to()), "is not UTF-8".into()))?;
+        let malformed =
+            |place: FileLocation, problem: String| ReadError::malformed(name, place, problem);
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            malformed(
+                FileLocation::Byte(error.valid_up_to()),
+                "is not UTF-8".into(),
+            )
+        })?;
         let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
         let mut lines = lines
             .map(|(number, line)| (number + 1, line.trim()))
             .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
             .peekable();
         let Some(&(first, head)) = lines.peek() else {
-            return Err(malformed(Place::File, "has no points".into()));
+            return Err(malformed(FileLocation::File, "has no points".into()));
         };
         let fields: Vec<&str> = split(head).collect();
         let is_header = fields.iter().any(|field| field.parse::<f64>().is_err());
@@ -131,7 +136,7 @@ impl CartesianPath {
         let columns = match columns {
             Some(columns) => columns,
             None => CsvColumns::counted(fields.len(), order)
-                .map_err(|problem| malformed(Place::Line(first), problem))?,
+                .map_err(|problem| malformed(FileLocation::Line(first), problem))?,
         };
         if is_header {
             lines.next();
@@ -144,7 +149,7 @@ impl CartesianPath {
                 let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
                 row.push(value.ok_or_else(|| {
                     malformed(
-                        Place::Line(number),
+                        FileLocation::Line(number),
                         format!("`{field}` is not a finite number"),
                     )
                 })?);
@@ -155,17 +160,18 @@ impl CartesianPath {
                     row.len(),
                     fields.len()
                 );
-                return Err(malformed(Place::Line(number), problem));
+                return Err(malformed(FileLocation::Line(number), problem));
             }
             table
                 .push_row(&row, &columns)
-                .map_err(|problem| malformed(Place::Line(number), problem))?;
+                .map_err(|problem| malformed(FileLocation::Line(number), problem))?;
         }
         if table.points.is_empty() {
-            return Err(malformed(Place::File, "has no points".into()));
+            return Err(malformed(FileLocation::File, "has no points".into()));
         }
         let finished = table.finish(columns);
-        finished.map_err(|error| ReadError::new(name, Place::File, ReadProblem::invalid(error)))
+        finished
+            .map_err(|error| ReadError::new(name, FileLocation::File, ReadProblem::invalid(error)))
     }
 }
 

@@ -115,7 +115,7 @@ struct Curve<'a> {
 }
 
 /// Result of a measurement, metres and radians.
-struct Measured {
+struct MeasuredDeviation {
     /// Largest deviation at the measured points.
     largest: [f64; 2],
     /// Upper bound over the whole step.
@@ -202,7 +202,11 @@ impl<'a> Curve<'a> {
     }
 
     /// Measures the step at the ends of `parts` parts. `begin` is the initial tool pose, if known.
-    fn measure(&self, parts: usize, begin: Option<Placement<f64>>) -> Result<Measured, PathError> {
+    fn measure(
+        &self,
+        parts: usize,
+        begin: Option<Placement<f64>>,
+    ) -> Result<MeasuredDeviation, PathError> {
         let [from, to] = self.q;
         let bands = self.arm.goal().bands();
         let mut q = vec![0.0; from.len()];
@@ -261,7 +265,7 @@ impl<'a> Curve<'a> {
             true => angle(chord),
             false => std::f64::consts::PI,
         };
-        Ok(Measured {
+        Ok(MeasuredDeviation {
             largest: [largest[0] + self.bulge, angle(largest[1])],
             bounds: [metres + self.bulge, if free { 0.0 } else { radians }],
             end,

@@ -8,8 +8,8 @@ use super::neighbour_index::NeighbourIndex;
 use super::revolutions::Revolutions;
 
 /// Cost of a path to a configuration: number of reconfigurations, then length.
-type Cost = (u32, f64);
-const UNREACHABLE_COST: Cost = (u32::MAX, f64::INFINITY);
+type PathCost = (u32, f64);
+const UNREACHABLE_COST: PathCost = (u32::MAX, f64::INFINITY);
 
 /// Selected configurations, one per station, with their cost.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Selection {
     pub(super) indices: Vec<u32>,
     /// For each station, whether the step to it is no reconfiguration.
     pub(super) joined: Vec<bool>,
-    pub(super) cost: Cost,
+    pub(super) cost: PathCost,
 }
 
 impl Selection {
@@ -101,7 +101,7 @@ fn best(
     let n = weights.len();
     let weights: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
     let counts = |station: usize| layers[station].count(n);
-    let mut costs: Vec<Cost> = vec![(0, 0.0); counts(0)];
+    let mut costs: Vec<PathCost> = vec![(0, 0.0); counts(0)];
     keep_only(end_indices.first, &mut costs);
     let mut predecessors: Vec<Vec<u16>> = Vec::with_capacity(layers.len());
     predecessors.push(Vec::new());
@@ -133,7 +133,7 @@ fn best(
         if n <= PADDED_JOINTS {
             padded.extend(from_layer.chunks_exact(n).map(|row| pad(row, 0.0)));
         }
-        let step = Step {
+        let step = StationStep {
             layer: &layers[to],
             excluded_edges: &excluded_edges,
             from: from_layer,
@@ -160,7 +160,7 @@ fn best(
             guess = usize::from(before & !RECONFIGURATION_BIT) + 1;
             (cost, before)
         });
-        let (next, indices): (Vec<Cost>, Vec<u16>) = ends.unzip();
+        let (next, indices): (Vec<PathCost>, Vec<u16>) = ends.unzip();
         costs = next;
         if to + 1 == layers.len() {
             keep_only(end_indices.last, &mut costs);
@@ -204,7 +204,7 @@ fn pad(row: &[f32], filler: f32) -> [f32; PADDED_JOINTS] {
 }
 
 /// Excludes all configurations but the given one, if there is one.
-fn keep_only(given: Option<usize>, costs: &mut [Cost]) {
+fn keep_only(given: Option<usize>, costs: &mut [PathCost]) {
     let others = costs.iter_mut().enumerate();
     for (_, cost) in others.filter(|(index, _)| given.is_some_and(|given| given != *index)) {
         *cost = UNREACHABLE_COST;
@@ -215,14 +215,14 @@ fn keep_only(given: Option<usize>, costs: &mut [Cost]) {
 const RECONFIGURATION_BIT: u16 = 1 << 15;
 
 /// One step between stations.
-struct Step<'a> {
+struct StationStep<'a> {
     layer: &'a Layer,
     excluded_edges: &'a [FalseEdge],
     from: &'a [f32],
     /// Padded rows of `from` and padded limits; `padded` is empty if the arm has more joints.
     padded: &'a [[f32; PADDED_JOINTS]],
     padded_limits: [f32; PADDED_JOINTS],
-    costs: &'a [Cost],
+    costs: &'a [PathCost],
     limits: &'a [f32],
     /// Joint displacement limits from the path's times alone; empty if times do not count.
     time_limits: &'a [f32],
@@ -235,7 +235,7 @@ struct Step<'a> {
 }
 
 /// Returns the configurations with the fewest reconfigurations, sorted by length.
-fn cheapest(costs: &[Cost]) -> Vec<usize> {
+fn cheapest(costs: &[PathCost]) -> Vec<usize> {
     let min_count = costs.iter().map(|cost| cost.0).min().unwrap_or(0);
     let mut cheapest: Vec<usize> = (0..costs.len())
         .filter(|index| costs[*index].0 == min_count)
@@ -244,9 +244,9 @@ fn cheapest(costs: &[Cost]) -> Vec<usize> {
     cheapest
 }
 
-impl Step<'_> {
+impl StationStep<'_> {
     /// Returns the cost of the best path to a configuration, and its predecessor. `guess` is tried first.
-    fn best_to(&self, index: usize, q: &[f32], guess: usize) -> (Cost, u16) {
+    fn best_to(&self, index: usize, q: &[f32], guess: usize) -> (PathCost, u16) {
         let mut best = (UNREACHABLE_COST, 0);
         let link = self.layer.linked_to(index);
         if let Some(predecessor) =
@@ -269,7 +269,7 @@ impl Step<'_> {
     }
 
     /// Considers reconfigurations from the predecessors with the fewest of them. Any other predecessor costs one more.
-    fn consider_reconfigurations(&self, best: &mut (Cost, u16), index: usize, q: &[f32]) {
+    fn consider_reconfigurations(&self, best: &mut (PathCost, u16), index: usize, q: &[f32]) {
         for &predecessor in &self.cheapest {
             let cost = self.costs[predecessor];
             let jump_cost = (cost.0.saturating_add(1), cost.1);
@@ -284,7 +284,7 @@ impl Step<'_> {
     /// Takes a step if it is better than the best known.
     fn consider(
         &self,
-        best: &mut (Cost, u16),
+        best: &mut (PathCost, u16),
         (predecessor, index): (usize, usize),
         q: &[f32],
         joined: bool,
@@ -370,10 +370,10 @@ impl Step<'_> {
 }
 
 /// Returns whether one cost is less. Costs are never NaN.
-fn is_less(a: &Cost, b: &Cost) -> bool {
+fn is_less(a: &PathCost, b: &PathCost) -> bool {
     a.0 < b.0 || a.0 == b.0 && a.1 < b.1
 }
 
-fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {
+fn order(a: &PathCost, b: &PathCost) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
 }

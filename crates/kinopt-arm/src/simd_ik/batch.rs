@@ -3,7 +3,7 @@
 use super::chain::MAX_JOINTS;
 use super::continue_starts::continue_starts;
 use super::evaluation::Errors;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::lane::LaneScalar;
 use super::lm_step::EndMasks;
 use super::options::{PoseOutcome, Prefer};
@@ -97,7 +97,7 @@ struct Batch<'a, V, const L: usize, const N: usize> {
     stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
     work: Work<'a>,
-    group: Group<V, N>,
+    group: LaneGroup<V, N>,
     /// Index of the next result to work on.
     next: usize,
     jobs: [Option<Job<'a>>; L],
@@ -117,7 +117,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             stages,
             prepared,
             work,
-            group: Group::new(prepared.joints()),
+            group: LaneGroup::new(prepared.joints()),
             next: 0,
             jobs: [const { None }; L],
             seeds: std::array::from_fn(|_| QuerySeeds::new()),

@@ -5,7 +5,7 @@
 
 use super::batch::Work;
 use super::chain::MAX_JOINTS;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::lane::LaneScalar;
 use super::lm_step::EndMasks;
 use super::prepared::Prepared;
@@ -30,7 +30,7 @@ pub(super) fn continue_starts<V: LaneScalar, const L: usize, const N: usize>(
         ..prepared.settings
     };
     let goal_from_first = links.goal_from_first(target, settings.weighted);
-    let mut group = Group::<V, N>::new(n);
+    let mut group = LaneGroup::<V, N>::new(n);
     for lane in 0..L {
         group.aim(lane, &goal_from_first);
     }

@@ -5,7 +5,7 @@ use super::settings::Settings;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// State of a group of lanes, advanced by the step.
-pub(crate) struct Group<V, const N: usize> {
+pub(crate) struct LaneGroup<V, const N: usize> {
     /// Number of joints, at most N.
     joints: usize,
     pub(super) goal_from_first: Placement<V>,
@@ -32,7 +32,7 @@ pub(crate) struct Group<V, const N: usize> {
     pub(super) since_progress: V,
 }
 
-impl<V: LaneScalar, const N: usize> Group<V, N> {
+impl<V: LaneScalar, const N: usize> LaneGroup<V, N> {
     pub(crate) fn new(joints: usize) -> Self {
         let zero = V::zero();
         Self {

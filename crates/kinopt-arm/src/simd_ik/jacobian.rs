@@ -1,7 +1,7 @@
 //! Forward kinematics of all lanes, Jacobian columns, and J Jᵀ.
 
 use super::evaluation::Evaluation;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::lane::LaneScalar;
 use super::links::Links;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -23,7 +23,7 @@ macro_rules! each_joint {
 /// Computes the tip's pose and the Jacobian's columns in the goal frame.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     links: &Links,
 ) -> Evaluation<V> {
     let n = group.joints::<JOINTS>();
@@ -71,7 +71,7 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
 /// Computes the lower triangle of J Jᵀ, in three blocks whose sums fit the registers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normal_equations<V: LaneScalar, const N: usize, const JOINTS: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
 ) {
     let n = group.joints::<JOINTS>();
     macro_rules! block {

@@ -7,7 +7,7 @@
 
 use super::axis_residual;
 use super::evaluation::WeightedResidual;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::jacobian;
 use super::lane::LaneScalar;
 use super::ldlt;
@@ -67,7 +67,7 @@ impl EndMasks {
 /// pose.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     links: &Links,
     settings: &Settings,
 ) -> EndMasks {
@@ -98,7 +98,7 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
 /// Computes the residual at every lane's point, and the columns of its derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     links: &Links,
     settings: &Settings,
 ) -> WeightedResidual<V> {
@@ -123,7 +123,7 @@ fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
 /// Lowers the damping after an accepted step, most if the error halved, and raises it after a rejected one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn adapt_damping<V: LaneScalar, const N: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     twice_cost: V,
     accept: V::Mask,
 ) {
@@ -141,7 +141,7 @@ fn adapt_damping<V: LaneScalar, const N: usize>(
 /// Counts iterations since the error last halved. Returns the mask of the stalled lanes.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn count_since_progress<V: LaneScalar, const N: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     twice_cost: V,
     settings: &Settings,
 ) -> V::Mask {
@@ -161,7 +161,7 @@ fn count_since_progress<V: LaneScalar, const N: usize>(
 /// Zeroes the columns of joints at a bound whose descent direction points outward (Bertsekas 1982).
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn zero_blocked_columns<V: LaneScalar, const N: usize, const JOINTS: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     links: &Links,
     residual: &WeightedResidual<V>,
 ) {
@@ -189,7 +189,7 @@ fn zero_blocked_columns<V: LaneScalar, const N: usize, const JOINTS: usize>(
 /// "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     residual: &WeightedResidual<V>,
     settings: &Settings,
 ) -> (Vector3<V>, Vector3<V>) {
@@ -220,7 +220,7 @@ fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bo
 /// A rejected lane next tries a fraction of its last step from the accepted point, which needs no earlier Jacobian.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn advance_points<V: LaneScalar, const N: usize, const JOINTS: usize>(
-    group: &mut Group<V, N>,
+    group: &mut LaneGroup<V, N>,
     links: &Links,
     accept: V::Mask,
     (y_linear, y_angular): (Vector3<V>, Vector3<V>),
@@ -243,7 +243,7 @@ fn advance_points<V: LaneScalar, const N: usize, const JOINTS: usize>(
 /// The step includes the effect of bounds and damping.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_predicted_to_reach<V: LaneScalar, const N: usize, const JOINTS: usize>(
-    group: &Group<V, N>,
+    group: &LaneGroup<V, N>,
     (mut p, mut s): (Vector3<V>, Vector3<V>),
     squared_position: f64,
     squared_orientation: f64,

@@ -4,7 +4,7 @@ use kinopt_kinematics::clock::is_past;
 
 use super::chain::MAX_JOINTS;
 use super::evaluation::Errors;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::lane::LaneScalar;
 use super::lm_step::EndMasks;
 use super::options::{PoseOutcome, Prefer};
@@ -35,7 +35,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     output: &mut QueryOutput<'_>,
 ) -> PoseOutcome {
     // Outside `Race`, to avoid moving kilobytes.
-    let mut group = Group::new(prepared.joints());
+    let mut group = LaneGroup::new(prepared.joints());
     let mut race = Race::new(stages, prepared, query, output, &mut group);
     let mut lanes = if first_alone { 1 } else { V::WIDTH };
     loop {
@@ -93,7 +93,7 @@ struct Race<'a, 'b, V, const N: usize> {
     query: &'a Query<'a>,
     output: &'a mut QueryOutput<'b>,
     goal_from_first: Placement<f64>,
-    group: &'a mut Group<V, N>,
+    group: &'a mut LaneGroup<V, N>,
     seeds: QuerySeeds,
     /// Buffer for a configuration read from or written to a lane.
     q: [f64; MAX_JOINTS],
@@ -131,7 +131,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         prepared: &'a Prepared,
         query: &'a Query<'a>,
         output: &'a mut QueryOutput<'b>,
-        group: &'a mut Group<V, N>,
+        group: &'a mut LaneGroup<V, N>,
     ) -> Self {
         let links = &prepared.links;
         let by_number = query.search == Prefer::Start;

@@ -3,7 +3,7 @@
 //! They are not inlined into the drivers, which would compile the same code many times.
 
 use super::evaluation::Errors;
-use super::group::Group;
+use super::group::LaneGroup;
 use super::links::Links;
 use super::lm_step::EndMasks;
 use super::prepared::Prepared;
@@ -12,7 +12,7 @@ use super::seeds::QuerySeeds;
 use super::settings::Settings;
 use kinopt_kinematics::spatial::Placement;
 
-type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> EndMasks;
+type Step<V, const N: usize> = fn(&mut LaneGroup<V, N>, &Links, &Settings) -> EndMasks;
 type Judge = fn(&Prepared, &Placement<f64>, &[f64]) -> (bool, Errors);
 type Seed = fn(&mut QuerySeeds, &Prepared, &Query<'_>, &Placement<f64>, u32, &mut [f64]);
 
@@ -31,7 +31,7 @@ macro_rules! stages {
     ($name:ident $(, #[$features:meta])?) => {
         pub(crate) mod $name {
             use crate::simd_ik::evaluation::Errors;
-            use crate::simd_ik::group::Group;
+            use crate::simd_ik::group::LaneGroup;
             use crate::simd_ik::judge;
             use crate::simd_ik::lm_step::{self, EndMasks};
             use crate::simd_ik::lane::LaneScalar;
@@ -45,7 +45,7 @@ macro_rules! stages {
             #[inline(never)]
             $(#[$features])?
             pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
-                group: &mut Group<V, N>,
+                group: &mut LaneGroup<V, N>,
                 links: &Links,
                 settings: &Settings,
             ) -> EndMasks {

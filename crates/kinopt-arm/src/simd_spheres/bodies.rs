@@ -6,7 +6,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// The part of a robot that moves with one joint of a chain, or that is fixed to its base.
 #[derive(Clone, Debug)]
-pub(crate) struct Body {
+pub(crate) struct ChainBody {
     /// Number of joints that move it; 0 if it is fixed to the base.
     pub(crate) joints: usize,
     /// Bounding sphere of all its spheres.
@@ -18,7 +18,7 @@ pub(crate) struct Body {
 #[derive(Clone, Debug)]
 pub(crate) struct BodyChain {
     pub(super) links: Links,
-    pub(super) bodies: Vec<Body>,
+    pub(super) bodies: Vec<ChainBody>,
     /// Index of the first sphere of each body among all spheres.
     pub(super) first_sphere: Vec<usize>,
     /// Enabled collision pairs.
@@ -37,7 +37,7 @@ impl BodyChain {
     pub(crate) fn new(
         chain: &Chain,
         q: &[f64],
-        bodies: impl IntoIterator<Item = (Body, Placement<f64>)>,
+        bodies: impl IntoIterator<Item = (ChainBody, Placement<f64>)>,
         pairs: Vec<[usize; 2]>,
     ) -> Self {
         let links = Links::new(chain);
@@ -49,7 +49,7 @@ impl BodyChain {
             }
             body
         });
-        let bodies: Vec<Body> = bodies.collect();
+        let bodies: Vec<ChainBody> = bodies.collect();
         let mut first = 0;
         let first_sphere = bodies.iter().map(|body| {
             first += body.spheres.len();
@@ -84,7 +84,7 @@ impl BodyChain {
                 reach[reach.len() - 1] + link_offset * links.metres_per_length + prismatic_reach,
             );
         }
-        let reach_bound = |body: &Body| match body.joints {
+        let reach_bound = |body: &ChainBody| match body.joints {
             0 => body.bound,
             joints => Ball {
                 centre,

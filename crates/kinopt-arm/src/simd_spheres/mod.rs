@@ -10,7 +10,7 @@ mod passed;
 mod solid_tree;
 mod solids;
 
-pub(crate) use bodies::{Body, BodyChain};
+pub(crate) use bodies::{BodyChain, ChainBody};
 pub(crate) use instruction_set::{CHECKED, SphereWorkspaces, near};
 pub(crate) use passed::Passed;
 pub(crate) use solids::{SolidMoved, Solids};

@@ -6,12 +6,12 @@ use kinopt_collision::collision::{BoundingBox, Shape};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// A shape and the inverse of its placement in the chain's base frame.
-type PlacedSolid = (Shape, Placement<f64>);
+type TreeSolid = (Shape, Placement<f64>);
 
 /// Placed shapes with an AABB tree over their boxes.
 #[derive(Clone, Debug)]
 pub(super) struct SolidTree {
-    solids: DynamicAabbTree<PlacedSolid>,
+    solids: DynamicAabbTree<TreeSolid>,
 }
 
 /// A number with its new shape and placement in the base frame; `None` removes the shape.
@@ -35,7 +35,7 @@ impl SolidTree {
     pub(super) fn changed(&self, changes: &[SolidChange<'_>]) -> Self {
         let changes = changes
             .iter()
-            .map(|(number, new_solid)| -> ItemChange<PlacedSolid> {
+            .map(|(number, new_solid)| -> ItemChange<TreeSolid> {
                 (*number, new_solid.map(|(shape, at)| placed(shape, &at)))
             });
         Self {
@@ -60,14 +60,14 @@ struct NearPoint {
     reach: f64,
 }
 
-impl Predicate<&PlacedSolid> for NearPoint {
+impl Predicate<&TreeSolid> for NearPoint {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn is_met(&self, (shape, solid_from_base): &PlacedSolid) -> bool {
+    fn is_met(&self, (shape, solid_from_base): &TreeSolid) -> bool {
         shape.is_within(solid_from_base.apply(self.point), self.reach)
     }
 }
 
-fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (PlacedSolid, BoundingBox) {
+fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (TreeSolid, BoundingBox) {
     let bounds = shape.bounding_box().placed(base_from_solid);
     ((shape.clone(), base_from_solid.inverse()), bounds)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::bodies::{Body, BodyChain};
+use super::bodies::{BodyChain, ChainBody};
 use super::passed::Passed;
 use super::solid_tree::{SolidChange, SolidTree};
 use crate::simd_ik::lane::LaneScalar;
@@ -16,7 +16,7 @@ const MAX_SIMPLE_ELEMENTS: usize = 32;
 
 /// A shape with a closed-form distance in lanes, or any other shape. Lengths are in metres.
 #[derive(Clone, Debug)]
-enum Solid {
+enum LaneSolid {
     /// Half lengths along the axes.
     Box([f64; 3]),
     /// Along z: radius and half length.
@@ -37,7 +37,7 @@ struct PlacedSolid {
     bound: Ball,
     bounds: BoundingBox,
     solid_from_base: Placement<f64>,
-    solid: Solid,
+    solid: LaneSolid,
 }
 
 /// Solids that a chain must not touch.
@@ -280,26 +280,26 @@ impl Solids {
         let placed = &self.listed.placed[number as usize];
         let p = Placement::constant(&placed.solid_from_base).apply(point);
         match &placed.solid {
-            Solid::Box([x, y, z]) => {
+            LaneSolid::Box([x, y, z]) => {
                 let gap = Vector3::new(excess(p.x, *x), excess(p.y, *y), excess(p.z, *z));
                 gap.norm_squared().less_than(c(reach * reach))
             }
-            Solid::Cylinder(radius, half) => {
+            LaneSolid::Cylinder(radius, half) => {
                 let from_axis = p.x.mul_add(p.x, p.y * p.y).sqrt();
                 let (side, end) = (excess(from_axis, *radius), excess(p.z, *half));
                 side.mul_add(side, end * end).less_than(c(reach * reach))
             }
-            Solid::Capsule(radius, half) => {
+            LaneSolid::Capsule(radius, half) => {
                 let gap = Vector3::new(p.x, p.y, excess(p.z, *half));
                 let reach = radius + reach;
                 gap.norm_squared().less_than(c(reach * reach))
             }
-            Solid::Sphere(radius) => {
+            LaneSolid::Sphere(radius) => {
                 let reach = radius + reach;
                 p.norm_squared().less_than(c(reach * reach))
             }
-            Solid::HalfSpace => p.z.less_than(c(reach)),
-            Solid::Other(shape) => {
+            LaneSolid::HalfSpace => p.z.less_than(c(reach)),
+            LaneSolid::Other(shape) => {
                 let mut distance = V::zero();
                 for lane in 0..V::WIDTH {
                     distance.set_lane(lane, shape.signed_distance(in_lane(&p, lane)));
@@ -318,7 +318,7 @@ impl Listed {
         margin: f64,
     ) -> Self {
         let (numbers, placed): (Vec<u64>, Vec<PlacedSolid>) = solids.into_iter().unzip();
-        let reached = |(index, (reach_bound, body)): (usize, (Ball, &Body))| {
+        let reached = |(index, (reach_bound, body)): (usize, (Ball, &ChainBody))| {
             let reach = reach_bound.radius + margin;
             let checked = (0..).zip(&placed).zip(&numbers);
             let checked = checked.filter(|(_, number)| !allowed.is_allowed(index, **number));
@@ -382,7 +382,7 @@ impl PlacedSolid {
             },
             bounds: shape.bounding_box().placed(&base_from_solid),
             solid_from_base: base_from_solid.inverse(),
-            solid: Solid::of(shape),
+            solid: LaneSolid::of(shape),
         }
     }
 }
@@ -407,7 +407,7 @@ fn is_simple(shape: &Shape) -> bool {
     }
 }
 
-impl Solid {
+impl LaneSolid {
     fn of(shape: &Shape) -> Self {
         match shape.kind() {
             ShapeKind::Cuboid { size } => Self::Box(size.map(|length| 0.5 * length)),

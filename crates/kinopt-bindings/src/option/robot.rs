@@ -9,7 +9,7 @@ use crate::value::{Arguments, ErrorOf, OrRaise, Ranges, Value};
 
 /// Joint between world and root: its name, and bounds by axis.
 #[derive(Clone, Debug, Default)]
-pub struct Base {
+pub struct BaseSettings {
     /// Name of the kind; `None` for a fixed base.
     pub joint: Option<String>,
     /// Lower and upper bound by axis, metres; of a yaw radians.
@@ -28,7 +28,7 @@ pub struct RobotOptions {
     /// True if mimic joints restrict their source joints.
     pub mimic_limits: bool,
     /// Base joint.
-    pub base: Base,
+    pub base: BaseSettings,
 }
 
 /// Options of a robot, by name.
@@ -134,7 +134,7 @@ impl RobotOptions {
     }
 }
 
-impl Base {
+impl BaseSettings {
     /// The robot on this base.
     ///
     /// # Errors

@@ -65,7 +65,11 @@ fn differing(differs: &[String]) -> String {
 impl FolderError {
     pub(super) fn reading(path: &Path, problem: std::io::Error) -> Self {
         let name = path.display().to_string();
-        Self::Read(ReadError::new(&name, kinopt::io::Place::File, problem))
+        Self::Read(ReadError::new(
+            &name,
+            kinopt::io::FileLocation::File,
+            problem,
+        ))
     }
 
     pub(super) fn writing(path: &Path, problem: std::io::Error) -> Self {

@@ -1,7 +1,7 @@
 //! Residuals of each kind of task.
 
 use kinopt::task::{
-    Distance, Gaze, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Ray,
+    Distance, FramePose, Gaze, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Ray,
 };
 
 use super::{BoxedTask, TaskModel, Visit, joints};
@@ -33,7 +33,7 @@ pub fn residual<A: Arguments>(
             })
         }
         "pose" => {
-            let mut pose = Pose::new(frame("frame")?, arguments.placement("target")?);
+            let mut pose = FramePose::new(frame("frame")?, arguments.placement("target")?);
             if let Some(tool) = arguments.get("tool")? {
                 pose = pose.with_tool(tool.placement("tool")?);
             }

@@ -11,8 +11,8 @@ use kinopt::task::{
     Bounded, CentreOfMass, FrameVelocity, JointCoupling, Manipulability, SupportPolygon,
 };
 use kinopt::task::{
-    Distance, Gaze, LimitCentring, LookAt, Numeric, NumericResidual, Orientation, Pixel, Plane,
-    Point, Pose, Posture, Ray, Residual, Smoothness,
+    Distance, FramePose, Gaze, LimitCentring, LookAt, Numeric, NumericResidual, Orientation, Pixel,
+    Plane, Point, Posture, Ray, Residual, Smoothness,
 };
 
 use crate::error::ErrorKind;
@@ -182,7 +182,7 @@ impl Target for Point {
     }
 }
 
-impl Target for Pose {
+impl Target for FramePose {
     type Goal = Placement<f64>;
 
     fn aim(&mut self, target: &Self::Goal) -> Result<(), SizeMismatch> {

@@ -12,14 +12,14 @@ const STACK_SIZE: usize = 40;
 /// Binary AABB tree over items that are identified by index.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AabbTree {
-    nodes: Vec<Node>,
+    nodes: Vec<AabbNode>,
     /// Item indices, ordered so that the items of each leaf are contiguous.
     items: Vec<u32>,
     wide_nodes: WideNodes,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct AabbNode {
     bounds: BoundingBox,
     /// Range of `items` for a leaf, else the indices of the two children.
     first: u32,
@@ -95,7 +95,7 @@ impl AabbTree {
     }
 
     fn push(&mut self) -> usize {
-        self.nodes.push(Node {
+        self.nodes.push(AabbNode {
             bounds: BoundingBox::EMPTY,
             first: 0,
             second: 0,

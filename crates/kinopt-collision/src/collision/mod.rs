@@ -48,8 +48,7 @@ pub use model::{
     CollisionModel, CollisionModelBuilder, CollisionModelError, CollisionObject, MeshUse,
 };
 pub use shape::{
-    Ball, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind, ShapeNote,
-    TriangleMesh,
+    Ball, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind, ShapeNote, TriMesh,
 };
 pub use sphere_model::{Resolution, SphereGroup, SphereModel};
 pub use world::{Obstacle, World, WorldError};

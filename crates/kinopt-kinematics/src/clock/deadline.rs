@@ -10,13 +10,13 @@ use crate::scoped_cell::with_value;
 
 /// Deadline of the work under way on this thread, and whether it ended early.
 #[derive(Clone, Copy)]
-struct Work {
+struct CurrentWork {
     deadline: Instant,
     is_cut: bool,
 }
 
 thread_local! {
-    static WORK: Cell<Option<Work>> = const { Cell::new(None) };
+    static WORK: Cell<Option<CurrentWork>> = const { Cell::new(None) };
 }
 
 /// Runs `work`, whose parts end early once [`is_over`] returns true; `None` if one did, or if the deadline was past before.
@@ -28,7 +28,7 @@ pub fn until<T>(deadline: Option<Instant>, work: impl FnOnce() -> T) -> Option<T
     if is_past(deadline) {
         return None;
     }
-    let initial = Work {
+    let initial = CurrentWork {
         deadline: time,
         is_cut: false,
     };
@@ -50,7 +50,7 @@ pub fn is_over() -> bool {
         return true;
     }
     let is_cut = is_past(Some(work.deadline));
-    WORK.set(Some(Work { is_cut, ..work }));
+    WORK.set(Some(CurrentWork { is_cut, ..work }));
     is_cut
 }
 

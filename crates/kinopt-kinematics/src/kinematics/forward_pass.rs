@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Tree;
-use super::tree::{Ball, Node};
+use super::tree::{BallNodes, Node};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
@@ -76,7 +76,7 @@ impl Tree {
     #[inline(never)]
     fn place_with_balls<S: Scalar>(&self, state: &mut TreeState<S>) {
         let mut first_unplaced = 0;
-        for (ball, Ball { last, chart }) in self.balls.iter().enumerate() {
+        for (ball, BallNodes { last, chart }) in self.balls.iter().enumerate() {
             // origin_from_ball = origin_from_parent · parent_from_ball · rotation(x).
             let nodes = [last - 2, last - 1, *last];
             self.place(first_unplaced..nodes[0], state);

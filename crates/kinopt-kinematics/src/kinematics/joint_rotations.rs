@@ -1,6 +1,6 @@
 //! Orientations of all joints of a model.
 
-use super::motion::Motion;
+use super::motion::NodeMotion;
 use crate::model::{JointId, JointKind, Model, quaternion_at};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
@@ -23,7 +23,7 @@ pub fn joint_rotations(model: &Model, q: &[f64], rotations: &mut Vec<Matrix3<f64
                 rest_rotation
                     * quaternion_at(values).map_or(Matrix3::identity(), Quaternion::to_matrix)
             }
-            (kind, Some(&[value, ..])) => match Motion::new(kind, joint.axis) {
+            (kind, Some(&[value, ..])) => match NodeMotion::new(kind, joint.axis) {
                 Some(motion) if motion.turns() => {
                     let rest_placement = Placement::new(rest_rotation, Vector3::zero());
                     let trigonometry = elementary::sin_cos(value);

@@ -6,7 +6,7 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// The motion of a node; a rotation about a coordinate axis changes two columns only.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Motion {
+pub(super) enum NodeMotion {
     RotateX,
     RotateY,
     RotateZ,
@@ -23,7 +23,7 @@ pub(super) struct BallPart {
     pub(super) part: u32,
 }
 
-impl Motion {
+impl NodeMotion {
     pub(super) fn new(kind: JointKind, axis: Vector3<f64>) -> Option<Self> {
         let (zero, one) = (0.0, 1.0);
         match kind {
@@ -55,7 +55,7 @@ impl Motion {
             translation,
         } = placement;
         match self {
-            // Unreachable for `Ball`: a tree rotates ball joints by all three values. An arm for it slows revolute
+            // Unreachable for `BallNodes`: a tree rotates ball joints by all three values. An arm for it slows revolute
             // joints by 4 %.
             Self::RotateX | Self::Ball(_) => {
                 Placement::new(rotation.rotated_about_x(trigonometry), translation)

@@ -2,7 +2,7 @@
 
 use std::ops::Mul;
 
-use super::motion::{BallPart, Motion};
+use super::motion::{BallPart, NodeMotion};
 use crate::buffer::refill;
 use crate::model::{FrameId, JointKind, Model, ParameterMap, RotationChart, Source, quaternion_at};
 use crate::scalar::Scalar;
@@ -75,7 +75,7 @@ pub(super) struct Node {
     pub(super) parent: Option<usize>,
     /// Placement of the joint at value 0, with the fixed joints in between folded in.
     pub(super) parent_from_node: FixedPlacement,
-    pub(super) motion: Motion,
+    pub(super) motion: NodeMotion,
     pub(super) variable: usize,
     pub(super) ratio: f64,
     pub(super) offset: f64,
@@ -83,7 +83,7 @@ pub(super) struct Node {
 
 /// A ball joint: three nodes at one point. The last one rotates by the values of all three.
 #[derive(Clone, Debug)]
-pub(super) struct Ball {
+pub(super) struct BallNodes {
     pub(super) last: usize,
     /// Map from the three values to a rotation.
     pub(super) chart: RotationChart,
@@ -105,7 +105,7 @@ pub(super) struct Leaf {
 pub struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
-    pub(super) balls: Vec<Ball>,
+    pub(super) balls: Vec<BallNodes>,
     frames: Vec<FrameId>,
     /// Position of the first root joint in the world.
     ///
@@ -171,7 +171,7 @@ impl Tree {
             };
             // Before the joint's own motion.
             let node_from_joint = node_from_parent * joint.parent_from_joint;
-            let motion = Motion::new(joint.kind, joint.axis);
+            let motion = NodeMotion::new(joint.kind, joint.axis);
             let coordinate = model.coordinate(crate::model::JointId::new(index));
             let source = coordinate.map(|coordinate| map.sources()[coordinate]);
             if let (JointKind::Ball, Some(coordinate)) = (joint.kind, coordinate) {
@@ -188,7 +188,7 @@ impl Tree {
                                     0 => FixedPlacement::new(node_from_joint),
                                     _ => FixedPlacement::Identity,
                                 },
-                                motion: Motion::Ball(BallPart {
+                                motion: NodeMotion::Ball(BallPart {
                                     ball: balls.len() as u32,
                                     part: part as u32,
                                 }),
@@ -199,7 +199,7 @@ impl Tree {
                         }
                         let last = nodes.len() - 1;
                         let chart = ball.chart;
-                        balls.push(Ball { last, chart });
+                        balls.push(BallNodes { last, chart });
                         (Some(last), Placement::identity())
                     }
                     None => {

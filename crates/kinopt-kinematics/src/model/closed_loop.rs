@@ -99,7 +99,7 @@ impl Loop {
 type Length = [f64; 2];
 
 /// The chain from an anchor up to the common ancestor of both anchors.
-struct Branch {
+struct AncestorChain {
     /// Distances between successive rotating joints, and the travel of prismatic joints.
     lengths: Vec<Length>,
     /// Placement of the topmost rotating joint in the common ancestor; of the anchor if no joint rotates.
@@ -177,8 +177,8 @@ impl Model {
         frame: FrameId,
         frame_from_place: Placement<f64>,
         joints: impl Iterator<Item = &'a JointId>,
-    ) -> Branch {
-        let mut branch = Branch {
+    ) -> AncestorChain {
+        let mut branch = AncestorChain {
             lengths: Vec::new(),
             placement: self.frames[frame.index()].joint_from_frame * frame_from_place,
             rotates: false,

@@ -74,7 +74,10 @@ pub struct Frame {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+    serde(
+        try_from = "serialised::ModelDocument",
+        into = "serialised::ModelDocument"
+    )
 )]
 pub struct Model {
     name: String,

@@ -9,7 +9,7 @@ use super::{
 const ROUNDING: f64 = 1e-14;
 
 #[derive(serde::Serialize, serde::Deserialize)]
-pub(super) struct Parts {
+pub(super) struct ModelDocument {
     name: String,
     length_unit: LengthUnit,
     joints: Vec<Joint>,
@@ -22,7 +22,7 @@ pub(super) struct Parts {
     free_joints: Vec<JointId>,
 }
 
-impl From<Model> for Parts {
+impl From<Model> for ModelDocument {
     fn from(model: Model) -> Self {
         Self {
             configuration_order: model.configuration_order(),
@@ -36,10 +36,10 @@ impl From<Model> for Parts {
     }
 }
 
-impl TryFrom<Parts> for Model {
+impl TryFrom<ModelDocument> for Model {
     type Error = ModelError;
 
-    fn try_from(parts: Parts) -> Result<Self, ModelError> {
+    fn try_from(parts: ModelDocument) -> Result<Self, ModelError> {
         let mut builder = Self::builder(parts.name);
         builder.length_unit(parts.length_unit);
         let axes: Vec<_> = parts.joints.iter().map(|joint| joint.axis).collect();

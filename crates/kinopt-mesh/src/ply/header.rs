@@ -2,7 +2,7 @@
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 /// Checks that the elements and properties of a mesh are declared, each once.
 pub(super) fn check(header: &Header, text: &[u8], name: &str) -> Result<(), ReadError> {
@@ -88,7 +88,7 @@ pub(super) fn check_count(
         );
         return Err(ReadError::truncated(
             name,
-            Place::File,
+            FileLocation::File,
             what,
             needed,
             available,

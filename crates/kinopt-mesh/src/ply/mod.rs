@@ -17,7 +17,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
 use crate::mesh::TriangleMesh;
-use kinopt_kinematics::file::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with};
+use kinopt_kinematics::file::{FileLocation, MAX_FILE_BYTES, ReadError, WriteError, read_with};
 use kinopt_kinematics::file_replacement::write_file;
 
 /// Encoding of the numbers of a PLY file.
@@ -38,7 +38,7 @@ pub enum PlyEncoding {
 /// A [`ReadError`] with the line, byte offset or face. Causes are a malformed header, a wrong amount of data, a number
 /// that is not finite in single precision, or an index out of range.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<TriangleMesh, ReadError> {
-    let mut source = Source {
+    let mut source = PlySource {
         reader: Reader::new(bytes),
         length: bytes.len(),
         binary: false,
@@ -176,22 +176,22 @@ fn assemble(
     for (index, face) in faces.iter().enumerate() {
         face.cut_into_fan(vertices.len(), &mut triangles)
             .map_err(|problem| {
-                ReadError::malformed(name, Place::Element("face", index), problem)
+                ReadError::malformed(name, FileLocation::Element("face", index), problem)
             })?;
     }
     TriangleMesh::new(positions, normals, triangles)
-        .map_err(|error| ReadError::new(name, Place::File, error))
+        .map_err(|error| ReadError::new(name, FileLocation::File, error))
 }
 
 /// The bytes that are parsed, with data for messages.
-struct Source<'a> {
+struct PlySource<'a> {
     reader: Reader<&'a [u8]>,
     length: usize,
     binary: bool,
     name: &'a str,
 }
 
-impl Source<'_> {
+impl PlySource<'_> {
     fn offset(&self) -> usize {
         self.length - self.reader.get_ref().len()
     }
@@ -213,15 +213,15 @@ impl Source<'_> {
             return Ok(());
         }
         let problem = format!("{} bytes are left after the last entry", rest.len());
-        let location = Place::Byte(self.offset());
+        let location = FileLocation::Byte(self.offset());
         Err(ReadError::malformed(self.name, location, problem))
     }
 
     fn fail(&self, error: &ParseError) -> ReadError {
         let location = match error.line() {
             // The parser counts binary entries as lines, which is no useful position.
-            Some(line) if !self.binary => Place::Line(line),
-            _ => Place::Byte(self.offset()),
+            Some(line) if !self.binary => FileLocation::Line(line),
+            _ => FileLocation::Byte(self.offset()),
         };
         // The parser's messages quote lines of the file, and some end with internals of its grammar.
         let text = error.to_string();

@@ -217,7 +217,7 @@ impl Robot {
             mimic.joint = shifted_id(mimic.joint);
             mimic.master = shifted_id(mimic.master);
         }
-        let mut drives = vec![super::Drive::default(); added];
+        let mut drives = vec![super::DriveLimits::default(); added];
         drives.extend(self.drives);
         let map = super::coupled(&model, &mimics.joints).build()?;
         let passive = self.passive.iter().copied().map(shifted_id).collect();

@@ -6,7 +6,7 @@ use kinopt_solver::ik::MotionLimits;
 
 /// Limits of a joint's drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Drive {
+pub(super) struct DriveLimits {
     /// In rad/s or m/s.
     pub(super) velocity: Option<f64>,
     /// In rad/s² or m/s².

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::Robot;
-use super::drive::Drive;
+use super::drive::DriveLimits;
 use crate::yaml::{self, Node, Value};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem, read_with};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, read_with};
 use kinopt_kinematics::model::{JointId, JointRef, Limits};
 
 /// Largest file size that is read, bytes.
@@ -44,7 +44,11 @@ impl Robot {
     /// As for [`with_joint_limits`](Self::with_joint_limits).
     pub fn with_joint_limits_of(mut self, bytes: &[u8], file: &str) -> Result<Self, ReadError> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
+            ReadError::malformed(
+                file,
+                FileLocation::Byte(error.valid_up_to()),
+                "is not UTF-8",
+            )
         })?;
         let root = yaml::parse(text, file)?;
         let limits_node = root.get("joint_limits").ok_or_else(|| {
@@ -68,10 +72,10 @@ impl Robot {
         };
         let mut narrowed = Vec::new();
         for (name, limits) in joints {
-            let joint = Joint { file, name, limits };
+            let joint = JointEntry { file, name, limits };
             let id = joint.id(&self)?;
             if self.drives.len() <= id.index() {
-                self.drives.resize(id.index() + 1, Drive::default());
+                self.drives.resize(id.index() + 1, DriveLimits::default());
             }
             let drive = &mut self.drives[id.index()];
             joint.rate("velocity", &mut drive.velocity)?;
@@ -79,23 +83,23 @@ impl Robot {
             joint.rate("jerk", &mut drive.jerk)?;
             narrowed.extend(joint.positions()?.map(|limits| (id, limits)));
         }
-        let invalid = |error| ReadError::new(file, Place::File, ReadProblem::invalid(error));
+        let invalid = |error| ReadError::new(file, FileLocation::File, ReadProblem::invalid(error));
         self.narrowed(&narrowed).map_err(invalid)
     }
 }
 
 fn fail(file: &str, node: &Node<'_>, problem: &str) -> ReadError {
-    ReadError::malformed(file, Place::Line(node.line), problem)
+    ReadError::malformed(file, FileLocation::Line(node.line), problem)
 }
 
 /// One joint's entry.
-struct Joint<'a, 't> {
+struct JointEntry<'a, 't> {
     file: &'a str,
     name: &'a Node<'t>,
     limits: &'a Node<'t>,
 }
 
-impl Joint<'_, '_> {
+impl JointEntry<'_, '_> {
     fn id(&self, robot: &Robot) -> Result<JointId, ReadError> {
         let name = self.name.text().unwrap_or_default();
         JointRef::from(name)

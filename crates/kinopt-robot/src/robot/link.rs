@@ -7,9 +7,9 @@ use kinopt_kinematics::spatial::Placement;
 #[non_exhaustive]
 pub struct Link {
     /// Shapes for display.
-    pub visuals: Vec<Shape>,
+    pub visuals: Vec<GeometryObject>,
     /// Shapes for collision checks.
-    pub collisions: Vec<Shape>,
+    pub collisions: Vec<GeometryObject>,
     /// Mass and inertia. `None` if the file states none, or if they depend on mesh files.
     pub inertial: Option<Inertial>,
     /// The part of the inertia that depends on mesh files, which the reader does not open. Only MJCF computes masses
@@ -33,7 +33,7 @@ pub enum MissingInertia {
 /// A shape of a link, for display or for collision checks.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Shape {
+pub struct GeometryObject {
     /// Name of the shape, if the file gives one.
     pub name: Option<String>,
     /// Pose of the shape in the link's frame.

@@ -23,7 +23,7 @@ mod urdf;
 mod xml;
 
 pub use base_joint::BaseJoint;
-pub use link::{Geometry, Inertial, Link, MissingInertia, Shape};
+pub use link::{Geometry, GeometryObject, Inertial, Link, MissingInertia};
 pub use mimic::Mimic;
 #[cfg(feature = "mjcf")]
 pub use mjcf::MjcfReader;
@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "mjcf")]
 #[doc(hidden)]
 pub use contacts::Contacts;
-use drive::Drive;
+use drive::DriveLimits;
 use mimic::Mimics;
 
 use kinopt_kinematics::model::{
@@ -61,7 +61,7 @@ pub struct Robot {
     mimics: Mimics,
     map: ParameterMap,
     /// By joint index; may be shorter than the list of joints.
-    drives: Vec<Drive>,
+    drives: Vec<DriveLimits>,
     /// By frame index; later frames are no links.
     links: Vec<Link>,
     passive: Vec<JointId>,

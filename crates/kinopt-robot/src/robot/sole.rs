@@ -1,6 +1,6 @@
 //! Contact points of a foot on the ground.
 
-use super::{Geometry, Robot, Shape};
+use super::{Geometry, GeometryObject, Robot};
 use kinopt_kinematics::model::{Frame, FrameId, JointId};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
@@ -60,7 +60,7 @@ impl Robot {
 
 /// Corner points of a shape in its frame, metres. Capsules give the ends of their axis, spheres and ellipsoids their
 /// centre, and meshes nothing.
-fn corners(shape: &Shape) -> Vec<Vector3<f64>> {
+fn corners(shape: &GeometryObject) -> Vec<Vector3<f64>> {
     let half = match shape.geometry {
         Geometry::Box { size } => size.map(|side| 0.5 * side),
         Geometry::Cylinder { radius, length } => {

@@ -1,7 +1,7 @@
 //! Cyclic coordinate descent (CCD).
 
 use super::Geometric;
-use super::descent::Descent;
+use super::descent::GeometricDescent;
 use super::goal::goals;
 use super::sweeps::{self, Limits};
 use crate::ik::{Restarts, Solution};
@@ -56,7 +56,7 @@ impl Geometric for Ccd {
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, SolveError> {
-        let mut descent = Descent::new(instance, goals(instance, "CCD")?);
+        let mut descent = GeometricDescent::new(instance, goals(instance, "CCD")?);
         sweeps::solve(instance, start, self.limits, &mut descent, observer)
     }
 }

@@ -10,7 +10,7 @@ use kinopt_kinematics::model::Limits;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// State of a search: the frames of the targets and the joints that move them.
-pub(super) struct Descent<'a> {
+pub(super) struct GeometricDescent<'a> {
     instance: ProblemInstance<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
@@ -22,7 +22,7 @@ pub(super) struct Descent<'a> {
     joints_of_variable: Grouped,
 }
 
-impl<'a> Descent<'a> {
+impl<'a> GeometricDescent<'a> {
     pub(super) fn new(instance: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
         let tree = instance.tree();
         let mut joint_goal_pairs = Vec::with_capacity(tree.joints());
@@ -217,7 +217,7 @@ impl<'a> Descent<'a> {
     }
 }
 
-impl Sweep for Descent<'_> {
+impl Sweep for GeometricDescent<'_> {
     #[doc(hidden)]
     fn sweep(&mut self, x: &mut [f64]) {
         for variable in 0..self.joints_of_variable.groups() {

@@ -1,7 +1,7 @@
 //! Construction of [`JointPoints`]: points for a problem's joints, and groups of joints that position them.
 
 use super::goal::Goal;
-use super::joint_points::{AttachedPoint, Group, JointPoints};
+use super::joint_points::{AttachedPoint, JointGroup, JointPoints};
 use super::linkage::Pin;
 use crate::problem::ProblemInstance;
 use crate::search::SolveError;
@@ -201,7 +201,7 @@ impl<'a> PointLayout<'a> {
         &mut self,
         is_kept: &[bool],
         is_rotation_centre: &[bool],
-        mut groups: Vec<Group>,
+        mut groups: Vec<JointGroup>,
         pins: &[Pin],
     ) -> JointPoints {
         let mut new_index = vec![0; is_kept.len()];
@@ -242,8 +242,11 @@ impl<'a> PointLayout<'a> {
 }
 
 /// Groups successive joints that position the same points. Omits joints that position none.
-fn group(positioned: &[Vec<usize>], parent_joint: impl Fn(usize) -> Option<usize>) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+fn group(
+    positioned: &[Vec<usize>],
+    parent_joint: impl Fn(usize) -> Option<usize>,
+) -> Vec<JointGroup> {
+    let mut groups: Vec<JointGroup> = Vec::new();
     for (joint, points) in positioned.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
         let existing = groups.iter_mut().find(|group| {
             let last = group.joints.last().copied();
@@ -251,7 +254,7 @@ fn group(positioned: &[Vec<usize>], parent_joint: impl Fn(usize) -> Option<usize
         });
         match existing {
             Some(group) => group.joints.push(joint),
-            None => groups.push(Group {
+            None => groups.push(JointGroup {
                 joints: vec![joint],
                 points: points.clone(),
                 centre: None,

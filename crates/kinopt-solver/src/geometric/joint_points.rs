@@ -18,7 +18,7 @@ pub(super) struct AttachedPoint {
 
 /// Joints, from the base outwards, that position the same points.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Group {
+pub(super) struct JointGroup {
     pub(super) joints: Vec<usize>,
     pub(super) points: Vec<usize>,
     /// The point about which the joints rotate, if it is not the parent of the points they position.
@@ -29,7 +29,7 @@ pub(super) struct Group {
 #[derive(Clone, Debug)]
 pub(super) struct JointPoints {
     pub(super) points: Vec<AttachedPoint>,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<JointGroup>,
     /// Distance below which points coincide.
     pub(super) tolerance: f64,
     pub(super) parents: Vec<Option<usize>>,

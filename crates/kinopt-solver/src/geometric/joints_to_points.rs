@@ -3,7 +3,7 @@
 use super::joint_motion::{
     BoundedVariable, RotationCost, move_joint, rotation_matrix, two_rotations,
 };
-use super::joint_points::{Group, JointPoints};
+use super::joint_points::{JointGroup, JointPoints};
 use crate::problem::ProblemInstance;
 use kinopt_kinematics::kinematics::{JointAxis, TreeState};
 use kinopt_kinematics::scalar::elementary;
@@ -134,7 +134,7 @@ impl<'a> JointFit<'a> {
     /// Moves the points of one group towards `targets` and returns their remaining error.
     pub(super) fn position_group(
         &mut self,
-        group: &Group,
+        group: &JointGroup,
         targets: &[Vector3<f64>],
         x: &mut [f64],
     ) -> f64 {
@@ -172,7 +172,7 @@ impl<'a> JointFit<'a> {
     }
 
     /// The error of a group's points relative to the best positions that their bones allow.
-    fn error_of(&self, group: &Group, targets: &[Vector3<f64>]) -> f64 {
+    fn error_of(&self, group: &JointGroup, targets: &[Vector3<f64>]) -> f64 {
         let squared_error =
             |&k: &usize| (self.best_position(group, k, targets) - self.point(k)).norm_squared();
         let squared = group.points.iter().map(squared_error);
@@ -180,7 +180,12 @@ impl<'a> JointFit<'a> {
     }
 
     /// The best position of a point: from the actual centre of its bone towards its target, at the bone's length.
-    fn best_position(&self, group: &Group, point: usize, targets: &[Vector3<f64>]) -> Vector3<f64> {
+    fn best_position(
+        &self,
+        group: &JointGroup,
+        point: usize,
+        targets: &[Vector3<f64>],
+    ) -> Vector3<f64> {
         let Some(centre) = self.centre(group, point) else {
             return targets[point];
         };
@@ -193,7 +198,7 @@ impl<'a> JointFit<'a> {
     }
 
     /// The position of the point about which a group rotates `point`.
-    fn centre(&self, group: &Group, point: usize) -> Option<Vector3<f64>> {
+    fn centre(&self, group: &JointGroup, point: usize) -> Option<Vector3<f64>> {
         let centre = group.centre.or(self.centres[point]);
         centre.map(|centre| self.point(centre))
     }
@@ -201,7 +206,12 @@ impl<'a> JointFit<'a> {
     /// Points a bone in closed form by the last two joints of its group, if their axes meet in the bone's centre.
     ///
     /// Returns true if it moved them.
-    fn point_by_two_joints(&self, group: &Group, targets: &[Vector3<f64>], x: &mut [f64]) -> bool {
+    fn point_by_two_joints(
+        &self,
+        group: &JointGroup,
+        targets: &[Vector3<f64>],
+        x: &mut [f64],
+    ) -> bool {
         let ([point], [.., outer, inner]) = (&*group.points, &*group.joints) else {
             return false;
         };
@@ -254,7 +264,7 @@ impl<'a> JointFit<'a> {
     /// One sweep of coordinate descent within a group, from its last joint to its first.
     ///
     /// In this order no axis moves before its joint does.
-    fn sweep_group(&self, group: &Group, targets: &[Vector3<f64>], x: &mut [f64]) {
+    fn sweep_group(&self, group: &JointGroup, targets: &[Vector3<f64>], x: &mut [f64]) {
         let tree = self.instance.tree();
         let points = group.points.iter();
         let mut points: Vec<(Vector3<f64>, Vector3<f64>)> = points

@@ -3,7 +3,7 @@
 use super::Geometric;
 use super::goal::goals;
 use super::joint_groups::joint_points;
-use super::joint_points::Group;
+use super::joint_points::JointGroup;
 use super::joints_to_points::JointFit;
 use super::sweeps::{self, Limits, Sweep};
 use super::triangle::triangle;
@@ -78,13 +78,13 @@ impl Geometric for TwoBone {
         };
         let positions = points.rest().to_vec();
         let fit = JointFit::new(instance, points);
-        let mut limb = Limb {
+        let mut limb = TwoBoneLimb {
             elbow: self.elbow,
             lengths: [upper, lower],
             target: pin.target,
             points: positions,
             elbow_joint: fit.joints_for(TIP).last().copied(),
-            shoulder: Group {
+            shoulder: JointGroup {
                 joints: fit.joints_for(MID).to_vec(),
                 points: vec![TIP],
                 centre: Some(ROOT),
@@ -104,7 +104,7 @@ const ROOT: usize = 0;
 const MID: usize = 1;
 const TIP: usize = 2;
 
-struct Limb<'a> {
+struct TwoBoneLimb<'a> {
     elbow: Elbow,
     lengths: [f64; 2],
     target: Vector3<f64>,
@@ -113,11 +113,11 @@ struct Limb<'a> {
     /// The elbow's last joint.
     elbow_joint: Option<usize>,
     /// The joints at the root; they rotate the bent limb as one body.
-    shoulder: Group,
+    shoulder: JointGroup,
     fit: JointFit<'a>,
 }
 
-impl Limb<'_> {
+impl TwoBoneLimb<'_> {
     /// Computes the triangle for the target from the present joints.
     fn compute_points(&mut self, x: &[f64]) {
         self.fit.points_at(x, &mut self.points);
@@ -131,7 +131,7 @@ impl Limb<'_> {
     }
 }
 
-impl Sweep for Limb<'_> {
+impl Sweep for TwoBoneLimb<'_> {
     fn begin(&mut self, x: &[f64]) {
         self.compute_points(x);
     }

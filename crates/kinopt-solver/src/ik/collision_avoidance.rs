@@ -12,14 +12,14 @@ use crate::solver::Termination;
 
 /// Workspace of collision avoidance.
 #[derive(Clone, Debug)]
-pub(super) struct CollisionWorkspace {
+pub(super) struct AvoidanceWorkspace {
     constraint: Arc<CollisionConstraint>,
     pub(super) engine: SearchWorkspace,
     /// Workspace of a search with collision avoidance among the required tasks.
     pub(super) constrained: Workspace,
 }
 
-impl CollisionWorkspace {
+impl AvoidanceWorkspace {
     pub(super) fn new(constraint: &Arc<CollisionConstraint>) -> Box<Self> {
         Box::new(Self {
             constraint: Arc::clone(constraint),
@@ -45,7 +45,7 @@ impl Solver {
     ) -> Result<(), SolveError> {
         let known = workspace.collision.take();
         let known = known.filter(|collision| Arc::ptr_eq(&collision.constraint, constraint));
-        let mut collision = known.unwrap_or_else(|| CollisionWorkspace::new(constraint));
+        let mut collision = known.unwrap_or_else(|| AvoidanceWorkspace::new(constraint));
         let goal_solver = self.clone().with_extent(Extent::Goals);
         let mut collision_free_run = Run {
             deadline: run.deadline,
@@ -73,7 +73,7 @@ impl Solver {
         &self,
         constraint: &CollisionConstraint,
         instance: ProblemInstance<'_>,
-        collision: &mut CollisionWorkspace,
+        collision: &mut AvoidanceWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
@@ -119,7 +119,7 @@ impl Solver {
         &self,
         constraint: &CollisionConstraint,
         instance: ProblemInstance<'_>,
-        collision: &mut CollisionWorkspace,
+        collision: &mut AvoidanceWorkspace,
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {

@@ -1,6 +1,6 @@
 //! Drag: one problem whose targets move from frame to frame.
 
-use super::collision_avoidance::CollisionWorkspace;
+use super::collision_avoidance::AvoidanceWorkspace;
 use super::depenetration::Depenetration;
 use super::drag_frame::{
     FRAMES_PER_PERTURBATION, MAX_REST_MOVE, MovedJoints, frame_instance, solve,
@@ -108,7 +108,7 @@ pub struct Drag {
     pub(super) last_jump: Option<(usize, f64)>,
     /// Configuration at the start of a frame, and the workspace of collision avoidance.
     pub(super) q_before: Vec<f64>,
-    pub(super) collision_workspace: Option<Box<CollisionWorkspace>>,
+    pub(super) collision_workspace: Option<Box<AvoidanceWorkspace>>,
     /// True if the configuration may be in collision.
     pub(super) may_collide: bool,
     /// Commanded motion, if there are motion limits. All other fields then describe its goal.
@@ -349,7 +349,7 @@ impl Drag {
     /// the problem's model, in the same order. The configuration stays, and the next frame starts from it.
     ///
     /// If scales shear the bones of a character, call this after each frame with the model of
-    /// `Pose::posed_skeleton` for its pose. If the placements of successive
+    /// `FramePose::posed_skeleton` for its pose. If the placements of successive
     /// calls oscillate, joints move only part of the way, so that the frames converge.
     ///
     /// # Errors

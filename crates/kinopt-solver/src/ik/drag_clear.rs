@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Drag;
-use super::collision_avoidance::CollisionWorkspace;
+use super::collision_avoidance::AvoidanceWorkspace;
 use super::collision_free_search::distance_of_first;
 use super::drag_frame::frame_instance;
 use super::priority::Extent;
@@ -26,7 +26,7 @@ impl Drag {
         let mut workspace = self
             .collision_workspace
             .take()
-            .unwrap_or_else(|| CollisionWorkspace::new(&constraint));
+            .unwrap_or_else(|| AvoidanceWorkspace::new(&constraint));
         let end = &self.workspace.solution.q;
         if end.iter().all(|value| value.is_finite()) {
             if let Some(blocking_pair) = workspace.engine.check.blocked(&self.q_before, end) {
@@ -45,7 +45,7 @@ impl Drag {
     fn replace_blocked_end(
         &mut self,
         constraint: &CollisionConstraint,
-        collision_workspace: &mut CollisionWorkspace,
+        collision_workspace: &mut AvoidanceWorkspace,
         blocking_pair: Collision,
     ) {
         // A mere contact at the start does not block the motion.
@@ -102,7 +102,7 @@ impl Drag {
     fn solve_collision_free(
         &mut self,
         constraint: &CollisionConstraint,
-        workspace: &mut CollisionWorkspace,
+        workspace: &mut AvoidanceWorkspace,
         (is_start_free, start_distance): (bool, f64),
         result: &mut SearchResult,
     ) -> Option<Vec<f64>> {
@@ -130,7 +130,7 @@ impl Drag {
     fn solve_constrained(
         &mut self,
         constraint: &CollisionConstraint,
-        workspace: &mut CollisionWorkspace,
+        workspace: &mut AvoidanceWorkspace,
         extent: Extent,
         guarded: bool,
     ) {

@@ -20,7 +20,7 @@ const FRACTION_PER_COMPONENT: f64 = 0.577_350_269;
 
 /// Ball joint of the commanded motion.
 #[derive(Clone, Debug)]
-struct Ball {
+struct CommandedBall {
     /// First of its three variables.
     first: usize,
     orientation: Quaternion<f64>,
@@ -35,7 +35,7 @@ pub(super) struct DragMotion {
     limits: Vec<CycleLimits>,
     /// Motion of each variable. The position of a ball joint's variables is relative to its orientation, so it is zero.
     joints: Vec<JointMotion>,
-    balls: Vec<Ball>,
+    balls: Vec<CommandedBall>,
     /// Goals by variable; for a ball joint the sum of its goal's rotation vectors over all frames.
     goals: Vec<f64>,
     history: GoalHistory,
@@ -146,7 +146,7 @@ impl DragMotion {
             self.joints[ball_range.clone()].fill(JointMotion::default());
             self.goals[ball_range].fill(0.0);
             let orientation = ball.chart.rotation(ball.of(x).unwrap_or_default());
-            self.balls.push(Ball {
+            self.balls.push(CommandedBall {
                 first: ball.variable,
                 orientation,
                 goal: orientation,
@@ -207,7 +207,8 @@ impl DragMotion {
     /// Returns whether the commanded configuration is at rest at the goal.
     pub(super) fn is_at_rest_on_goal(&self) -> bool {
         let mut balls = self.balls.iter();
-        let angle_left = |ball: &Ball| (ball.orientation.conjugate() * ball.goal).log().norm();
+        let angle_left =
+            |ball: &CommandedBall| (ball.orientation.conjugate() * ball.goal).log().norm();
         let mut joints = self.joints.iter().enumerate();
         balls.all(|ball| angle_left(ball) < MAX_REST_MOVE)
             && joints.all(|(j, joint)| {

@@ -3,7 +3,7 @@
 //! Straight knees are singular: the first-order model cannot shorten the leg.
 
 use crate::problem::{Problem, ProblemError};
-use crate::task::{Pose, Posture};
+use crate::task::{FramePose, Posture};
 use kinopt_kinematics::kinematics::ForwardKinematics;
 use kinopt_kinematics::model::{FrameId, JointId, Model, ParameterMap};
 use kinopt_kinematics::spatial::Vector3;
@@ -53,9 +53,9 @@ pub fn crouched_configuration(
         - up * (LOWERING_FRACTION * (height(base_target.translation) - min_foot_height));
     let mut problem = Problem::builder(model);
     problem.parameters(parameters.clone());
-    problem.add(Pose::new(root, base_target));
+    problem.add(FramePose::new(root, base_target));
     for (&foot, &placement) in feet.iter().zip(foot_placements) {
-        problem.add(Pose::new(foot, placement));
+        problem.add(FramePose::new(foot, placement));
     }
     problem.add(Posture::new(model, q));
     let solution = Solver::default().solve_once(&problem.build()?, q)?;

@@ -1,7 +1,7 @@
 //! Scratch memory of a solver, owned by the caller.
 
 use super::Solution;
-use super::collision_avoidance::CollisionWorkspace;
+use super::collision_avoidance::AvoidanceWorkspace;
 use super::priority::{LevelWorkspace, is_better};
 use crate::problem::{Evaluation, Problem, ProblemInstance, ReducedWorkspace, Scratch, TaskSubset};
 use crate::search::{Attempts, End, PreferenceConflict, SearchResult};
@@ -23,7 +23,7 @@ pub struct Workspace {
     pub(super) levels: LevelWorkspace,
     pub(super) solution: Solution,
     /// Workspace of collision avoidance.
-    pub(super) collision: Option<Box<CollisionWorkspace>>,
+    pub(super) collision: Option<Box<AvoidanceWorkspace>>,
 }
 
 impl Workspace {

@@ -1,7 +1,7 @@
 //! Tasks that close a model's loops.
 
 use super::builder::PendingTask;
-use crate::task::{Point, Pose, Residual, Task};
+use crate::task::{FramePose, Point, Residual, Task};
 use kinopt_kinematics::model::{Loop, LoopKind, Model};
 
 /// One task for each of the model's loops, in their order.
@@ -15,7 +15,7 @@ pub(super) fn tasks(model: &Model) -> impl Iterator<Item = PendingTask> {
                 pending(model_loop, residual.relative_to(base))
             }
             LoopKind::Weld => {
-                let residual = Pose::new(frame, target).with_tool(tool);
+                let residual = FramePose::new(frame, target).with_tool(tool);
                 pending(model_loop, residual.relative_to(base))
             }
         }

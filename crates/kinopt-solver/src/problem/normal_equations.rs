@@ -203,7 +203,7 @@ mod tests {
     use super::NormalEquations;
     use crate::problem::{Evaluation, Problem, ProblemInstance};
     use crate::solver::LeastSquares;
-    use crate::task::{Distance, JointCoupling, Point, Pose, Posture};
+    use crate::task::{Distance, FramePose, JointCoupling, Point, Posture};
     use kinopt_kinematics::model::{BallLimits, JointId, Limits, Model, ParameterMap};
     use kinopt_kinematics::random::RandomStream;
     use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -235,7 +235,7 @@ mod tests {
         tasks.parameters(map);
         let [trunk, left, right] =
             ["trunk", "foot 1", "foot -1"].map(|name| model.frame(name).unwrap());
-        tasks.add(Pose::new(trunk, Placement::identity()));
+        tasks.add(FramePose::new(trunk, Placement::identity()));
         tasks.add(Point::new(left, [0.2, 0.3, 0.1]).at([0.0, 0.1, 0.2]));
         tasks.add(Point::new(right, [0.1, -0.2, 0.3]));
         tasks.add(Posture::new(model, &model.neutral()));

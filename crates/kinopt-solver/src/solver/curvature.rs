@@ -84,7 +84,7 @@ pub(super) fn is_separable(m: usize, n: usize) -> bool {
 
 /// Buffers for S from differences of the gradient.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Differences {
+pub(super) struct GradientDifferences {
     x: Vec<f64>,
     residual: Vec<f64>,
     gradient: Vec<f64>,
@@ -100,7 +100,7 @@ pub(super) struct Differences {
     jacobian: DMatrix<f64>,
 }
 
-impl Differences {
+impl GradientDifferences {
     /// Resizes the buffers for m rows and n variables.
     pub(super) fn reserve(&mut self, m: usize, n: usize) {
         for (vector, length) in [
@@ -312,7 +312,7 @@ impl Curvature {
         &mut self,
         problem: &mut dyn LeastSquares,
         at: &SolverState,
-        differences: &mut Differences,
+        differences: &mut GradientDifferences,
     ) -> usize {
         let SolverState {
             x, free, jacobian, ..
@@ -354,7 +354,7 @@ impl Curvature {
         &mut self,
         problem: &mut dyn LeastSquares,
         at: &SolverState,
-        differences: &mut Differences,
+        differences: &mut GradientDifferences,
         normal: &mut SemiseparableNormal,
     ) -> usize {
         let (m, n) = (at.residual.len(), at.x.len());

@@ -43,11 +43,11 @@ pub struct GaussNewtonState {
     /// α of the last step.
     length: f64,
     #[cfg_attr(feature = "argmin", serde(skip))]
-    buffers: Buffers,
+    buffers: GaussNewtonBuffers,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Buffers {
+struct GaussNewtonBuffers {
     /// Δ, or the damped step.
     direction: Vec<f64>,
     orthogonal: CompleteOrthogonal,
@@ -91,7 +91,7 @@ impl Method for GaussNewton {
     }
 
     fn step(&self, state: &mut Self::State, iterate: &mut Iterate<'_>) -> Step {
-        let Buffers {
+        let GaussNewtonBuffers {
             direction,
             orthogonal,
             normal,

@@ -3,7 +3,7 @@
 //! If a large residual makes the search slow, and the learnt [curvature](super::curvature) S predicts better, the
 //! matrix is JᵀJ + S + λI.
 
-use super::curvature::{Curvature, Differences, is_separable};
+use super::curvature::{Curvature, GradientDifferences, is_separable};
 use super::linear::{CurvedModel, CurvedNormal, DampedNormal};
 use super::{Iterate, Method, SolverState, Step};
 use kinopt_kinematics::bad_option::{BadOption, POSITIVE};
@@ -88,7 +88,7 @@ struct Buffers {
     /// Kept while x stays, so that a rejected step costs one factorisation.
     normal: DampedNormal,
     curved: CurvedNormal,
-    differences: Differences,
+    differences: GradientDifferences,
 }
 
 impl Method for LevenbergMarquardt {

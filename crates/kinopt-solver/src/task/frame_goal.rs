@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use super::{Orientation, Point, Pose};
+use super::{FramePose, Orientation, Point};
 use kinopt_kinematics::spatial::{Matrix3, Vector3};
 
 /// The exact target of a frame in the world.
@@ -36,7 +36,7 @@ impl FrameGoal {
                 is_complete: true,
             });
         }
-        let pose = residual.downcast_ref::<Pose>()?;
+        let pose = residual.downcast_ref::<FramePose>()?;
         let exact = pose.goal().is_none_or(|goal| goal.is_exact_in_position());
         let tool = pose.frame_from_tool();
         (pose.base().is_none() && exact).then(|| Self {

@@ -69,7 +69,7 @@ pub use orientation::Orientation;
 pub use pixel::{Camera, Pixel};
 pub use plane::Plane;
 pub use point::Point;
-pub use pose::Pose;
+pub use pose::FramePose;
 pub use posture::Posture;
 #[doc(hidden)]
 pub use quantity::angle_of;

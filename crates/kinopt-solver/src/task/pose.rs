@@ -23,7 +23,7 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3, rotati
 /// ```
 /// # use kinopt::model::{Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Axis, PoseBounds, Pose};
+/// # use kinopt::task::{Axis, PoseBounds, FramePose};
 /// # use kinopt::{Problem, Solver};
 /// # let mut builder = Model::builder("wrist");
 /// # let (mut joint, at) = (None, Placement::translation([0.0, 0.0, 0.3].into()));
@@ -35,7 +35,7 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3, rotati
 /// // The tip of a drill, 12 cm in front of the flange, which may spin about its axis.
 /// let drill = Placement::translation([0.0, 0.0, 0.12].into());
 /// let hole = Placement::translation([0.4, 0.3, 1.4].into());
-/// let drilling = Pose::new(flange, hole)
+/// let drilling = FramePose::new(flange, hole)
 ///     .with_tool(drill)
 ///     .with_goal(PoseBounds::free_about(Axis::Z));
 /// let mut tasks = Problem::builder(&model);
@@ -45,7 +45,7 @@ use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3, rotati
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct FramePose {
     frame: FrameId,
     base: Option<FrameId>,
     frame_from_tool: Option<Placement<f64>>,
@@ -53,7 +53,7 @@ pub struct Pose {
     target: Placement<f64>,
 }
 
-impl Pose {
+impl FramePose {
     /// A task that moves the frame to the pose `target` (world_from_frame).
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Placement<f64>>) -> Self {
@@ -231,7 +231,7 @@ impl Pose {
     }
 }
 
-impl Residual for Pose {
+impl Residual for FramePose {
     const EXTENSIONS: Extensions<Self> = Extensions::NONE.with_inequalities().with_target();
 
     fn inputs(&self) -> Inputs {
@@ -271,7 +271,7 @@ impl Residual for Pose {
     }
 }
 
-impl Pose {
+impl FramePose {
     /// Returns the first defect of the parameters.
     fn validate(&self) -> Result<(), String> {
         check_base(self.frame, self.base)?;
@@ -296,7 +296,7 @@ impl Pose {
     }
 }
 
-impl InequalityResidual for Pose {
+impl InequalityResidual for FramePose {
     /// One inequality for each bounded component.
     fn inequalities(&self) -> Vec<Inequality> {
         let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
@@ -323,7 +323,7 @@ impl InequalityResidual for Pose {
     }
 }
 
-impl DifferentiableTarget for Pose {
+impl DifferentiableTarget for FramePose {
     fn target_len(&self) -> usize {
         6
     }

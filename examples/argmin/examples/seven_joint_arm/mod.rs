@@ -4,7 +4,7 @@ use kinopt::ik::Solution;
 use kinopt::model::{Limits, Model, ModelError};
 use kinopt::problem::ProblemError;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Pose;
+use kinopt::task::FramePose;
 use kinopt::{Problem, Solver};
 
 /// Start configuration of every search, radians.
@@ -40,7 +40,7 @@ pub(crate) fn problem() -> Result<Problem, Box<dyn std::error::Error>> {
     let flange = model.frame("flange")?;
     let world_from_flange = placement_of_flange(&model, &POSED);
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(flange, world_from_flange));
+    builder.add(FramePose::new(flange, world_from_flange));
     let problem: Result<Problem, ProblemError> = builder.build();
     Ok(problem?)
 }

@@ -4,7 +4,7 @@
 use kinopt::Problem;
 use kinopt::model::{Joint, JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Distance, Point, Pose, Quantity, Task};
+use kinopt::task::{Distance, FramePose, Point, Quantity, Task};
 
 const X: Vector3<f64> = Vector3::UNITS[0];
 const Y: Vector3<f64> = Vector3::UNITS[1];
@@ -58,7 +58,7 @@ pub(crate) fn reachable() -> Problem {
     let model = arm();
     let target = world_from_tip(&model, &[0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12]);
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(model.frame("tip").unwrap(), target));
+    builder.add(FramePose::new(model.frame("tip").unwrap(), target));
     builder.build().unwrap()
 }
 

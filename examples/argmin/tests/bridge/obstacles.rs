@@ -11,7 +11,8 @@ use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use kinopt::scalar::Scalar;
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    Description, Inequality, InequalityResidual, Inputs, Pose, Quantity, Residual, RowBlock, Task,
+    Description, FramePose, Inequality, InequalityResidual, Inputs, Quantity, Residual, RowBlock,
+    Task,
 };
 
 use crate::bent_arm::{arm, world_from_tip};
@@ -91,7 +92,7 @@ fn beside_a_wall(first: f64) -> Problem {
     let model = arm();
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
-    builder.add(Pose::new(tip, world_from_tip(&model, &TARGET)));
+    builder.add(FramePose::new(tip, world_from_tip(&model, &TARGET)));
     builder.keep_clear(&Wall { tip, first });
     builder.build().unwrap()
 }

@@ -1,6 +1,6 @@
 //! Curves sampled one by one: steps, cubics, Euler angles and morph weights.
 
-use super::timelines::{Progress, Timelines, Track};
+use super::timelines::{KeysPassed, Timelines, Track};
 
 /// Curves of one type.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub(super) struct Curved<C> {
 /// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CurveSegments {
-    progress: Progress,
+    progress: KeysPassed,
     segments: Vec<CurveSegment>,
 }
 
@@ -52,7 +52,7 @@ impl<C> Curved<C> {
 
     pub(super) fn start(&self) -> CurveSegments {
         CurveSegments {
-            progress: Progress::default(),
+            progress: KeysPassed::default(),
             segments: vec![CurveSegment::default(); self.count()],
         }
     }

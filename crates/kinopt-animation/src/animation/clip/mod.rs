@@ -66,7 +66,10 @@ use super::{Armature, Pose, SizeMismatch};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+    serde(
+        try_from = "serialised::KeyframeClipDocument",
+        into = "serialised::KeyframeClipDocument"
+    )
 )]
 pub struct Clip {
     name: String,

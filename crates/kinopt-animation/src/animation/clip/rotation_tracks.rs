@@ -4,7 +4,7 @@ use glam::{Quat, Vec4};
 
 use super::bones::Bones;
 use super::slerp_arcs::{Arc, weights};
-use super::timelines::{Progress, Segment, Timelines, Track};
+use super::timelines::{KeySegment, KeysPassed, Timelines, Track};
 use crate::animation::rotation::RotationCurve;
 
 /// Number of tracks sampled at once.
@@ -23,13 +23,13 @@ pub(super) struct Slerps {
 /// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlerpSegments {
-    progress: Progress,
-    groups: Vec<Group>,
+    progress: KeysPassed,
+    groups: Vec<ArcGroup>,
 }
 
 /// Arcs between two keys for a group of tracks.
 #[derive(Clone, Copy, Debug, Default)]
-struct Group {
+struct ArcGroup {
     /// Start times, seconds.
     start: [f32; WIDTH],
     /// Reciprocal durations, 1/s.
@@ -40,9 +40,9 @@ struct Group {
     to: [Quat; WIDTH],
 }
 
-impl Group {
+impl ArcGroup {
     #[inline(always)]
-    fn enter(&mut self, lane: usize, segment: &Segment, from: Quat, to: Quat, arc: Arc) {
+    fn enter(&mut self, lane: usize, segment: &KeySegment, from: Quat, to: Quat, arc: Arc) {
         self.start[lane] = segment.start;
         self.rate[lane] = segment.rate;
         self.squared[lane] = arc.squared;
@@ -91,8 +91,8 @@ impl Slerps {
 
     pub(super) fn start(&self) -> SlerpSegments {
         SlerpSegments {
-            progress: Progress::default(),
-            groups: vec![Group::default(); self.bones.list.len().div_ceil(WIDTH)],
+            progress: KeysPassed::default(),
+            groups: vec![ArcGroup::default(); self.bones.list.len().div_ceil(WIDTH)],
         }
     }
 

@@ -8,7 +8,7 @@ use kinopt_kinematics::curve::KeyedCurve;
 use kinopt_kinematics::skeleton::BoneId;
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct Parts {
+pub(super) struct KeyframeClipDocument {
     name: String,
     span: Option<[f32; 2]>,
     channels: Vec<(BoneId, Channel)>,
@@ -18,7 +18,7 @@ pub(super) struct Parts {
     events: Vec<Event>,
 }
 
-impl From<Clip> for Parts {
+impl From<Clip> for KeyframeClipDocument {
     fn from(clip: Clip) -> Self {
         let mut curves = clip.tracks.curves();
         let morphs = std::mem::take(&mut curves.morphs).into_iter();
@@ -33,10 +33,10 @@ impl From<Clip> for Parts {
     }
 }
 
-impl TryFrom<Parts> for Clip {
+impl TryFrom<KeyframeClipDocument> for Clip {
     type Error = ClipError;
 
-    fn try_from(parts: Parts) -> Result<Self, ClipError> {
+    fn try_from(parts: KeyframeClipDocument) -> Result<Self, ClipError> {
         // An armature whose rest pose is the constant part; clips do not store bone names.
         let constant = &parts.constant;
         let bones = (0..constant.bones()).map(|index| ArmatureBone {

@@ -41,7 +41,7 @@ struct TimelineKey {
 
 /// Segment between two adjacent keys, for all tracks of a timeline.
 #[derive(Clone, Debug)]
-pub(super) struct Segment {
+pub(super) struct KeySegment {
     pub(super) tracks: Range<usize>,
     /// Index on the timeline of the key at the start.
     pub(super) key: usize,
@@ -55,7 +55,7 @@ pub(super) struct Segment {
 
 /// Number of key times that a cursor has passed; `None` before its first sample.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Progress(Option<usize>);
+pub(super) struct KeysPassed(Option<usize>);
 
 /// Animated property with a curve of at least two keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,8 +146,8 @@ impl Timelines {
     pub(super) fn follow(
         &self,
         time: f32,
-        progress: &mut Progress,
-        mut enter: impl FnMut(&Segment),
+        progress: &mut KeysPassed,
+        mut enter: impl FnMut(&KeySegment),
     ) {
         let Some(from) = progress.0.filter(|&from| self.is_near(from, time)) else {
             progress.0 = Some(self.search(time, enter));
@@ -181,7 +181,7 @@ impl Timelines {
 
     /// Enters the segment at `time` of each timeline, by binary search.
     #[cold]
-    fn search(&self, time: f32, mut enter: impl FnMut(&Segment)) -> usize {
+    fn search(&self, time: f32, mut enter: impl FnMut(&KeySegment)) -> usize {
         for timeline in &self.timelines {
             let start = timeline.first.time as usize;
             let inner = &self.times[start + 1..start + timeline.keys - 1];
@@ -193,10 +193,10 @@ impl Timelines {
     }
 
     #[inline]
-    fn segment(&self, key: TimelineKey) -> Segment {
+    fn segment(&self, key: TimelineKey) -> KeySegment {
         let first_track = key.first_track as usize;
         let start = self.times[key.time as usize];
-        Segment {
+        KeySegment {
             tracks: first_track..first_track + key.tracks as usize,
             key: key.key as usize,
             values: key.values as usize,
@@ -222,7 +222,7 @@ impl Timelines {
         tracks.collect()
     }
 
-    /// Orders the keys of [arranged](Self::arrange) tracks as counted by [`Segment::values`]: values of one time are
+    /// Orders the keys of [arranged](Self::arrange) tracks as counted by [`KeySegment::values`]: values of one time are
     /// adjacent.
     pub(super) fn in_order<'a, V: Copy + 'a>(&self, keys: impl Fn(usize) -> &'a [V]) -> Vec<V> {
         let timelines = self.timelines.iter();

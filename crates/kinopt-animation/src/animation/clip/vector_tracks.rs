@@ -3,7 +3,7 @@
 use glam::{Vec3A, Vec4, Vec4Swizzles};
 
 use super::bones::Bones;
-use super::timelines::{Progress, Segment, Timelines, Track};
+use super::timelines::{KeySegment, KeysPassed, Timelines, Track};
 use kinopt_kinematics::curve::KeyedCurve;
 
 /// Vector tracks of bones.
@@ -17,7 +17,7 @@ pub(super) struct Vectors {
 /// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VectorSegments {
-    progress: Progress,
+    progress: KeysPassed,
     segments: Vec<VectorSegment>,
 }
 
@@ -32,7 +32,7 @@ struct VectorSegment {
 
 impl VectorSegment {
     #[inline(always)]
-    fn new(segment: &Segment, start: Vec3A, end: Vec3A) -> Self {
+    fn new(segment: &KeySegment, start: Vec3A, end: Vec3A) -> Self {
         Self {
             start: start.extend(segment.start),
             change: (end - start).extend(segment.rate),
@@ -70,7 +70,7 @@ impl Vectors {
 
     pub(super) fn start(&self) -> VectorSegments {
         VectorSegments {
-            progress: Progress::default(),
+            progress: KeysPassed::default(),
             segments: vec![VectorSegment::default(); self.count()],
         }
     }

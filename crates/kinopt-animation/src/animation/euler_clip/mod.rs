@@ -34,7 +34,10 @@ pub struct EulerTrack {
 /// Keyframes of a skeleton's bones; a bone without keys has no track.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "Tracks", into = "Tracks"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "EulerClipDocument", into = "EulerClipDocument")
+)]
 pub struct EulerClip {
     tracks: Vec<EulerTrack>,
     /// Interpolation of each track.
@@ -129,10 +132,10 @@ impl EulerClip {
 
 /// Serde form of a clip: each track with its interpolation. It is checked when read.
 #[cfg(feature = "serde")]
-type Tracks = Vec<(EulerTrack, EulerInterpolation)>;
+type EulerClipDocument = Vec<(EulerTrack, EulerInterpolation)>;
 
 #[cfg(feature = "serde")]
-impl From<EulerClip> for Tracks {
+impl From<EulerClip> for EulerClipDocument {
     fn from(clip: EulerClip) -> Self {
         let keyless = clip.keyless.into_iter().map(|bone| {
             let keys = Vec::new();
@@ -144,10 +147,10 @@ impl From<EulerClip> for Tracks {
 }
 
 #[cfg(feature = "serde")]
-impl TryFrom<Tracks> for EulerClip {
+impl TryFrom<EulerClipDocument> for EulerClip {
     type Error = ClipError;
 
-    fn try_from(tracks: Tracks) -> Result<Self, ClipError> {
+    fn try_from(tracks: EulerClipDocument) -> Result<Self, ClipError> {
         let (tracks, interpolations): (Vec<_>, Vec<_>) = tracks.into_iter().unzip();
         let by_bone: std::collections::BTreeMap<_, _> = tracks
             .iter()

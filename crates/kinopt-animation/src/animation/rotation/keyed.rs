@@ -9,7 +9,10 @@ use kinopt_kinematics::curve::{Hermite, KeyError, check_count, check_times};
 /// Curve through unit quaternions at key times. It is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "super::serialised::Keys"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "super::serialised::RotationCurveKeys")
+)]
 pub struct RotationCurve {
     times: Vec<f32>,
     rotations: Vec<Quat>,

@@ -8,17 +8,17 @@ use super::keyed::BetweenRotations;
 use kinopt_kinematics::curve::{KeyError, check_count};
 
 #[derive(Deserialize)]
-pub(super) struct Keys {
+pub(super) struct RotationCurveKeys {
     times: Vec<f32>,
     rotations: Vec<Quat>,
     between: BetweenRotations,
 }
 
-impl TryFrom<Keys> for RotationCurve {
+impl TryFrom<RotationCurveKeys> for RotationCurve {
     type Error = KeyError;
 
-    fn try_from(keys: Keys) -> Result<Self, KeyError> {
-        let Keys {
+    fn try_from(keys: RotationCurveKeys) -> Result<Self, KeyError> {
+        let RotationCurveKeys {
             times,
             rotations,
             between,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::condition::Transition;
 use super::definition::{ParameterDefault, StateMachineDefinition};
 use super::lookup::{Checked, MachineNames, error_at, finite};
-use super::motion::Motion;
+use super::motion::ParameterBlend;
 use crate::animation::{Clip, LayerError, Playback};
 
 /// Checked states, transitions and clips. Immutable; each character that runs it has a
@@ -21,7 +21,7 @@ pub struct StateMachine {
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub(super) name: String,
-    pub(super) motion: Motion,
+    pub(super) motion: ParameterBlend,
     pub(super) playback: Playback,
     pub(super) speed: f64,
 }
@@ -52,7 +52,7 @@ impl StateMachine {
                 let problem = LayerError::DuplicateState { name };
                 return Err(error_at(format!("{path}.name"), problem));
             }
-            let motion = Motion::new(&path, &state.motion, clips, &parameters, &mut bones)?;
+            let motion = ParameterBlend::new(&path, &state.motion, clips, &parameters, &mut bones)?;
             finite(|| format!("{path}.speed"), state.speed)?;
             states.push(State {
                 name: state.name.clone(),

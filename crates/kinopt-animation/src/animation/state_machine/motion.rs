@@ -9,7 +9,7 @@ use crate::animation::{Clip, ClipError, LayerError};
 
 /// Clips along a parameter; a single clip is a blend of one.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct ParameterBlend {
     parameter: Option<usize>,
     /// At least one, in increasing order of the number.
     clips: Vec<(f32, Arc<Clip>)>,
@@ -23,7 +23,7 @@ pub(super) struct Mix {
     pub(super) next_weight: f32,
 }
 
-impl Motion {
+impl ParameterBlend {
     pub(super) fn clips(&self) -> impl ExactSizeIterator<Item = &Clip> {
         self.clips.iter().map(|(_, clip)| &**clip)
     }
@@ -72,7 +72,7 @@ impl Motion {
     }
 }
 
-impl Motion {
+impl ParameterBlend {
     /// Checks the clips of a state against the given clips and parameters. `bones` is the number of bones of the clips
     /// before.
     pub(super) fn new(

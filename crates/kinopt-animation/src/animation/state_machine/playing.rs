@@ -133,7 +133,7 @@ impl Playing {
 #[derive(Clone, Debug)]
 pub(super) struct Fade {
     pub(super) from: Origin,
-    pub(super) progress: Progress,
+    pub(super) progress: FadeProgress,
     pub(super) interruption: Interruption,
 }
 
@@ -158,13 +158,13 @@ impl Fade {
 
 /// Progress of a cross-fade, in seconds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Progress {
+pub(super) struct FadeProgress {
     elapsed: f64,
     seconds: f64,
     easing: Easing,
 }
 
-impl Progress {
+impl FadeProgress {
     pub(super) fn new(seconds: f64, easing: Easing) -> Self {
         Self {
             elapsed: 0.0,

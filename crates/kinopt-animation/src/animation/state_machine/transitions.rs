@@ -3,7 +3,7 @@
 use super::condition::{Condition, Transition};
 use super::definition::Interruption;
 use super::machine::StateMachine;
-use super::playing::{Fade, Origin, Playing, Progress, TIME_TOLERANCE};
+use super::playing::{Fade, FadeProgress, Origin, Playing, TIME_TOLERANCE};
 use super::run::StateMachineRun;
 use crate::animation::SizeMismatch;
 
@@ -122,7 +122,7 @@ impl StateMachineRun {
                 true => Origin::Still(self.pose.clone()),
                 false => Origin::State(source),
             },
-            progress: Progress::new(transition.seconds, transition.easing),
+            progress: FadeProgress::new(transition.seconds, transition.easing),
             interruption: transition.interruption,
         });
         Ok(())

@@ -5,9 +5,9 @@ use std::path::Path;
 use glam::{DQuat, DVec3, Quat, Vec3, Vec3A};
 
 use super::MotionCapture;
-use super::hierarchy::Joint;
+use super::hierarchy::HierarchyJoint;
 use super::lexer::Lexer;
-use super::motion::Motion;
+use super::motion::MotionSection;
 use super::note::BvhNote;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::rotation_about_f64;
@@ -18,8 +18,8 @@ use kinopt_kinematics::curve::KeyedCurve;
 /// Builds the armature and the clip from the two parts of a file.
 pub(super) fn capture(
     lexer: &Lexer,
-    joints: Vec<Joint>,
-    motion: Motion,
+    joints: Vec<HierarchyJoint>,
+    motion: MotionSection,
     notes: Vec<BvhNote>,
 ) -> Result<MotionCapture, ReadError> {
     let bones = joints.iter().map(|joint| ArmatureBone {
@@ -47,8 +47,8 @@ pub(super) fn capture(
 fn clip(
     file: &str,
     armature: &Armature,
-    joints: &[Joint],
-    motion: &Motion,
+    joints: &[HierarchyJoint],
+    motion: &MotionSection,
 ) -> Result<Clip, ClipError> {
     let stem = Path::new(file)
         .file_stem()
@@ -92,7 +92,7 @@ fn clip(
 }
 
 /// Position of a joint in its parent in one frame.
-fn position(joint: &Joint, frame: &[f64]) -> Vec3A {
+fn position(joint: &HierarchyJoint, frame: &[f64]) -> Vec3A {
     let mut position = joint.offset;
     for (channel, &value) in joint.channels.iter().zip(frame) {
         if !channel.is_rotation() {
@@ -103,7 +103,7 @@ fn position(joint: &Joint, frame: &[f64]) -> Vec3A {
 }
 
 /// Rotation of a joint in its parent in one frame.
-fn rotation(joint: &Joint, frame: &[f64]) -> Quat {
+fn rotation(joint: &HierarchyJoint, frame: &[f64]) -> Quat {
     let rotations = joint.channels.iter().zip(frame);
     let rotations = rotations.filter(|(channel, _)| channel.is_rotation());
     let product = rotations.fold(DQuat::IDENTITY, |product, (channel, degrees)| {

@@ -10,7 +10,7 @@ use crate::io::ReadError;
 
 /// Joint or End Site, in file order: parents before children.
 #[derive(Debug)]
-pub(super) struct Joint {
+pub(super) struct HierarchyJoint {
     pub(super) name: String,
     pub(super) parent: Option<usize>,
     /// Offset from the parent, in the file's unit.
@@ -35,9 +35,9 @@ struct OpenBlock {
 }
 
 /// Reads up to and including the word `MOTION`. Also returns notes about renamed joints.
-pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), ReadError> {
+pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<HierarchyJoint>, Vec<BvhNote>), ReadError> {
     lexer.expect("HIERARCHY")?;
-    let mut reader = Reader::default();
+    let mut reader = HierarchyReader::default();
     loop {
         let word = lexer.word();
         let Some(open) = reader.open.last_mut() else {
@@ -89,13 +89,13 @@ pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), Read
 }
 
 #[derive(Debug, Default)]
-struct Reader {
-    joints: Vec<Joint>,
+struct HierarchyReader {
+    joints: Vec<HierarchyJoint>,
     /// OpenBlock blocks, from a root inwards.
     open: Vec<OpenBlock>,
 }
 
-impl Reader {
+impl HierarchyReader {
     /// Reads `ROOT name {` or `JOINT name {` after its first word.
     fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
         let Some(name) = lexer.name() else {
@@ -129,7 +129,7 @@ impl Reader {
             joints: 0,
             end_sites: 0,
         });
-        self.joints.push(Joint {
+        self.joints.push(HierarchyJoint {
             name,
             parent,
             offset: [0.0; 3],
@@ -143,7 +143,7 @@ impl Reader {
 
 /// Names End Sites after their joints, and renames joints with a name already taken. A unique name in the file does not
 /// change.
-fn make_names_unique(joints: &mut [Joint]) -> Vec<BvhNote> {
+fn make_names_unique(joints: &mut [HierarchyJoint]) -> Vec<BvhNote> {
     let file_names: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
     let mut used_names: BTreeSet<String> = BTreeSet::new();
     let mut notes = Vec::new();

@@ -18,7 +18,7 @@ const SCALE_TOLERANCE: f32 = 1e-5;
 
 /// A bone as it is written.
 #[derive(Debug)]
-pub(super) struct Joint {
+pub(super) struct WrittenJoint {
     pub(super) children: Vec<usize>,
     pub(super) is_end_site: bool,
     /// Offset from the parent at rest.
@@ -33,7 +33,7 @@ pub(super) struct Joint {
     rest_rotation: DQuat,
 }
 
-impl Joint {
+impl WrittenJoint {
     /// Position of the joint in its parent.
     pub(super) fn position(&self, local: &LocalTransform) -> Vec3A {
         rotate(self.parent_rest_rotation, local.translation)
@@ -90,7 +90,7 @@ pub(super) fn joints(
     armature: &Armature,
     poses: &[Pose],
     format: &BvhFormat,
-) -> Result<Vec<Joint>, FormatError> {
+) -> Result<Vec<WrittenJoint>, FormatError> {
     if armature.bones() == 0 {
         return Err(FormatError::NoBones);
     }
@@ -100,7 +100,7 @@ pub(super) fn joints(
     if let Some(channels) = format.channels() {
         SizeMismatch::check("lists of channels", channels.len(), armature.bones())?;
     }
-    let mut joints: Vec<Joint> = Vec::with_capacity(armature.bones());
+    let mut joints: Vec<WrittenJoint> = Vec::with_capacity(armature.bones());
     let bones = (0..armature.bones()).filter_map(|index| armature.bone_at(index));
     for bone in bones.clone() {
         let name = &armature.names()[bone.index()];
@@ -118,7 +118,7 @@ pub(super) fn joints(
             }
             None => DQuat::IDENTITY,
         };
-        let mut joint = Joint {
+        let mut joint = WrittenJoint {
             children: Vec::new(),
             is_end_site: false,
             offset: rotate(parent_rest_rotation, rest.translation),

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::note::BvhNote;
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 
 /// Length in characters above which messages shorten a word.
 const MAX_SHOWN_CHARS: usize = 40;
@@ -149,7 +149,7 @@ impl<'a> Lexer<'a> {
     }
 
     pub(super) fn error(&self, line: usize, problem: impl Into<String>) -> ReadError {
-        ReadError::malformed(self.file, Place::Line(line), problem)
+        ReadError::malformed(self.file, FileLocation::Line(line), problem)
     }
 }
 

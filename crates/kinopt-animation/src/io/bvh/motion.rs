@@ -2,7 +2,7 @@
 
 use super::MAX_COORDINATE;
 use super::channel::BvhChannel;
-use super::hierarchy::Joint;
+use super::hierarchy::HierarchyJoint;
 use super::lexer::Lexer;
 use super::note::BvhNote;
 use crate::io::ReadError;
@@ -12,7 +12,7 @@ const NUMBER_WIDTH: usize = 2;
 
 /// Numbers of all frames.
 #[derive(Debug)]
-pub(super) struct Motion {
+pub(super) struct MotionSection {
     pub(super) frames: usize,
     /// Time between frames, seconds.
     pub(super) frame_time: f64,
@@ -24,7 +24,10 @@ pub(super) struct Motion {
 }
 
 /// Reads from after the word `MOTION` to the end of the file.
-pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadError> {
+pub(super) fn read(
+    lexer: &mut Lexer,
+    joints: &[HierarchyJoint],
+) -> Result<MotionSection, ReadError> {
     lexer.label(&["Frames"])?;
     let frames = lexer.count("the number of frames")?;
     let frames_line = lexer.line();
@@ -36,7 +39,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         let problem = format!("the frame time must be more than 0 s, not {frame_time}");
         return Err(lexer.error(frame_time_line, problem));
     }
-    let channels: Vec<(&Joint, BvhChannel)> = joints
+    let channels: Vec<(&HierarchyJoint, BvhChannel)> = joints
         .iter()
         .flat_map(|joint| joint.channels.iter().map(move |channel| (joint, *channel)))
         .collect();
@@ -56,7 +59,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         }),
         None => surplus(lexer, frames, width)?,
     };
-    Ok(Motion {
+    Ok(MotionSection {
         frames: whole_frames.unwrap_or(frames),
         frame_time,
         frame_time_line,
@@ -70,7 +73,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
 fn values(
     lexer: &mut Lexer,
     frames: usize,
-    channels: &[(&Joint, BvhChannel)],
+    channels: &[(&HierarchyJoint, BvhChannel)],
 ) -> Result<(Vec<f64>, Option<usize>), ReadError> {
     let width = channels.len();
     // Without channels there are no numbers, for any number of frames.
@@ -131,7 +134,7 @@ fn surplus(
 fn value(
     lexer: &mut Lexer,
     frame: usize,
-    joint: &Joint,
+    joint: &HierarchyJoint,
     channel: BvhChannel,
 ) -> Result<f64, ReadError> {
     let what = || {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::Vec3A;
 
-use super::joint::{self, Joint};
+use super::joint::{self, WrittenJoint};
 use super::{BvhFormat, MotionCapture};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
 use crate::io::{FormatError, write_file};
@@ -182,7 +182,7 @@ fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Po
 /// Writes the joints, children inside their parents. Returns the joints with channels, in the order written.
 fn hierarchy(
     armature: &Armature,
-    joints: &[Joint],
+    joints: &[WrittenJoint],
     adds_end_sites: bool,
     text: &mut String,
 ) -> Vec<usize> {
@@ -203,7 +203,7 @@ fn hierarchy(
             continue;
         };
         let indent = "\t".repeat(depth);
-        let Joint {
+        let WrittenJoint {
             children,
             is_end_site,
             offset,

@@ -4,8 +4,8 @@ use gltf_json::Index;
 use gltf_json::accessor::ComponentType;
 use gltf_json::buffer::View;
 
-use super::source::Source;
-use crate::io::{Place, ReadError};
+use super::source::GltfSource;
+use crate::io::{FileLocation, ReadError};
 
 /// A strided sequence of entries in a buffer.
 pub(super) struct AccessorView<'a> {
@@ -15,7 +15,7 @@ pub(super) struct AccessorView<'a> {
     pub(super) normalized: bool,
 }
 
-impl Source<'_> {
+impl GltfSource<'_> {
     /// A view of `count` entries of `N` numbers each.
     pub(super) fn accessor_view<const N: usize>(
         &self,
@@ -48,7 +48,7 @@ impl Source<'_> {
             slice(buffer, start, u128::from(buffer_view.byte_length.0)).ok_or_else(|| {
                 let needed = u128::from(start) + u128::from(buffer_view.byte_length.0);
                 let what = format!("{user}: the view's bytes");
-                let location = Place::Json(key_path("byteLength"));
+                let location = FileLocation::Json(key_path("byteLength"));
                 ReadError::truncated(self.name, location, what, needed, buffer.len())
             })?;
         let size = N * component.size();
@@ -60,7 +60,7 @@ impl Source<'_> {
         let needed = (count as u128 - 1) * stride as u128 + size as u128;
         let bytes = slice(view_bytes, offset, needed).ok_or_else(|| {
             let what = format!("{user}: {count} entries from byte {offset} of the view");
-            let location = Place::Json(path.into());
+            let location = FileLocation::Json(path.into());
             ReadError::truncated(self.name, location, what, needed, view_bytes.len())
         })?;
         Ok(AccessorView {

@@ -5,10 +5,10 @@ use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::io::ReadError;
 
-impl<'a> Source<'a> {
+impl<'a> GltfSource<'a> {
     /// Number of entries of an accessor. `user` names its user in messages.
     pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> Result<usize, ReadError> {
         let accessor = self.accessor(index, user)?;

@@ -4,18 +4,18 @@ use glam::{Vec3A, Vec4};
 use gltf_json::animation::{Animation, Property, Sampler};
 use gltf_json::validation::Checked;
 
-use super::keys::{Keys, curve, rotation};
+use super::keys::{SamplerKeys, curve, rotation};
 use super::meshes::Meshes;
 use super::nodes::{Nodes, label, missing_node, node_label};
 use super::note::Note;
 use super::omissions::Nodeless;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
 use crate::io::ReadError;
 
 /// One animation and the objects that its channels refer to.
 struct Context<'a, 'b> {
-    source: &'a Source<'b>,
+    source: &'a GltfSource<'b>,
     nodes: &'a Nodes,
     meshes: &'a Meshes,
     animation: &'a Animation,
@@ -26,7 +26,7 @@ struct Context<'a, 'b> {
 }
 
 pub(super) fn read(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     nodeless: &Nodeless,
     nodes: &Nodes,
     meshes: &Meshes,
@@ -154,13 +154,13 @@ impl Context<'_, '_> {
         path: String,
         user: String,
         convert: impl Fn([f64; N]) -> T,
-    ) -> Result<Keys<T>, ReadError> {
+    ) -> Result<SamplerKeys<T>, ReadError> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
             let problem = format!("{user}: must be one of STEP, LINEAR, CUBICSPLINE");
             return Err(self.source.fail(format!("{path}.interpolation"), problem));
         };
         let input = format!("{user}, times");
-        Ok(Keys {
+        Ok(SamplerKeys {
             times: self
                 .source
                 .read(sampler.input, &input, |[time]: [f64; 1]| time as f32)?,

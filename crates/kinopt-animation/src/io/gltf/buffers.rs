@@ -7,7 +7,7 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 
 /// Some writers omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -23,7 +23,7 @@ pub(super) fn load<'a>(
     mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
-        let location = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
+        let location = |key: &str| FileLocation::Json(format!("buffers[{index}].{key}"));
         let malformed = |problem: String| ReadError::malformed(name, location("uri"), problem);
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => binary.into(),

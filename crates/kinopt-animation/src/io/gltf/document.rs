@@ -4,7 +4,7 @@ use gltf_json::Root;
 use serde::Deserialize;
 
 use super::omissions::{Nodeless, parse_with_omissions};
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 use kinopt_mesh::json::parse;
 
 /// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
@@ -68,7 +68,7 @@ fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError
     let is_wrong_minor = asset.min_version.is_some() && needed != "2.0";
     if needed.split('.').next() != Some("2") || is_wrong_minor {
         let problem = format!("is glTF of version {needed}; version 2.0 is read");
-        let location = Place::Json("asset".into());
+        let location = FileLocation::Json("asset".into());
         return Err(ReadError::malformed(name, location, problem));
     }
     let is_supported = |required: &str| {
@@ -78,7 +78,7 @@ fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError
     };
     for (index, required) in required.iter().enumerate() {
         if !is_supported(required) {
-            let location = Place::Json(format!("extensionsRequired[{index}]"));
+            let location = FileLocation::Json(format!("extensionsRequired[{index}]"));
             let known: Vec<String> = SUPPORTED_EXTENSIONS
                 .iter()
                 .map(|known| known_name(known))

@@ -1,6 +1,6 @@
 //! GLB, the binary container of a document and its buffer (glTF 2.0 specification, section 4.4).
 
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 
 /// First bytes of a GLB file.
 const MAGIC: &[u8; 4] = b"glTF";
@@ -32,8 +32,9 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
             others: Vec::new(),
         });
     }
-    let fail =
-        |offset: usize, problem: String| ReadError::malformed(name, Place::Byte(offset), problem);
+    let fail = |offset: usize, problem: String| {
+        ReadError::malformed(name, FileLocation::Byte(offset), problem)
+    };
     let word = |offset: usize| -> Result<u32, ReadError> {
         let word = bytes
             .get(offset..offset + 4)
@@ -44,7 +45,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
     let truncated = |offset: usize, what: &str, needed: usize, available: usize| {
         ReadError::truncated(
             name,
-            Place::Byte(offset),
+            FileLocation::Byte(offset),
             what.into(),
             needed as u128,
             available,

@@ -3,13 +3,13 @@
 use glam::{Quat, Vec4};
 use gltf_json::animation::Interpolation;
 
-use super::source::Source;
+use super::source::GltfSource;
 use crate::animation::rotation::RotationCurve;
 use crate::io::ReadError;
 use kinopt_kinematics::curve::{CurveValue, KeyError, KeyedCurve};
 
 /// The keys of a sampler.
-pub(super) struct Keys<T> {
+pub(super) struct SamplerKeys<T> {
     pub(super) times: Vec<f32>,
     /// One output per key; with cubic splines in-tangent, value and out-tangent.
     pub(super) outputs: Vec<T>,
@@ -19,8 +19,8 @@ pub(super) struct Keys<T> {
     pub(super) path: String,
 }
 
-impl<T: Clone> Keys<T> {
-    fn fail(&self, source: &Source<'_>, error: &KeyError) -> ReadError {
+impl<T: Clone> SamplerKeys<T> {
+    fn fail(&self, source: &GltfSource<'_>, error: &KeyError) -> ReadError {
         source.fail(self.path.as_str(), format!("{}: {error}", self.user))
     }
 
@@ -44,7 +44,7 @@ impl<T: Clone> Keys<T> {
         }
     }
 
-    fn check(&self, source: &Source<'_>, width: usize) -> Result<(), ReadError> {
+    fn check(&self, source: &GltfSource<'_>, width: usize) -> Result<(), ReadError> {
         let (given, keys) = (self.outputs.len(), self.times.len());
         let needed = keys.checked_mul(self.sides() * width);
         if needed == Some(given) {
@@ -61,8 +61,8 @@ impl<T: Clone> Keys<T> {
 
 /// `width` curves with common keys.
 pub(super) fn curve<V>(
-    source: &Source<'_>,
-    keys: Keys<V>,
+    source: &GltfSource<'_>,
+    keys: SamplerKeys<V>,
     width: usize,
 ) -> Result<Vec<KeyedCurve<V>>, ReadError>
 where
@@ -86,7 +86,10 @@ where
     curves.collect()
 }
 
-pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<RotationCurve, ReadError> {
+pub(super) fn rotation(
+    source: &GltfSource<'_>,
+    keys: SamplerKeys<Vec4>,
+) -> Result<RotationCurve, ReadError> {
     keys.check(source, 1)?;
     let times = keys.times.clone();
     let rotations = |side| {

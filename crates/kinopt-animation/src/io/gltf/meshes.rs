@@ -8,7 +8,7 @@ use super::note::Note;
 use super::primitives;
 use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::SceneMesh;
-use super::source::Source;
+use super::source::GltfSource;
 use super::{morph_targets, skins};
 use crate::io::ReadError;
 use crate::skinning::MorphTargets;
@@ -27,7 +27,7 @@ pub(super) struct Meshes {
 }
 
 pub(super) fn read(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     nodes: &Nodes,
     notes: &mut Vec<Note>,
 ) -> Result<Meshes, ReadError> {
@@ -92,7 +92,7 @@ pub(super) fn read(
 }
 
 /// Charges the memory limit for a mesh that another node has as well.
-fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> Result<(), ReadError> {
+fn charge_again(source: &GltfSource<'_>, raw: &RawMesh, node: usize) -> Result<(), ReadError> {
     let path = format!("nodes[{node}].mesh");
     source.charge::<[f32; 10]>(raw.positions.len(), &path)?;
     source.charge::<[u32; 3]>(raw.triangles.len(), &path)?;
@@ -100,7 +100,7 @@ fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> Result<(), R
 }
 
 fn add(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     (node_index, mesh_index): (usize, usize),
     raw: &RawMesh,
     nodes: &Nodes,

@@ -66,7 +66,7 @@ use std::path::Path;
 
 use gltf_json::Root;
 
-use self::source::Source;
+use self::source::GltfSource;
 use super::{FileAccess, ReadError};
 use crate::animation::{Armature, Clip, ClipError};
 use kinopt_kinematics::file_access::below_folder;
@@ -121,7 +121,7 @@ fn parse(
     let chunks = glb::split(bytes, name)?;
     let (root, nodeless) = document::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;
-    let source = Source::new(name, &root, chunks.json.len(), buffers);
+    let source = GltfSource::new(name, &root, chunks.json.len(), buffers);
     let mut notes = left_out(&root);
     let nodes = nodes::read(&source, &mut notes)?;
     let mut meshes = meshes::read(&source, &nodes, &mut notes)?;

@@ -7,7 +7,7 @@ use gltf_json::Mesh;
 use gltf_json::mesh::MorphTarget as Entry;
 use serde::{Deserialize, Serialize};
 
-use super::source::Source;
+use super::source::GltfSource;
 use crate::io::ReadError;
 use crate::skinning::{MorphTarget, SkinningError};
 
@@ -30,7 +30,7 @@ pub(super) struct MeshExtras {
 
 /// Adds a primitive's part of a target. The primitive's vertices start at `first`.
 pub(super) fn append(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     target: &Entry,
     [first, count]: [usize; 2],
     user: &str,

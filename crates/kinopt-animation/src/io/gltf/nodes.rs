@@ -7,7 +7,7 @@ use gltf_json::Node;
 
 use super::node_transform::{NodeRest, local};
 use super::note::Note;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::animation::ArmatureBone;
 use crate::io::ReadError;
 use kinopt_kinematics::skeleton::BoneId;
@@ -37,7 +37,7 @@ pub(super) fn node_label(nodes: &[Node], index: usize) -> String {
     )
 }
 
-pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, ReadError> {
+pub(super) fn read(source: &GltfSource<'_>, notes: &mut Vec<Note>) -> Result<Nodes, ReadError> {
     let nodes = &source.root.nodes;
     let parents = parents(source)?;
     let order = order(source, &parents)?;
@@ -68,7 +68,7 @@ pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, 
 }
 
 /// Parent of each node.
-fn parents(source: &Source<'_>) -> Result<Vec<Option<usize>>, ReadError> {
+fn parents(source: &GltfSource<'_>) -> Result<Vec<Option<usize>>, ReadError> {
     let nodes = &source.root.nodes;
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
@@ -88,7 +88,7 @@ fn parents(source: &Source<'_>) -> Result<Vec<Option<usize>>, ReadError> {
     Ok(parents)
 }
 
-pub(super) fn missing_node(source: &Source<'_>, path: String, node: usize) -> ReadError {
+pub(super) fn missing_node(source: &GltfSource<'_>, path: String, node: usize) -> ReadError {
     let problem = match source.root.nodes.len() {
         0 => format!("node {node} does not exist; there are none"),
         nodes => format!("node {node} does not exist; nodes are 0 to {}", nodes - 1),
@@ -97,7 +97,7 @@ pub(super) fn missing_node(source: &Source<'_>, path: String, node: usize) -> Re
 }
 
 /// Node indices with parents before children; the file's order if it satisfies this.
-fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, ReadError> {
+fn order(source: &GltfSource<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, ReadError> {
     let nodes = &source.root.nodes;
     let roots = (0..nodes.len()).filter(|&index| parents[index].is_none());
     let mut ready: BinaryHeap<Reverse<usize>> = roots.map(Reverse).collect();
@@ -120,7 +120,7 @@ fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, R
 
 /// Unique names of the nodes. Of several nodes with one name a joint keeps it, or else an animated node, or else the
 /// first.
-fn names(source: &Source<'_>, notes: &mut Vec<Note>) -> Vec<String> {
+fn names(source: &GltfSource<'_>, notes: &mut Vec<Note>) -> Vec<String> {
     let nodes = &source.root.nodes;
     let given = |node: &Node| node.name.clone().filter(|name| !name.is_empty());
     let mut used_names: BTreeSet<String> = BTreeSet::new();
@@ -155,7 +155,7 @@ enum Rank {
     Joint,
 }
 
-fn ranks(source: &Source<'_>) -> Vec<Rank> {
+fn ranks(source: &GltfSource<'_>) -> Vec<Rank> {
     let mut ranks = vec![Rank::Other; source.root.nodes.len()];
     let mut raise = |node: usize, to: Rank| {
         if let Some(rank) = ranks.get_mut(node) {
@@ -185,7 +185,7 @@ pub(super) fn free_name(mut name: String, used_names: &mut BTreeSet<String>) -> 
 }
 
 /// The nodes of the displayed scene: the scene that the file names, or else the first, or else all nodes.
-fn in_scene(source: &Source<'_>) -> Result<Vec<bool>, ReadError> {
+fn in_scene(source: &GltfSource<'_>) -> Result<Vec<bool>, ReadError> {
     let (nodes, scenes) = (&source.root.nodes, &source.root.scenes);
     let scene_index = source.root.scene.map_or(0, |scene| scene.value());
     let Some(scene) = scenes.get(scene_index) else {

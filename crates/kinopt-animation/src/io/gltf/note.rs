@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::animation::ScaleNote;
-use crate::io::Place;
+use crate::io::FileLocation;
 use crate::skinning::WeightRepair;
 
 /// A change or an omission of the reader.
@@ -31,7 +31,7 @@ pub enum Note {
     /// Another element was repaired.
     Repaired {
         /// Position in the file.
-        place: Place,
+        place: FileLocation,
         /// Repair in words.
         what: String,
     },
@@ -40,7 +40,7 @@ pub enum Note {
     /// Something is not in the result.
     LeftOut {
         /// Position in the file.
-        place: Place,
+        place: FileLocation,
         /// Element in words.
         what: String,
     },
@@ -48,13 +48,13 @@ pub enum Note {
 
 impl Note {
     pub(super) fn repaired(path: impl Into<String>, what: impl Into<String>) -> Self {
-        let place = Place::Json(path.into());
+        let place = FileLocation::Json(path.into());
         let what = what.into();
         Self::Repaired { place, what }
     }
 
     pub(super) fn left_out(path: impl Into<String>, what: impl Into<String>) -> Self {
-        let place = Place::Json(path.into());
+        let place = FileLocation::Json(path.into());
         let what = what.into();
         Self::LeftOut { place, what }
     }

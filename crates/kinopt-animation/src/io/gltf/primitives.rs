@@ -10,7 +10,7 @@ use gltf_json::{Accessor, Index};
 use super::morph_targets::{self, Deltas};
 use super::nodes::label;
 use super::raw_mesh::{JointWeight, RawMesh};
-use super::source::Source;
+use super::source::GltfSource;
 use super::triangles;
 use crate::io::ReadError;
 
@@ -19,7 +19,7 @@ type VertexKey = (Vec<(String, usize)>, Vec<[Option<usize>; 3]>);
 
 /// Accessors of a primitive by attribute.
 #[derive(Default)]
-struct Attributes {
+struct PrimitiveAccessors {
     positions: Option<Index<Accessor>>,
     normals: Option<Index<Accessor>>,
     tangents: Option<Index<Accessor>>,
@@ -36,7 +36,7 @@ struct AttributeCounts {
     blocks: usize,
 }
 
-pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadError> {
+pub(super) fn read(source: &GltfSource<'_>, index: usize) -> Result<RawMesh, ReadError> {
     let mesh = source.entry(&source.root.meshes, ("meshes", index), None)?;
     let name = label("mesh", index, mesh.name.as_ref());
     let mut raw = RawMesh::default();
@@ -93,7 +93,7 @@ fn vertex_key(primitive: &Primitive) -> VertexKey {
 
 /// Appends the vertices of a primitive and returns their number.
 fn vertices(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     primitive: &Primitive,
     path: &str,
     user: &str,
@@ -180,8 +180,8 @@ fn vertices(
     Ok(count)
 }
 
-fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attributes {
-    let mut attributes = Attributes::default();
+fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> PrimitiveAccessors {
+    let mut attributes = PrimitiveAccessors::default();
     for (semantic, &index) in &primitive.attributes {
         match semantic {
             Checked::Valid(Semantic::Positions) => attributes.positions = Some(index),

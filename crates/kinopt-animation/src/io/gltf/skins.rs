@@ -8,14 +8,14 @@ use super::nodes::{label, missing_node};
 use super::note::Note;
 use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::Skin;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::io::ReadError;
 use crate::skinning::{SkinWeights, WeightRepair};
 use kinopt_kinematics::skeleton::BoneId;
 
 /// Reads the skin of a mesh (index, name and vertices).
 pub(super) fn read(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     index: usize,
     bone_of: &[BoneId],
     mesh: (usize, &str, &RawMesh),
@@ -45,7 +45,7 @@ pub(super) fn read(
 
 /// Checks the inverse bind matrices of a skin that no mesh uses.
 pub(super) fn check(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     index: usize,
     notes: &mut Vec<Note>,
 ) -> Result<(), ReadError> {
@@ -58,7 +58,7 @@ pub(super) fn check(
 
 /// Inverse bind matrices, one per joint; identities if the file has none.
 fn read_inverse_bind_matrices(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     entry: &Entry,
     (index, user): (usize, &str),
     notes: &mut Vec<Note>,
@@ -98,7 +98,7 @@ fn read_inverse_bind_matrices(
 }
 
 fn weights(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     (index, name, raw): (usize, &str, &RawMesh),
     joints: usize,
     notes: &mut Vec<Note>,

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use gltf_json::Root;
 
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 
 /// Largest decoded size per byte of the file. Accessors may share bytes or have none, so a short file could otherwise
 /// need any amount of memory.
@@ -14,14 +14,14 @@ const MAX_BYTES_PER_FILE_BYTE: usize = 256;
 const MIN_MEMORY_LIMIT: usize = 1 << 18;
 
 /// A document with its buffers.
-pub(super) struct Source<'a> {
+pub(super) struct GltfSource<'a> {
     pub(super) name: &'a str,
     pub(super) root: &'a Root,
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
     memory_left: Cell<usize>,
 }
 
-impl<'a> Source<'a> {
+impl<'a> GltfSource<'a> {
     pub(super) fn new(
         name: &'a str,
         root: &'a Root,
@@ -41,7 +41,7 @@ impl<'a> Source<'a> {
     }
 
     pub(super) fn fail(&self, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
-        ReadError::malformed(self.name, Place::Json(path.into()), problem)
+        ReadError::malformed(self.name, FileLocation::Json(path.into()), problem)
     }
 
     /// An entry of one of the document's lists. `user` names its user in messages.

@@ -5,7 +5,7 @@ use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::io::ReadError;
 
 /// Indices and values of a sparse accessor.
@@ -15,7 +15,7 @@ pub(super) struct SparseViews<'a> {
     pub(super) values: AccessorView<'a>,
 }
 
-impl Source<'_> {
+impl GltfSource<'_> {
     /// The non-zero entries of an accessor, with their indices. A sparse accessor without a buffer view gives all
     /// entries that it lists, including zeros.
     pub(super) fn deltas<T: Clone>(

@@ -4,7 +4,7 @@ use gltf_json::mesh::{Mode, Primitive};
 use gltf_json::validation::Checked;
 
 use super::raw_mesh::RawMesh;
-use super::source::Source;
+use super::source::GltfSource;
 use crate::io::ReadError;
 
 /// The mode of a primitive of points or lines; `None` for triangles and unknown modes.
@@ -18,7 +18,7 @@ pub(super) fn without_triangles(primitive: &Primitive) -> Option<Mode> {
 
 /// Appends the triangles of a primitive whose `count` vertices start at `first`.
 pub(super) fn append(
-    source: &Source<'_>,
+    source: &GltfSource<'_>,
     primitive: &Primitive,
     path: &str,
     user: &str,

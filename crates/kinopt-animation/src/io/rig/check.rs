@@ -5,10 +5,10 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use super::degrees::{self, UNBOUNDED};
-use super::json::{BoneEntry, Constraints, RigFile};
+use super::json::{BoneEntry, BoneIndices, RigFile};
 use super::{interpolation, names};
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 use kinopt_kinematics::model::ModelError;
 use kinopt_kinematics::skeleton::{Bone, BoneId, Skeleton};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
@@ -21,7 +21,7 @@ pub(super) fn error_at(
     path: impl Into<String>,
     problem: impl Into<String>,
 ) -> ReadError {
-    ReadError::malformed(name, Place::Json(path.into()), problem)
+    ReadError::malformed(name, FileLocation::Json(path.into()), problem)
 }
 
 pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError> {
@@ -207,11 +207,11 @@ pub(super) fn constrained(
     let fail = |path: String| move |problem: String| error_at(name, path, problem);
     match &file.ik_constraints {
         None => Ok(skeleton.bone_ids().last().into_iter().collect()),
-        Some(Constraints::One(bone)) => {
+        Some(BoneIndices::One(bone)) => {
             let bone = bone_id(*bone, skeleton).map_err(fail("ik_constraints".into()))?;
             Ok(vec![bone])
         }
-        Some(Constraints::Many(numbers)) => {
+        Some(BoneIndices::Many(numbers)) => {
             let (mut seen, mut bones) = (BTreeSet::new(), Vec::new());
             for (index, number) in numbers.iter().enumerate() {
                 let path = format!("ik_constraints[{index}]");

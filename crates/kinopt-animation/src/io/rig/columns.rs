@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::check::error_at;
 use super::json::RigFile;
-use crate::io::{Place, ReadError};
+use crate::io::{FileLocation, ReadError};
 use crate::skinning::{SkinWeights, SkinningError};
 use kinopt_mesh::mesh::TriangleMesh;
 
@@ -43,8 +43,8 @@ pub(super) fn weights(
     }
     let fail = |error: SkinningError| {
         let part = file.weights.as_ref().map_or("", |part| &part.file);
-        let error = ReadError::new(part, Place::File, error);
-        ReadError::referred(name, Place::Json("weights.file".into()), error)
+        let error = ReadError::new(part, FileLocation::File, error);
+        ReadError::referred(name, FileLocation::Json("weights.file".into()), error)
     };
     let mut builder = SkinWeights::builder(rows, file.bones.len());
     for (index, (column, owner)) in table.column_iter().zip(&owners).enumerate() {

@@ -13,7 +13,7 @@ pub(super) struct RigFile {
     #[serde(default)]
     pub(super) fk_animation: Vec<TrackEntry>,
     #[serde(default, deserialize_with = "present")]
-    pub(super) ik_constraints: Option<Constraints>,
+    pub(super) ik_constraints: Option<BoneIndices>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -67,7 +67,7 @@ pub(super) struct KeyEntry {
 
 /// One bone index or an array of them.
 #[derive(Debug)]
-pub(super) enum Constraints {
+pub(super) enum BoneIndices {
     One(i64),
     Many(Vec<i64>),
 }
@@ -79,32 +79,32 @@ fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     T::deserialize(value).map(Some)
 }
 
-impl<'de> Deserialize<'de> for Constraints {
+impl<'de> Deserialize<'de> for BoneIndices {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct OneOrMany;
 
         impl<'de> Visitor<'de> for OneOrMany {
-            type Value = Constraints;
+            type Value = BoneIndices;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str("a bone's number or an array of them")
             }
 
-            fn visit_i64<E>(self, bone: i64) -> Result<Constraints, E> {
-                Ok(Constraints::One(bone))
+            fn visit_i64<E>(self, bone: i64) -> Result<BoneIndices, E> {
+                Ok(BoneIndices::One(bone))
             }
 
-            fn visit_u64<E: serde::de::Error>(self, bone: u64) -> Result<Constraints, E> {
+            fn visit_u64<E: serde::de::Error>(self, bone: u64) -> Result<BoneIndices, E> {
                 let bone = i64::try_from(bone).map_err(|_| E::custom("is no bone's number"))?;
-                Ok(Constraints::One(bone))
+                Ok(BoneIndices::One(bone))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Constraints, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<BoneIndices, A::Error> {
                 let mut bones = Vec::new();
                 while let Some(bone) = seq.next_element()? {
                     bones.push(bone);
                 }
-                Ok(Constraints::Many(bones))
+                Ok(BoneIndices::Many(bones))
             }
         }
         deserializer.deserialize_any(OneOrMany)

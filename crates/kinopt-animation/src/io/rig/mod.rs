@@ -35,7 +35,7 @@ pub use posing::RigPosing;
 
 use std::path::Path;
 
-use super::{FileAccess, Place, ReadError, dmat, ply};
+use super::{FileAccess, FileLocation, ReadError, dmat, ply};
 use crate::animation::EulerClip;
 use crate::skinning::SkinWeights;
 use kinopt_kinematics::file_access::below_folder;
@@ -105,7 +105,7 @@ impl Rig {
         let constrained = check::constrained(&file, &skeleton, name)?;
 
         let referred =
-            |path: &str, error| ReadError::referred(name, Place::Json(path.into()), error);
+            |path: &str, error| ReadError::referred(name, FileLocation::Json(path.into()), error);
         let mut mesh = None;
         if let Some(part) = &file.model {
             let parse = |bytes: Vec<u8>| ply::from_bytes(&bytes, &part.file);

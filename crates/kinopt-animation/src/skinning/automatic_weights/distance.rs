@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::neighbours::Neighbours;
-use super::segments::{self, Segment, distance};
+use super::segments::{self, BoneSegment, distance};
 use super::smooth_pruning::Strongest;
 use crate::skinning::{SkinWeights, SkinningError};
 use kinopt_kinematics::scalar::elementary;
@@ -82,7 +82,7 @@ impl AutomaticWeights {
         let nearest = nearest_distances(&points, segments);
         let core_radius = 1e-3 * mesh.size();
         // Relative to the nearest bone, so that high exponents do not overflow.
-        let influence = |point: usize, segment: &Segment| {
+        let influence = |point: usize, segment: &BoneSegment| {
             let squared = |distance: f64| distance * distance + core_radius * core_radius;
             let ratio = squared(nearest[point]) / squared(distance(points[point], segment));
             // A point on a bone of a mesh of size 0 gives 0 / 0.
@@ -115,7 +115,7 @@ impl AutomaticWeights {
     }
 }
 
-fn nearest_distances(points: &[DVec3], segments: &[Segment]) -> Vec<f64> {
+fn nearest_distances(points: &[DVec3], segments: &[BoneSegment]) -> Vec<f64> {
     let nearest = |point: &DVec3| {
         let distances = segments.iter().map(|segment| distance(*point, segment));
         distances.fold(f64::INFINITY, f64::min)

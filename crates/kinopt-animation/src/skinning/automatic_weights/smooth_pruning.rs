@@ -21,17 +21,17 @@ const SMOOTHING_ROUNDS: usize = 10;
 /// is steep if many bones have similar weights. Points near removed weights are therefore smoothed with their
 /// neighbours and pruned again, in several rounds.
 pub(super) struct Strongest {
-    rows: Vec<Row>,
+    rows: Vec<VertexInfluences>,
     max_influences: usize,
 }
 
 /// Bones and weights by descending weight; the earlier bone first among equals.
-type Row = Vec<(usize, f64)>;
+type VertexInfluences = Vec<(usize, f64)>;
 
 impl Strongest {
     pub(super) fn new(points: usize, max_influences: usize) -> Self {
         Self {
-            rows: vec![Row::new(); points],
+            rows: vec![VertexInfluences::new(); points],
             max_influences,
         }
     }
@@ -83,7 +83,7 @@ impl Strongest {
 }
 
 /// ½ of a point's weights plus ½ of the mean of its neighbours.
-fn smoothed(rows: &[Row], point: usize, others: &[u32]) -> Row {
+fn smoothed(rows: &[VertexInfluences], point: usize, others: &[u32]) -> VertexInfluences {
     let mut entries: Vec<(usize, f64)> = rows[point].iter().map(|(b, w)| (*b, 0.5 * w)).collect();
     let factor = 0.5 / others.len().max(1) as f64;
     for other in others {
@@ -102,7 +102,7 @@ fn smoothed(rows: &[Row], point: usize, others: &[u32]) -> Row {
 }
 
 /// Prunes a row and returns the largest removed weight.
-fn cut(row: &mut Row, max_influences: usize) -> f64 {
+fn cut(row: &mut VertexInfluences, max_influences: usize) -> f64 {
     let largest_removed = row.get(max_influences).map_or(0.0, |(_, weight)| *weight);
     row.truncate(max_influences);
     // Equal weights have no transition to smooth.

@@ -18,7 +18,7 @@ pub struct PackedDualQuaternionBlend<'a> {
     weights: &'a PackedWeights,
     motions: BoneMotions,
     #[cfg(target_arch = "x86_64")]
-    lanes: Vec<avx2::Motion>,
+    lanes: Vec<avx2::PackedDualQuaternion>,
     /// Empty if no bone stretches.
     #[cfg(target_arch = "x86_64")]
     stretches: Vec<avx2::Columns>,
@@ -95,7 +95,7 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         {
             self.lanes.clear();
             let motions = self.motions.rigid.iter();
-            let lane = |motion: &DualQuaternion| -> avx2::Motion {
+            let lane = |motion: &DualQuaternion| -> avx2::PackedDualQuaternion {
                 bytemuck::cast([motion.real, motion.dual])
             };
             self.lanes.extend(motions.map(lane));

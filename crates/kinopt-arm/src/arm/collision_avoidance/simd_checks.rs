@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::simd_ik::Chain;
-use crate::simd_spheres::{Body, BodyChain, Passed, SolidMoved, Solids};
+use crate::simd_spheres::{BodyChain, ChainBody, Passed, SolidMoved, Solids};
 use kinopt_collision::collision::{Checker, FIRST_PLANE, SphereModel};
 use kinopt_kinematics::model::{FrameId, JointId, Model};
 use kinopt_kinematics::spatial::Placement;
@@ -79,7 +79,7 @@ impl SimdChecks {
             None => Placement::identity(),
         };
         let bodies = spheres.groups().iter().map(|group| {
-            let body = Body {
+            let body = ChainBody {
                 joints: arm_joints.joints_to(Some(group.link)),
                 bound: group.bound,
                 spheres: group.spheres.clone(),

@@ -7,7 +7,7 @@ use kinopt_kinematics::scalar::elementary::{atan2, cosh, ln_1p, sin_cos, sinh};
 ///
 /// The squared speed is a parabola over σ. With a slope of 0 the acceleration is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct GridCell {
     /// First parameter of the cell.
     pub(super) start: f64,
     /// Length of the cell.
@@ -22,7 +22,7 @@ pub(super) struct Cell {
 
 /// Position, speed and acceleration of the curve parameter.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct State {
+pub(super) struct CurveState {
     pub(super) position: f64,
     pub(super) speed: f64,
     pub(super) acceleration: f64,
@@ -33,12 +33,12 @@ const MAX_STEPS: usize = 64;
 /// Largest |slope · time²| for which a few terms of the power series are exact.
 const SMALL_SQUARE: f64 = 0.1;
 
-impl Cell {
+impl GridCell {
     /// Returns the state after a time in the cell, seconds.
-    pub(super) fn at(&self, time: f64) -> State {
+    pub(super) fn at(&self, time: f64) -> CurveState {
         let (sinh, cosh) = self.basis(time);
         let moved = self.speed * sinh + self.acceleration * cosh;
-        State {
+        CurveState {
             position: self.start + moved,
             speed: self.speed * (1.0 + self.slope * cosh) + self.acceleration * sinh,
             acceleration: self.acceleration + self.slope * moved,

@@ -42,7 +42,7 @@ pub(super) struct Constraints {
 }
 
 /// Bounds of u at one x, with the lines that set them.
-struct Range {
+struct SpeedRange {
     upper: f64,
     upper_line: Line,
     lower: f64,
@@ -144,11 +144,11 @@ impl Constraints {
     }
 
     /// Returns the bounds of u in a cell at `x`, with `x + 2 Δ u` in `[0, next]`.
-    fn range(&self, cell: usize, x: f64, half_inverse: f64, next: f64) -> Range {
+    fn range(&self, cell: usize, x: f64, half_inverse: f64, next: f64) -> SpeedRange {
         let slope = half_inverse;
         let height = next * half_inverse;
         let line = |height: f64| Line { slope, height };
-        let mut range = Range {
+        let mut range = SpeedRange {
             upper: height - slope * x,
             upper_line: line(height),
             lower: -slope * x,
@@ -199,7 +199,7 @@ impl Constraints {
     }
 }
 
-impl Range {
+impl SpeedRange {
     fn bound_from_above(&mut self, bound: f64, line: &Line) {
         if bound < self.upper {
             (self.upper, self.upper_line) = (bound, *line);

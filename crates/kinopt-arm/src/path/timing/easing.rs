@@ -4,12 +4,12 @@
 //! parameter σ, the speed of σ at rest is positive, and the motion has no singularity there. The curve's first and
 //! second derivatives by σ are 0 at both ends, so velocity and acceleration are 0 too.
 
-use super::cell::State;
+use super::cell::CurveState;
 
 /// Curve parameter s over σ. Its derivative s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays at 1,
 /// and falls likewise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Easing {
+pub(super) struct SmoothstepEasing {
     /// First curve parameter.
     start: f64,
     /// Length of the curve.
@@ -23,7 +23,7 @@ const RAMP_RATIO: f64 = 0.5;
 /// Maximum number of Newton steps for σ at a curve parameter.
 const MAX_STEPS: usize = 64;
 
-impl Easing {
+impl SmoothstepEasing {
     pub(super) fn new(start: f64, end: f64) -> Self {
         let length = end - start;
         Self {
@@ -68,9 +68,9 @@ impl Easing {
     }
 
     /// Converts a state of σ to one of the curve parameter.
-    pub(super) fn state(&self, state: State) -> State {
+    pub(super) fn state(&self, state: CurveState) -> CurveState {
         let [position, first, second, _] = self.derivatives(state.position);
-        State {
+        CurveState {
             position,
             speed: first * state.speed,
             acceleration: second * state.speed * state.speed + first * state.acceleration,

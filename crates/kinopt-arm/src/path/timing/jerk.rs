@@ -1,6 +1,6 @@
 //! Speed profile along a curve under velocity, acceleration and jerk limits.
 //!
-//! The curve parameter is eased at both ends ([`Easing`]). The squared speed z = σ̇² of the eased parameter σ is a
+//! The curve parameter is eased at both ends ([`SmoothstepEasing`]). The squared speed z = σ̇² of the eased parameter σ is a
 //! quadratic spline over σ, so accelerations are continuous. With w = z′ / 2, joints move with velocity q′ √z and
 //! acceleration q′ w + q″ z. Their jerk is √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex except for the
 //! jerk limits.
@@ -10,9 +10,9 @@
 //! A denser check then slows the whole curve by the remaining excess. The result may be some thousandths slower than a
 //! local optimum.
 
-use super::cell::Cell;
+use super::cell::GridCell;
 use super::cubic_curve::CubicCurve;
-use super::easing::Easing;
+use super::easing::SmoothstepEasing;
 use super::tool_motion::{ToolLimits, rates};
 use crate::arm::{Arm, QueryError};
 use kinopt_kinematics::scalar::elementary::{cbrt, ln};
@@ -49,7 +49,7 @@ const CHECK_MARGIN: f64 = 1e-5;
 const SMALL_PRODUCT: f64 = 1e-200;
 
 /// Joint derivatives by σ at one point, and the spline basis there.
-struct Sample {
+struct SplineSample {
     /// Curve parameter, and its first two derivatives by σ.
     eased: [f64; 3],
     /// Weight of the point in integrals over σ.
@@ -68,7 +68,7 @@ struct Sample {
 /// Curve over the eased parameter, divided into cells.
 struct Cells<'a> {
     curve: &'a CubicCurve,
-    easing: &'a Easing,
+    easing: &'a SmoothstepEasing,
     nodes: Vec<f64>,
     limits: JerkLimits<'a>,
 }
@@ -76,10 +76,10 @@ struct Cells<'a> {
 /// Returns the cells of the fastest motion along a curve over the eased parameter, from rest to rest.
 pub(super) fn cells(
     curve: &CubicCurve,
-    easing: &Easing,
+    easing: &SmoothstepEasing,
     count: usize,
     limits: JerkLimits<'_>,
-) -> Result<Vec<Cell>, QueryError> {
+) -> Result<Vec<GridCell>, QueryError> {
     let cells = Cells {
         curve,
         easing,
@@ -87,7 +87,7 @@ pub(super) fn cells(
         limits,
     };
     let samples = cells.samples(&CONSTRAINT_POINTS)?;
-    let mut barrier = Barrier {
+    let mut barrier = JerkBarrier {
         samples: &samples,
         limits,
         whole: easing.end(),
@@ -119,7 +119,7 @@ pub(super) fn cells(
 
 /// Returns the bounds of the cells in the eased parameter: the curve's knots, the ends of the ramps, and points in
 /// between.
-fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
+fn nodes(curve: &CubicCurve, easing: &SmoothstepEasing, count: usize) -> Vec<f64> {
     let knots = curve.knots.iter().map(|s| easing.parameter(*s));
     let mut bounds: Vec<f64> = knots.chain(easing.ramp_ends()).collect();
     bounds.sort_by(f64::total_cmp);
@@ -177,10 +177,10 @@ impl Cells<'_> {
     }
 
     /// Returns points at fractions of every cell, with their weights.
-    fn samples(&self, fractions: &[(f64, f64)]) -> Result<Vec<Sample>, QueryError> {
+    fn samples(&self, fractions: &[(f64, f64)]) -> Result<Vec<SplineSample>, QueryError> {
         let mut samples = Vec::with_capacity(fractions.len() * self.count());
         for cell in 0..self.count() {
-            samples.extend(fractions.iter().map(|(fraction, weight)| Sample {
+            samples.extend(fractions.iter().map(|(fraction, weight)| SplineSample {
                 weight: weight * self.step(cell),
                 ..self.sample(cell, *fraction)
             }));
@@ -199,7 +199,7 @@ impl Cells<'_> {
         Ok(samples)
     }
 
-    fn sample(&self, cell: usize, fraction: f64) -> Sample {
+    fn sample(&self, cell: usize, fraction: f64) -> SplineSample {
         let parameter = |fraction: f64| self.nodes[cell] + self.step(cell) * fraction;
         // The third derivative is one-sided, so it is evaluated inside the cell.
         let [inside, .., third] = self
@@ -222,7 +222,7 @@ impl Cells<'_> {
         let ratios = joints.iter().zip(self.limits.velocity);
         let ratios = ratios.map(|(joint, limit)| limit / joint[0].abs());
         let fastest = ratios.fold(f64::INFINITY, f64::min);
-        Sample {
+        SplineSample {
             eased: [s, first, second],
             weight: 0.0,
             cell,
@@ -234,7 +234,7 @@ impl Cells<'_> {
     }
 
     /// Returns the largest constant z within all limits.
-    fn max_constant_z(&self, samples: &[Sample]) -> f64 {
+    fn max_constant_z(&self, samples: &[SplineSample]) -> f64 {
         let limits = self.limits;
         let mut max_z = f64::MAX;
         for sample in samples {
@@ -255,23 +255,24 @@ impl Cells<'_> {
 
     /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `samples` are those of
     /// the last check.
-    fn required_slowdown(&self, samples: &[Sample], z: &[f64]) -> f64 {
+    fn required_slowdown(&self, samples: &[SplineSample], z: &[f64]) -> f64 {
         let limits = self.limits;
         let mut max_factor = 1.0_f64;
         for cell in samples.chunks_exact(CHECK_PARTS + 1) {
-            let motion =
-                |sample: &Sample| spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
-            let mut include = |ratio: &dyn Fn(&Sample) -> f64, root: fn(f64) -> f64| {
+            let motion = |sample: &SplineSample| {
+                spline_values(&sample.basis, &z[sample.cell..sample.cell + 3])
+            };
+            let mut include = |ratio: &dyn Fn(&SplineSample) -> f64, root: fn(f64) -> f64| {
                 max_factor = max_factor.max(root(largest(cell.iter().map(ratio))));
             };
             include(&|sample| motion(sample)[0] / sample.largest, f64::sqrt);
             for joint in 0..limits.velocity.len() {
-                let acceleration = |sample: &Sample| {
+                let acceleration = |sample: &SplineSample| {
                     let ([z, w, _], [first, second, _]) = (motion(sample), sample.joints[joint]);
                     (first * w + second * z) / limits.acceleration[joint]
                 };
                 include(&acceleration, f64::sqrt);
-                let jerk = |sample: &Sample| {
+                let jerk = |sample: &SplineSample| {
                     let ([z, w, bend], [first, second, third]) =
                         (motion(sample), sample.joints[joint]);
                     let part = third * z + 3.0 * second * w + first * bend;
@@ -280,7 +281,7 @@ impl Cells<'_> {
                 include(&jerk, cbrt);
             }
             for k in 0..cell[0].half_planes.len() {
-                let acceleration = |sample: &Sample| {
+                let acceleration = |sample: &SplineSample| {
                     let ([z, w, _], [a, b, c]) = (motion(sample), sample.half_planes[k]);
                     ((a * w + b * z) / c).max(0.0)
                 };
@@ -291,12 +292,12 @@ impl Cells<'_> {
     }
 
     /// Returns the cells with their start times.
-    fn timed(&self, z: &[f64]) -> Vec<Cell> {
+    fn timed(&self, z: &[f64]) -> Vec<GridCell> {
         let mut time = 0.0;
         let cells = (0..self.count()).map(|index| {
             let [z, acceleration, slope] =
                 spline_values(&self.basis(index, 0.0), &z[index..index + 3]);
-            let cell = Cell {
+            let cell = GridCell {
                 start: self.nodes[index],
                 length: self.step(index),
                 speed: z.max(0.0).sqrt(),
@@ -328,8 +329,8 @@ fn largest(samples: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Objective τ · time − Σ log(slack) over the coefficients of z.
-struct Barrier<'a> {
-    samples: &'a [Sample],
+struct JerkBarrier<'a> {
+    samples: &'a [SplineSample],
     limits: JerkLimits<'a>,
     /// Length of the eased parameter.
     whole: f64,
@@ -378,7 +379,7 @@ impl Terms {
     }
 }
 
-impl Barrier<'_> {
+impl JerkBarrier<'_> {
     /// Returns the duration of the motion, seconds; infinity if z is not positive.
     fn time(&self, z: &[f64]) -> f64 {
         let times = self.samples.iter().map(|sample| {
@@ -406,7 +407,7 @@ impl Barrier<'_> {
         sum
     }
 
-    fn terms(&self, sample: &Sample, z: &[f64]) -> Terms {
+    fn terms(&self, sample: &SplineSample, z: &[f64]) -> Terms {
         let [z, w, bend] = spline_values(&sample.basis, &z[sample.cell..sample.cell + 3]);
         let mut terms = Terms {
             value: 0.0,
@@ -463,7 +464,7 @@ struct Newton {
 
 impl Newton {
     /// Moves z to a lower value. Returns the predicted decrease, or 0 if no lower value was found.
-    fn step(&mut self, barrier: &Barrier<'_>, z: &mut [f64]) -> f64 {
+    fn step(&mut self, barrier: &JerkBarrier<'_>, z: &mut [f64]) -> f64 {
         self.band.clear();
         self.band.resize(z.len(), [0.0; 3]);
         self.gradient.clear();

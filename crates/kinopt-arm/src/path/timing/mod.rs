@@ -26,12 +26,12 @@ pub use trajectory::{Trajectory, TrajectoryPoint};
 
 use super::PathError;
 use super::solution::PathSolution;
-use cell::Cell;
+use cell::GridCell;
 use corners::{MIN_TANGENT_DISTANCE, Rows};
 use cubic_curve::CubicCurve;
-use easing::Easing;
+use easing::SmoothstepEasing;
 use grid::Grid;
-use profile::RateLimits;
+use profile::PathRateLimits;
 use tool_motion::{ToolLimits, ToolMotion};
 use trajectory::Motion;
 
@@ -285,7 +285,7 @@ fn timed(
     let tool = limits.arm.filter(|_| limits.tool != ToolLimits::NONE);
     let tool = tool.map(|arm| ToolMotion::new(arm, limits.tool, &curve, &grid));
     let tool = tool.transpose().map_err(TimingProblem::Query)?;
-    let rates = RateLimits {
+    let rates = PathRateLimits {
         velocity: &limits.velocity,
         acceleration: &limits.acceleration,
         tool: tool.as_ref(),
@@ -308,7 +308,7 @@ fn timed(
                 .filter(|_| limits.tool != ToolLimits::NONE)
                 .map(|arm| (arm, limits.tool)),
         };
-        let easing = Easing::new(curve.start(), curve.end());
+        let easing = SmoothstepEasing::new(curve.start(), curve.end());
         let cells = jerk::cells(&curve, &easing, cells.div_ceil(2), limits)
             .map_err(TimingProblem::Query)?;
         return Ok(Motion {
@@ -328,7 +328,7 @@ fn timed(
     for cell in 0..grid.cells() {
         let (from, to) = (squared_speeds[cell], squared_speeds[cell + 1]);
         let length = grid.step(cell);
-        let cell = Cell {
+        let cell = GridCell {
             start: grid.points[cell],
             length,
             speed: from.sqrt(),

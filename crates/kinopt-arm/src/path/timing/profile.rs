@@ -14,7 +14,7 @@ use super::tool_motion::ToolMotion;
 
 /// Velocity and acceleration limits of joints and tool.
 #[derive(Clone, Copy)]
-pub(super) struct RateLimits<'a> {
+pub(super) struct PathRateLimits<'a> {
     pub(super) velocity: &'a [f64],
     pub(super) acceleration: &'a [f64],
     pub(super) tool: Option<&'a ToolMotion>,
@@ -29,7 +29,7 @@ const MAX_TIGHTENINGS: usize = 6;
 ///
 /// # Errors
 /// Returns the index of the first cell with unbounded acceleration.
-pub(super) fn squared_speeds(grid: &Grid, limits: RateLimits<'_>) -> Result<Vec<f64>, usize> {
+pub(super) fn squared_speeds(grid: &Grid, limits: PathRateLimits<'_>) -> Result<Vec<f64>, usize> {
     let mut scales = vec![1.0; grid.cells()];
     let mut best: Option<(f64, Vec<f64>)> = None;
     for _ in 0..=MAX_TIGHTENINGS {
@@ -61,8 +61,8 @@ fn time(grid: &Grid, x: &[f64]) -> f64 {
 }
 
 /// Runs the backward and the forward pass.
-fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64>, usize> {
-    let RateLimits {
+fn passes(grid: &Grid, limits: PathRateLimits<'_>, scales: &[f64]) -> Result<Vec<f64>, usize> {
+    let PathRateLimits {
         velocity,
         acceleration,
         tool,
@@ -89,7 +89,7 @@ fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64
 }
 
 /// Returns the largest ratio by which a limit is exceeded in a cell, in terms of squared speed.
-fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
+fn excess(grid: &Grid, limits: PathRateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
     let step = grid.step(cell);
     let (from, to) = (x[cell], x[cell + 1]);
     let u = (to - from) / (2.0 * step);

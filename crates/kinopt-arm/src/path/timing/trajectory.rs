@@ -1,8 +1,8 @@
 //! Trajectory along a path: joint values, velocities and accelerations over time.
 
-use super::cell::{Cell, State};
+use super::cell::{CurveState, GridCell};
 use super::cubic_curve::CubicCurve;
-use super::easing::Easing;
+use super::easing::SmoothstepEasing;
 
 /// Joint values and their derivatives at one time of a [`Trajectory`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,8 +38,8 @@ pub(super) struct Motion {
     pub(super) time: f64,
     pub(super) curve: CubicCurve,
     /// Curve parameter as a function of the cells' parameter; `None` if they are the same.
-    pub(super) easing: Option<Easing>,
-    pub(super) cells: Vec<Cell>,
+    pub(super) easing: Option<SmoothstepEasing>,
+    pub(super) cells: Vec<GridCell>,
 }
 
 impl Trajectory {
@@ -118,7 +118,7 @@ impl Motion {
     }
 
     /// Returns the state of the curve parameter at a time from the start of the motion, seconds.
-    pub(super) fn state(&self, time: f64) -> State {
+    pub(super) fn state(&self, time: f64) -> CurveState {
         let after = self.cells.partition_point(|cell| cell.time <= time);
         let cell = &self.cells[after.saturating_sub(1)];
         let state = cell.at(time - cell.time);
@@ -126,7 +126,7 @@ impl Motion {
             Some(easing) => easing.state(state),
             None => state,
         };
-        State {
+        CurveState {
             position: state.position.clamp(self.curve.start(), self.curve.end()),
             ..state
         }

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use super::key::Key;
-use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
+use super::table::{Atlas, KeyResolution, MAX_ATLAS_JOINTS, PER_CELL};
 use crate::simd_ik::ldlt;
 use crate::simd_ik::links::{Link, Links};
 use kinopt_kinematics::random::mix;
@@ -13,19 +13,19 @@ use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::{Matrix3, Placement, Vector3};
 
 /// Axis of a joint and a point on it.
-type Axis = (Vector3<f64>, Vector3<f64>);
+type JointLine = (Vector3<f64>, Vector3<f64>);
 
 /// A sampled configuration with its key and the pose of its last frame.
-struct Sample<'a> {
+struct SampledConfiguration<'a> {
     key: Key,
     q: &'a [f64],
     pose: Placement<f64>,
-    joints: &'a [Axis],
+    joints: &'a [JointLine],
 }
 
 impl Atlas {
     /// Samples the configurations of a chain. Returns `None` unless it has 4 to `MAX_ATLAS_JOINTS` joints.
-    pub(crate) fn new(links: &Links, resolution: Resolution, seed: u64) -> Option<Self> {
+    pub(crate) fn new(links: &Links, resolution: KeyResolution, seed: u64) -> Option<Self> {
         let n = links.links.len();
         if !(4..=MAX_ATLAS_JOINTS).contains(&n) {
             return None;
@@ -96,7 +96,7 @@ impl Atlas {
             let cell = atlas.cell(&key);
             let count = usize::from(atlas.counts[cell]);
             if count < PER_CELL {
-                let sample = Sample {
+                let sample = SampledConfiguration {
                     key,
                     q: &q,
                     pose,
@@ -110,7 +110,7 @@ impl Atlas {
     }
 
     /// Stores a sample in a cell, with the derivative of its joint values with respect to the key.
-    fn store(&mut self, cell: usize, slot: usize, sample: &Sample, links: &Links) {
+    fn store(&mut self, cell: usize, slot: usize, sample: &SampledConfiguration, links: &Links) {
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
         let (pose, mut key) = (&sample.pose, sample.key);
@@ -229,7 +229,7 @@ fn forward(
     links: &Links,
     lead_point: Vector3<f64>,
     q: &[f64],
-    joints: &mut [Axis],
+    joints: &mut [JointLine],
 ) -> Placement<f64> {
     let mut r = Matrix3::<f64>::identity();
     let mut p = Vector3::<f64>::zero() - lead_point;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::candidates::Candidates;
-use super::table::{PER_CELL, Row};
+use super::table::{CellRow, PER_CELL};
 use super::with_tool::TooledAtlas;
 use crate::simd_ik::lane::LaneScalar;
 use crate::simd_ik::links::Links;
@@ -80,7 +80,7 @@ impl TooledAtlas {
         };
         let (q_rows, rest) = rows.split_at(n);
         let (key_rows, slopes) = rest.split_at(5);
-        let row = |row: &Row| V::Four::from_singles(row);
+        let row = |row: &CellRow| V::Four::from_singles(row);
         let axis = Vector3::<V::Four>::constant(key.axis)
             - Vector3::new(row(&key_rows[2]), row(&key_rows[3]), row(&key_rows[4]));
         let delta = [

@@ -10,7 +10,7 @@ pub(super) const PER_CELL: usize = 4;
 
 /// Number of cells along each coordinate of the key.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Resolution {
+pub(crate) struct KeyResolution {
     pub(crate) radius: usize,
     pub(crate) height: usize,
     pub(crate) direction: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Resolution {
     pub(crate) samples: usize,
 }
 
-impl Default for Resolution {
+impl Default for KeyResolution {
     fn default() -> Self {
         Self {
             radius: 8,
@@ -30,17 +30,17 @@ impl Default for Resolution {
 }
 
 /// One number of each of a cell's configurations.
-pub(super) type Row = [f32; PER_CELL];
+pub(super) type CellRow = [f32; PER_CELL];
 
 /// Table of start configurations over a grid of keys.
 #[derive(Debug)]
 pub(crate) struct Atlas {
     pub(super) joints: usize,
-    pub(super) resolution: Resolution,
+    pub(super) resolution: KeyResolution,
     pub(super) low: [f64; 2],
     pub(super) scale: [f64; 2],
     /// Rows of each cell: joint values (one row per joint), key (five rows), derivative (four rows per joint).
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<CellRow>,
     /// Number of configurations in each cell.
     pub(super) counts: Vec<u8>,
     /// Index of the leading joint, by which goals are reduced.

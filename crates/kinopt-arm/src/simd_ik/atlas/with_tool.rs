@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::table::{Atlas, Resolution};
+use super::table::{Atlas, KeyResolution};
 use crate::simd_ik::chain::Chain;
 use crate::simd_ik::links::Links;
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -38,7 +38,7 @@ impl TooledAtlas {
         let bare = Links::new(&chain.without_tool());
         let atlas = match shared {
             Some(shared) => Arc::clone(shared),
-            None => Arc::new(Atlas::new(&bare, Resolution::default(), seed)?),
+            None => Arc::new(Atlas::new(&bare, KeyResolution::default(), seed)?),
         };
         let shift = |ends: fn(&Links) -> f64| (ends(links) - ends(&bare)) * links.lengths_per_metre;
         Some(Self {

@@ -37,7 +37,7 @@ pub struct MotionCheck {
 
 /// A pair nearer than the margin at the start of a motion, or barely farther.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contact {
+pub(super) struct NearPair {
     pair: Pair,
     /// Distance at the start, metres.
     distance: f64,
@@ -53,7 +53,7 @@ impl MotionCheck {
     }
 }
 
-impl Contact {
+impl NearPair {
     /// Required distance in the motion, metres: slightly less than at the start.
     fn margin_in_motion(&self) -> f64 {
         self.distance.min(self.margin) - 2.0 * RESOLUTION
@@ -289,7 +289,7 @@ impl Checker {
             let mut margin_for = |pair: Pair, distance: f64| {
                 let is_initial = share == 0.0 && tolerates_contacts;
                 if is_initial && distance < margin + CONTACT_TOLERANCE {
-                    contacts.push(Contact {
+                    contacts.push(NearPair {
                         pair,
                         distance,
                         margin,
@@ -462,7 +462,7 @@ impl Checker {
 }
 
 /// Required distance of a pair in the motion, metres; less for initial contacts.
-fn margin_of(contacts: &[Contact], pair: Pair, margin: f64) -> f64 {
+fn margin_of(contacts: &[NearPair], pair: Pair, margin: f64) -> f64 {
     let contact = contacts.iter().find(|contact| contact.pair == pair);
-    contact.map_or(margin, Contact::margin_in_motion)
+    contact.map_or(margin, NearPair::margin_in_motion)
 }

@@ -7,7 +7,7 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Joint chains of a model's parts, for motion bounds.
 #[derive(Clone, Debug, Default)]
-pub(super) struct MotionBound {
+pub(super) struct ChainMotionBound {
     parts: Vec<PartChain>,
     /// Joints above each part, from its joint to the root, part by part.
     joints: Vec<usize>,
@@ -34,7 +34,7 @@ pub(super) struct BoundWorkspace {
     accelerations: Vec<f64>,
 }
 
-impl MotionBound {
+impl ChainMotionBound {
     /// Bounds for parts, each on a frame, with bounding balls of its shapes in that frame.
     pub(super) fn new(
         model: &Model,

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::allowed_collisions::AllowedCollisions;
-use super::motion_bound::MotionBound;
+use super::motion_bound::ChainMotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneWorkspace;
-use super::sphere_cover::{Cover, PlacedCover};
+use super::sphere_cover::{PartCover, PlacedCover};
 use crate::collision::WorldError;
 use crate::collision::dynamic_aabb_tree::DynamicAabbTree;
 use crate::collision::model::Bodies;
@@ -31,7 +31,7 @@ pub(super) struct Part {
     frame: FrameId,
     pub(super) shapes: Vec<PartShape>,
     /// Spheres that cover all shapes, if set.
-    cover: Option<Cover>,
+    cover: Option<PartCover>,
     /// Sorted numbers of the model's planes and the obstacles that it may touch.
     allowed: Vec<u64>,
 }
@@ -53,7 +53,7 @@ pub(super) struct Scene {
     pub(super) shape_ends: Arc<[usize]>,
     /// Checked pairs of parts, by index.
     pairs: Arc<[[usize; 2]]>,
-    motion_bound: Arc<MotionBound>,
+    motion_bound: Arc<ChainMotionBound>,
     /// Fixed obstacles, by their numbers in the world.
     fixed_obstacles: DynamicAabbTree<Arc<Obstacle>>,
 }
@@ -131,7 +131,7 @@ impl Scene {
         Ok(Self {
             shape_ends: shape_ends.collect(),
             pairs: pairs.into(),
-            motion_bound: Arc::new(MotionBound::new(
+            motion_bound: Arc::new(ChainMotionBound::new(
                 model.model(),
                 parts.iter().map(Part::balls),
             )),
@@ -146,7 +146,7 @@ impl Scene {
         for group in spheres.groups() {
             let mut parts = parts.iter_mut();
             if let Some(part) = parts.find(|part| part.frame == group.link) {
-                part.cover = Some(Cover::of(group));
+                part.cover = Some(PartCover::of(group));
             }
         }
         self
@@ -185,7 +185,7 @@ impl Scene {
     }
 
     #[must_use]
-    pub(super) fn motion_bound(&self) -> &MotionBound {
+    pub(super) fn motion_bound(&self) -> &ChainMotionBound {
         &self.motion_bound
     }
 

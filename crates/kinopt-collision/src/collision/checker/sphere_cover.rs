@@ -8,7 +8,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Spheres that cover the shapes of a part, and their bounding sphere, in the part's frame.
 #[derive(Clone, Debug)]
-pub(super) struct Cover {
+pub(super) struct PartCover {
     bound: Ball,
     spheres: Vec<Ball>,
 }
@@ -23,7 +23,7 @@ pub(super) struct PlacedCover {
     has_spheres: bool,
 }
 
-impl Cover {
+impl PartCover {
     pub(super) fn of(group: &SphereGroup) -> Self {
         Self {
             bound: group.bound,
@@ -39,7 +39,7 @@ impl PlacedCover {
     }
 
     /// Computes the bounding sphere on first use.
-    pub(super) fn place(&mut self, cover: &Cover, at: &Placement<f64>) {
+    pub(super) fn place(&mut self, cover: &PartCover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_bound, true) {
             self.bound = placed(&cover.bound, at);
         }
@@ -51,7 +51,7 @@ impl PlacedCover {
     }
 
     /// Computes the spheres on first use.
-    pub(super) fn place_spheres(&mut self, cover: &Cover, at: &Placement<f64>) {
+    pub(super) fn place_spheres(&mut self, cover: &PartCover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_spheres, true) {
             self.spheres.clear();
             (self.spheres).extend(cover.spheres.iter().map(|ball| placed(ball, at)));

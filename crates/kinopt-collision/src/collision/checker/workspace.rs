@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Checker;
-use super::continuous_check::{Contact, MonitoredItem, SlidingPair};
+use super::continuous_check::{MonitoredItem, NearPair, SlidingPair};
 use super::motion_bound::BoundWorkspace;
 use super::parts::Part;
 use super::scene_placements::SceneWorkspace;
@@ -25,7 +25,7 @@ pub struct CheckerWorkspace {
     pub(super) configuration: Vec<f64>,
     pub(super) monitored_items: Vec<MonitoredItem>,
     /// Initial contacts of a motion.
-    pub(super) contacts: Vec<Contact>,
+    pub(super) contacts: Vec<NearPair>,
     /// Sliding pairs by the index of their monitor, and the configuration at which they are tested.
     pub(super) sliding_pairs: Vec<(usize, SlidingPair)>,
     pub(super) sliding_configuration: Vec<f64>,

@@ -2,7 +2,7 @@
 
 use crate::collision::aabb_tree::{AabbTree, Contents};
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
+use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriMesh};
 use kinopt_kinematics::clock::deadline::is_over;
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
@@ -12,7 +12,7 @@ use super::core_and_radius::{Core, Gap, Pair};
 /// A shape as a set of convex parts.
 pub(super) enum ConvexParts<'a> {
     One(Core<'a>, f64),
-    Mesh(&'a TriangleMesh, &'a Shape),
+    Mesh(&'a TriMesh, &'a Shape),
     Field(&'a HeightField, &'a Shape),
     Cloud(&'a PointCloud),
 }

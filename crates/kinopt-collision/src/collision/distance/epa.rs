@@ -20,7 +20,7 @@ const FLATNESS_TOLERANCE: f64 = 1e-13;
 
 /// Plane of a facet.
 #[derive(Clone, Copy, PartialEq)]
-struct Plane {
+struct FacetPlane {
     /// Distance of the plane from the origin; positive if the origin is inside.
     depth: f64,
     normal: Vector3<f64>,
@@ -192,7 +192,7 @@ fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The plane of a facet, if the facet is wide enough to define it.
-fn plane(surface: &ConvexSurface, facet: u32) -> Option<Plane> {
+fn plane(surface: &ConvexSurface, facet: u32) -> Option<FacetPlane> {
     let [a, b, c] = surface.corners(facet);
     let sides = [b - a, c - b, a - c];
     let longest = sides.iter().map(|s| s.norm_squared()).fold(0.0, f64::max);
@@ -202,7 +202,7 @@ fn plane(surface: &ConvexSurface, facet: u32) -> Option<Plane> {
     let area = normal.norm();
     (area > 1e-14 * longest).then(|| {
         let normal = normal * area.recip();
-        Plane {
+        FacetPlane {
             depth: normal.dot(a),
             normal,
             facet,
@@ -267,16 +267,16 @@ fn weights_of(p: Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> [f64; 3] {
     }
 }
 
-impl Eq for Plane {}
+impl Eq for FacetPlane {}
 
-impl PartialOrd for Plane {
+impl PartialOrd for FacetPlane {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
 /// The plane nearest to the origin first; among equally near planes the oldest.
-impl Ord for Plane {
+impl Ord for FacetPlane {
     fn cmp(&self, other: &Self) -> Ordering {
         let nearer = other.depth.total_cmp(&self.depth);
         nearer.then(other.facet.cmp(&self.facet))

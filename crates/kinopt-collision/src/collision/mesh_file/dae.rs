@@ -8,7 +8,7 @@ use roxmltree::{Document, Node};
 use super::dae_document::{Collada, children, named};
 use super::dae_nodes::Instances;
 use super::{CORNER_LIMIT, MeshFile, text};
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 use kinopt_kinematics::spatial::Vector3;
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
@@ -16,7 +16,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Document type declarations are rejected: their entities could expand to any amount of memory.
     let document = Document::parse(text).map_err(|error| {
-        let location = Place::Line(error.pos().row as usize);
+        let location = FileLocation::Line(error.pos().row as usize);
         ReadError::malformed(file, location, error.to_string())
     })?;
     let collada = Collada::new(&document, file);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::{Document, Node};
 
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 /// A document with its file name for errors and its elements by id.
 pub(super) struct Collada<'a> {
@@ -31,7 +31,7 @@ impl<'a> Collada<'a> {
 
     pub(super) fn fail(&self, node: Node<'a, 'a>, problem: impl Into<String>) -> ReadError {
         let row = self.document.text_pos_at(node.range().start).row;
-        ReadError::malformed(self.file, Place::Line(row as usize), problem)
+        ReadError::malformed(self.file, FileLocation::Line(row as usize), problem)
     }
 
     /// The element that an attribute `#id` refers to.

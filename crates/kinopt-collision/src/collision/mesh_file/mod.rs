@@ -14,7 +14,7 @@ mod text;
 use std::collections::HashMap;
 use std::path::Path;
 
-use kinopt_kinematics::file::{Place, ReadError, read_bytes};
+use kinopt_kinematics::file::{FileLocation, ReadError, read_bytes};
 use kinopt_kinematics::spatial::Vector3;
 
 /// Largest file that is read, bytes.
@@ -72,7 +72,7 @@ impl MeshFile {
             return Err(malformed("has no triangles".to_owned()));
         }
         if let Some(point) = mesh.points.iter().position(|point| !point.is_finite()) {
-            let location = Place::Element("point", point);
+            let location = FileLocation::Element("point", point);
             return Err(ReadError::malformed(file, location, "is not finite"));
         }
         Ok(mesh)

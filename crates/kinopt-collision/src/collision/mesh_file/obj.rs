@@ -1,7 +1,7 @@
 //! Wavefront OBJ reader: vertices (`v`) and polygons (`f`) of all objects and groups. Other statements are ignored.
 
 use super::{CORNER_LIMIT, MeshFile, text};
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 use kinopt_kinematics::spatial::Vector3;
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
@@ -12,7 +12,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let mut joined = String::new();
     // An additional empty line ends a continued last line.
     for (number, line) in text.lines().chain([""]).enumerate() {
-        let fail = |problem: &str| ReadError::malformed(file, Place::Line(number + 1), problem);
+        let fail =
+            |problem: &str| ReadError::malformed(file, FileLocation::Line(number + 1), problem);
         let line = line.split('#').next().unwrap_or_default().trim_end();
         // A trailing backslash continues the line.
         if let Some(part) = line.strip_suffix('\\') {

@@ -1,7 +1,7 @@
 //! STL reader, binary and text. Vertices at the same position are merged; normals are ignored.
 
 use super::{MeshFile, Points, text};
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 const HEADER_LENGTH: usize = 84;
 const TRIANGLE_LENGTH: usize = 50;
@@ -21,7 +21,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
         Some((_, length)) if length < bytes.len() as u64 => binary(bytes, file),
         Some((count, length)) => Err(ReadError::truncated(
             file,
-            Place::File,
+            FileLocation::File,
             format!("{count} triangles"),
             u128::from(length - HEADER_LENGTH as u64),
             bytes.len() - HEADER_LENGTH,
@@ -59,7 +59,7 @@ fn binary(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
         let corner = |k: usize| [0, 4, 8].map(|part| number(12 * k + part));
         let corners = [1, 2, 3].map(corner);
         if corners.iter().flatten().any(|x| !x.is_finite()) {
-            let location = Place::Element("triangle", index);
+            let location = FileLocation::Element("triangle", index);
             return Err(ReadError::malformed(
                 file,
                 location,
@@ -79,7 +79,8 @@ fn ascii(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let mut triangles = Vec::new();
     let mut corners: Vec<u32> = Vec::new();
     for (number, line) in text::of(bytes, file)?.lines().enumerate() {
-        let fail = |problem: &str| ReadError::malformed(file, Place::Line(number + 1), problem);
+        let fail =
+            |problem: &str| ReadError::malformed(file, FileLocation::Line(number + 1), problem);
         let mut words = line.split_whitespace();
         match words.next() {
             Some("vertex") => {

@@ -1,11 +1,11 @@
 //! Text decoding and number parsing.
 
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 
 /// Decodes a file's bytes as UTF-8.
 pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, ReadError> {
     std::str::from_utf8(bytes).map_err(|error| {
-        let at = Place::Byte(error.valid_up_to());
+        let at = FileLocation::Byte(error.valid_up_to());
         ReadError::malformed(file, at, "is not UTF-8 text")
     })
 }

@@ -1,7 +1,7 @@
 //! Collision pairs of MJCF files.
 
 use super::CollisionModel;
-use super::planes::{Plane, fixed_placement};
+use super::planes::{LinkHalfSpace, fixed_placement};
 pub(super) use kinopt_kinematics::model::FrameId;
 pub(super) use kinopt_robot::robot::Contacts;
 
@@ -50,7 +50,7 @@ impl CollisionModel {
                 links.filter(|link| !contacts.is_plane_checked(plane, link.index()));
             let allowed_links = allowed_links.collect();
             self.planes
-                .push(Plane::new(&self.model, link, at, allowed_links));
+                .push(LinkHalfSpace::new(&self.model, link, at, allowed_links));
         }
         self
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::capsules;
-use super::meshes::{MeshFault, MeshUse, Meshes};
+use super::meshes::{MeshCache, MeshFault, MeshUse};
 use super::{CollisionModel, CollisionModelError, CollisionObject};
 use crate::collision::Shape;
 use crate::collision::mesh_folders::MeshFolders;
@@ -78,7 +78,7 @@ impl<'r> CollisionModelBuilder<'r> {
         }
         let mut objects = Vec::new();
         let mut notes = Vec::new();
-        let mut meshes = Meshes::default();
+        let mut meshes = MeshCache::default();
         let model = self.robot.model();
         for frame in model.frame_ids() {
             let Some(link) = self.robot.link(frame) else {
@@ -137,8 +137,8 @@ impl<'r> CollisionModelBuilder<'r> {
     fn shapes(
         &self,
         link: &str,
-        shape: &robot::Shape,
-        meshes: &mut Meshes,
+        shape: &robot::GeometryObject,
+        meshes: &mut MeshCache,
     ) -> Result<Vec<Shape>, CollisionModelError> {
         let fault = |source| CollisionModelError::Shape {
             link: link.to_owned(),

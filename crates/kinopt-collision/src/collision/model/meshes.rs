@@ -25,7 +25,7 @@ pub enum MeshUse {
 
 /// Cache of the shapes of mesh files.
 #[derive(Debug, Default)]
-pub(super) struct Meshes {
+pub(super) struct MeshCache {
     cache: HashMap<(PathBuf, [u64; 3]), Vec<Shape>>,
 }
 
@@ -36,7 +36,7 @@ pub(super) enum MeshFault {
     Shape(ShapeError),
 }
 
-impl Meshes {
+impl MeshCache {
     pub(super) fn shapes(
         &mut self,
         path: &Path,

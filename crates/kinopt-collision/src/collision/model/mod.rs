@@ -22,7 +22,7 @@ pub(crate) use bodies::{Bodies, unconnected_pairs};
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;
-pub(crate) use planes::Plane;
+pub(crate) use planes::LinkHalfSpace;
 
 use super::Shape;
 use kinopt_kinematics::model::{FrameId, FrameRef, Model, ParameterMap, UnknownName};
@@ -83,7 +83,10 @@ impl CollisionObject {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+    serde(
+        try_from = "serialised::CollisionModelDocument",
+        into = "serialised::CollisionModelDocument"
+    )
 )]
 pub struct CollisionModel {
     model: Model,
@@ -94,7 +97,7 @@ pub struct CollisionModel {
     links: Vec<FrameId>,
     /// Sorted; in each pair the lower index first.
     pairs: Vec<[FrameId; 2]>,
-    planes: Vec<Plane>,
+    planes: Vec<LinkHalfSpace>,
     notes: Vec<String>,
 }
 

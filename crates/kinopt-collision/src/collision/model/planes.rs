@@ -12,7 +12,7 @@ use kinopt_kinematics::spatial::Placement;
 /// A half-space on a link that no joint moves.
 #[derive(Clone, Debug)]
 #[doc(hidden)]
-pub struct Plane {
+pub struct LinkHalfSpace {
     /// The obstacle in the world, named after its link.
     #[doc(hidden)]
     pub obstacle: Arc<Obstacle>,
@@ -21,7 +21,7 @@ pub struct Plane {
     pub(crate) passed: Vec<FrameId>,
 }
 
-impl Plane {
+impl LinkHalfSpace {
     pub(super) fn new(
         model: &Model,
         link: FrameId,
@@ -58,7 +58,7 @@ pub(super) fn fixed_placement(model: &Model, link: FrameId) -> Option<Placement<
 impl CollisionModel {
     /// Planes of the robot's own world.
     #[doc(hidden)]
-    pub fn planes(&self) -> &[Plane] {
+    pub fn planes(&self) -> &[LinkHalfSpace] {
         &self.planes
     }
 

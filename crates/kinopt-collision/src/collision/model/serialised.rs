@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CollisionModel, CollisionModelError, CollisionObject, Plane};
+use super::{CollisionModel, CollisionModelError, CollisionObject, LinkHalfSpace};
 use crate::collision::{Shape, ShapeError, ShapeKind};
 use kinopt_kinematics::model::{FrameId, FrameRef, Model, ParameterMap};
 use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// Serialised collision model.
 #[derive(Serialize, Deserialize)]
-pub(super) struct Parts {
+pub(super) struct CollisionModelDocument {
     model: Model,
     map: ParameterMap,
     objects: Vec<ObjectParts>,
@@ -81,7 +81,7 @@ impl ShapeParts {
     }
 }
 
-impl From<CollisionModel> for Parts {
+impl From<CollisionModel> for CollisionModelDocument {
     fn from(collision_model: CollisionModel) -> Self {
         let object = |object: CollisionObject| ObjectParts {
             shape: (&object.shape).into(),
@@ -89,7 +89,7 @@ impl From<CollisionModel> for Parts {
             link: object.link,
             link_from_shape: object.link_from_shape,
         };
-        let plane = |plane: Plane| PlaneParts {
+        let plane = |plane: LinkHalfSpace| PlaneParts {
             link: plane.link,
             world_from_plane: plane.obstacle.placement,
             passed: plane.passed,
@@ -105,10 +105,10 @@ impl From<CollisionModel> for Parts {
     }
 }
 
-impl TryFrom<Parts> for CollisionModel {
+impl TryFrom<CollisionModelDocument> for CollisionModel {
     type Error = CollisionModelError;
 
-    fn try_from(parts: Parts) -> Result<Self, CollisionModelError> {
+    fn try_from(parts: CollisionModelDocument) -> Result<Self, CollisionModelError> {
         let model = parts.model;
         let object = |object: ObjectParts| {
             let shape = object.shape.shape();
@@ -139,7 +139,7 @@ impl TryFrom<Parts> for CollisionModel {
             let at = plane.world_from_plane;
             collision_model
                 .planes
-                .push(Plane::new(&model, plane.link, at, plane.passed));
+                .push(LinkHalfSpace::new(&model, plane.link, at, plane.passed));
         }
         collision_model.pairs.clear();
         for [a, b] in parts.pairs {

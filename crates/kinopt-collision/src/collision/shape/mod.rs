@@ -25,8 +25,8 @@ pub use height_field::HeightField;
 pub(crate) use nearest_on_solid::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 pub use point_cloud::PointCloud;
 pub(crate) use signed_distance::{hull_tree, nearest_on_hull};
-pub(crate) use triangle_mesh::Feature;
-pub use triangle_mesh::TriangleMesh;
+pub use triangle_mesh::TriMesh;
+pub(crate) use triangle_mesh::TriangleFeature;
 
 use error::{size, sizes};
 use geodesic::around_unit_ball;
@@ -71,7 +71,7 @@ pub enum ShapeKind {
     /// The convex hull of a set of points.
     Convex(Arc<ConvexHull>),
     /// A triangle mesh: the enclosed solid if it is closed, else its surface.
-    Mesh(Arc<TriangleMesh>),
+    Mesh(Arc<TriMesh>),
     /// A surface over a grid in x and y, and the solid below it.
     HeightField(Arc<HeightField>),
     /// Spheres of one radius about a set of points.
@@ -170,7 +170,7 @@ impl Shape {
     /// Returns an error if there are no triangles or a coordinate is not finite or exceeds 10⁹. Also if a triangle has
     /// the index of a vertex that does not exist.
     pub fn mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
-        Ok(Self::of(ShapeKind::Mesh(Arc::new(TriangleMesh::new(
+        Ok(Self::of(ShapeKind::Mesh(Arc::new(TriMesh::new(
             vertices, triangles,
         )?))))
     }

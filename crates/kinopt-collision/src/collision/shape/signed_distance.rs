@@ -1,7 +1,7 @@
 //! Signed distances from points to shapes.
 
 use super::nearest_on_solid::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
-use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
+use super::{ConvexHull, HeightField, PointCloud, Shape, ShapeKind, TriMesh, TriangleFeature};
 use crate::collision::aabb_tree::AabbTree;
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::distance::{Core, Pair, convex_gap};
@@ -62,7 +62,7 @@ impl Shape {
 
 /// Predicates of [`AabbTree::any`]: an element is nearer to a point than a given distance. The element is a triangle of
 /// a mesh or height field, or a sphere of a cloud.
-struct MeshQuery<'a>(&'a TriangleMesh, Vector3<f64>, f64);
+struct MeshQuery<'a>(&'a TriMesh, Vector3<f64>, f64);
 struct FieldQuery<'a>(&'a HeightField, Vector3<f64>, f64);
 struct CloudQuery<'a>(&'a PointCloud, Vector3<f64>, f64);
 
@@ -140,8 +140,8 @@ fn nearest_triangle(
     p: Vector3<f64>,
     tree: &AabbTree,
     triangle: impl Fn(usize) -> [Vector3<f64>; 3],
-) -> (usize, f64, Vector3<f64>, Feature) {
-    let mut best = (0, f64::INFINITY, p, Feature::Face);
+) -> (usize, f64, Vector3<f64>, TriangleFeature) {
+    let mut best = (0, f64::INFINITY, p, TriangleFeature::Face);
     tree.nearest(
         f64::INFINITY,
         |bounds| bounds.squared_distance(p).sqrt(),
@@ -157,7 +157,7 @@ fn nearest_triangle(
     best
 }
 
-fn nearest_on_mesh(p: Vector3<f64>, mesh: &TriangleMesh) -> Nearest {
+fn nearest_on_mesh(p: Vector3<f64>, mesh: &TriMesh) -> Nearest {
     let (triangle, distance, nearest, feature) =
         nearest_triangle(p, mesh.tree(), |i| mesh.triangle(i));
     let outward = mesh.outward(triangle, feature);
@@ -202,7 +202,10 @@ fn distance_to_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> f64 {
 /// The closest point of a triangle to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and its feature.
 ///
 /// A triangle without area counts as its sides.
-fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<f64>, Feature) {
+fn nearest_on_triangle(
+    p: Vector3<f64>,
+    corners: [Vector3<f64>; 3],
+) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let sides = [b - a, c - b, a - c];
@@ -210,16 +213,16 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
     let inner = (0..3).all(|i| sides[i].cross(p - corners[i]).dot(normal) > 0.0);
     if inner {
         let height = normal.dot(p - a) / normal.norm_squared();
-        return (p - normal * height, Feature::Face);
+        return (p - normal * height, TriangleFeature::Face);
     }
-    let mut best = (f64::INFINITY, a, Feature::Corner(0));
+    let mut best = (f64::INFINITY, a, TriangleFeature::Corner(0));
     for i in 0..3 {
         let (from, side) = (corners[i], sides[i]);
         let share = side.dot(p - from) / side.norm_squared();
         let (nearest, feature) = match share {
-            share if share > 0.0 && share < 1.0 => (from + side * share, Feature::Side(i)),
-            share if share >= 1.0 => (corners[(i + 1) % 3], Feature::Corner((i + 1) % 3)),
-            _ => (from, Feature::Corner(i)),
+            share if share > 0.0 && share < 1.0 => (from + side * share, TriangleFeature::Side(i)),
+            share if share >= 1.0 => (corners[(i + 1) % 3], TriangleFeature::Corner((i + 1) % 3)),
+            _ => (from, TriangleFeature::Corner(i)),
         };
         let squared_distance = (p - nearest).norm_squared();
         if squared_distance < best.0 {

@@ -10,7 +10,7 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// A triangle mesh over distinct vertices.
 #[derive(Clone, Debug)]
-pub struct TriangleMesh {
+pub struct TriMesh {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
     notes: Vec<ShapeNote>,
@@ -31,7 +31,7 @@ struct Inside {
 
 /// Feature of a triangle that holds a closest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Feature {
+pub(crate) enum TriangleFeature {
     /// A corner, by its index in the triangle.
     Corner(usize),
     /// A side, by the index of its first corner.
@@ -40,7 +40,7 @@ pub(crate) enum Feature {
     Face,
 }
 
-impl TriangleMesh {
+impl TriMesh {
     pub(super) fn new(
         vertices: Vec<Vector3<f64>>,
         triangles: Vec<[u32; 3]>,
@@ -153,15 +153,21 @@ impl TriangleMesh {
     }
 
     /// Outward pseudonormal of a feature of a triangle, not normalised; `None` for an open mesh.
-    pub(crate) fn outward(&self, triangle: usize, feature: Feature) -> Option<Vector3<f64>> {
+    pub(crate) fn outward(
+        &self,
+        triangle: usize,
+        feature: TriangleFeature,
+    ) -> Option<Vector3<f64>> {
         let inside = self.inside.as_ref()?;
         Some(match feature {
-            Feature::Corner(i) => inside.vertex_normals[self.triangles[triangle][i] as usize],
-            Feature::Side(i) => {
+            TriangleFeature::Corner(i) => {
+                inside.vertex_normals[self.triangles[triangle][i] as usize]
+            }
+            TriangleFeature::Side(i) => {
                 let adjacent = inside.across[triangle][i] as usize;
                 unit_normal(self.triangle(triangle)) + unit_normal(self.triangle(adjacent))
             }
-            Feature::Face => unit_normal(self.triangle(triangle)),
+            TriangleFeature::Face => unit_normal(self.triangle(triangle)),
         })
     }
 }

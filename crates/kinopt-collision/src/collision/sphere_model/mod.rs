@@ -56,7 +56,10 @@ pub enum Resolution {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serialised::Parts", into = "serialised::Parts")
+    serde(
+        try_from = "serialised::SphereModelDocument",
+        into = "serialised::SphereModelDocument"
+    )
 )]
 pub struct SphereModel {
     groups: Vec<SphereGroup>,

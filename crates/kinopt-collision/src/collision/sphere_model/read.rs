@@ -11,7 +11,7 @@ use crate::collision::ShapeKind;
 use crate::collision::model::unconnected_pairs;
 use crate::collision::shape::MAX_LENGTH;
 use crate::collision::{Ball, CollisionModel};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem, read_with};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, read_with};
 use kinopt_kinematics::model::FrameId;
 
 /// Largest file that is read, bytes.
@@ -43,7 +43,7 @@ impl SphereModel {
     /// As [`read`](Self::read).
     pub fn parse(bytes: &[u8], file: &str, model: &CollisionModel) -> Result<Self, ReadError> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
-            let at = Place::Byte(error.valid_up_to());
+            let at = FileLocation::Byte(error.valid_up_to());
             ReadError::malformed(file, at, "is not UTF-8 text")
         })?;
         let end = file.rsplit('.').next().unwrap_or_default();
@@ -154,5 +154,5 @@ fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
 }
 
 fn invalid(file: &str, error: impl std::error::Error + Send + Sync + 'static) -> ReadError {
-    ReadError::new(file, Place::File, ReadProblem::invalid(error))
+    ReadError::new(file, FileLocation::File, ReadProblem::invalid(error))
 }

@@ -10,8 +10,8 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Serialised sphere model.
 #[derive(Serialize, Deserialize)]
-pub(super) struct Parts {
-    groups: Vec<Group>,
+pub(super) struct SphereModelDocument {
+    groups: Vec<GroupDocument>,
     pairs: Vec<[usize; 2]>,
     max_protrusion: f64,
     #[serde(default)]
@@ -19,7 +19,7 @@ pub(super) struct Parts {
 }
 
 #[derive(Serialize, Deserialize)]
-struct Group {
+struct GroupDocument {
     link: FrameId,
     name: String,
     /// x, y, z and radius, metres.
@@ -28,10 +28,10 @@ struct Group {
     gap: f64,
 }
 
-impl From<SphereModel> for Parts {
+impl From<SphereModel> for SphereModelDocument {
     fn from(model: SphereModel) -> Self {
         let numbers = |Ball { centre, radius }: &Ball| [centre.x, centre.y, centre.z, *radius];
-        let group = |group: SphereGroup| Group {
+        let group = |group: SphereGroup| GroupDocument {
             link: group.link,
             gap: group.gap,
             spheres: group.spheres.iter().map(numbers).collect(),
@@ -46,17 +46,17 @@ impl From<SphereModel> for Parts {
     }
 }
 
-impl TryFrom<Parts> for SphereModel {
+impl TryFrom<SphereModelDocument> for SphereModel {
     type Error = BadOption;
 
-    fn try_from(parts: Parts) -> Result<Self, BadOption> {
+    fn try_from(parts: SphereModelDocument) -> Result<Self, BadOption> {
         BadOption::check("max_protrusion", parts.max_protrusion, NOT_NEGATIVE)?;
         let ball = |[x, y, z, radius]: [f64; 4]| {
             BadOption::check("radius of a sphere", radius, POSITIVE)?;
             let centre = Vector3::new(x, y, z);
             Ok(Ball { centre, radius })
         };
-        let group = |group: Group| {
+        let group = |group: GroupDocument| {
             let spheres = group.spheres.into_iter().map(ball);
             let spheres = spheres.collect::<Result<_, BadOption>>()?;
             BadOption::check("gap", group.gap, NOT_NEGATIVE)?;

@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 
 use super::SphereModel;
 use crate::collision::Ball;
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 use kinopt_kinematics::spatial::Vector3;
 
 impl SphereModel {
@@ -16,7 +16,7 @@ impl SphereModel {
     /// Returns an error if the text is not XML with a `<robot>`. The error reports `file` as its name.
     pub fn spherised(&self, urdf: &str, file: &str) -> Result<String, ReadError> {
         let document = Document::parse(urdf).map_err(|error| {
-            let location = Place::Line(error.pos().row as usize);
+            let location = FileLocation::Line(error.pos().row as usize);
             ReadError::malformed(file, location, error.to_string())
         })?;
         let robot = document.root_element();

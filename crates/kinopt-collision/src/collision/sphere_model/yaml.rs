@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 use super::{NamedSpheres, SphereModel};
 use crate::collision::Ball;
-use kinopt_kinematics::file::{Place, ReadError};
+use kinopt_kinematics::file::{FileLocation, ReadError};
 use kinopt_kinematics::plural::counted;
 use kinopt_kinematics::spatial::Vector3;
 use kinopt_robot::yaml::{self, Node, Value};
@@ -50,7 +50,7 @@ pub(super) fn parse(
 ) -> Result<NamedSpheres, ReadError> {
     let root = yaml::parse(text, file)?;
     let fail = |node: &Node<'_>, problem: &str| {
-        ReadError::malformed(file, Place::Line(node.line), problem)
+        ReadError::malformed(file, FileLocation::Line(node.line), problem)
     };
     let missing = || ReadError::of_file(file, "has no `collision_spheres`");
     let spheres_node = find(&root).ok_or_else(missing)?;

@@ -7,11 +7,11 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::pose::Pose;
+use super::pose::FilePose;
 use super::{Obstacle, World, WorldError};
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::shape::{Shape, ShapeError, ShapeKind};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem};
 use kinopt_kinematics::file_access::AllowedFiles;
 use kinopt_kinematics::spatial::Vector3;
 
@@ -53,8 +53,8 @@ macro_rules! kinds {
             let mut world = World::new();
             world.may_be_missing = contents.may_be_missing;
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
-                let location = || Place::Json(format!("{}[{index}]", stringify!($list)));
-                let pose = Pose {
+                let location = || FileLocation::Json(format!("{}[{index}]", stringify!($list)));
+                let pose = FilePose {
                     position: entry.position,
                     quaternion: entry.quaternion,
                     rotation: entry.rotation,
@@ -147,11 +147,11 @@ struct Reader<'f> {
 }
 
 impl Reader<'_> {
-    fn fail(&self, location: Place, problem: String) -> ReadError {
+    fn fail(&self, location: FileLocation, problem: String) -> ReadError {
         ReadError::malformed(self.file, location, problem)
     }
 
-    fn invalid(&self, location: Place, error: WorldError) -> ReadError {
+    fn invalid(&self, location: FileLocation, error: WorldError) -> ReadError {
         ReadError::new(self.file, location, ReadProblem::invalid(error))
     }
 }
@@ -163,7 +163,7 @@ type ShapeResult = Result<Result<Shape, ShapeError>, ReadError>;
 macro_rules! shapes {
     ($($kind:ident($($measure:ident: $type:ty),*) = $shape:expr;)*) => {
         $(impl $kind {
-            fn shape(_: &Reader<'_>, _: Place, $($measure: $type),*) -> ShapeResult {
+            fn shape(_: &Reader<'_>, _: FileLocation, $($measure: $type),*) -> ShapeResult {
                 Ok($shape)
             }
         })*
@@ -185,7 +185,7 @@ shapes! {
 impl Mesh {
     fn shape(
         reader: &Reader<'_>,
-        location: Place,
+        location: FileLocation,
         file: Option<String>,
         scale: Option<[f64; 3]>,
         vertices: Vec<[f64; 3]>,
@@ -237,7 +237,7 @@ fn read(mut contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError>
     if order.is_empty() {
         return Ok(world);
     }
-    let at = |index: usize| Place::Json(format!("order[{index}]"));
+    let at = |index: usize| FileLocation::Json(format!("order[{index}]"));
     let mut ranks: HashMap<&str, usize> = HashMap::new();
     for (index, name) in order.iter().enumerate() {
         world
@@ -249,7 +249,7 @@ fn read(mut contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError>
     }
     if let Some(missing) = world.obstacles().find(|o| !ranks.contains_key(&*o.name)) {
         let problem = format!("obstacle {:?} is missing in it", missing.name);
-        return Err(reader.fail(Place::Json("order".to_owned()), problem));
+        return Err(reader.fail(FileLocation::Json("order".to_owned()), problem));
     }
     world.sort_by_key(|o| ranks.get(&*o.name).copied());
     Ok(world)
@@ -296,7 +296,7 @@ fn push(contents: &mut Contents, obstacle: &Obstacle) {
     /// Adds an entry with the common fields.
     macro_rules! entry {
         ($list:ident: $kind:ident { $($measure:ident: $value:expr),* }) => {{
-            let Pose { position, quaternion, rotation } = Pose::of(&obstacle.placement);
+            let FilePose { position, quaternion, rotation } = FilePose::of(&obstacle.placement);
             contents.$list.push($kind {
                 name: obstacle.name.clone(),
                 $($measure: $value,)*

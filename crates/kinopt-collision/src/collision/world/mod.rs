@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub use error::WorldError;
 pub(crate) use numbered::Change;
 
-use self::names::Names;
+use self::names::NameTable;
 use self::numbered::Numbered;
 use super::shape::{MAX_LENGTH, Shape};
 use kinopt_kinematics::spatial::Placement;
@@ -67,7 +67,7 @@ impl Obstacle {
 #[derive(Clone, Debug, Default)]
 pub struct World {
     obstacles: Numbered,
-    names: Names,
+    names: NameTable,
     /// Sorted numbers of the obstacles that are attached to frames.
     attached: Vec<u64>,
     /// Sorted numbers of the obstacles with allowed collisions.

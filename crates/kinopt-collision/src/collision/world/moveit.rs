@@ -3,7 +3,7 @@
 //! The reader takes the collision objects of `world` and the attached objects of `robot_state`.
 
 use crate::collision::shape::{Shape, ShapeError};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem};
 use kinopt_kinematics::spatial::{Placement, Quaternion, Vector3};
 use kinopt_robot::yaml::{self, Node, Value};
 
@@ -23,7 +23,11 @@ pub(super) struct Scene<'f> {
 /// Parses the obstacles of a scene. The primitives of an object with several are the obstacles `name/0`, `name/1`, ….
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
-        ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
+        ReadError::malformed(
+            file,
+            FileLocation::Byte(error.valid_up_to()),
+            "is not UTF-8",
+        )
     })?;
     let root = yaml::parse(text, file)?;
     let mut scene = Scene {
@@ -65,7 +69,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
 
 impl Scene<'_> {
     pub(super) fn fail(&self, at: &Node<'_>, problem: &str) -> ReadError {
-        ReadError::malformed(self.file, Place::Line(at.line), problem)
+        ReadError::malformed(self.file, FileLocation::Line(at.line), problem)
     }
 
     pub(super) fn invalid(
@@ -73,7 +77,11 @@ impl Scene<'_> {
         at: &Node<'_>,
         error: impl std::error::Error + Send + Sync + 'static,
     ) -> ReadError {
-        ReadError::new(self.file, Place::Line(at.line), ReadProblem::invalid(error))
+        ReadError::new(
+            self.file,
+            FileLocation::Line(at.line),
+            ReadProblem::invalid(error),
+        )
     }
 
     fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> Result<&'n Node<'t>, ReadError> {

@@ -11,12 +11,12 @@ type Shard = Vec<(u64, u64)>;
 
 /// Hashes of names with their numbers, in shards that copies share until one of them changes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Names {
+pub(super) struct NameTable {
     /// Shards by the remainder of the hash; empty while there is no name.
     shards: Arc<Vec<Arc<Shard>>>,
 }
 
-impl Names {
+impl NameTable {
     /// The number of a name. `has` tests if the obstacle of a number has the name, since hashes may collide.
     pub(super) fn find(&self, name: &str, has: impl Fn(u64) -> bool) -> Option<u64> {
         let hash = hash(name);

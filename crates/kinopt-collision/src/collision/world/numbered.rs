@@ -8,13 +8,13 @@ use super::Obstacle;
 /// pointer for each obstacle of a chunk.
 const CHUNK: usize = 128;
 
-type Chunk = Vec<(u64, Arc<Obstacle>)>;
+type ObstacleChunk = Vec<(u64, Arc<Obstacle>)>;
 
 /// Obstacles in increasing order of their numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Numbered {
     /// No chunk is empty.
-    chunks: Vec<Arc<Chunk>>,
+    chunks: Vec<Arc<ObstacleChunk>>,
     len: usize,
 }
 
@@ -120,7 +120,7 @@ impl Numbered {
     /// Differences to another list, by number. Shared chunks are skipped.
     pub(super) fn changes<'a>(&'a self, to: &'a Self) -> Vec<Change<'a>> {
         let mut changes = Vec::new();
-        let (mut before, mut after) = (Cursor::new(self), Cursor::new(to));
+        let (mut before, mut after) = (TraversalPosition::new(self), TraversalPosition::new(to));
         loop {
             if let (Some(one), Some(other)) = (before.at_chunk(), after.at_chunk())
                 && Arc::ptr_eq(one, other)
@@ -161,20 +161,20 @@ impl Numbered {
 }
 
 /// Position in a traversal of all obstacles.
-struct Cursor<'a> {
+struct TraversalPosition<'a> {
     all: &'a Numbered,
     chunk: usize,
     at: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> TraversalPosition<'a> {
     fn new(all: &'a Numbered) -> Self {
         let (chunk, at) = (0, 0);
         Self { all, chunk, at }
     }
 
     /// The next chunk, if none of its entries was passed.
-    fn at_chunk(&self) -> Option<&'a Arc<Chunk>> {
+    fn at_chunk(&self) -> Option<&'a Arc<ObstacleChunk>> {
         self.all.chunks.get(self.chunk).filter(|_| self.at == 0)
     }
 

@@ -22,13 +22,13 @@ pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>,
 }
 
 /// A pose as a file writes it. The quaternion is w, x, y, z; the rotation matrix is row by row.
-pub(super) struct Pose {
+pub(super) struct FilePose {
     pub(super) position: [f64; 3],
     pub(super) quaternion: Option<[f64; 4]>,
     pub(super) rotation: Option<[[f64; 3]; 3]>,
 }
 
-impl Pose {
+impl FilePose {
     pub(super) fn of(placement: &Placement<f64>) -> Self {
         let mut pose = Self {
             position: placement.translation.to_array(),

@@ -11,7 +11,7 @@ use kinopt_kinematics::skeleton::BoneId;
 use kinopt_kinematics::spatial::Vector3;
 
 /// Target position in the model, and its weight from 0 to 1.
-pub(super) type Goal = (DVec3, f64);
+pub(super) type EffectorTarget = (DVec3, f64);
 
 /// Sample time: a frame and a fraction of the interval to the next frame.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -90,7 +90,7 @@ impl Plan<'_> {
     }
 
     /// Returns the target of a bone that is at `free` in the clip.
-    pub(super) fn goal(&self, bone: usize, sample: SampleTime, free: DVec3) -> Goal {
+    pub(super) fn goal(&self, bone: usize, sample: SampleTime, free: DVec3) -> EffectorTarget {
         match self.feet.get(bone) {
             Some(foot) => {
                 let frame = sample.frame;
@@ -118,7 +118,7 @@ impl Plan<'_> {
         &self,
         sample: SampleTime,
         free: DVec3,
-        (target, weight): Goal,
+        (target, weight): EffectorTarget,
     ) -> DVec3 {
         (free + self.moved(sample)).lerp(target, weight)
     }
@@ -136,7 +136,7 @@ fn reach_goal(
     bone: BoneId,
     time: f64,
     free: DVec3,
-) -> Goal {
+) -> EffectorTarget {
     let reaches = ik.reaches.iter().filter(|reach| reach.bone == bone);
     let goals = reaches.map(|reach| (reach.target(time), reach.weight(time, request.span)));
     goals.fold(

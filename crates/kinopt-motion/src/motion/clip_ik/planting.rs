@@ -139,19 +139,19 @@ fn step_fraction(fraction: f64, up: bool) -> f64 {
 }
 
 /// Frames between two contacts, before the first or after the last.
-struct Swing {
+struct SwingPhase {
     frames: Range<usize>,
     after: Option<usize>,
     before: Option<usize>,
 }
 
-fn swings(spans: &[Range<usize>], frames: usize) -> impl Iterator<Item = Swing> + '_ {
+fn swings(spans: &[Range<usize>], frames: usize) -> impl Iterator<Item = SwingPhase> + '_ {
     (0..=spans.len()).filter_map(move |k| {
         let after = k.checked_sub(1);
         let before = (k < spans.len()).then_some(k);
         let start = after.map_or(0, |k| spans[k].end);
         let end = before.map_or(frames, |k| spans[k].start);
-        (start < end).then_some(Swing {
+        (start < end).then_some(SwingPhase {
             frames: start..end,
             after,
             before,

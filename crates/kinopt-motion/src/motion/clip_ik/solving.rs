@@ -8,7 +8,7 @@ use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, FootPlant, ReachResult};
 use super::foot_drift::FootDrift;
-use super::plan::{Goal, Plan, SampleTime, dvec, travelled};
+use super::plan::{EffectorTarget, Plan, SampleTime, dvec, travelled};
 use super::planting::{Ground, PlantedFoot, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, RootDemand};
@@ -63,12 +63,12 @@ fn solve(ik: &ClipIk<'_>, request: &ClipRequest, clip: &Clip) -> Result<EditedCl
         feet: &feet,
         moved: Vec::new(),
     };
-    let goals = |(bone, limb): (usize, &LimbMotion)| -> Vec<Goal> {
+    let goals = |(bone, limb): (usize, &LimbMotion)| -> Vec<EffectorTarget> {
         let frames = limb.positions.iter().enumerate();
         let goals = frames.map(|(frame, free)| plan.goal(bone, SampleTime::at_frame(frame), *free));
         goals.collect()
     };
-    let goals: Vec<Vec<Goal>> = limbs.iter().enumerate().map(goals).collect();
+    let goals: Vec<Vec<EffectorTarget>> = limbs.iter().enumerate().map(goals).collect();
     let runs = match request.root_velocity == DVec3::ZERO {
         true => runs(&goals),
         false => std::iter::once(0..times.len()).collect(),
@@ -144,7 +144,7 @@ fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbMotion, rate: f64) ->
 }
 
 /// Returns ranges of frames with any target, each extended by one unchanged frame at both ends.
-fn runs(goals: &[Vec<Goal>]) -> Vec<Range<usize>> {
+fn runs(goals: &[Vec<EffectorTarget>]) -> Vec<Range<usize>> {
     let frames = goals.first().map_or(0, Vec::len);
     let has_target = |frame: usize| goals.iter().any(|goals| goals[frame].1 > 0.0);
     let mut runs: Vec<Range<usize>> = Vec::new();
@@ -161,7 +161,7 @@ fn runs(goals: &[Vec<Goal>]) -> Vec<Range<usize>> {
 /// Computes the displacement of the root by frame.
 fn root_displacement(
     request: &ClipRequest,
-    (limbs, goals, feet): (&[LimbMotion], &[Vec<Goal>], &[PlantedFoot]),
+    (limbs, goals, feet): (&[LimbMotion], &[Vec<EffectorTarget>], &[PlantedFoot]),
     runs: &[Range<usize>],
     rate: f64,
 ) -> Result<Vec<DVec3>, ClipIkError> {

@@ -15,20 +15,20 @@ const CIRCLE_VERTICES: usize = 16;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FootShapes {
-    pub(super) balls: Vec<Ball>,
+    pub(super) balls: Vec<FootBall>,
 }
 
 /// Ball that is fixed to a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Ball {
+pub(super) struct FootBall {
     pub(super) frame: FrameId,
     /// Centre in the frame's coordinates, metres.
     pub(super) at: Vector3<f64>,
     pub(super) radius: f64,
 }
 
-impl Ball {
+impl FootBall {
     /// Returns the height of its lowest point, given the pose of its frame, metres.
     pub(super) fn height(&self, placed: &Placement<f64>) -> f64 {
         placed.apply(self.at).z - self.radius
@@ -106,7 +106,7 @@ impl FootShapes {
         points: impl IntoIterator<Item = Vector3<f64>>,
         radius: f64,
     ) {
-        let balls = points.into_iter().map(|point| Ball {
+        let balls = points.into_iter().map(|point| FootBall {
             frame,
             at: frame_from_shape.apply(point),
             radius,

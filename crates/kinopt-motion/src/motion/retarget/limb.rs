@@ -5,7 +5,7 @@ use kinopt_kinematics::spatial::Vector3;
 
 /// Driven frame, with the limb that ends there.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Limb {
+pub(super) struct DrivenLimb {
     /// Index of the captured joint.
     pub(super) joint: usize,
     pub(super) frame: FrameId,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::limb::Limb;
+use super::limb::DrivenLimb;
 use super::limb_tree::joints_above;
 use super::{Capture, RetargetError, UpAxis};
 use kinopt_kinematics::kinematics::ForwardKinematics;
@@ -18,7 +18,7 @@ const LENGTH_QUANTILE: f64 = 0.9;
 /// Returns the positions of the driven points in random configurations of a model.
 pub(super) fn model_positions(
     model: &Model,
-    all: &[Limb],
+    all: &[DrivenLimb],
 ) -> Result<Vec<Vector3<f64>>, RetargetError> {
     let mut kinematics = ForwardKinematics::new(model);
     let mut positions = Vec::with_capacity(SAMPLES * all.len());
@@ -36,7 +36,11 @@ pub(super) fn model_positions(
 }
 
 /// Returns the positions of the driving joints in capture frames spread over a capture.
-pub(super) fn capture_positions(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
+pub(super) fn capture_positions(
+    capture: &Capture,
+    all: &[DrivenLimb],
+    up: UpAxis,
+) -> Vec<Vector3<f64>> {
     let step = capture.frames().div_ceil(SAMPLES).max(1);
     let frames = (0..capture.frames())
         .step_by(step)
@@ -46,8 +50,8 @@ pub(super) fn capture_positions(capture: &Capture, all: &[Limb], up: UpAxis) -> 
 }
 
 /// Returns the length of each limb; 0 for the root.
-pub(super) fn lengths(all: &[Limb], positions: &[Vector3<f64>]) -> Vec<f64> {
-    let limb_length = |(k, limb): (usize, &Limb)| {
+pub(super) fn lengths(all: &[DrivenLimb], positions: &[Vector3<f64>]) -> Vec<f64> {
+    let limb_length = |(k, limb): (usize, &DrivenLimb)| {
         let Some(parent) = limb.parent else {
             return 0.0;
         };
@@ -64,8 +68,8 @@ pub(super) fn lengths(all: &[Limb], positions: &[Vector3<f64>]) -> Vec<f64> {
 /// it.
 pub(super) fn rest_length(
     model: &Model,
-    all: &[Limb],
-    limb: &Limb,
+    all: &[DrivenLimb],
+    limb: &DrivenLimb,
     rest: &[Placement<f64>],
 ) -> Option<f64> {
     let parent = &all[limb.parent?];
@@ -77,7 +81,7 @@ pub(super) fn rest_length(
         joint.kind.is_ball() || (joint.kind.moves() && !joint.kind.slides() && range >= TAU - 1e-6)
     };
     let folds = inside.any(|id| !above_parent.contains(&id) && unlimited(id));
-    let end_position = |limb: &Limb| rest[limb.frame.index()].apply(limb.offset);
+    let end_position = |limb: &DrivenLimb| rest[limb.frame.index()].apply(limb.offset);
     folds.then(|| (end_position(limb) - end_position(parent)).norm())
 }
 

@@ -1,6 +1,6 @@
 //! Hierarchy of limbs.
 
-use super::limb::Limb;
+use super::limb::DrivenLimb;
 use kinopt_kinematics::model::{FrameId, JointId, Model};
 use kinopt_kinematics::spatial::Vector3;
 
@@ -22,7 +22,7 @@ pub(super) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
 }
 
 /// Returns the position of a limb's end in the frame of the joint that moves it.
-fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
+fn from_moving_joint(model: &Model, limb: &DrivenLimb) -> Vector3<f64> {
     let frame = &model.frames()[limb.frame.index()];
     let mut position = frame.joint_from_frame.apply(limb.offset);
     let joints = joints_above(model, limb.frame).into_iter();
@@ -36,14 +36,14 @@ fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
 }
 
 /// Sorts limbs parents first and sets their parents: the nearest driven frame towards the root, or the root limb.
-pub(super) fn order(model: &Model, all: &mut [Limb]) {
-    let moving = |limb: &Limb| {
+pub(super) fn order(model: &Model, all: &mut [DrivenLimb]) {
+    let moving = |limb: &DrivenLimb| {
         let joints = joints_above(model, limb.frame);
         let moves = |joint: &JointId| model.joints()[joint.index()].kind.moves();
         joints.into_iter().filter(moves).collect::<Vec<_>>()
     };
     // For equal chains the nearer end comes first: a knee before the ankle at the end of the shin.
-    let distance = |limb: &Limb| from_moving_joint(model, limb).norm();
+    let distance = |limb: &DrivenLimb| from_moving_joint(model, limb).norm();
     all.sort_by(|a, b| {
         let lengths = [a, b].map(|limb| moving(limb).len());
         let distances = [a, b].map(distance);
@@ -63,7 +63,7 @@ pub(super) fn order(model: &Model, all: &mut [Limb]) {
 
 /// Returns the limbs between contact points and the root, without hips and feet. Without the flag, returns the limbs of
 /// all ends, in contact or not.
-pub(super) fn leg_limbs(all: &[Limb], contacts_only: bool) -> Vec<usize> {
+pub(super) fn leg_limbs(all: &[DrivenLimb], contacts_only: bool) -> Vec<usize> {
     let mut legs: Vec<usize> = Vec::new();
     for (end, limb) in all.iter().enumerate() {
         let mut next = if limb.makes_contact || !contacts_only {
@@ -84,7 +84,7 @@ pub(super) fn leg_limbs(all: &[Limb], contacts_only: bool) -> Vec<usize> {
 }
 
 /// Returns the limbs between the root and the legs: those that end at the root and carry contact points.
-pub(super) fn hips(all: &[Limb]) -> Vec<usize> {
+pub(super) fn hips(all: &[DrivenLimb]) -> Vec<usize> {
     let mut hip_limbs = Vec::new();
     for end in all.iter().filter(|limb| limb.makes_contact) {
         let mut next = end.parent;

@@ -1,6 +1,6 @@
 //! Target positions of a model from captured joint positions.
 
-use super::limb::Limb;
+use super::limb::DrivenLimb;
 use super::limb_lengths::{capture_positions, lengths, model_positions, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::pelvis_heading::HipLine;
@@ -20,7 +20,7 @@ const GROUND_QUANTILE: f64 = 0.05;
 /// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limbs {
-    pub(super) all: Vec<Limb>,
+    pub(super) all: Vec<DrivenLimb>,
     /// Indices of the limbs between the root and the legs.
     pub(super) hips: Vec<usize>,
     /// Task of the pelvis heading.
@@ -146,7 +146,7 @@ impl Limbs {
 
     /// Returns whether a limb's target is in world coordinates, as for the root and feet, instead of relative to its
     /// parent.
-    fn is_in_world(&self, limb: &Limb) -> bool {
+    fn is_in_world(&self, limb: &DrivenLimb) -> bool {
         limb.parent
             .is_none_or(|parent| limb.makes_contact && !self.all[parent].makes_contact)
     }
@@ -157,7 +157,7 @@ impl Limbs {
     /// lengths.
     pub(super) fn write_targets(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         to.clear();
-        let upright_position = |limb: &Limb| self.up.upright(captured[limb.joint]);
+        let upright_position = |limb: &DrivenLimb| self.up.upright(captured[limb.joint]);
         for limb in &self.all {
             let position = upright_position(limb);
             to.push(match limb.parent {
@@ -189,7 +189,7 @@ impl Limbs {
     }
 
     /// Converts a position to the model's world.
-    fn in_world(&self, limb: &Limb, position: Vector3<f64>) -> Vector3<f64> {
+    fn in_world(&self, limb: &DrivenLimb, position: Vector3<f64>) -> Vector3<f64> {
         let relative = Vector3::new(position.x, position.y, position.z - limb.ground);
         relative * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
     }
@@ -221,12 +221,12 @@ fn ground_of_stance(
 /// ground with a heel keeps its frame. `placed` are the frames of the model in a configuration.
 fn move_heels_to_feet(
     model: &Model,
-    all: &mut [Limb],
+    all: &mut [DrivenLimb],
     shapes: &FootShapes,
     placed: &[Placement<f64>],
 ) {
     for ankle in 0..all.len() {
-        let is_toe_beyond = |toe: &&Limb| {
+        let is_toe_beyond = |toe: &&DrivenLimb| {
             let moving = [&all[ankle], *toe].map(|limb| moving_joint(model, limb.frame));
             toe.parent == Some(ankle) && toe.makes_contact && moving[0] != moving[1]
         };
@@ -246,8 +246,8 @@ fn mapped_limbs(
     model: &Model,
     map: &BodyMap,
     capture: &Capture,
-) -> Result<Vec<Limb>, RetargetError> {
-    let mut all: Vec<Limb> = Vec::with_capacity(map.drives.len());
+) -> Result<Vec<DrivenLimb>, RetargetError> {
+    let mut all: Vec<DrivenLimb> = Vec::with_capacity(map.drives.len());
     for drive in &map.drives {
         drive.check()?;
         let frame = model.frame(&drive.frame)?;
@@ -261,7 +261,7 @@ fn mapped_limbs(
                 second: drive.joint.clone(),
             });
         }
-        all.push(Limb {
+        all.push(DrivenLimb {
             joint: capture.joint(&drive.joint)?,
             frame,
             offset: drive.offset,

@@ -203,7 +203,7 @@ impl InequalityResidual for OverGround {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::OverGround;
-    use crate::motion::retarget::foot_shapes::Ball;
+    use crate::motion::retarget::foot_shapes::FootBall;
     use crate::motion::retarget::sole::Sole;
     use kinopt_kinematics::model::Model;
     use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -218,7 +218,7 @@ mod tests {
         let (at, radius) = (Vector3::zero(), 0.02);
         let sole = Sole {
             frame,
-            balls: vec![(Ball { frame, at, radius }, 0)],
+            balls: vec![(FootBall { frame, at, radius }, 0)],
             level: Vec::new(),
         };
         let mut task = OverGround::new(&sole, 3.0, 2.0);

@@ -117,7 +117,7 @@ const IGNORED_WORDS: [&str; 9] = [
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum BodySide {
     Left,
     Right,
 }
@@ -125,7 +125,7 @@ enum Side {
 /// Side of a name, and its other words joined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct NameParts {
-    side: Option<Side>,
+    side: Option<BodySide>,
     rest: String,
 }
 
@@ -144,7 +144,7 @@ pub(super) fn parts_where<'a>(
 ) -> BTreeMap<BodyPart, usize> {
     let parsed: Vec<NameParts> = names.map(name_parts).collect();
     let mut indices: BTreeMap<BodyPart, usize> = BTreeMap::new();
-    let mut find_part = |part: BodyPart, side: Option<Side>, aliases: &[&str]| {
+    let mut find_part = |part: BodyPart, side: Option<BodySide>, aliases: &[&str]| {
         let is_free = |index: &usize| !indices.values().any(|other| other == index);
         let knee = match part {
             BodyPart::LeftAnkle => indices.get(&BodyPart::LeftKnee),
@@ -173,7 +173,7 @@ pub(super) fn parts_where<'a>(
         find_part(part, None, aliases);
     }
     for (parts, aliases) in PAIRED_NAMES {
-        for (part, side) in parts.into_iter().zip([Side::Left, Side::Right]) {
+        for (part, side) in parts.into_iter().zip([BodySide::Left, BodySide::Right]) {
             find_part(part, Some(side), aliases);
         }
     }
@@ -190,15 +190,15 @@ fn name_parts(name: &str) -> NameParts {
     let mut rest = String::new();
     for word in words(name) {
         match word.as_str() {
-            "left" | "l" | "lft" => side = side.or(Some(Side::Left)),
-            "right" | "r" | "rgt" => side = side.or(Some(Side::Right)),
+            "left" | "l" | "lft" => side = side.or(Some(BodySide::Left)),
+            "right" | "r" | "rgt" => side = side.or(Some(BodySide::Right)),
             word if is_ignored(word) => {}
             word => rest.push_str(word),
         }
     }
     // Lower-case names such as `leftupleg`.
     if side.is_none() {
-        for (start, named_side) in [("left", Side::Left), ("right", Side::Right)] {
+        for (start, named_side) in [("left", BodySide::Left), ("right", BodySide::Right)] {
             if let Some(after) = rest.strip_prefix(start).filter(|after| !after.is_empty()) {
                 (side, rest) = (Some(named_side), after.to_owned());
                 break;

@@ -1,7 +1,7 @@
 //! Soles of feet: the points of their shapes that reach the ground first.
 
-use super::foot_shapes::{Ball, FootShapes};
-use super::limb::Limb;
+use super::foot_shapes::{FootBall, FootShapes};
+use super::limb::DrivenLimb;
 use super::limb_tree::{joints_above, moving_joint};
 use kinopt_kinematics::model::{FrameId, Model};
 use kinopt_kinematics::scalar::elementary;
@@ -20,7 +20,7 @@ const MAX_HEIGHT_RATIO: f64 = 0.25;
 pub(super) struct Sole {
     pub(super) frame: FrameId,
     /// Balls that reach the ground first, each with the index of the nearest limb in contact.
-    pub(super) balls: Vec<(Ball, usize)>,
+    pub(super) balls: Vec<(FootBall, usize)>,
     /// Directions that are level if the foot is flat on the ground, and not determined by its contact points. One is
     /// across the foot; for a single contact point there are two.
     pub(super) level: Vec<Vector3<f64>>,
@@ -49,7 +49,7 @@ impl Sole {
 /// as low follow, such as heel and toes of a foot with a joint between them.
 fn bodies_below(
     model: &Model,
-    limb: &Limb,
+    limb: &DrivenLimb,
     shapes: &FootShapes,
     placed: &[Placement<f64>],
 ) -> Vec<FrameId> {
@@ -57,9 +57,9 @@ fn bodies_below(
     let Some(limb_joint) = moving(limb.frame) else {
         return Vec::new();
     };
-    let height = |ball: &Ball| ball.height(&placed[ball.frame.index()]);
-    let is_at_or_beyond = |ball: &&Ball| joints_above(model, ball.frame).contains(&limb_joint);
-    let mut balls: Vec<&Ball> = shapes.balls.iter().filter(is_at_or_beyond).collect();
+    let height = |ball: &FootBall| ball.height(&placed[ball.frame.index()]);
+    let is_at_or_beyond = |ball: &&FootBall| joints_above(model, ball.frame).contains(&limb_joint);
+    let mut balls: Vec<&FootBall> = shapes.balls.iter().filter(is_at_or_beyond).collect();
     balls.sort_by(|a, b| height(a).total_cmp(&height(b)));
     let Some(ground) = balls.first().map(|lowest| height(lowest)) else {
         return Vec::new();
@@ -84,7 +84,7 @@ fn bodies_below(
 /// Returns whether a limb ends on a body in contact with the ground. An example is an ankle on a foot with a toe joint.
 pub(super) fn ends_on_ground(
     model: &Model,
-    limb: &Limb,
+    limb: &DrivenLimb,
     shapes: &FootShapes,
     placed: &[Placement<f64>],
 ) -> bool {
@@ -97,7 +97,7 @@ pub(super) fn ends_on_ground(
 /// configuration.
 pub(super) fn soles(
     model: &Model,
-    all: &[Limb],
+    all: &[DrivenLimb],
     shapes: &FootShapes,
     placed: &[Placement<f64>],
 ) -> Vec<Sole> {
@@ -136,7 +136,7 @@ pub(super) fn soles(
                 .min_by(|a, b| distance(a).total_cmp(&distance(b)))?
                 .limb;
             let at = foot_from_world.apply(at);
-            Some((Ball { frame, at, radius }, limb))
+            Some((FootBall { frame, at, radius }, limb))
         });
         let level = level_directions(&limbs).into_iter();
         let level = level.map(|direction| foot_from_world.rotation * direction);

@@ -12,7 +12,7 @@ const SLACKS_PER_LOGARITHM: usize = 8;
 
 /// Bound sign · (x[at] − x[before]) ≤ limit, with slack s ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bound {
+pub(super) struct SlackBound {
     pub(super) index: usize,
     /// Index of the same variable one sample before, for a bound on a displacement.
     pub(super) before: Option<usize>,
@@ -23,7 +23,7 @@ pub(super) struct Bound {
     pub(super) size: f64,
 }
 
-impl Bound {
+impl SlackBound {
     fn value(&self, x: &[f64]) -> f64 {
         match self.before {
             None => x[self.index],
@@ -39,7 +39,7 @@ impl Bound {
 /// All bounds of some samples, with slacks s and multipliers z.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Barrier<'a> {
-    pub(super) bounds: Vec<Bound>,
+    pub(super) bounds: Vec<SlackBound>,
     /// Bounds of lengths. Their slacks and multipliers follow those of `bounds`.
     pub(super) lengths: Vec<LengthBound<'a>>,
     pub(super) slacks: Vec<f64>,
@@ -66,7 +66,7 @@ impl<'a> Barrier<'a> {
                 let range = if range.is_finite() { range } else { 1.0 };
                 let mut add = |before: Option<usize>, sign: f64, limit: f64| {
                     if limit.is_finite() {
-                        bounds.push(Bound {
+                        bounds.push(SlackBound {
                             index,
                             before,
                             sign,

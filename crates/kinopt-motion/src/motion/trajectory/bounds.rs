@@ -97,7 +97,7 @@ impl FrameBounds {
     /// Returns the range of a variable at each sample from which all other samples can be reached.
     ///
     /// Displacement bounds and ranges are scaled by `fraction`. The range at fixed samples is their value.
-    fn band(&self, x: &Frames<'_>, variable: usize, fraction: f64) -> Option<Band> {
+    fn band(&self, x: &SampleVariables<'_>, variable: usize, fraction: f64) -> Option<Band> {
         let (low, high) = (self.lower[variable], self.upper[variable]);
         let middle = 0.5 * (low + high);
         let inset = |end: f64| match middle.is_finite() {
@@ -126,7 +126,11 @@ impl FrameBounds {
     ///
     /// # Errors
     /// Returns an error if a variable cannot get from one fixed sample to the next.
-    pub(super) fn move_inside(&self, x: &mut Frames<'_>, inward: Inward) -> Result<(), TooFar> {
+    pub(super) fn move_inside(
+        &self,
+        x: &mut SampleVariables<'_>,
+        inward: Inward,
+    ) -> Result<(), TooFar> {
         let frames = x.frames();
         for variable in (0..self.max_step.len()).filter(|&variable| self.is_bounded(variable)) {
             let jumps = |frame: usize| {
@@ -189,7 +193,7 @@ impl FrameBounds {
 
     /// Returns the smallest clearance of a trajectory from a variable's bounds, relative to its range and displacement
     /// bound.
-    fn clearance(&self, x: &Frames<'_>, variable: usize) -> f64 {
+    fn clearance(&self, x: &SampleVariables<'_>, variable: usize) -> f64 {
         let (low, high) = (self.lower[variable], self.upper[variable]);
         let range = Some(high - low)
             .filter(|range| range.is_finite())
@@ -224,12 +228,12 @@ impl FrameBounds {
 
 /// Variables of consecutive samples, with flags of fixed samples.
 #[derive(Debug)]
-pub(super) struct Frames<'a> {
+pub(super) struct SampleVariables<'a> {
     pub(super) x: &'a mut [f64],
     pub(super) fixed: &'a [bool],
 }
 
-impl Frames<'_> {
+impl SampleVariables<'_> {
     pub(super) fn frames(&self) -> usize {
         self.fixed.len()
     }

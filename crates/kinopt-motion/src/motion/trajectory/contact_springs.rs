@@ -5,7 +5,7 @@
 use nalgebra::DMatrix;
 
 use super::block_banded::BlockBanded;
-use super::stretch::Stretch;
+use super::stretch::SampleSpan;
 use super::{Contact, MotionError, MotionProblem};
 use kinopt_kinematics::model::{Model, ParameterMap};
 use kinopt_solver::problem::{Evaluation, Problem, ProblemInstance, Scratch};
@@ -91,7 +91,7 @@ impl<'a> ContactSprings<'a> {
     /// Calls `visit` with local sample index, row and sliding for each active row between consecutive samples.
     fn for_each_active(
         &mut self,
-        stretch: Stretch,
+        stretch: SampleSpan,
         x: &[f64],
         differentiate: bool,
         mut visit: impl FnMut(&mut Self, usize, usize, f64),
@@ -127,7 +127,7 @@ impl<'a> ContactSprings<'a> {
     }
 
     /// Returns the penalty ½ w² Σ (slip + rest)².
-    pub(super) fn cost(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn cost(&mut self, stretch: SampleSpan, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         self.for_each_active(stretch, x, false, |springs, local, row, slip| {
             let extension =
@@ -140,7 +140,7 @@ impl<'a> ContactSprings<'a> {
     /// Returns the same penalty, and adds its gradient and JᵀJ.
     pub(super) fn linearise(
         &mut self,
-        stretch: Stretch,
+        stretch: SampleSpan,
         x: &[f64],
         hessian: &mut BlockBanded,
         gradient: &mut [f64],
@@ -177,7 +177,7 @@ impl<'a> ContactSprings<'a> {
     }
 
     /// Updates the rest offsets. Returns the largest sliding between consecutive samples, metres.
-    pub(super) fn update_multipliers(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn update_multipliers(&mut self, stretch: SampleSpan, x: &[f64]) -> f64 {
         let mut max_sliding = 0.0_f64;
         self.for_each_active(stretch, x, false, |springs, local, row, slip| {
             let rows = springs.rows();
@@ -188,7 +188,7 @@ impl<'a> ContactSprings<'a> {
     }
 
     /// Returns the largest distance of a contact point from its position at the start of the contact, metres.
-    pub(super) fn slip(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn slip(&mut self, stretch: SampleSpan, x: &[f64]) -> f64 {
         let mut max_sliding = 0.0_f64;
         // A contact has one span.
         let mut sums = vec![[0.0; ROWS_PER_POINT]; self.rows() / ROWS_PER_POINT];

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::block_banded::BlockBanded;
 use super::contact_springs::ContactSprings;
 use super::frame_residuals::FrameResiduals;
-use super::stretch::Stretch;
+use super::stretch::SampleSpan;
 use super::{MotionCounts, MotionError, MotionProblem};
 use kinopt_solver::solver::{InnerProducts, dot, half_squared};
 
@@ -13,7 +13,7 @@ use kinopt_solver::solver::{InnerProducts, dot, half_squared};
 const DIFFERENCE_STEP: f64 = 1e-6;
 
 /// Evaluator of samples of one trajectory, with its memory.
-pub(super) struct Evaluator<'a> {
+pub(super) struct SampleEvaluator<'a> {
     motion: &'a MotionProblem,
     residuals: FrameResiduals<'a>,
     residual: Vec<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) counts: MotionCounts,
 }
 
-impl<'a> Evaluator<'a> {
+impl<'a> SampleEvaluator<'a> {
     pub(super) fn new(motion: &'a MotionProblem) -> Self {
         let problem = &motion.problem;
         let (n, rows) = (problem.variables(), problem.rows());
@@ -96,7 +96,7 @@ impl<'a> Evaluator<'a> {
     /// Updates the multipliers of loops at samples that are not fixed. Returns the largest closure error.
     pub(super) fn update_loop_multipliers(
         &mut self,
-        stretch: Stretch,
+        stretch: SampleSpan,
         x: &[f64],
         fixed: &[bool],
     ) -> f64 {
@@ -120,7 +120,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Returns the cost of tasks and rates, and the penalty of contacts and loops.
-    pub(super) fn cost(&mut self, stretch: Stretch, x: &[f64]) -> [f64; 2] {
+    pub(super) fn cost(&mut self, stretch: SampleSpan, x: &[f64]) -> [f64; 2] {
         let n = self.motion.variables();
         let (mut tasks, mut loops) = (0.0, 0.0);
         for (frame, x) in x.chunks_exact(n).enumerate().skip(stretch.fixed_count) {
@@ -135,7 +135,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Returns the cost of rates, and stores the differences between samples.
-    pub(super) fn rates(&mut self, stretch: Stretch, x: &[f64]) -> f64 {
+    pub(super) fn rates(&mut self, stretch: SampleSpan, x: &[f64]) -> f64 {
         let n = self.motion.variables();
         let frames = x.len() / n;
         self.differences.resize((frames - 1) * n, 0.0);
@@ -160,7 +160,7 @@ impl<'a> Evaluator<'a> {
     /// Returns an error if a sample has a number that is not finite.
     pub(super) fn linearise(
         &mut self,
-        stretch: Stretch,
+        stretch: SampleSpan,
         x: &[f64],
         hessian: &mut BlockBanded,
         gradient: &mut [f64],

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::bounds::{FrameBounds, Frames, TooFar};
+use super::bounds::{FrameBounds, SampleVariables, TooFar};
 use super::length_limits::LengthLimit;
 use super::space::{is_bounded, rotation};
 use kinopt_kinematics::bisection::bisect;
@@ -42,7 +42,11 @@ impl<'a> LimitGroup<'a> {
     ///
     /// # Errors
     /// Returns an error if a fixed sample cannot be reached from the one before.
-    pub(super) fn move_inside(&self, x: &mut Frames<'_>, fraction: f64) -> Result<(), TooFar> {
+    pub(super) fn move_inside(
+        &self,
+        x: &mut SampleVariables<'_>,
+        fraction: f64,
+    ) -> Result<(), TooFar> {
         for frame in (0..x.frames()).filter(|&frame| !x.fixed[frame]) {
             self.move_inside_limits(x.frame_mut(frame), fraction);
         }
@@ -100,7 +104,7 @@ impl<'a> LimitGroup<'a> {
     /// Moves the samples of a stretch, which begins at a fixed or the first sample and ends before the next fixed one.
     fn move_stretch(
         &self,
-        x: &mut Frames<'_>,
+        x: &mut SampleVariables<'_>,
         begin: usize,
         end: usize,
         fraction: f64,

@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::barrier::Barrier;
 use super::block_banded::BlockBanded;
-use super::bounds::{Frames, Inward};
-use super::evaluator::Evaluator;
-use super::stretch::Stretch;
+use super::bounds::{Inward, SampleVariables};
+use super::evaluator::SampleEvaluator;
+use super::stretch::SampleSpan;
 use super::{MotionError, MotionProblem, MotionTermination};
 use kinopt_kinematics::model::Loop;
 use kinopt_solver::solver::dot;
@@ -41,7 +41,7 @@ const MAX_LOOP_MULTIPLIER_UPDATES: usize = 30;
 
 /// Stopping criteria and options.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(super) struct InteriorPointOptions {
     /// Tolerance of the predicted decrease, relative to the cost.
     pub(super) tolerance: f64,
     pub(super) iterations: usize,
@@ -56,15 +56,15 @@ pub(super) struct Limits {
 /// Consecutive samples that are solved together.
 pub(super) struct Window<'a, 'e> {
     pub(super) motion: &'a MotionProblem,
-    pub(super) evaluator: &'e mut Evaluator<'a>,
-    pub(super) stretch: Stretch,
+    pub(super) evaluator: &'e mut SampleEvaluator<'a>,
+    pub(super) stretch: SampleSpan,
     pub(super) fixed: Vec<bool>,
     /// Flag that cancels the search.
     pub(super) cancelled: Option<&'e AtomicBool>,
 }
 
 /// Result of a search. The variables are updated in place.
-pub(super) struct Outcome<'a> {
+pub(super) struct InteriorPointOutcome<'a> {
     pub(super) termination: MotionTermination,
     pub(super) iterations: usize,
     pub(super) barrier: Barrier<'a>,
@@ -73,7 +73,7 @@ pub(super) struct Outcome<'a> {
 }
 
 /// Scratch memory of steps.
-struct Step {
+struct StepWorkspace {
     hessian: BlockBanded,
     factor: BlockBanded,
     gradient: Vec<f64>,
@@ -88,15 +88,15 @@ impl<'a> Window<'a, '_> {
     pub(super) fn minimise(
         &mut self,
         x: &mut [f64],
-        limits: Limits,
-    ) -> Result<Outcome<'a>, MotionError> {
+        limits: InteriorPointOptions,
+    ) -> Result<InteriorPointOutcome<'a>, MotionError> {
         let n = self.motion.variables();
         let frames = self.fixed.len();
         let fixed = &self.fixed;
         let moved = self
             .motion
             .bounds
-            .move_inside(&mut Frames { x, fixed }, limits.inward);
+            .move_inside(&mut SampleVariables { x, fixed }, limits.inward);
         moved.map_err(|too_far| self.too_far(too_far.variable))?;
         self.evaluator.reset(frames);
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
@@ -104,7 +104,7 @@ impl<'a> Window<'a, '_> {
             return Err(self.too_far(variable % n));
         }
         let hessian = BlockBanded::new(frames, n, self.motion.bandwidth());
-        let mut step = Step {
+        let mut step = StepWorkspace {
             factor: hessian.clone(),
             hessian,
             gradient: vec![0.0; frames * n],
@@ -157,7 +157,7 @@ impl<'a> Window<'a, '_> {
                 updates += 1;
             }
         }
-        Ok(Outcome {
+        Ok(InteriorPointOutcome {
             termination,
             iterations,
             barrier,
@@ -165,8 +165,8 @@ impl<'a> Window<'a, '_> {
         })
     }
 
-    fn linearise(&mut self, x: &[f64], step: &mut Step) -> Result<[f64; 2], MotionError> {
-        let Step {
+    fn linearise(&mut self, x: &[f64], step: &mut StepWorkspace) -> Result<[f64; 2], MotionError> {
+        let StepWorkspace {
             hessian, gradient, ..
         } = step;
         self.evaluator.linearise(self.stretch, x, hessian, gradient)
@@ -178,7 +178,7 @@ impl<'a> Window<'a, '_> {
         x: &mut [f64],
         cost: f64,
         barrier: &mut Barrier<'_>,
-        step: &mut Step,
+        step: &mut StepWorkspace,
     ) -> Result<Option<(f64, f64)>, MotionError> {
         let largest = step.hessian.largest();
         let mut trial = x.to_vec();
@@ -247,7 +247,7 @@ impl<'a> Window<'a, '_> {
     }
 
     /// Factorises the system, with as much damping as needed.
-    fn factorise(&mut self, step: &mut Step, largest: f64) {
+    fn factorise(&mut self, step: &mut StepWorkspace, largest: f64) {
         loop {
             step.factor.copy_from(&step.hessian);
             let damping = step.damping.max(MIN_DAMPING) * largest;
@@ -261,7 +261,7 @@ impl<'a> Window<'a, '_> {
     }
 
     /// Solves for the step with barrier parameter μ. Returns the slope of the barrier problem along it.
-    fn solve_step(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
+    fn solve_step(&self, step: &mut StepWorkspace, barrier: &Barrier<'_>, mu: f64) -> f64 {
         let direction = &mut step.direction;
         for (direction, slope) in direction.iter_mut().zip(&step.gradient) {
             *direction = -slope;
@@ -280,7 +280,7 @@ impl<'a> Window<'a, '_> {
     /// descent direction.
     fn solve_curved_step(
         &self,
-        step: &mut Step,
+        step: &mut StepWorkspace,
         barrier: &mut Barrier<'_>,
         mu: f64,
     ) -> Option<f64> {

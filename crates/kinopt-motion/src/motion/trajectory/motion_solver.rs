@@ -3,12 +3,12 @@
 use std::sync::atomic::AtomicBool;
 
 use super::bounds::Inward;
-use super::evaluator::Evaluator;
+use super::evaluator::SampleEvaluator;
 use super::frame_residuals::FrameResiduals;
-use super::interior_point::{Limits, Window};
+use super::interior_point::{InteriorPointOptions, Window};
 use super::per_frame::per_frame;
 use super::solution::Report;
-use super::stretch::Stretch;
+use super::stretch::SampleSpan;
 use super::{MotionError, MotionProblem, MotionSolution};
 use kinopt_kinematics::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption};
 use kinopt_solver::search::check_start;
@@ -202,14 +202,14 @@ impl MotionSolver {
         if let Some(last) = last {
             x[(motion.frames - 1) * n..].copy_from_slice(last);
         }
-        let limits = Limits {
+        let limits = InteriorPointOptions {
             tolerance: self.tolerance,
             iterations: self.max_iterations,
             curvature: self.curvature,
             slip_m: self.slip_m,
             inward: self.inward,
         };
-        let mut evaluator = Evaluator::new(motion);
+        let mut evaluator = SampleEvaluator::new(motion);
         let mut report = Report::new(motion);
         let mut begin = 0;
         while begin < motion.frames {
@@ -220,7 +220,7 @@ impl MotionSolver {
             let mut window = Window {
                 motion,
                 evaluator: &mut evaluator,
-                stretch: Stretch {
+                stretch: SampleSpan {
                     first: stretch.start,
                     fixed_count,
                 },

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::MotionProblem;
-use super::evaluator::Evaluator;
-use super::interior_point::Outcome;
-use super::stretch::Stretch;
+use super::evaluator::SampleEvaluator;
+use super::interior_point::InteriorPointOutcome;
+use super::stretch::SampleSpan;
 use kinopt_solver::problem::{ReportNames, TaskSubset};
 use kinopt_solver::solver::Side;
 use kinopt_solver::task::{Quantity, Role};
@@ -246,7 +246,12 @@ impl<'a> Report<'a> {
     }
 
     /// Adds the result of a window that begins at sample `first` and keeps the samples in `kept_frames`.
-    pub(super) fn add(&mut self, outcome: &Outcome<'_>, first: usize, kept_frames: Range<usize>) {
+    pub(super) fn add(
+        &mut self,
+        outcome: &InteriorPointOutcome<'_>,
+        first: usize,
+        kept_frames: Range<usize>,
+    ) {
         self.iterations += outcome.iterations;
         if outcome.termination != MotionTermination::Stationary {
             self.termination = outcome.termination;
@@ -293,7 +298,11 @@ impl<'a> Report<'a> {
     }
 
     /// Evaluates the complete trajectory.
-    pub(super) fn finish(mut self, evaluator: &mut Evaluator<'_>, x: &[f64]) -> MotionSolution {
+    pub(super) fn finish(
+        mut self,
+        evaluator: &mut SampleEvaluator<'_>,
+        x: &[f64],
+    ) -> MotionSolution {
         // Bounds of lengths come last within each window.
         self.held.sort_by_key(|held| held.frame);
         let motion = self.motion;
@@ -321,7 +330,7 @@ impl<'a> Report<'a> {
             }));
             costs.push(evaluator.frame_cost(frame, x)[0]);
         }
-        let whole = Stretch {
+        let whole = SampleSpan {
             first: 0,
             fixed_count: 0,
         };

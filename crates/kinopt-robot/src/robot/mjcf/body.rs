@@ -7,7 +7,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::geom::{self, Geom};
 use super::inertial;
-use super::joint::{self, JointElement, Kind};
+use super::joint::{self, JointElement, JointType};
 use super::mesh::Mesh;
 use super::orientation::placement;
 use super::segment;
@@ -21,7 +21,7 @@ const UNSUPPORTED: [&str; 4] = ["replicate", "attach", "composite", "flexcomp"];
 
 /// A body and the elements fixed to it.
 #[derive(Clone, Debug)]
-pub(super) struct Body<'a> {
+pub(super) struct BodyElement<'a> {
     pub(super) tag: Tag<'a>,
     /// Index of the parent body; `None` for the world.
     pub(super) parent: Option<usize>,
@@ -53,7 +53,7 @@ type PendingElement<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
 
 impl<'a> BodyReader<'_, 'a> {
     /// All bodies in MuJoCo's order: the world first, parents before children.
-    pub(super) fn read(&mut self, root: Tag<'a>) -> Read<Vec<Body<'a>>> {
+    pub(super) fn read(&mut self, root: Tag<'a>) -> Read<Vec<BodyElement<'a>>> {
         let mut worlds: Vec<PendingElement<'a>> = Vec::new();
         for world in root.children_named("worldbody") {
             worlds.push((world, Placement::identity(), world.text("childclass")));
@@ -64,7 +64,7 @@ impl<'a> BodyReader<'_, 'a> {
         let mut pending = vec![(first, worlds, None, Placement::identity())];
         while let Some((tag, contents, parent, parent_from_body)) = pending.pop() {
             let index = bodies.len();
-            let mut body = Body {
+            let mut body = BodyElement {
                 tag,
                 parent,
                 parent_from_body,
@@ -90,7 +90,7 @@ impl<'a> BodyReader<'_, 'a> {
     /// Reads the elements of a body, also those within `<frame>`, and lists the child bodies.
     fn fill(
         &mut self,
-        body: &mut Body<'a>,
+        body: &mut BodyElement<'a>,
         mut contents: Vec<PendingElement<'a>>,
         children: &mut Vec<(PendingElement<'a>, Placement<f64>)>,
     ) -> Read<()> {
@@ -117,7 +117,7 @@ impl<'a> BodyReader<'_, 'a> {
 
     fn child(
         &mut self,
-        body: &mut Body<'a>,
+        body: &mut BodyElement<'a>,
         (child, body_from_frame, class): PendingElement<'a>,
         pending: &mut Vec<PendingElement<'a>>,
         children: &mut Vec<(PendingElement<'a>, Placement<f64>)>,
@@ -183,8 +183,11 @@ impl<'a> BodyReader<'_, 'a> {
     }
 }
 
-fn check_free(body: &Body<'_>) -> Read<()> {
-    let free = body.joints.iter().find(|joint| joint.kind == Kind::Free);
+fn check_free(body: &BodyElement<'_>) -> Read<()> {
+    let free = body
+        .joints
+        .iter()
+        .find(|joint| joint.kind == JointType::Free);
     match free {
         Some(joint) if body.joints.len() > 1 || body.parent != Some(0) => {
             Err(joint.tag.fault(ParseIssue::MisplacedFreeJoint))

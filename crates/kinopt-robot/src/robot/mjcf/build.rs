@@ -4,13 +4,13 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use super::attributes::Attributes;
-use super::body::Body;
+use super::body::BodyElement;
 use super::equality::{self, Coupling};
-use super::joint::{JointElement, Kind};
+use super::joint::{JointElement, JointType};
 use super::names::{self, ElementNames, FreshNames, WORLD};
 use super::orientation::direction;
 use crate::robot::xml::{ParseIssue, Read, Repair, RepairKind, RobotFileError, clean_sin_cos};
-use crate::robot::{Drive, Mimic};
+use crate::robot::{DriveLimits, Mimic};
 use kinopt_kinematics::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
 use kinopt_kinematics::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -20,7 +20,7 @@ pub(super) struct Build<'a> {
     pub(super) names: ElementNames<'a>,
     /// MuJoCo's `qpos0`: the configuration in which the body poses are those of the file.
     pub(super) reference_configuration: Vec<f64>,
-    pub(super) drives: Vec<Drive>,
+    pub(super) drives: Vec<DriveLimits>,
     /// Notes on attributes that are read differently from what they seem to state.
     pub(super) notes: Vec<Repair>,
     /// Line and name of the element of each mimic joint, in the order of [`couple`](Self::couple).
@@ -46,7 +46,7 @@ impl<'a> Build<'a> {
     }
 
     /// Adds bodies, their joints and their sites. Frames of bodies come first because link indices equal body indices.
-    pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Read<()> {
+    pub(super) fn add(&mut self, bodies: &[BodyElement<'a>]) -> Read<()> {
         let [mut joint_names, mut frame_names] = names::file_names(bodies)?;
         let mut carried_poses: Vec<CarriedPose> = Vec::with_capacity(bodies.len());
         let mut body_names: Vec<String> = Vec::with_capacity(bodies.len());
@@ -108,7 +108,7 @@ impl<'a> Build<'a> {
         let axis = element.axis;
         let id = match element.kind {
             // The coordinates of a free joint are absolute poses; the pose of the file is only the initial one.
-            Kind::Free => {
+            JointType::Free => {
                 let Vector3 { x, y, z } = at.translation;
                 let Quaternion { w, v } = Quaternion::from_matrix(&at.rotation);
                 self.reference_configuration
@@ -116,7 +116,7 @@ impl<'a> Build<'a> {
                 let bounds = [Limits::UNBOUNDED; 3];
                 self.builder.free(name, None, Placement::identity(), bounds)
             }
-            Kind::Ball => {
+            JointType::Ball => {
                 self.reference_configuration.extend([1.0, 0.0, 0.0, 0.0]);
                 let angle = element.range.map(|range| range.upper);
                 let oversized = angle.filter(|angle| *angle > ROUNDED_PI);
@@ -130,9 +130,9 @@ impl<'a> Build<'a> {
                     .map(BallLimits::within_angle);
                 self.builder.ball(name, carrier, anchored, axis, limits)
             }
-            Kind::Slide | Kind::Hinge => {
+            JointType::Slide | JointType::Hinge => {
                 self.reference_configuration.push(element.reference);
-                let is_prismatic = element.kind == Kind::Slide;
+                let is_prismatic = element.kind == JointType::Slide;
                 let unit = direction(axis).unwrap_or(axis);
                 let sin_cos = clean_sin_cos(-element.reference);
                 let reference_motion = match is_prismatic {
@@ -151,13 +151,13 @@ impl<'a> Build<'a> {
             }
         };
         self.names.add_joint(element, id);
-        self.drives.resize(id.index(), Drive::default());
-        self.drives.push(Drive {
+        self.drives.resize(id.index(), DriveLimits::default());
+        self.drives.push(DriveLimits {
             effort: element.effort,
-            ..Drive::default()
+            ..DriveLimits::default()
         });
         match element.kind {
-            Kind::Free => (Some(id), Placement::identity()),
+            JointType::Free => (Some(id), Placement::identity()),
             _ => (Some(id), Placement::translation(-element.anchor)),
         }
     }

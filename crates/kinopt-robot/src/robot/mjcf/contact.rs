@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::attributes::Attributes;
-use super::body::Body;
+use super::body::BodyElement;
 use super::geom::Geom;
 use super::names::WORLD;
 use super::tree::Tag;
@@ -14,7 +14,7 @@ use kinopt_kinematics::model::UnknownName;
 /// Reads the contacts of a document. Faulty or unsupported elements go to `left_out`.
 pub(super) fn read(
     root: Tag<'_>,
-    bodies: &[Body<'_>],
+    bodies: &[BodyElement<'_>],
     left_out: &mut Vec<RobotFileError>,
 ) -> Contacts {
     let mut contacts = Contacts {
@@ -71,7 +71,7 @@ fn includes_parents(root: Tag<'_>) -> bool {
 }
 
 /// Body indices by name.
-fn body_names<'b>(bodies: &'b [Body<'_>]) -> HashMap<&'b str, usize> {
+fn body_names<'b>(bodies: &'b [BodyElement<'_>]) -> HashMap<&'b str, usize> {
     let names = bodies.iter().enumerate().filter_map(|(index, body)| {
         let name = match index {
             0 => Some(WORLD),
@@ -83,7 +83,7 @@ fn body_names<'b>(bodies: &'b [Body<'_>]) -> HashMap<&'b str, usize> {
 }
 
 /// Geoms by name, each with the index of its body.
-fn geom_names<'b, 'd>(bodies: &'b [Body<'d>]) -> HashMap<&'b str, (usize, &'b Geom<'d>)> {
+fn geom_names<'b, 'd>(bodies: &'b [BodyElement<'d>]) -> HashMap<&'b str, (usize, &'b Geom<'d>)> {
     let geoms = bodies.iter().enumerate().flat_map(|(index, body)| {
         let geoms = body.geoms.iter();
         geoms.filter_map(move |geom| Some((geom.tag.text("name")?, (index, geom))))

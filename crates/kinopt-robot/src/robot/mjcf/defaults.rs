@@ -12,12 +12,12 @@ const MAIN: &str = "main";
 /// The default classes of a document; the first is the outermost.
 #[derive(Clone, Debug)]
 pub(super) struct Defaults<'a> {
-    classes: Vec<Class<'a>>,
+    classes: Vec<DefaultClass<'a>>,
     by_name: HashMap<&'a str, usize>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Class<'a> {
+struct DefaultClass<'a> {
     enclosing: Option<usize>,
     /// Elements in the order of the file; later ones override earlier ones.
     tags: Vec<Tag<'a>>,
@@ -26,7 +26,7 @@ struct Class<'a> {
 impl<'a> Defaults<'a> {
     pub(super) fn read(root: Tag<'a>) -> Read<Self> {
         let mut defaults = Self {
-            classes: vec![Class::default()],
+            classes: vec![DefaultClass::default()],
             by_name: HashMap::from([(MAIN, 0)]),
         };
         let mut lines: HashMap<&'a str, u32> = HashMap::new();
@@ -47,7 +47,7 @@ impl<'a> Defaults<'a> {
                     let name = child.text(attribute).filter(|name| !name.is_empty());
                     let inner = defaults.classes.len();
                     defaults.name(child, name.ok_or_else(unnamed)?, inner, &mut lines)?;
-                    defaults.classes.push(Class {
+                    defaults.classes.push(DefaultClass {
                         enclosing: Some(class),
                         tags: Vec::new(),
                     });

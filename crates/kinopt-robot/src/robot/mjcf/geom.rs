@@ -8,11 +8,11 @@ use super::defaults::Defaults;
 use super::mesh::Mesh;
 use super::orientation::placement;
 use super::segment;
-use super::solid::Solid;
+use super::solid::GeomSolid;
 use super::tree::Tag;
 use crate::robot::contacts::ContactBits;
 use crate::robot::xml::{ParseIssue, Read, RobotFileError};
-use crate::robot::{Geometry, Shape};
+use crate::robot::{Geometry, GeometryObject};
 use kinopt_kinematics::model::UnknownName;
 use kinopt_kinematics::spatial::Placement;
 
@@ -39,7 +39,7 @@ pub(super) struct Geom<'a> {
     pub(super) tag: Tag<'a>,
     kind: &'static str,
     /// Shape of the geom; `None` for types that [`Geometry`] does not have.
-    pub(super) shape: Option<Shape>,
+    pub(super) shape: Option<GeometryObject>,
     pub(super) is_visual: bool,
     pub(super) collides: bool,
     pub(super) bits: ContactBits,
@@ -67,7 +67,7 @@ impl Geom<'_> {
 pub(super) enum GeomMass {
     Nothing,
     /// Mass in kilograms, solid, and pose of the solid in the body.
-    Known(f64, Solid, Placement<f64>),
+    Known(f64, GeomSolid, Placement<f64>),
     /// Mass in kilograms. The centre is unknown: it depends on a mesh file, or the geom is a shell.
     UnknownCentre(f64),
     /// Unknown mass: it depends on a mesh file, or the geom is a shell.
@@ -107,7 +107,7 @@ pub(super) fn read<'a>(
             (Some(solid), geometry, None)
         }
     };
-    let shape = geometry.map(|geometry| Shape {
+    let shape = geometry.map(|geometry| GeometryObject {
         name: tag.text("name").map(str::to_owned),
         link_from_shape: match shape_from_file {
             Some(shape_from_file) => body_from_geom * shape_from_file,
@@ -159,7 +159,7 @@ fn solid(
     geom: &Attributes<'_>,
     kind: &'static str,
     length: Option<f64>,
-) -> Read<(Solid, Option<Geometry>)> {
+) -> Read<(GeomSolid, Option<Geometry>)> {
     let attribute = "size";
     let missing = || geom.fault(ParseIssue::MissingAttribute { attribute });
     let (mut size, mut given) = geom.up_to::<3>(attribute)?.ok_or_else(missing)?;
@@ -188,31 +188,31 @@ fn solid(
     let [radius, half, _] = size;
     Ok(match kind {
         "sphere" => (
-            Solid::Ellipsoid([radius; 3]),
+            GeomSolid::Ellipsoid([radius; 3]),
             Some(Geometry::Sphere { radius }),
         ),
         "capsule" => {
             let length = 2.0 * half;
             (
-                Solid::Capsule(radius, half),
+                GeomSolid::Capsule(radius, half),
                 Some(Geometry::Capsule { radius, length }),
             )
         }
         "cylinder" => {
             let length = 2.0 * half;
             (
-                Solid::Cylinder(radius, half),
+                GeomSolid::Cylinder(radius, half),
                 Some(Geometry::Cylinder { radius, length }),
             )
         }
         "ellipsoid" => (
-            Solid::Ellipsoid(size),
+            GeomSolid::Ellipsoid(size),
             Some(Geometry::Ellipsoid { radii: size }),
         ),
         _ => {
             let size = size.map(|half| 2.0 * half);
             (
-                Solid::Box(size.map(|whole| whole / 2.0)),
+                GeomSolid::Box(size.map(|whole| whole / 2.0)),
                 Some(Geometry::Box { size }),
             )
         }
@@ -221,7 +221,7 @@ fn solid(
 
 fn geom_mass(
     geom: &Attributes<'_>,
-    solid: Option<Solid>,
+    solid: Option<GeomSolid>,
     body_from_geom: Placement<f64>,
 ) -> Read<GeomMass> {
     let not_negative = |attribute| match geom.number(attribute)? {

@@ -1,6 +1,6 @@
 //! Inertias of bodies: from `<inertial>` or from geoms, scaled to `settotalmass`.
 
-use super::body::Body;
+use super::body::BodyElement;
 use super::compiler::Compiler;
 use super::inertial::{BodyInertia, of_geoms};
 use crate::robot::xml::{Repair, RepairKind};
@@ -8,7 +8,7 @@ use crate::robot::{Inertial, MissingInertia};
 
 /// The inertia of each body, and notes on those that depend on mesh files.
 pub(super) fn compute_inertias(
-    bodies: &[Body<'_>],
+    bodies: &[BodyElement<'_>],
     compiler: &Compiler,
 ) -> (Vec<BodyInertia>, Vec<Repair>) {
     let inertias = bodies.iter().map(|body| inertia(body, compiler));
@@ -30,7 +30,7 @@ pub(super) fn compute_inertias(
     (inertias, notes)
 }
 
-fn inertia(body: &Body<'_>, compiler: &Compiler) -> BodyInertia {
+fn inertia(body: &BodyElement<'_>, compiler: &Compiler) -> BodyInertia {
     let stated = || {
         body.inertial
             .map_or(BodyInertia::Nothing, BodyInertia::Known)

@@ -10,7 +10,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// Joint types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum JointType {
     Free,
     Ball,
     Slide,
@@ -19,7 +19,7 @@ pub(super) enum Kind {
 
 const KINDS: [&str; 4] = ["free", "ball", "slide", "hinge"];
 
-impl Kind {
+impl JointType {
     pub(super) fn name(self) -> &'static str {
         KINDS[self as usize]
     }
@@ -34,7 +34,7 @@ impl Kind {
 #[derive(Clone, Debug)]
 pub(super) struct JointElement<'a> {
     pub(super) tag: Tag<'a>,
-    pub(super) kind: Kind,
+    pub(super) kind: JointType,
     /// Position in the frame of its body.
     pub(super) anchor: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
@@ -59,20 +59,20 @@ pub(super) fn read<'a>(
     let joint = Attributes::of(tag, defaults, enclosing_class)?;
     let kind = match joint.word("type", &KINDS)? {
         Some(0) => return Ok(free(tag)),
-        Some(1) => Kind::Ball,
-        Some(2) => Kind::Slide,
-        _ => Kind::Hinge,
+        Some(1) => JointType::Ball,
+        Some(2) => JointType::Slide,
+        _ => JointType::Hinge,
     };
     // MuJoCo ignores the axis of a ball joint.
     let axis = match (kind, joint.numbers::<3>("axis")?) {
-        (Kind::Slide | Kind::Hinge, Some([0.0, 0.0, 0.0])) => {
+        (JointType::Slide | JointType::Hinge, Some([0.0, 0.0, 0.0])) => {
             return Err(joint.fault(ParseIssue::ZeroLength { attribute: "axis" }));
         }
-        (Kind::Slide | Kind::Hinge, Some(axis)) => Vector3::from(axis),
+        (JointType::Slide | JointType::Hinge, Some(axis)) => Vector3::from(axis),
         _ => Vector3::UNITS[2],
     };
     let unit = match kind {
-        Kind::Slide => 1.0,
+        JointType::Slide => 1.0,
         _ => compiler.angle,
     };
     let reference = match kind.is_scalar() {
@@ -94,7 +94,7 @@ pub(super) fn read<'a>(
 fn free(tag: Tag<'_>) -> JointElement<'_> {
     JointElement {
         tag,
-        kind: Kind::Free,
+        kind: JointType::Free,
         anchor: Vector3::zero(),
         axis: Vector3::UNITS[2],
         reference: 0.0,
@@ -105,7 +105,7 @@ fn free(tag: Tag<'_>) -> JointElement<'_> {
 
 fn range(
     joint: &Attributes<'_>,
-    kind: Kind,
+    kind: JointType,
     unit: f64,
     compiler: &Compiler,
 ) -> Read<Option<Limits>> {
@@ -121,10 +121,10 @@ fn range(
     };
     match (limited, kind) {
         (false, _) => Ok(None),
-        (true, Kind::Ball) if lower != 0.0 || upper <= 0.0 => {
+        (true, JointType::Ball) if lower != 0.0 || upper <= 0.0 => {
             Err(joint.fault(ParseIssue::BadBallRange))
         }
-        (true, Kind::Slide | Kind::Hinge) if lower >= upper => {
+        (true, JointType::Slide | JointType::Hinge) if lower >= upper => {
             Err(joint.fault(ParseIssue::LimitsOutOfOrder { lower, upper }))
         }
         _ => Ok(Some(Limits::new(lower, upper))),

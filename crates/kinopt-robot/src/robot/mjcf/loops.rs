@@ -1,7 +1,7 @@
 //! `<equality>`: loop closures.
 
 use super::attributes::Attributes;
-use super::body::Body;
+use super::body::BodyElement;
 use super::names::{ElementNames, FreshNames};
 use crate::robot::xml::{ParseIssue, Read, RobotFileError, rotation_of_wxyz};
 use kinopt_kinematics::kinematics::ForwardKinematics;
@@ -12,7 +12,7 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 /// poses are those of the file.
 pub(super) fn read_all(
     equalities: &[Attributes<'_>],
-    bodies: &[Body<'_>],
+    bodies: &[BodyElement<'_>],
     names: &ElementNames<'_>,
     model: &Model,
     reference_configuration: &[f64],
@@ -59,7 +59,7 @@ pub(super) fn read_all(
 
 /// Frames of mocap bodies, which a program moves, and of their sites. A constraint to such a body is a target and no
 /// loop.
-fn mocap_frames(bodies: &[Body<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
+fn mocap_frames(bodies: &[BodyElement<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
     let mocap_bodies = bodies
         .iter()
         .filter(|body| body.tag.text("mocap") == Some("true"));

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::attributes::Attributes;
-use super::body::Body;
+use super::body::BodyElement;
 use super::joint::JointElement;
 use super::tree::Tag;
 use crate::robot::xml::{ParseIssue, Read};
@@ -59,7 +59,7 @@ impl<'a> ElementNames<'a> {
     }
 
     /// The named frames of a body and of its sites.
-    pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
+    pub(super) fn frames_of(&self, body: &BodyElement<'_>) -> Vec<FrameId> {
         let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));
         let sites = sites.filter_map(|name| self.sites.get(name));
         let body_frame = body.tag.text("name").and_then(|name| self.bodies.get(name));
@@ -120,7 +120,7 @@ impl FreshNames {
 }
 
 /// The names that the file gives to joints, and to bodies and sites. Returns an error for a repeated name.
-pub(super) fn file_names(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
+pub(super) fn file_names(bodies: &[BodyElement<'_>]) -> Read<[FreshNames; 2]> {
     let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
     let joint_tags = bodies
         .iter()

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::body::{Body, BodyReader};
+use super::body::{BodyElement, BodyReader};
 use super::build::Build;
 use super::compiler::Compiler;
 use super::contact;
@@ -13,7 +13,7 @@ use super::inertias;
 use super::loops;
 use super::mesh;
 use super::passive;
-use super::tree::Tree;
+use super::tree::ElementTree;
 use crate::robot::xml::{ParseIssue, Read, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 use kinopt_kinematics::model::ModelBuilder;
@@ -125,7 +125,7 @@ impl MjcfReader {
     /// As [`Robot::read_mjcf`]; of a confined robot an included file that is elsewhere.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<Robot, RobotFileError> {
         let path = path.as_ref();
-        let robot = robot(&Tree::read(path, self.confined)?)?.with_file(path);
+        let robot = robot(&ElementTree::read(path, self.confined)?)?.with_file(path);
         Ok(self.confining(robot))
     }
 
@@ -134,7 +134,7 @@ impl MjcfReader {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
-        let robot = robot(&Tree::parse(text, file, self.confined)?)?;
+        let robot = robot(&ElementTree::parse(text, file, self.confined)?)?;
         Ok(self.confining(robot))
     }
 
@@ -145,7 +145,7 @@ impl MjcfReader {
     /// The file cannot be read, is not XML, or includes itself. Also an included file outside the folder of a confined
     /// robot.
     pub fn text_with_includes(&self, path: impl AsRef<Path>) -> Result<String, RobotFileError> {
-        Tree::text_with_includes(path.as_ref(), self.confined)
+        ElementTree::text_with_includes(path.as_ref(), self.confined)
     }
 
     fn confining(&self, robot: Robot) -> Robot {
@@ -156,7 +156,7 @@ impl MjcfReader {
     }
 }
 
-fn robot(tree: &Tree) -> Read<Robot> {
+fn robot(tree: &ElementTree) -> Read<Robot> {
     let root = tree.root();
     if root.name() != "mujoco" {
         return Err(root.fault(ParseIssue::NotMujoco));
@@ -222,7 +222,7 @@ fn robot(tree: &Tree) -> Read<Robot> {
 }
 
 /// Shapes and inertia of a body.
-fn link(body: Body<'_>, inertia: BodyInertia) -> Link {
+fn link(body: BodyElement<'_>, inertia: BodyInertia) -> Link {
     let mut link = Link::default();
     match inertia {
         BodyInertia::Nothing => {}

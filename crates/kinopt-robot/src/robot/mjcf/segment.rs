@@ -7,13 +7,13 @@ use kinopt_kinematics::spatial::{Placement, Vector3};
 
 /// Pose at the midpoint with z from the second end to the first, and the distance of the ends in metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
+pub(super) struct FromTo {
     pub(super) placement: Placement<f64>,
     pub(super) length: f64,
 }
 
 /// Reads the `fromto` attribute of an element.
-pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
+pub(super) fn read(element: &Attributes<'_>) -> Read<Option<FromTo>> {
     let attribute = "fromto";
     let Some([ax, ay, az, bx, by, bz]) = element.numbers::<6>(attribute)? else {
         return Ok(None);
@@ -23,7 +23,7 @@ pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
     let along = from - to;
     let zero = || element.fault(ParseIssue::ZeroLength { attribute });
     let rotation = rotation_of_z_to(direction(along).ok_or_else(zero)?);
-    Ok(Some(Segment {
+    Ok(Some(FromTo {
         placement: Placement::new(rotation, (from + to) * 0.5),
         length: along.norm(),
     }))

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// A solid centred on its origin, lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Solid {
+pub(super) enum GeomSolid {
     /// Half-lengths along x, y and z.
     Box([f64; 3]),
     /// Radii along x, y and z.
@@ -15,7 +15,7 @@ pub(super) enum Solid {
     Capsule(f64, f64),
 }
 
-impl Solid {
+impl GeomSolid {
     /// Volume, m³.
     pub(super) fn volume(&self) -> f64 {
         match *self {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::{Document, Node};
 
 use crate::robot::xml::{ParseIssue, Read, RobotFileError, parse};
-use kinopt_kinematics::file::{Place, ReadError, ReadProblem, read_bytes};
+use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, read_bytes};
 use kinopt_kinematics::file_access::AllowedFiles;
 
 /// Largest file size that is read, bytes; robot files stay below 1 MB.
@@ -17,11 +17,11 @@ const MAX_INCLUDE_DEPTH: usize = 32;
 
 /// The elements of a file and of its includes.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
+pub(super) struct ElementTree {
     /// Elements; the first is the root, and parents come before children.
     nodes: Vec<StoredElement>,
     /// Files; the main one comes first.
-    files: Vec<Source>,
+    files: Vec<SourceFile>,
     /// The files below the folder of the main file.
     allowed: AllowedFiles,
     /// Only files below the folder of the main file may be included.
@@ -30,7 +30,7 @@ pub(super) struct Tree {
 
 /// A file of a document.
 #[derive(Clone, Debug)]
-struct Source {
+struct SourceFile {
     name: String,
     /// The file is outside the folder of the main file, so error messages must not quote it.
     outside: bool,
@@ -48,11 +48,11 @@ struct StoredElement {
 /// An element of a tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tag<'a> {
-    tree: &'a Tree,
+    tree: &'a ElementTree,
     index: usize,
 }
 
-impl Tree {
+impl ElementTree {
     /// Reads a file and its includes. `confined` restricts includes to files below its folder.
     pub(super) fn read(path: &Path, confined: bool) -> Read<Self> {
         Self::parse(&text_of(path)?, &path.display().to_string(), confined)
@@ -68,7 +68,7 @@ impl Tree {
             allowed: AllowedFiles::below([folder]),
             confined,
         };
-        let main = Source {
+        let main = SourceFile {
             name: file.to_owned(),
             outside: false,
         };
@@ -128,7 +128,7 @@ impl Tree {
     fn add(
         &mut self,
         text: &str,
-        source: Source,
+        source: SourceFile,
         include_parent: Option<usize>,
         (folder, include_depth): (&Path, usize),
     ) -> Read<()> {
@@ -137,13 +137,13 @@ impl Tree {
             None => parse(&source.name, text)?,
             // The parser's message quotes the file.
             Some(_) => Document::parse(text).map_err(|error| {
-                let line = Place::Line(error.pos().row as usize);
+                let line = FileLocation::Line(error.pos().row as usize);
                 ReadError::new(&source.name, line, ReadProblem::InvalidReferenced)
             })?,
         };
         let file = self.files.len();
         self.files.push(source);
-        let mut lines = Lines {
+        let mut lines = LineCounter {
             text,
             offset: 0,
             line: 1,
@@ -217,7 +217,7 @@ impl Tree {
             }));
         }
         let referred = |error: ReadError| {
-            let location = Place::Line(include.line as usize);
+            let location = FileLocation::Line(include.line as usize);
             ReadError::referred(
                 &self.files[include.file].name,
                 location,
@@ -232,7 +232,7 @@ impl Tree {
             false => path,
         };
         let text = text_of(&path).map_err(referred)?;
-        let source = Source { name, outside };
+        let source = SourceFile { name, outside };
         self.add(&text, source, Some(parent), (folder, include_depth + 1))
     }
 
@@ -279,7 +279,7 @@ impl<'a> Tag<'a> {
     pub(super) fn fault(&self, fault: ParseIssue) -> RobotFileError {
         let source = &self.tree.files[self.stored().file];
         if source.outside {
-            let line = Place::Line(self.line() as usize);
+            let line = FileLocation::Line(self.line() as usize);
             return ReadError::new(&source.name, line, ReadProblem::InvalidReferenced).into();
         }
         RobotFileError::Element {
@@ -309,7 +309,7 @@ fn escaped(value: &str) -> String {
 fn text_of(path: &Path) -> Result<String, ReadError> {
     let bytes = read_bytes(path, LENGTH_LIMIT)?;
     String::from_utf8(bytes).map_err(|error| {
-        let location = Place::Byte(error.utf8_error().valid_up_to());
+        let location = FileLocation::Byte(error.utf8_error().valid_up_to());
         let file = path.display().to_string();
         ReadError::malformed(&file, location, "is not UTF-8 text")
     })
@@ -320,13 +320,13 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
 }
 
 /// Line counter for offsets in ascending order.
-struct Lines<'a> {
+struct LineCounter<'a> {
     text: &'a str,
     offset: usize,
     line: u32,
 }
 
-impl Lines<'_> {
+impl LineCounter<'_> {
     fn line_at(&mut self, offset: usize) -> u32 {
         let skipped = self
             .text

@@ -10,7 +10,7 @@ use crate::robot::Robot;
 use crate::robot::xml::{
     Element, ParseIssue, Read, Reading, RobotFileError, is, parse as parse_xml, repaired_xml,
 };
-use kinopt_kinematics::file::{Place, ReadError, read_bytes};
+use kinopt_kinematics::file::{FileLocation, ReadError, read_bytes};
 use kinopt_kinematics::model::{FrameId, UnknownName};
 
 /// Largest file size that is read, bytes; SRDF files stay below 1 MB.
@@ -64,7 +64,7 @@ impl SrdfReader {
         let file = path.display().to_string();
         let bytes = read_bytes(path, LENGTH_LIMIT)?;
         let text = std::str::from_utf8(&bytes).map_err(|error| {
-            let location = Place::Byte(error.valid_up_to());
+            let location = FileLocation::Byte(error.valid_up_to());
             ReadError::malformed(&file, location, "is not UTF-8 text")
         })?;
         self.parse(text, &file, robot)

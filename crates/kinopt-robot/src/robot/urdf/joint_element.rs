@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::origin;
 use super::version::Version;
-use crate::robot::Drive;
+use crate::robot::DriveLimits;
 use crate::robot::xml::{Element, Named, ParseIssue, Read, Reading, RepairKind};
 use kinopt_kinematics::model::{JointKind, Limits};
 use kinopt_kinematics::spatial::{Placement, Vector3};
@@ -44,7 +44,7 @@ pub(super) struct JointElement {
     pub(super) parent_from_joint: Placement<f64>,
     pub(super) axis: Vector3<f64>,
     pub(super) limits: Limits,
-    pub(super) drive: Drive,
+    pub(super) drive: DriveLimits,
     pub(super) mimic: Option<MimicElement>,
 }
 
@@ -176,7 +176,11 @@ fn limits(
 }
 
 /// Velocity, effort, acceleration, jerk and soft limits of a joint.
-fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKind) -> Read<Drive> {
+fn drive(
+    limit: Option<Element<'_>>,
+    safety: Option<Element<'_>>,
+    kind: JointKind,
+) -> Read<DriveLimits> {
     let number = |element: &Option<Element<'_>>, attribute| match element {
         Some(element) => element.number_or_left_out(attribute),
         None => Ok(None),
@@ -185,7 +189,7 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
     let (lower, upper) = (soft("soft_lower_limit")?, soft("soft_upper_limit")?);
     // Files without known limits write 0.
     let positive = |value: Option<f64>| value.filter(|value| *value > 0.0);
-    let drive = Drive {
+    let drive = DriveLimits {
         velocity: positive(number(&limit, "velocity")?),
         effort: positive(number(&limit, "effort")?),
         acceleration: positive(number(&limit, "acceleration")?),
@@ -199,7 +203,7 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
         }),
     };
     Ok(match kind {
-        JointKind::Fixed => Drive::default(),
+        JointKind::Fixed => DriveLimits::default(),
         _ => drive,
     })
 }

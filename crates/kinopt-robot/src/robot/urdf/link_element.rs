@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::origin;
 use super::version::Version;
 use crate::robot::xml::{Element, ParseIssue, Read, Reading, RobotFileError, is};
-use crate::robot::{Geometry, Inertial, Link, Shape};
+use crate::robot::{Geometry, GeometryObject, Inertial, Link};
 
 /// Shapes that a `<geometry>` can hold.
 const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
@@ -35,7 +35,7 @@ pub(super) fn read<'a>(
     }
 }
 
-fn shape(shape: &Element<'_>, version: Version) -> Read<Shape> {
+fn shape(shape: &Element<'_>, version: Version) -> Read<GeometryObject> {
     let geometry = shape.required("geometry")?;
     let mut children = geometry.node.children();
     let body =
@@ -65,7 +65,7 @@ fn shape(shape: &Element<'_>, version: Version) -> Read<Shape> {
             scale: body.numbers("scale")?.unwrap_or([1.0; 3]),
         },
     };
-    Ok(Shape {
+    Ok(GeometryObject {
         name: shape.text("name").map(str::to_owned),
         link_from_shape: origin::read(shape, version)?,
         geometry,

@@ -7,8 +7,8 @@ use super::document::{self, Document};
 use super::joint_element::JointChain;
 use super::topology::{self, Topology};
 use crate::robot::xml::{Reading, Repair, RobotFileError, repaired_xml};
-use crate::robot::{Drive, Mimic, Robot};
-use kinopt_kinematics::file::{Place, ReadError, read_bytes};
+use crate::robot::{DriveLimits, Mimic, Robot};
+use kinopt_kinematics::file::{FileLocation, ReadError, read_bytes};
 use kinopt_kinematics::model::{Joint, JointId, Limits, Model, ModelError};
 use kinopt_kinematics::spatial::Placement;
 
@@ -78,7 +78,7 @@ impl UrdfReader {
         match std::str::from_utf8(&bytes) {
             Ok(text) => Ok(self.parse(text, &file)?.with_file(path)),
             Err(error) => {
-                let location = Place::Byte(error.valid_up_to());
+                let location = FileLocation::Byte(error.valid_up_to());
                 Err(ReadError::malformed(&file, location, "is not UTF-8 text").into())
             }
         }
@@ -164,7 +164,7 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
         carrier[branch.child_link] = Some(id);
         ids[branch.joint] = Some(id);
         // Only the last joint of a chain has the drive limits of the file.
-        drives.resize(id.index(), Drive::default());
+        drives.resize(id.index(), DriveLimits::default());
         drives.push(element.drive);
     }
     for (link, joint) in document.links.iter().zip(&carrier) {

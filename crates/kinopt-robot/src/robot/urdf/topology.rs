@@ -10,7 +10,7 @@ use kinopt_kinematics::model::UnknownName;
 
 /// A joint and the links that it connects, as indices into the document's lists.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
+pub(super) struct JointEdge {
     pub(super) joint: usize,
     pub(super) parent_link: usize,
     pub(super) child_link: usize,
@@ -19,7 +19,7 @@ pub(super) struct Branch {
 /// A tree of links: every joint comes after the joint that carries its parent link.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
-    pub(super) branches: Vec<Branch>,
+    pub(super) branches: Vec<JointEdge>,
     /// Index of the source joint of every joint, in document order.
     pub(super) sources: Vec<Option<usize>>,
 }
@@ -34,7 +34,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
     let joint_by_name = index(reading, "joint", joints.iter().map(|joint| &joint.named))?;
 
     let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
-    let mut child_branches: Vec<Vec<Branch>> = vec![Vec::new(); links.len()];
+    let mut child_branches: Vec<Vec<JointEdge>> = vec![Vec::new(); links.len()];
     let mut sources = Vec::with_capacity(joints.len());
     let link_names = links.iter().map(|link| link.named.name.as_str());
     let joint_names = joints.iter().map(|joint| joint.named.name.as_str());
@@ -47,7 +47,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
                 .copied()
                 .ok_or_else(|| unknown(names()))
         };
-        let branch = Branch {
+        let branch = JointEdge {
             joint: index,
             parent_link: link(&joint.parent)?,
             child_link: link(&joint.child)?,

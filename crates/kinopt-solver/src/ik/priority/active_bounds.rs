@@ -2,13 +2,13 @@
 
 use nalgebra::DMatrix;
 
-use super::curvature::{Curvature, MIN_INDEPENDENT_PART, add_rows};
+use super::curvature::{LevelCurvature, MIN_INDEPENDENT_PART, add_rows};
 use super::descent_problem::DescentProblem;
 use super::inequalities::LevelInequalities;
 use super::level_constraints::LevelConstraint;
 use crate::solver::{dot, half_squared, negligible_slope};
 
-impl Curvature {
+impl LevelCurvature {
     /// Fixes the variables at bounds, and locks the inequalities, that an unreached level pushes against.
     pub(super) fn fix_active_bounds(
         &mut self,

@@ -20,7 +20,7 @@ pub(super) const MIN_INDEPENDENT_CURVATURE: f64 = 1e-5;
 
 /// Constraint rows of unreached levels, with scratch memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Curvature {
+pub(super) struct LevelCurvature {
     /// Constraint Jacobian C: n rows for a lone level, else the residual rows, one row per inequality, and n rows per
     /// level.
     rows: DMatrix<f64>,
@@ -38,7 +38,7 @@ pub(super) struct Curvature {
     pub(super) span: RowSpan,
 }
 
-impl Curvature {
+impl LevelCurvature {
     /// Resizes for the levels above one level. Returns the maximum number of rows.
     pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
         let n = problem.variables();

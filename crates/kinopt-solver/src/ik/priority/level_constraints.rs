@@ -7,7 +7,7 @@
 
 use nalgebra::DMatrix;
 
-use super::curvature::{Curvature, MIN_INDEPENDENT_CURVATURE, MIN_INDEPENDENT_PART, add_rows};
+use super::curvature::{LevelCurvature, MIN_INDEPENDENT_CURVATURE, MIN_INDEPENDENT_PART, add_rows};
 use super::descent_problem::DescentProblem;
 use super::inequalities::LevelInequalities;
 use crate::problem::{Evaluation, Problem, TaskSubset};
@@ -60,7 +60,7 @@ pub(super) struct LevelConstraints {
     pub(super) jacobian: DMatrix<f64>,
     pub(super) residual_jacobian: DMatrix<f64>,
     pub(super) inequalities: LevelInequalities,
-    pub(super) curvature: Curvature,
+    pub(super) curvature: LevelCurvature,
     /// Variables before a correction, and the correction.
     pub(super) uncorrected: Vec<f64>,
     pub(super) correction: Vec<f64>,

@@ -67,7 +67,7 @@ impl EdgeFrame {
         let mut near_edges: [Option<NearEdge>; 3] = [None; 3];
         let mut normals = [Vector3::zero(); 3];
         // Orthonormal basis of the span of the normals.
-        let mut span = Span::default();
+        let mut span = DirectionSpan::default();
         for near_edge in edges {
             let is_free = |k: &usize| near_edges[*k].is_none();
             let component = match near_edge.edge {
@@ -178,11 +178,11 @@ impl EdgeFrame {
 
 /// Orthonormal directions, at most three.
 #[derive(Clone, Copy, Debug, Default)]
-struct Span {
+struct DirectionSpan {
     units: [Option<Vector3<f64>>; 3],
 }
 
-impl Span {
+impl DirectionSpan {
     /// Adds the part of a direction perpendicular to the stored ones. Returns true if it is longer than `min_length`.
     fn add(&mut self, direction: Vector3<f64>, min_length: f64) -> bool {
         let remainder = self.perpendicular_part(direction);

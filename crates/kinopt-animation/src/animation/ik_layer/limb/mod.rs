@@ -47,13 +47,13 @@ use kinopt_kinematics::skeleton::BoneId;
 pub struct Limb {
     upper: BoneId,
     lower: BoneId,
-    end: End,
+    end: LimbEnd,
     hinge: Option<Vec3A>,
     softened_from: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
+enum LimbEnd {
     /// In the lower bone's coordinates.
     Point(Vec3A),
     /// Origin of a bone.
@@ -74,7 +74,7 @@ impl Limb {
         if !end.is_finite() {
             return Err(LayerError::BadEnd);
         }
-        Self::checked(armature, [upper, lower], End::Point(end))
+        Self::checked(armature, [upper, lower], LimbEnd::Point(end))
     }
 
     /// Limb that ends at the origin of a third bone, a hand or foot, with its position in the pose. Goals can set the
@@ -89,13 +89,13 @@ impl Limb {
         end: BoneId,
     ) -> Result<Self, LayerError> {
         check_descendant(armature, end, lower)?;
-        Self::checked(armature, [upper, lower], End::Bone(end))
+        Self::checked(armature, [upper, lower], LimbEnd::Bone(end))
     }
 
     fn checked(
         armature: &Armature,
         [upper, lower]: [BoneId; 2],
-        end: End,
+        end: LimbEnd,
     ) -> Result<Self, LayerError> {
         check_descendant(armature, lower, upper)?;
         Ok(Self {

@@ -6,14 +6,14 @@ use kinopt_kinematics::scalar::elementary::single;
 
 /// Plane of a limb, by orthogonal unit vectors.
 #[derive(Clone, Copy)]
-pub(super) struct Plane {
+pub(super) struct LimbPlane {
     /// From the root to the end.
     along: Vec3A,
     /// Normal of the plane: `along` × direction to the middle joint.
     pub(super) normal: Vec3A,
 }
 
-impl Plane {
+impl LimbPlane {
     /// Plane of a limb from the vectors root to end and root to middle. The angle is the limb's deviation from the
     /// plane, radians within [−π, π] about the root-end line.
     ///

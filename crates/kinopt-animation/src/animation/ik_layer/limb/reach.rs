@@ -2,8 +2,8 @@
 
 use glam::{Mat3A, Quat, Vec3A};
 
-use super::plane::Plane;
-use super::{End, EndRotation, Limb, LimbGoal};
+use super::plane::LimbPlane;
+use super::{EndRotation, Limb, LimbEnd, LimbGoal};
 use crate::animation::blend::{clamp_to_unit, finite_or_0};
 use crate::animation::ik_layer::bone_placement::{BonePlacement, set_rotation};
 use crate::animation::ik_layer::{Corrected, ShearCorrection};
@@ -57,10 +57,10 @@ impl Limb {
         let weight = clamp_to_unit(goal.weight);
         let moves = weight > 0.0 && goal.target.is_finite();
         let end_rotation = match self.end {
-            End::Bone(bone) => {
+            LimbEnd::Bone(bone) => {
                 end_rotation_goal(goal.end).map(|(goal, weight)| (bone, goal, weight))
             }
-            End::Point(_) => None,
+            LimbEnd::Point(_) => None,
         };
         if !moves && end_rotation.is_none() {
             return Ok(());
@@ -145,8 +145,8 @@ impl Limb {
         let lower_parent = upper * placement(armature.parent(self.lower), Some(self.upper));
         let lower = lower_parent * BonePlacement::local(pose, self.lower);
         let end = match self.end {
-            End::Point(end) => end,
-            End::Bone(bone) => placement(Some(bone), Some(self.lower)).affine.translation,
+            LimbEnd::Point(end) => end,
+            LimbEnd::Bone(bone) => placement(Some(bone), Some(self.lower)).affine.translation,
         };
         PosedLimb {
             parent,
@@ -187,7 +187,7 @@ impl Limb {
             let axis = limb.lower_parent.mirror.axis(axis.as_dvec3());
             limb.lower.rotation * axis.as_vec3a()
         });
-        let (old, deviation) = Plane::of_limb(end - root, upper, pole, hinge);
+        let (old, deviation) = LimbPlane::of_limb(end - root, upper, pole, hinge);
         let mut new = old.moved_to(target - root);
         new = match pole {
             Some(pole) if weight == 1.0 => new.facing(pole),

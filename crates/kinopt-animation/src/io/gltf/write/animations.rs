@@ -8,7 +8,7 @@ use gltf_json::validation::Checked;
 
 use super::UnwritableScene;
 use super::buffer::Document;
-use super::keys::{ChannelKeys, Keys, exact, of_channel, sample_times};
+use super::keys::{ChannelKeys, EncodedKeys, exact, of_channel, sample_times};
 use crate::animation::{Armature, Channel, Clip, Property, clip};
 use crate::io::gltf::scene::{Scene, SceneMesh};
 use kinopt_kinematics::curve::KeyedCurve;
@@ -74,7 +74,7 @@ pub(super) fn add(
 }
 
 impl AnimationBuilder<'_> {
-    fn channel<const N: usize>(&mut self, bone: BoneId, path: Path, keys: &Keys<N>) {
+    fn channel<const N: usize>(&mut self, bone: BoneId, path: Path, keys: &EncodedKeys<N>) {
         let times: Vec<f32> = keys.times.iter().map(|time| time + self.shift).collect();
         let sampler = plain!(Sampler {
             input: self.document.times(&times),
@@ -110,7 +110,7 @@ impl AnimationBuilder<'_> {
         let translation = armature.rest().local_of(bone).translation.to_array();
         let mut times = span.to_vec();
         times.dedup();
-        let keys = Keys {
+        let keys = EncodedKeys {
             outputs: vec![translation; times.len()],
             times,
             interpolation: Interpolation::Step,
@@ -126,7 +126,7 @@ fn weights(
     morphs: &[(usize, KeyedCurve<f32>)],
     armature: &Armature,
     rate: f32,
-) -> Result<Option<Keys<1>>, UnwritableScene> {
+) -> Result<Option<EncodedKeys<1>>, UnwritableScene> {
     let range = mesh.morph_weights();
     let curves: Vec<_> = range
         .clone()
@@ -163,7 +163,7 @@ fn weights(
                 [curve.map_or(rest_weight(target), |curve| curve.at(time))]
             })
         };
-        return Ok(Some(Keys {
+        return Ok(Some(EncodedKeys {
             outputs: times.iter().flat_map(|&time| weights_at(time)).collect(),
             times,
             interpolation: Interpolation::Linear,
@@ -198,7 +198,7 @@ fn weights(
                 .map(|column| [column.get(row).copied().unwrap_or(0.0)]),
         );
     }
-    Ok(Some(Keys {
+    Ok(Some(EncodedKeys {
         times: first.times().to_vec(),
         outputs,
         interpolation,

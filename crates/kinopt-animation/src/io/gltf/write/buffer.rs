@@ -19,7 +19,7 @@ pub(super) struct Document {
 }
 
 /// Type and size of an accessor.
-struct Shape {
+struct AccessorType {
     kind: Type,
     component: ComponentType,
     count: usize,
@@ -47,7 +47,7 @@ impl Document {
         let view = self.view(bytemuck::cast_slice(values.as_flattened()), target);
         self.accessor(
             Some(view),
-            Shape {
+            AccessorType {
                 kind: kind::<N>(),
                 component: ComponentType::F32,
                 count: values.len(),
@@ -93,7 +93,7 @@ impl Document {
         component: ComponentType,
         count: usize,
     ) -> Index<Accessor> {
-        let shape = Shape {
+        let shape = AccessorType {
             kind,
             component,
             count,
@@ -116,7 +116,7 @@ impl Document {
         }
         let zero = [[0.0; 3]];
         let rest = zero.iter().filter(|_| vertices.len() < count);
-        let shape = Shape {
+        let shape = AccessorType {
             kind: Type::Vec3,
             component: ComponentType::F32,
             count,
@@ -145,7 +145,7 @@ impl Document {
     fn accessor(
         &mut self,
         view: Option<Index<View>>,
-        shape: Shape,
+        shape: AccessorType,
         sparse: Option<sparse::Sparse>,
     ) -> Index<Accessor> {
         let [min, max] = match shape.bounds {

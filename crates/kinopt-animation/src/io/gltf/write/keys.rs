@@ -12,7 +12,7 @@ use kinopt_kinematics::curve::{Between, CurveValue, KeyedCurve};
 const MAX_SAMPLES: f64 = 4e6;
 
 /// Keys of a channel with `N` numbers per output; cubic splines have three outputs per key.
-pub(super) struct Keys<const N: usize> {
+pub(super) struct EncodedKeys<const N: usize> {
     pub(super) times: Vec<f32>,
     pub(super) outputs: Vec<[f32; N]>,
     pub(super) interpolation: Interpolation,
@@ -20,8 +20,8 @@ pub(super) struct Keys<const N: usize> {
 
 /// Keys of translations and scales, or of rotations.
 pub(super) enum ChannelKeys {
-    Vectors(Keys<3>),
-    Rotations(Keys<4>),
+    Vectors(EncodedKeys<3>),
+    Rotations(EncodedKeys<4>),
 }
 
 pub(super) fn of_channel(channel: &Channel, rate: f32) -> Result<ChannelKeys, UnwritableScene> {
@@ -34,9 +34,9 @@ pub(super) fn of_channel(channel: &Channel, rate: f32) -> Result<ChannelKeys, Un
     })
 }
 
-fn vectors(curve: &KeyedCurve<Vec3A>, rate: f32) -> Result<Keys<3>, UnwritableScene> {
+fn vectors(curve: &KeyedCurve<Vec3A>, rate: f32) -> Result<EncodedKeys<3>, UnwritableScene> {
     match exact(curve) {
-        Some((interpolation, outputs)) => Ok(Keys {
+        Some((interpolation, outputs)) => Ok(EncodedKeys {
             times: curve.times().to_vec(),
             outputs: outputs.into_iter().map(|value| value.to_array()).collect(),
             interpolation,
@@ -63,7 +63,7 @@ pub(super) fn exact<V: CurveValue>(curve: &KeyedCurve<V>) -> Option<(Interpolati
     }
 }
 
-fn rotations(curve: &RotationCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
+fn rotations(curve: &RotationCurve, rate: f32) -> Result<EncodedKeys<4>, UnwritableScene> {
     let values = || curve.rotations().iter().map(|q| q.to_array());
     let (interpolation, outputs) = match curve.between() {
         BetweenRotations::Step => (Interpolation::Step, values().collect()),
@@ -80,14 +80,14 @@ fn rotations(curve: &RotationCurve, rate: f32) -> Result<Keys<4>, UnwritableScen
             return sampled(curve.times(), rate, |time| curve.at(time).to_array());
         }
     };
-    Ok(Keys {
+    Ok(EncodedKeys {
         times: curve.times().to_vec(),
         outputs,
         interpolation,
     })
 }
 
-fn euler(curve: &EulerCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
+fn euler(curve: &EulerCurve, rate: f32) -> Result<EncodedKeys<4>, UnwritableScene> {
     let mut previous = Quat::IDENTITY;
     sampled(curve.angles.times(), rate, |time| {
         // On one hemisphere, for programs that do not choose the shorter arc.
@@ -106,9 +106,9 @@ fn sampled<const N: usize>(
     keys: &[f32],
     rate: f32,
     mut value_at: impl FnMut(f32) -> [f32; N],
-) -> Result<Keys<N>, UnwritableScene> {
+) -> Result<EncodedKeys<N>, UnwritableScene> {
     let times = sample_times(keys, rate)?;
-    Ok(Keys {
+    Ok(EncodedKeys {
         outputs: times.iter().map(|&time| value_at(time)).collect(),
         times,
         interpolation: match keys.len() {

@@ -12,7 +12,7 @@ use glam::DVec3;
 use self::sources::Sources;
 use self::stiffness::Stiffness;
 use self::surface::Surface;
-use self::system::System;
+use self::system::HeatSystem;
 use super::neighbours::Neighbours;
 use super::segments;
 use super::smooth_pruning::Strongest;
@@ -95,7 +95,7 @@ impl HeatWeights {
             .map(|ends| ends.map(|end| end / surface.unit));
         let segments: Vec<_> = segments.collect();
         let sources = Sources::new(&surface, &stiffness, &segments, self.heat);
-        let mut system = System::new(&surface, &stiffness, &sources.given)?;
+        let mut system = HeatSystem::new(&surface, &stiffness, &sources.given)?;
         let mut strongest = Strongest::new(surface.points.len(), self.most);
         for (bone, heated) in sources.of_bones.iter().enumerate() {
             if !heated.is_empty() {

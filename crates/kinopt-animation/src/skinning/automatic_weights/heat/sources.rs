@@ -3,7 +3,7 @@
 use super::crossings::Crossings;
 use super::stiffness::Stiffness;
 use super::surface::Surface;
-use crate::skinning::automatic_weights::segments::{Segment, distance, nearest_point};
+use crate::skinning::automatic_weights::segments::{BoneSegment, distance, nearest_point};
 
 /// Largest relative excess over the smallest distance at which a bone still counts as nearest.
 const NEAREST_TOLERANCE: f64 = 1e-4;
@@ -21,7 +21,7 @@ impl Sources {
     pub(super) fn new(
         surface: &Surface,
         stiffness: &Stiffness,
-        segments: &[Segment],
+        segments: &[BoneSegment],
         heat: f64,
     ) -> Self {
         let mut sources = Self {
@@ -46,10 +46,10 @@ impl Sources {
         &mut self,
         surface: &Surface,
         stiffness: &Stiffness,
-        segments: &[Segment],
+        segments: &[BoneSegment],
         heat: f64,
         point: usize,
-        is_visible: impl Fn(&Segment) -> bool,
+        is_visible: impl Fn(&BoneSegment) -> bool,
     ) {
         let position = surface.points[point];
         let distances = segments.iter().map(|segment| distance(position, segment));

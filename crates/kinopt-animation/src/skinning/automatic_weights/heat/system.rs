@@ -10,14 +10,14 @@ use super::surface::Surface;
 use crate::skinning::SkinningError;
 
 /// Cholesky factor of L + A H.
-pub(super) struct System {
+pub(super) struct HeatSystem {
     factor: CscCholesky<f64>,
     /// Equation index of each point.
     equation_of: Vec<usize>,
     column: DMatrix<f64>,
 }
 
-impl System {
+impl HeatSystem {
     /// Factors the system of the conductances and of the heat `given` to each point. Every connected piece of the
     /// surface needs a heated point.
     pub(super) fn new(

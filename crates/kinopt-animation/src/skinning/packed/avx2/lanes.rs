@@ -11,7 +11,7 @@ const MAX_ZERO_LENGTH_SQUARED: f32 = 1e-36;
 
 /// x, y and z of eight vectors.
 #[derive(Clone, Copy)]
-pub(super) struct Vectors {
+pub(super) struct Vec3x8 {
     pub(super) x: __m256,
     pub(super) y: __m256,
     pub(super) z: __m256,
@@ -33,7 +33,7 @@ pub(super) fn upper(v: __m256) -> __m128 {
 /// Transposes eight vectors of four coordinates to four registers.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
+pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vec3x8, __m256) {
     let join_halves = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
     let [a, b, c, d] = [
         join_halves(v[0], v[4]),
@@ -44,7 +44,7 @@ pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
     // Within each half: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 w0 w1, z2 z3 w2 w3.
     let (xy, xy_after) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
     let (zw, zw_after) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
-    let vectors = Vectors {
+    let vectors = Vec3x8 {
         x: _mm256_shuffle_ps::<0x44>(xy, xy_after),
         y: _mm256_shuffle_ps::<0xEE>(xy, xy_after),
         z: _mm256_shuffle_ps::<0x44>(zw, zw_after),
@@ -59,7 +59,7 @@ pub(super) fn with_sign_flipped_by(value: __m256, sign_source: __m256) -> __m256
     _mm256_xor_ps(value, _mm256_and_ps(sign_source, _mm256_set1_ps(-0.0)))
 }
 
-impl Vectors {
+impl Vec3x8 {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn zero() -> Self {

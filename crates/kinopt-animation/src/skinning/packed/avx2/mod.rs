@@ -14,9 +14,9 @@ use glam::{Vec3, Vec4};
 
 use super::weights::{FourInfluences, Part};
 use crate::skinning::{PosedVertices, RestVertices};
-use lanes::Vectors;
+use lanes::Vec3x8;
 pub(super) use matrices::{Columns, columns};
-pub(super) use motions::Motion;
+pub(super) use motions::PackedDualQuaternion;
 
 /// Entry of a bone in a palette.
 ///
@@ -38,28 +38,28 @@ const BLOCK: usize = 8;
 #[derive(Clone, Copy)]
 pub(super) enum Palette<'a> {
     Matrices(&'a [Columns]),
-    Motions(&'a [Motion]),
+    Motions(&'a [PackedDualQuaternion]),
     /// Motions, and the stretches that precede them.
-    Stretched(&'a [Motion], &'a [Columns]),
+    Stretched(&'a [PackedDualQuaternion], &'a [Columns]),
 }
 
 /// Blended transforms of eight vertices: columns of each matrix, and the translation.
 struct Blended {
-    x: Vectors,
-    y: Vectors,
-    z: Vectors,
-    translation: Vectors,
+    x: Vec3x8,
+    y: Vec3x8,
+    z: Vec3x8,
+    translation: Vec3x8,
 }
 
 impl Blended {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     fn after(&self, first: &Self) -> Self {
-        let moved = |v: Vectors, shift| v.weighted(self.x, self.y, self.z, shift);
+        let moved = |v: Vec3x8, shift| v.weighted(self.x, self.y, self.z, shift);
         Self {
-            x: moved(first.x, Vectors::zero()),
-            y: moved(first.y, Vectors::zero()),
-            z: moved(first.z, Vectors::zero()),
+            x: moved(first.x, Vec3x8::zero()),
+            y: moved(first.y, Vec3x8::zero()),
+            z: moved(first.z, Vec3x8::zero()),
             translation: moved(first.translation, self.translation),
         }
     }
@@ -67,7 +67,7 @@ impl Blended {
 
 /// One block of each non-empty buffer.
 #[derive(Default)]
-struct Block<'a> {
+struct BufferBlock<'a> {
     positions: Option<(&'a [Vec3; BLOCK], &'a mut [Vec3; BLOCK])>,
     normals: Option<(&'a [Vec3; BLOCK], &'a mut [Vec3; BLOCK])>,
     tangents: Option<(&'a [Vec4; BLOCK], &'a mut [Vec4; BLOCK])>,
@@ -143,7 +143,7 @@ fn deform_by(
     for (mut influences, mut positions, mut normals, mut tangents) in parts {
         let mut k = 0;
         while let Some((eight, others)) = influences.split_first_chunk() {
-            let block = Block {
+            let block = BufferBlock {
                 positions: positions.at(k),
                 normals: normals.at(k),
                 tangents: tangents.at(k),
@@ -163,7 +163,7 @@ fn deform_by(
 fn move_block(
     blended: &impl Fn(&[FourInfluences; BLOCK]) -> Blended,
     influences: &[FourInfluences; BLOCK],
-    block: Block<'_>,
+    block: BufferBlock<'_>,
 ) {
     let Blended {
         x,
@@ -172,7 +172,7 @@ fn move_block(
         translation,
     } = blended(influences);
     if let Some((rest, posed)) = block.positions {
-        *posed = Vectors::load(rest).weighted(x, y, z, translation).store();
+        *posed = Vec3x8::load(rest).weighted(x, y, z, translation).store();
     }
     if block.normals.is_none() && block.tangents.is_none() {
         return;
@@ -181,12 +181,12 @@ fn move_block(
     let (a, b, c) = (y.cross(z), z.cross(x), x.cross(y));
     let determinant = x.dot(a);
     if let Some((rest, posed)) = block.normals {
-        let transformed = Vectors::load(rest).weighted(a, b, c, Vectors::zero());
+        let transformed = Vec3x8::load(rest).weighted(a, b, c, Vec3x8::zero());
         *posed = transformed.normalised_with_sign_of(determinant).store();
     }
     if let Some((rest, posed)) = block.tangents {
-        let (tangents, signs) = Vectors::load_with_fourth(rest);
-        let transformed = tangents.weighted(x, y, z, Vectors::zero());
+        let (tangents, signs) = Vec3x8::load_with_fourth(rest);
+        let transformed = tangents.weighted(x, y, z, Vec3x8::zero());
         let signs = lanes::with_sign_flipped_by(signs, determinant);
         *posed = transformed.normalised().store_with_fourth(signs);
     }

@@ -2,18 +2,18 @@
 
 use std::arch::x86_64::*;
 
-use super::lanes::{Vectors, lower, transposed, upper};
+use super::lanes::{Vec3x8, lower, transposed, upper};
 use super::{BLOCK, Blended, entry};
 use crate::skinning::packed::weights::FourInfluences;
 
 /// A dual quaternion in one register: the real part x, y, z, w, then the dual part.
-pub(crate) type Motion = __m256;
+pub(crate) type PackedDualQuaternion = __m256;
 
 /// Blends dual quaternions. With `STRETCH` a blended stretch precedes them.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn blended<const STRETCH: bool>(
-    palette: &[Motion],
+    palette: &[PackedDualQuaternion],
     influences: &[FourInfluences; BLOCK],
 ) -> Blended {
     let mut sums = [_mm256_setzero_ps(); BLOCK];
@@ -28,7 +28,7 @@ pub(super) fn blended<const STRETCH: bool>(
 /// Σ_j ±w_j q̂_j, each on the hemisphere of the first, which has the largest weight.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn blend(palette: &[Motion], four: &FourInfluences) -> Motion {
+fn blend(palette: &[PackedDualQuaternion], four: &FourInfluences) -> PackedDualQuaternion {
     // SAFETY: `PackedWeights::new` checked the bone indices, and `deform` the length of the palette.
     #[allow(unsafe_code)]
     let [pivot, a, b, c] = four.bones.map(|bone| unsafe { entry(palette, bone) });
@@ -51,7 +51,7 @@ fn blend(palette: &[Motion], four: &FourInfluences) -> Motion {
 /// The rotation of r / ‖r‖ and the translation 2 d r* / ‖r‖².
 #[inline]
 #[target_feature(enable = "avx2,fma")]
-fn matrices(r: Vectors, w: __m256, d: Vectors, dual_w: __m256) -> Blended {
+fn matrices(r: Vec3x8, w: __m256, d: Vec3x8, dual_w: __m256) -> Blended {
     let squared = _mm256_fmadd_ps(w, w, r.dot(r));
     let twice = _mm256_div_ps(_mm256_set1_ps(2.0), squared);
     let s = r.scaled(twice);
@@ -68,22 +68,22 @@ fn matrices(r: Vectors, w: __m256, d: Vectors, dual_w: __m256) -> Blended {
         mul(_mm256_fnmadd_ps(dual_w, r, sum), twice)
     };
     Blended {
-        x: Vectors {
+        x: Vec3x8 {
             x: one_less(yy, zz),
             y: add(xy, wz),
             z: sub(xz, wy),
         },
-        y: Vectors {
+        y: Vec3x8 {
             x: sub(xy, wz),
             y: one_less(xx, zz),
             z: add(yz, wx),
         },
-        z: Vectors {
+        z: Vec3x8 {
             x: add(xz, wy),
             y: sub(yz, wx),
             z: one_less(xx, yy),
         },
-        translation: Vectors {
+        translation: Vec3x8 {
             x: translation(d.x, r.x, cross.x),
             y: translation(d.y, r.y, cross.y),
             z: translation(d.z, r.z, cross.z),
