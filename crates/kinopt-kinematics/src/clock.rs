@@ -28,7 +28,8 @@ pub fn set(now: fn() -> Duration) {
 }
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub(crate) use custom_clock::Instant;
+#[doc(hidden)]
+pub use custom_clock::Instant;
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 mod custom_clock {
@@ -39,19 +40,23 @@ mod custom_clock {
     pub struct Instant(Duration);
 
     impl Instant {
-        pub(crate) fn now() -> Self {
+        #[must_use]
+        pub fn now() -> Self {
             Self(CUSTOM_CLOCK.get().map_or(Duration::ZERO, |now| now()))
         }
 
-        pub(crate) fn checked_sub(self, time: Duration) -> Option<Self> {
+        #[must_use]
+        pub fn checked_sub(self, time: Duration) -> Option<Self> {
             self.0.checked_sub(time).map(Self)
         }
 
-        pub(crate) fn duration_since(self, earlier: Self) -> Duration {
+        #[must_use]
+        pub fn duration_since(self, earlier: Self) -> Duration {
             self.0.saturating_sub(earlier.0)
         }
 
-        pub(crate) fn checked_add(self, limit: Duration) -> Option<Self> {
+        #[must_use]
+        pub fn checked_add(self, limit: Duration) -> Option<Self> {
             self.0.checked_add(limit).map(Self)
         }
     }
