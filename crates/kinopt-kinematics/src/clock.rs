@@ -40,21 +40,25 @@ mod custom_clock {
     pub struct Instant(Duration);
 
     impl Instant {
+        /// The present moment; the start without a clock.
         #[must_use]
         pub fn now() -> Self {
             Self(CUSTOM_CLOCK.get().map_or(Duration::ZERO, |now| now()))
         }
 
+        /// The moment `time` earlier, if the clock reaches that far back.
         #[must_use]
         pub fn checked_sub(self, time: Duration) -> Option<Self> {
             self.0.checked_sub(time).map(Self)
         }
 
+        /// Time since an earlier moment; zero if it is later.
         #[must_use]
         pub fn duration_since(self, earlier: Self) -> Duration {
             self.0.saturating_sub(earlier.0)
         }
 
+        /// The moment `limit` later, if it can be represented.
         #[must_use]
         pub fn checked_add(self, limit: Duration) -> Option<Self> {
             self.0.checked_add(limit).map(Self)
