@@ -11,7 +11,7 @@ import kinopt
 from kinopt import tasks
 
 ROOT = Path(__file__).parents[2]
-LEG = ROOT / "tests" / "loops" / "files" / "knee.xml"
+LEG = ROOT / "tests" / "solver" / "loops" / "files" / "knee.xml"
 GROUND, CRANK, COUPLER, ROCKER = 0.4, 0.12, 0.35, 0.3
 
 

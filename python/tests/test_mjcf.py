@@ -9,7 +9,7 @@ import pytest
 
 import kinopt
 
-FOLDER = Path(__file__).parents[2] / "tests" / "mjcf"
+FOLDER = Path(__file__).parents[2] / "tests" / "robot" / "mjcf"
 REFERENCE = json.loads((FOLDER / "mujoco_placements.json").read_text())
 
 

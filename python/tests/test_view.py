@@ -303,7 +303,7 @@ def test_scene_repr_and_embedding_without_ipython(scene):
 
 
 def test_sliders_keep_loops_of_robot_closed(scene):
-    robot = kinopt.Robot.from_mjcf(Path(__file__).parents[2] / "tests" / "loops" / "files" / "knee.xml")
+    robot = kinopt.Robot.from_mjcf(Path(__file__).parents[2] / "tests" / "solver" / "loops" / "files" / "knee.xml")
     body = scene.add(robot)
     gaps = kinopt.LoopClosure(robot).gaps
     names = robot.coordinate_names
