@@ -1,5 +1,5 @@
 //! Promises of kinopt-bindings: options, tasks and methods by name.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod jobs;
 mod methods;
