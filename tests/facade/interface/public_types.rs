@@ -132,11 +132,12 @@ each! { value:
     solver::Counts, solver::Damping, solver::FirstStep, solver::GaussNewtonState,
     solver::Iteration<'static>, solver::LevenbergMarquardtState, solver::Outcome,
     solver::ProjectedGradientState, solver::Silent, solver::SolverState, solver::Step, task::LocalJacobian,
-    task::Numeric<task::Point>, task::Inequality, task::Task<task::Point>, task::Bounded<task::Point>,
+    task::Numeric<task::Point>, task::Inequality, task::Inputs, task::Description, task::Task<task::Point>, task::Bounded<task::Point>,
 }
 
 // Each borrows the caller's memory exclusively.
 each! { shared:
+    task::Extensions<task::Point>,
     ik::SolutionDerivative<'static>, problem::Evaluation<'static>, skinning::PosedVertices<'static>,
 }
 // Borrows the caller's memory exclusively, and a problem of any kind.
