@@ -76,8 +76,8 @@ pub enum ReadProblem {
     /// Text or structure that violates the format.
     #[error("{0}")]
     Malformed(String),
-    /// Well-formed but invalid contents, for example a [`MeshError`](kinopt_mesh::mesh::MeshError) or a
-    /// [`SkinningError`](kinopt_animation::skinning::SkinningError).
+    /// Well-formed but invalid contents, for example a `MeshError` or a
+    /// `SkinningError`.
     #[error(transparent)]
     Invalid(Arc<dyn std::error::Error + Send + Sync>),
     /// A referenced file that cannot be read.
