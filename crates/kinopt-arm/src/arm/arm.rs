@@ -182,6 +182,7 @@ impl Arm {
     /// singularities of a stretched arm.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/franka_panda.urdf")?;
@@ -257,6 +258,7 @@ impl Arm {
     /// column includes the mimic joints of its joint.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/franka_panda.urdf")?;

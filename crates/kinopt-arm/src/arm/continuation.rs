@@ -283,7 +283,7 @@ mod tests {
     #[test]
     #[allow(clippy::unwrap_used)]
     fn continued_starts_end_near_the_target() {
-        let robot = Robot::read("models/franka_panda.urdf").unwrap();
+        let robot = Robot::read("../../models/franka_panda.urdf").unwrap();
         let arm = Arm::new(&robot, "base", "tool").unwrap();
         let (n, mut state) = (arm.joint_count(), 7);
         let mut unit = || {
@@ -339,7 +339,7 @@ mod tests {
     #[test]
     #[allow(clippy::unwrap_used)]
     fn continuation_takes_all_steps_of_each_start() {
-        let robot = Robot::read("models/franka_panda.urdf").unwrap();
+        let robot = Robot::read("../../models/franka_panda.urdf").unwrap();
         let arm = Arm::new(&robot, "base", "tool").unwrap();
         let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
         let start_pose = arm.base_from_tool(&start).unwrap();

@@ -149,6 +149,7 @@ impl Arm {
     /// there.
     ///
     /// ```
+    /// # std::env::set_current_dir("../..")?;
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
