@@ -77,17 +77,21 @@ fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (TreeSolid, Boundi
 mod tests {
     use super::*;
     use kinopt_collision::collision::ShapeError;
+    use kinopt_kinematics::random::RandomStream;
     use kinopt_kinematics::scalar::elementary;
     use kinopt_kinematics::spatial::Matrix3;
 
-    /// A linear congruential generator (Press et al. 1992, "Numerical Recipes", ch. 7.1); the field is its state.
-    struct Numbers(u32);
+    /// Random numbers, points and shapes.
+    struct Numbers(RandomStream);
 
     impl Numbers {
+        fn new(seed: u64) -> Self {
+            Self(RandomStream::new(seed, 0))
+        }
+
         /// The next number, in [-1, 1).
         fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
+            2.0 * self.0.unit() - 1.0
         }
 
         /// A point with each coordinate in [-`size`, `size`).
@@ -126,7 +130,7 @@ mod tests {
 
         fn shape(&mut self) -> Shape {
             let size = 0.06 + 0.04 * self.next();
-            let shape = match self.0 >> 29 {
+            let shape = match (8.0 * self.0.unit()) as u32 {
                 0 => Shape::sphere(size),
                 1 => Shape::cylinder(size, 0.05),
                 2 => Shape::capsule(size, 0.05),
@@ -171,7 +175,7 @@ mod tests {
 
     #[test]
     fn solid_tree_matches_linear_search() {
-        let numbers = &mut Numbers(1);
+        let numbers = &mut Numbers::new(1);
         let mut placed = |number| {
             let shape = numbers.shape();
             (number, shape, numbers.placement())
@@ -185,8 +189,13 @@ mod tests {
         let first = solid_tree.clone();
         let before = solids.clone();
         for change in 0..6 {
-            check_queries(&solid_tree, &solids, &mut Numbers(10 + change), &mut counts);
-            let number = 7 * u64::from(change);
+            check_queries(
+                &solid_tree,
+                &solids,
+                &mut Numbers::new(10 + change),
+                &mut counts,
+            );
+            let number = 7 * change;
             let moved = placed(number);
             solid_tree =
                 solid_tree.changed(&[(number, Some((&moved.1, moved.2))), (number + 1, None)]);
@@ -194,7 +203,7 @@ mod tests {
             solids.push(moved);
         }
         assert!(solid_tree.solids.has_new() && solid_tree.solids.shares_old(&first.solids));
-        check_queries(&first, &before, &mut Numbers(99), &mut counts);
+        check_queries(&first, &before, &mut Numbers::new(99), &mut counts);
         assert!(counts.iter().all(|&count| count > 4_000), "{counts:?}");
     }
 }

@@ -30,8 +30,6 @@ mod mesh_folders;
 mod model;
 mod shape;
 mod sphere_model;
-#[cfg(test)]
-mod test_numbers;
 #[doc(hidden)]
 pub mod wide_aabb_tree;
 pub(crate) mod world;

@@ -261,7 +261,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    use crate::collision::test_numbers::Numbers;
+    use kinopt_kinematics::random::RandomStream;
 
     /// Records the tested items; the predicate is never true.
     #[derive(Default)]
@@ -303,9 +303,19 @@ mod tests {
         tested_items
     }
 
+    /// A number sampled uniformly within [-1, 1).
+    fn signed(stream: &mut RandomStream) -> f64 {
+        2.0 * stream.unit() - 1.0
+    }
+
+    /// A point with each coordinate in [-`size`, `size`).
+    fn point_in_cube(stream: &mut RandomStream, size: f64) -> Vector3<f64> {
+        Vector3::new(signed(stream), signed(stream), signed(stream)) * size
+    }
+
     #[test]
     fn search_visits_near_boxes_and_few_others() {
-        let numbers = &mut Numbers(7);
+        let stream = &mut RandomStream::new(7, 0);
         for (scale, offset) in [
             (1.0, 0.0),
             (1e-12, 0.0),
@@ -317,8 +327,8 @@ mod tests {
                 let middle = Vector3::new(offset, -offset, offset);
                 let boxes: Vec<_> = (0..count)
                     .map(|_| {
-                        let corner = middle + numbers.point(scale);
-                        BoundingBox::around([corner, corner + numbers.point(0.05 * scale)])
+                        let corner = middle + point_in_cube(stream, scale);
+                        BoundingBox::around([corner, corner + point_in_cube(stream, 0.05 * scale)])
                     })
                     .collect();
                 let points: Vec<_> = boxes.iter().map(|bounds| bounds.min).collect();
@@ -328,8 +338,8 @@ mod tests {
                 ];
                 let (mut extra_tests, mut near_count) = (0, 0);
                 for _ in 0..200 {
-                    let point = middle + numbers.point(1.2 * scale);
-                    let reach = (0.15 + 0.15 * numbers.next()) * scale;
+                    let point = middle + point_in_cube(stream, 1.2 * scale);
+                    let reach = (0.15 + 0.15 * signed(stream)) * scale;
                     for (tree, are_points) in &trees {
                         let near = |item: &u32| {
                             let bounds = match are_points {
