@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
-use kinopt_bindings::retarget_folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
+use kinopt_bindings::retarget_folder::{FolderError, FolderSettings, MotionFolder, unfinished};
 use support::arms::floating_nao;
 use support::fault_tables::ExpectedError;
 
@@ -33,8 +33,8 @@ impl Folders {
         self.0.join("into")
     }
 
-    fn find(&self) -> MovementFolder {
-        MovementFolder::find(&self.source(), &self.out(), "npz").unwrap()
+    fn find(&self) -> MotionFolder {
+        MotionFolder::find(&self.source(), &self.out(), "npz").unwrap()
     }
 }
 
@@ -45,7 +45,7 @@ impl Drop for Folders {
 }
 
 /// The reported differences between a request and the one with which the folder was begun.
-fn differs(folders: &Folders, begun: &FolderQuestion<'_>, query: &FolderQuestion<'_>) -> String {
+fn differs(folders: &Folders, begun: &FolderSettings<'_>, query: &FolderSettings<'_>) -> String {
     folders.find().begin(begun, true).unwrap();
     match folders.find().begin(query, false) {
         Ok(_) => String::new(),
@@ -58,7 +58,7 @@ fn differs(folders: &Folders, begun: &FolderQuestion<'_>, query: &FolderQuestion
 fn finished_files_are_kept_and_partial_ones_removed() {
     let folders = Folders::new("folder-done");
     let robot = floating_nao();
-    let query = FolderQuestion::new(&robot, RetargetOptions::default());
+    let query = FolderSettings::new(&robot, RetargetOptions::default());
     let begun = folders.find().begin(&query, false).unwrap();
     let outs = begun
         .iter()
@@ -99,7 +99,7 @@ fn equal_requests_are_equal_however_stated() {
     let all = BodyMap::from_json(&all, "").unwrap();
     let alone = BodyMap::from_json(&format!("{{\"drives\": {drives}}}"), "").unwrap();
     let joints = ["hips", "foot"].map(str::to_owned);
-    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let plain = FolderSettings::new(&robot, RetargetOptions::default());
     let by_map = plain.clone().with_map(&all);
     let changed = plain.clone().with_map(&alone).with_joints(&joints[..]);
     let changed = changed.with_frame_rate(30.0).with_up(UpAxis::Y);
@@ -111,12 +111,12 @@ fn equal_requests_are_equal_however_stated() {
 fn differences_between_requests_are_named() {
     let folders = Folders::new("folder-another");
     let robot = floating_nao();
-    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let plain = FolderSettings::new(&robot, RetargetOptions::default());
     let mut others = Vec::new();
     for (name, change) in [
         (
             "whole",
-            (|request| request.whole = true) as fn(&mut FolderQuestion<'_>),
+            (|request| request.whole = true) as fn(&mut FolderSettings<'_>),
         ),
         ("clip", |request| request.clip = Some("Walk")),
         ("skeleton", |request| request.skeleton = Some("cmu")),
@@ -154,7 +154,7 @@ fn differences_between_requests_are_named() {
         let text = text.replacen(old, new, 1);
         let changed = Robot::reader().parse(&text, "changed.urdf").unwrap();
         let changed = changed.with_base_joint(BaseJoint::FREE).unwrap();
-        let other = FolderQuestion::new(&changed, RetargetOptions::default());
+        let other = FolderSettings::new(&changed, RetargetOptions::default());
         assert_eq!(differs(&folders, &plain, &other), "target", "{new}");
     }
 }
@@ -164,7 +164,7 @@ fn differences_between_requests_are_named() {
 fn folder_without_a_valid_request_is_rejected() {
     let folders = Folders::new("folder-lost");
     let robot = floating_nao();
-    let query = FolderQuestion::new(&robot, RetargetOptions::default());
+    let query = FolderSettings::new(&robot, RetargetOptions::default());
     fs::create_dir_all(folders.out()).unwrap();
     for text in ["", "[1]", "{\"kinopt\": "] {
         fs::write(folders.out().join("retarget.json"), text).unwrap();
@@ -182,17 +182,17 @@ fn folder_without_a_valid_request_is_rejected() {
 fn written_files_are_never_read_as_motions() {
     let folders = Folders::new("folder-itself");
     let from = folders.source();
-    let refused = MovementFolder::find(&from, &from, "bvh").unwrap_err();
+    let refused = MotionFolder::find(&from, &from, "bvh").unwrap_err();
     assert!(
         matches!(refused, FolderError::IntoItself { .. }),
         "{refused}"
     );
-    assert!(MovementFolder::find(&from, &from, "npz").is_ok());
+    assert!(MotionFolder::find(&from, &from, "npz").is_ok());
     // A subfolder: existing files in it are no motions of the folder.
     let into = from.join("deeper");
     let robot = floating_nao();
-    let query = FolderQuestion::new(&robot, RetargetOptions::default());
-    let found = MovementFolder::find(&from, &into, "bvh").unwrap();
+    let query = FolderSettings::new(&robot, RetargetOptions::default());
+    let found = MotionFolder::find(&from, &into, "bvh").unwrap();
     let begun = found.begin(&query, false).unwrap();
     assert_eq!(begun.len(), 1);
     assert_eq!(begun[0].out, into.join("one.bvh"));
@@ -203,7 +203,7 @@ fn written_files_are_never_read_as_motions() {
 fn builder_methods_set_their_fields() {
     let folders = Folders::new("folder-said");
     let robot = floating_nao();
-    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let plain = FolderSettings::new(&robot, RetargetOptions::default());
     let request = || plain.clone();
     for (name, changed_query) in [
         ("clip", request().with_clip("Walk")),

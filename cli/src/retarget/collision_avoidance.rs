@@ -4,7 +4,7 @@ use clap::Args;
 use kinopt::collision::{Checker, World};
 use kinopt::counted;
 use kinopt::motion::retarget::Retargeted;
-use kinopt_bindings::retarget_folder::FolderQuestion;
+use kinopt_bindings::retarget_folder::FolderSettings;
 
 use super::target::Target;
 use crate::collision_options::ObstacleOptions;
@@ -66,7 +66,7 @@ impl CollisionAvoidance {
     }
 
     /// Adds margin and world to a folder query.
-    pub(super) fn add_to_query(&self, query: &mut FolderQuestion<'_>) {
+    pub(super) fn add_to_query(&self, query: &mut FolderSettings<'_>) {
         query.keep_clear = Some(self.checker.margin());
         query.world = self.world.as_ref().map(World::to_json);
         let note = self.of_person.then(|| "world of the person".to_owned());

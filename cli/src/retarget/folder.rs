@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt_bindings::retarget_folder::{FolderError, Movement, MovementFolder};
+use kinopt_bindings::retarget_folder::{FolderError, FolderMotion, MotionFolder};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -37,7 +37,7 @@ struct Summary<'a> {
 pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()> {
     let format = arguments.format.unwrap_or(Format::Npz);
     let job = Job::new(arguments, format)?;
-    let folder = MovementFolder::find(&arguments.source, into, &format.ending())?;
+    let folder = MotionFolder::find(&arguments.source, into, &format.ending())?;
     let movements = folder.begin(&job.folder_query(), arguments.overwrite);
     let movements = movements.map_err(|error| match error {
         FolderError::OtherQuestion { .. } => {
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
     print(into, &reports, json)
 }
 
-fn retarget_one(job: &Job<'_>, movement: Movement) -> Report {
+fn retarget_one(job: &Job<'_>, movement: FolderMotion) -> Report {
     let solved = match movement.done_before {
         true => Ok(None),
         false => job.run(&movement.source, &movement.out).map(Some),

@@ -15,7 +15,7 @@ use kinopt::counted;
 use kinopt::motion::retarget::{
     FootShapes, KnownSkeleton, LostContact, RetargetOptions, Retargeting,
 };
-use kinopt_bindings::retarget_folder::FolderQuestion;
+use kinopt_bindings::retarget_folder::FolderSettings;
 use serde::Serialize;
 
 use self::collision_avoidance::{AvoidanceOptions, CollisionAvoidance, report_contacts};
@@ -188,8 +188,8 @@ impl<'a> Job<'a> {
     }
 
     /// Folder query: everything that determines the results.
-    fn folder_query(&self) -> FolderQuestion<'_> {
-        let mut query = FolderQuestion::new(&self.target.robot, self.options());
+    fn folder_query(&self) -> FolderSettings<'_> {
+        let mut query = FolderSettings::new(&self.target.robot, self.options());
         self.arguments.source_options.add_to_query(&mut query);
         if let Some(avoidance) = &self.avoidance {
             avoidance.add_to_query(&mut query);

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
 use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
-use kinopt_bindings::retarget_folder::FolderQuestion;
+use kinopt_bindings::retarget_folder::FolderSettings;
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
@@ -59,7 +59,7 @@ pub(super) struct Source {
 
 impl SourceOptions {
     /// Adds the reading options to a folder query.
-    pub(super) fn add_to_query<'a>(&'a self, query: &mut FolderQuestion<'a>) {
+    pub(super) fn add_to_query<'a>(&'a self, query: &mut FolderSettings<'a>) {
         query.frame_rate = self.fps;
         query.clip = self.clip.as_deref();
         query.up = self.up.map(UpAxis::from);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kinopt::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
-use kinopt_bindings::retarget_folder::{FolderQuestion, MovementFolder};
+use kinopt_bindings::retarget_folder::{FolderSettings, MotionFolder};
 
 use crate::forked_rig::*;
 
@@ -102,11 +102,11 @@ fn folder_begun_by_the_library_is_continued() {
     let mut options = RetargetOptions::default().with_shapes(FootShapes::of_files(&robot));
     options.contacts.speed = 0.2;
     let given = BodyMap::from_json(text, "").unwrap();
-    let folder_query = FolderQuestion::new(&robot, options)
+    let folder_query = FolderSettings::new(&robot, options)
         .with_map(&given)
         .with_up(UpAxis::Z)
         .with_whole(true);
-    let found = MovementFolder::find(from.as_ref(), into.as_ref(), "npz").unwrap();
+    let found = MotionFolder::find(from.as_ref(), into.as_ref(), "npz").unwrap();
     std::fs::write(&found.begin(&folder_query, false).unwrap()[0].out, "done").unwrap();
     let command = format!(
         "retarget {from} {file} --base-joint free --map {map} --up z --whole --contact-speed 0.2 --out {into}"

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use kinopt_bindings::Classify;
-use kinopt_bindings::retarget_folder::{FolderError, FolderQuestion, MovementFolder};
+use kinopt_bindings::retarget_folder::{FolderError, FolderSettings, MotionFolder};
 use pyo3::prelude::*;
 
 use super::request::{Options, foot_shapes_of, read_map, target_of};
@@ -42,7 +42,7 @@ pub(super) fn folder_begun(
     retarget_options.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
     let world = options.world(target.py())?;
-    let request = FolderQuestion::new(&robot, retarget_options)
+    let request = FolderSettings::new(&robot, retarget_options)
         .with_map(map.as_ref())
         .with_skeleton(skeleton)
         .with_joints(reading.joints.as_deref())
@@ -53,7 +53,7 @@ pub(super) fn folder_begun(
         .with_keep_clear(options.margin()?)
         .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
-    let movements = MovementFolder::find(&source, &into, "npz").or_raise()?;
+    let movements = MotionFolder::find(&source, &into, "npz").or_raise()?;
     let begun = movements.begin(&request, overwrite).map_err(|error| {
         let hint = match &error {
             FolderError::OtherQuestion { .. } => ": give another folder, or overwrite=True",

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::QUESTION;
+use super::SETTINGS_FILE;
 use kinopt::io::{ReadError, WriteError};
 
 /// Reason why a folder of motions cannot be started or continued.
@@ -40,7 +40,7 @@ pub enum FolderError {
         folder: PathBuf,
     },
     /// The folder has results of other settings.
-    #[error("{} has results of other settings, as stored in its {QUESTION}{}", folder.display(), differing(differs))]
+    #[error("{} has results of other settings, as stored in its {SETTINGS_FILE}{}", folder.display(), differing(differs))]
     OtherQuestion {
         /// Path of the folder.
         folder: PathBuf,

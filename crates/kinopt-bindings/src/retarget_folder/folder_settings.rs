@@ -11,7 +11,7 @@ use kinopt::robot::Robot;
 /// Settings of a folder of motions: target, map and options.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct FolderQuestion<'a> {
+pub struct FolderSettings<'a> {
     /// Target of the motions.
     pub target: &'a Robot,
     /// Options of retargeting.
@@ -38,7 +38,7 @@ pub struct FolderQuestion<'a> {
     pub more: Vec<String>,
 }
 
-impl<'a> FolderQuestion<'a> {
+impl<'a> FolderSettings<'a> {
     /// Creates settings for online retargeting to a target with guessed maps.
     #[must_use]
     pub fn new(target: &'a Robot, options: RetargetOptions) -> Self {

@@ -8,8 +8,8 @@ mod folder_settings;
 mod motion_folder;
 
 pub use error::FolderError;
-pub use folder_settings::FolderQuestion;
-pub use motion_folder::{Movement, MovementFolder, unfinished};
+pub use folder_settings::FolderSettings;
+pub use motion_folder::{FolderMotion, MotionFolder, unfinished};
 
 /// Name of the file with the settings of a folder, which all its results share.
-pub const QUESTION: &str = "retarget.json";
+pub const SETTINGS_FILE: &str = "retarget.json";

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FolderError, FolderQuestion, QUESTION};
+use super::{FolderError, FolderSettings, SETTINGS_FILE};
 use kinopt::io::write_file;
 
 /// File extensions of motions.
@@ -17,14 +17,14 @@ const UNFINISHED_PREFIX: &str = ".part.";
 ///
 /// ```
 /// # std::env::set_current_dir("../..")?;
-/// use kinopt_bindings::retarget_folder::{FolderQuestion, MovementFolder, unfinished};
+/// use kinopt_bindings::retarget_folder::{FolderSettings, MotionFolder, unfinished};
 /// use kinopt::motion::retarget::RetargetOptions;
 /// use kinopt::robot::{BaseJoint, Robot};
 ///
 /// # let into = std::env::temp_dir().join(format!("kinopt-movements-{}", std::process::id()));
 /// let robot = Robot::read("models/aldebaran_nao.urdf")?.with_base_joint(BaseJoint::FREE)?;
-/// let settings = FolderQuestion::new(&robot, RetargetOptions::default());
-/// let folder = MovementFolder::find("models/captures".as_ref(), &into, "csv")?;
+/// let settings = FolderSettings::new(&robot, RetargetOptions::default());
+/// let folder = MotionFolder::find("models/captures".as_ref(), &into, "csv")?;
 /// for movement in folder.begin(&settings, false)?.iter().filter(|movement| !movement.done_before) {
 /// // The motion is retargeted to the robot here.
 ///     let written = unfinished(&movement.out);
@@ -36,7 +36,7 @@ const UNFINISHED_PREFIX: &str = ".part.";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct MovementFolder {
+pub struct MotionFolder {
     into: PathBuf,
     /// Sources and outputs, sorted by name.
     pairs: Vec<(PathBuf, PathBuf)>,
@@ -45,7 +45,7 @@ pub struct MovementFolder {
 /// Motion of a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Movement {
+pub struct FolderMotion {
     /// Path of the source file.
     pub source: PathBuf,
     /// Path of the output file.
@@ -54,7 +54,7 @@ pub struct Movement {
     pub done_before: bool,
 }
 
-impl MovementFolder {
+impl MotionFolder {
     /// Finds the motions in `source` (.npy, .bvh, .glb, .gltf; no hidden files) and determines their output files.
     ///
     /// Outputs have the same names in `into` with the extension `ending`. Nothing is written.
@@ -105,11 +105,11 @@ impl MovementFolder {
     /// Returns an error if the folder has results of other settings, or cannot be written.
     pub fn begin(
         &self,
-        settings: &FolderQuestion<'_>,
+        settings: &FolderSettings<'_>,
         again: bool,
-    ) -> Result<Vec<Movement>, FolderError> {
+    ) -> Result<Vec<FolderMotion>, FolderError> {
         create_folder(&self.into)?;
-        let settings_path = self.into.join(QUESTION);
+        let settings_path = self.into.join(SETTINGS_FILE);
         let text = settings.text();
         if settings_path.exists() && !again {
             let before = fs::read(&settings_path)
@@ -134,7 +134,7 @@ impl MovementFolder {
                 last = Some(folder);
             }
         }
-        let motions = self.pairs.iter().map(|(source, out)| Movement {
+        let motions = self.pairs.iter().map(|(source, out)| FolderMotion {
             source: source.clone(),
             out: out.clone(),
             done_before: !again && is_newer(out, source),
