@@ -103,19 +103,6 @@ impl CentreOfMass {
     fn axes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..3).filter(|&axis| self.is_constrained[axis])
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let centre = self.body.centre(frames);
-        let position = match (self.base, frames.last()) {
-            (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
-            _ => centre,
-        };
-        let error = (position - moved(self.target, step)).to_array();
-        for (row, axis) in residual.iter_mut().zip(self.axes()) {
-            *row = error[axis];
-        }
-    }
 }
 
 impl Body {
@@ -235,7 +222,15 @@ impl DifferentiableTarget for CentreOfMass {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let centre = self.body.centre(frames);
+        let position = match (self.base, frames.last()) {
+            (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
+            _ => centre,
+        };
+        let error = (position - moved(self.target, step)).to_array();
+        for (row, axis) in residual.iter_mut().zip(self.axes()) {
+            *row = error[axis];
+        }
     }
 
     fn has_edges(&self) -> bool {

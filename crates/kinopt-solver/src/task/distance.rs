@@ -27,21 +27,6 @@ impl Distance {
     pub fn set_distance(&mut self, distance: f64) {
         self.distance = distance;
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let offset = frames[0].translation - frames[1].translation;
-        let squared = offset.norm_squared();
-        // At distance zero every direction is valid; x gives a derivative.
-        let coincide = squared.less_than(S::constant(f64::MIN_POSITIVE));
-        let unit_x = Vector3::constant(Vector3::UNITS[0]);
-        let length = S::select(
-            coincide,
-            offset.dot(unit_x),
-            S::select(coincide, S::one(), squared).sqrt(),
-        );
-        residual[0] = length - moved_by(self.distance, step);
-    }
 }
 
 impl Residual for Distance {
@@ -89,6 +74,16 @@ impl DifferentiableTarget for Distance {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let offset = frames[0].translation - frames[1].translation;
+        let squared = offset.norm_squared();
+        // At distance zero every direction is valid; x gives a derivative.
+        let coincide = squared.less_than(S::constant(f64::MIN_POSITIVE));
+        let unit_x = Vector3::constant(Vector3::UNITS[0]);
+        let length = S::select(
+            coincide,
+            offset.dot(unit_x),
+            S::select(coincide, S::one(), squared).sqrt(),
+        );
+        residual[0] = length - moved_by(self.distance, step);
     }
 }

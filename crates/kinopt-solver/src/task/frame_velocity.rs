@@ -57,21 +57,6 @@ impl FrameVelocity {
         self.linear = linear.into();
         self.angular = angular.into();
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let translation = frames[0].translation - Vector3::constant(self.previous.translation);
-        let rotation = Vector3::from(Orientation::error(
-            self.previous.rotation,
-            frames[0].rotation,
-        ));
-        let per_second = S::constant(1.0 / self.time_step_s);
-        let linear = translation * per_second - moved(self.linear, step);
-        let angular =
-            rotation * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
-        residual[..3].copy_from_slice(&linear.to_array());
-        residual[3..].copy_from_slice(&angular.to_array());
-    }
 }
 
 impl Residual for FrameVelocity {
@@ -120,7 +105,17 @@ impl DifferentiableTarget for FrameVelocity {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let translation = frames[0].translation - Vector3::constant(self.previous.translation);
+        let rotation = Vector3::from(Orientation::error(
+            self.previous.rotation,
+            frames[0].rotation,
+        ));
+        let per_second = S::constant(1.0 / self.time_step_s);
+        let linear = translation * per_second - moved(self.linear, step);
+        let angular =
+            rotation * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
+        residual[..3].copy_from_slice(&linear.to_array());
+        residual[3..].copy_from_slice(&angular.to_array());
     }
 
     fn has_edges(&self) -> bool {

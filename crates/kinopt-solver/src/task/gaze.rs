@@ -113,16 +113,6 @@ impl Gaze {
             ConeAxis::At(_) => ConeAxis::At(target.into()),
         };
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let squared = self.squared_angle(frames, step);
-        // Well inside the cone, to avoid θ = 0, at which θ has no derivative.
-        let is_inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
-        let angle = S::select(is_inside, S::one(), squared).sqrt();
-        let excess = beyond(angle, f64::NEG_INFINITY, self.half_angle);
-        residual[0] = S::select(is_inside, S::zero(), excess);
-    }
 }
 
 impl Residual for Gaze {
@@ -188,6 +178,11 @@ impl DifferentiableTarget for Gaze {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let squared = self.squared_angle(frames, step);
+        // Well inside the cone, to avoid θ = 0, at which θ has no derivative.
+        let is_inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
+        let angle = S::select(is_inside, S::one(), squared).sqrt();
+        let excess = beyond(angle, f64::NEG_INFINITY, self.half_angle);
+        residual[0] = S::select(is_inside, S::zero(), excess);
     }
 }

@@ -39,14 +39,6 @@ impl LookAt {
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let unit_axis = self.axis * (1.0 / self.axis.norm());
-        let axis = frames[0].rotation * Vector3::constant(unit_axis);
-        let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
-        residual.copy_from_slice(&rotation_onto(axis, sight).to_array());
-    }
 }
 
 impl Residual for LookAt {
@@ -89,7 +81,10 @@ impl DifferentiableTarget for LookAt {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let unit_axis = self.axis * (1.0 / self.axis.norm());
+        let axis = frames[0].rotation * Vector3::constant(unit_axis);
+        let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
+        residual.copy_from_slice(&rotation_onto(axis, sight).to_array());
     }
 
     fn has_edges(&self) -> bool {

@@ -106,13 +106,6 @@ impl Orientation {
             *slope -= target_slope;
         }
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let placement = in_base(frames);
-        let target = rotated(self.target, step);
-        residual.copy_from_slice(&Self::error_from(target, placement.rotation));
-    }
 }
 
 impl Residual for Orientation {
@@ -166,7 +159,9 @@ impl DifferentiableTarget for Orientation {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let placement = in_base(frames);
+        let target = rotated(self.target, step);
+        residual.copy_from_slice(&Self::error_from(target, placement.rotation));
     }
 
     fn add_target_slopes(

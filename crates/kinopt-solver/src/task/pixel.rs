@@ -92,14 +92,6 @@ impl Pixel {
     pub fn set_target(&mut self, target: [f64; 2]) {
         self.target = target;
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let image = self.camera.project(frames[0].translation);
-        for (k, (row, coordinate)) in residual.iter_mut().zip(image).enumerate() {
-            *row = coordinate - moved_by(self.target[k], step.get(k..).unwrap_or_default());
-        }
-    }
 }
 
 impl Residual for Pixel {
@@ -143,7 +135,10 @@ impl DifferentiableTarget for Pixel {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let image = self.camera.project(frames[0].translation);
+        for (k, (row, coordinate)) in residual.iter_mut().zip(image).enumerate() {
+            *row = coordinate - moved_by(self.target[k], step.get(k..).unwrap_or_default());
+        }
     }
 
     fn has_edges(&self) -> bool {

@@ -43,12 +43,6 @@ impl Plane {
     fn unit_normal(&self) -> Vector3<f64> {
         self.normal * (1.0 / self.normal.norm())
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let offset = frames[0].translation - moved(self.point, step);
-        residual[0] = offset.dot(Vector3::constant(self.unit_normal()));
-    }
 }
 
 impl Residual for Plane {
@@ -96,7 +90,8 @@ impl DifferentiableTarget for Plane {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let offset = frames[0].translation - moved(self.point, step);
+        residual[0] = offset.dot(Vector3::constant(self.unit_normal()));
     }
 
     fn has_edges(&self) -> bool {

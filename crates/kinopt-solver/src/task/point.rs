@@ -71,13 +71,6 @@ impl Point {
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let position = in_base(frames).apply(Vector3::constant(self.offset));
-        let error = position - moved(self.target, step);
-        residual.copy_from_slice(&error.to_array());
-    }
 }
 
 impl Residual for Point {
@@ -134,7 +127,9 @@ impl DifferentiableTarget for Point {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let position = in_base(frames).apply(Vector3::constant(self.offset));
+        let error = position - moved(self.target, step);
+        residual.copy_from_slice(&error.to_array());
     }
 
     fn add_target_slopes(

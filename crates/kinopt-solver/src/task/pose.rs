@@ -199,36 +199,6 @@ impl FramePose {
             }
         }
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let placement = self.base_from_tool(frames);
-        let target = self.moved_target(step);
-        if let Some(goal) = &self.goal {
-            let quaternion = Self::relative_rotation(&target, placement.rotation);
-            let rotation = if goal.is_full_pose() {
-                quaternion.log()
-            } else {
-                // Both q and −q are valid: rows of opposite sign cost the same.
-                quaternion.v * S::constant(2.0)
-            };
-            let components = [Self::offset(&target, &placement), rotation].map(Vector3::to_array);
-            let components = components.into_iter().flatten().zip(goal.bands());
-            for (row, (value, band)) in residual.iter_mut().zip(components) {
-                *row = match band {
-                    0.0 => value,
-                    f64::INFINITY => S::zero(),
-                    _ => beyond(value, -band, band),
-                };
-            }
-            return;
-        }
-        let position_error = placement.translation - target.translation;
-        let rotation = Orientation::error_from(target.rotation, placement.rotation);
-        let (position, orientation) = residual.split_at_mut(3);
-        position.copy_from_slice(&position_error.to_array());
-        orientation.copy_from_slice(&rotation);
-    }
 }
 
 impl Residual for FramePose {
@@ -335,7 +305,32 @@ impl DifferentiableTarget for FramePose {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let placement = self.base_from_tool(frames);
+        let target = self.moved_target(step);
+        if let Some(goal) = &self.goal {
+            let quaternion = Self::relative_rotation(&target, placement.rotation);
+            let rotation = if goal.is_full_pose() {
+                quaternion.log()
+            } else {
+                // Both q and −q are valid: rows of opposite sign cost the same.
+                quaternion.v * S::constant(2.0)
+            };
+            let components = [Self::offset(&target, &placement), rotation].map(Vector3::to_array);
+            let components = components.into_iter().flatten().zip(goal.bands());
+            for (row, (value, band)) in residual.iter_mut().zip(components) {
+                *row = match band {
+                    0.0 => value,
+                    f64::INFINITY => S::zero(),
+                    _ => beyond(value, -band, band),
+                };
+            }
+            return;
+        }
+        let position_error = placement.translation - target.translation;
+        let rotation = Orientation::error_from(target.rotation, placement.rotation);
+        let (position, orientation) = residual.split_at_mut(3);
+        position.copy_from_slice(&position_error.to_array());
+        orientation.copy_from_slice(&rotation);
     }
 
     fn add_target_slopes(

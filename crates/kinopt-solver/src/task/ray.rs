@@ -47,14 +47,6 @@ impl Ray {
         let axis = self.eye - self.through;
         axis * (1.0 / axis.norm())
     }
-
-    /// The residual for these frames, with the target moved by `step`.
-    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
-        let direction = Vector3::constant(self.direction());
-        let offset = frames[0].translation - moved(self.through, step);
-        let perpendicular = offset - direction * offset.dot(direction);
-        residual.copy_from_slice(&perpendicular.to_array());
-    }
 }
 
 impl Residual for Ray {
@@ -109,7 +101,10 @@ impl DifferentiableTarget for Ray {
         step: &[S],
         residual: &mut [S],
     ) {
-        self.evaluate_frames(frames, step, residual);
+        let direction = Vector3::constant(self.direction());
+        let offset = frames[0].translation - moved(self.through, step);
+        let perpendicular = offset - direction * offset.dot(direction);
+        residual.copy_from_slice(&perpendicular.to_array());
     }
 
     fn has_edges(&self) -> bool {
