@@ -57,6 +57,7 @@ impl<'a> GeometricDescent<'a> {
     }
 
     /// The cost of all targets as a function of one rotating joint.
+    #[inline]
     fn rotation_cost(&self, joint: usize, axis: &JointAxis) -> RotationCost {
         let mut cost = RotationCost::default();
         for &index in self.goals_of_joint.of(joint) {

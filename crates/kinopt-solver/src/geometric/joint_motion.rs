@@ -68,6 +68,7 @@ impl RotationCost {
 }
 
 /// Moves the variable of a joint by the result of `best` for the joint's range; returns the joint's motion.
+#[inline]
 pub(super) fn move_joint(
     instance: ProblemInstance<'_>,
     joint: usize,
