@@ -20,6 +20,7 @@ mod goal;
 mod has_model;
 mod io;
 mod items;
+mod joint_jump;
 mod kinematics;
 mod loops;
 mod masses;
@@ -56,7 +57,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Jump, Servo, ServoStep, Track};
+    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep, Track};
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
@@ -65,6 +66,8 @@ mod _kinopt {
     use super::goal::PoseBounds;
     #[pymodule_export]
     use super::io::io;
+    #[pymodule_export]
+    use super::joint_jump::JointJump;
     #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
@@ -76,7 +79,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionSolution};
     #[pymodule_export]
-    use super::path::{MissedPoint, PathSolution, Reconfiguration, solve_path};
+    use super::path::{MissedPoint, PathSolution, solve_path};
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
@@ -94,7 +97,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::solution::{ActiveLimit, Collision, Counts, RowBlockReport, Solution, TaskReport};
     #[pymodule_export]
-    use super::solver::{Drag, DragJump, Iteration, Solutions, Solver};
+    use super::solver::{Drag, Iteration, Solutions, Solver};
     #[pymodule_export]
     use super::srdf::Srdf;
     #[pymodule_export]

@@ -15,47 +15,12 @@ use serde::{Deserialize, Serialize};
 use crate::arm::Arm;
 use crate::arrays::{self, shape_text};
 use crate::error::{OrRaise, invalid};
+use crate::joint_jump::JointJump;
 use crate::object::Object;
 use crate::pickling;
 use crate::placement::placements;
 use crate::solution::Collision;
 use crate::trajectory::Trajectory;
-
-/// A step in which an arm leaves its branch.
-#[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone, Serialize, Deserialize)]
-pub(crate) struct Reconfiguration {
-    /// Row of `q` at the end of the step; 0 for the step that closes a cyclic path.
-    index: usize,
-    /// Name of the joint that moves farthest.
-    joint: String,
-    /// Distance that it moves, radians; for a prismatic joint metres, converted by its weight.
-    distance: f64,
-    /// Weighted joint length of the step.
-    length: f64,
-}
-
-#[pymethods]
-impl Reconfiguration {
-    fn __repr__(&self) -> String {
-        let Self {
-            index,
-            joint,
-            distance,
-            ..
-        } = self;
-        format!("Reconfiguration(to row {index}, {joint:?}, {distance:.3} rad)")
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_json::<Self>(py, self)
-    }
-
-    #[staticmethod]
-    fn _rebuild(json: &str) -> PyResult<Self> {
-        pickling::of_json(json)
-    }
-}
 
 /// A point of a path that the tool does not reach.
 #[pyclass(frozen, get_all, module = "kinopt")]
@@ -100,7 +65,7 @@ pub(crate) struct PathSolution {
     entry: usize,
     /// Steps in which the arm leaves its branch, in order.
     #[pyo3(get)]
-    reconfigured_at: Vec<Reconfiguration>,
+    jumps: Vec<JointJump>,
     /// Weighted joint length of all steps.
     #[pyo3(get)]
     length: f64,
@@ -231,16 +196,10 @@ impl PathSolution {
         arrays::list(py, &self.q).reshape([self.q.len() / width.max(1), width])
     }
 
-    /// Number of reconfigurations.
-    #[getter]
-    fn reconfigurations(&self) -> usize {
-        self.reconfigured_at.len()
-    }
-
     /// True if all points are reached on one branch, and all steps are collision-free.
     #[getter]
     fn is_whole(&self) -> bool {
-        self.reconfigured_at.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
+        self.jumps.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
     }
 
     fn __repr__(&self) -> String {
@@ -248,7 +207,7 @@ impl PathSolution {
         format!(
             "PathSolution({} of {rows} reached, {} reconfigurations, length {:.3})",
             rows - self.missed.len(),
-            self.reconfigured_at.len(),
+            self.jumps.len(),
             self.length
         )
     }
@@ -307,7 +266,7 @@ impl PathSolution {
     }
 
     fn timed(&self, limits: &TimingLimits<'_>) -> Result<path::Trajectory, path::PathError> {
-        let rests: Vec<usize> = self.reconfigured_at.iter().map(|step| step.index).collect();
+        let rests: Vec<usize> = self.jumps.iter().map(|step| step.index).collect();
         path::Trajectory::through(&self.q, self.joint_names.len(), &rests, limits)
     }
 }
@@ -380,15 +339,6 @@ fn path_solution(
     read_as: Option<String>,
 ) -> PathSolution {
     let joint_names: Vec<String> = arm.joints().map(str::to_owned).collect();
-    let steps = solution
-        .reconfigurations
-        .iter()
-        .map(|step| Reconfiguration {
-            index: step.index,
-            joint: joint_names.get(step.joint).cloned().unwrap_or_default(),
-            distance: step.distance,
-            length: step.length,
-        });
     let missed = solution.missed.iter().map(|missed| MissedPoint {
         index: missed.index,
         position_error: missed.position_error,
@@ -399,7 +349,7 @@ fn path_solution(
     let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));
     let deviation = solution.largest_deviation;
     PathSolution {
-        reconfigured_at: steps.collect(),
+        jumps: JointJump::of_arm(arm, &solution.jumps),
         missed: missed.collect(),
         blocked: blocked.collect(),
         entry: solution.entry,

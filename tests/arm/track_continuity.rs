@@ -84,15 +84,15 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
             assert!(solution.reached && metres <= 1.01e-6 && radians <= 1.05e-6);
             assert!(within_limits(&arm, &solution.q));
         }
-        let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
+        let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.index).collect();
         let flips = flips(&joint_path, &track);
         let hidden = flips.iter().find(|step| !reported.contains(step));
         assert_eq!(hidden, None, "{name}: {reported:?}");
         all += usize::from(!flips.is_empty());
         for jump in &track.jumps {
             let (a, b) = (
-                &track.solutions[jump.step - 1].q,
-                &track.solutions[jump.step].q,
+                &track.solutions[jump.index - 1].q,
+                &track.solutions[jump.index].q,
             );
             let moved = (a[jump.joint] - b[jump.joint]).abs();
             assert!(jump.distance > 0.2 && (moved == jump.distance || name.contains("cobra")));
@@ -211,8 +211,12 @@ fn end_of_a_branch_is_reported() {
     let leaping = Arm::builder(&robot, "base", "flange");
     let leaping = leaping.with_global_search_on_miss(true).build().unwrap();
     let track = leaping.track(&targets, &start).unwrap();
-    let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
-    assert_eq!(reported, [(31, false)], "{:?}", track.jumps);
+    let reported: Vec<_> = track
+        .jumps
+        .iter()
+        .map(|j| (j.index, j.reconfiguration))
+        .collect();
+    assert_eq!(reported, [(31, true)], "{:?}", track.jumps);
     assert!(track.solutions.iter().all(|solution| solution.reached));
 
     let bounded = Arm::builder(&robot, "base", "flange");
@@ -329,7 +333,7 @@ fn reported_jumps_match_the_returned_track() {
             .map(|q| arm.base_from_tool(q).unwrap())
             .collect();
         let track = arm.track(&targets, &joint_path[0]).unwrap();
-        let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
+        let reported: Vec<_> = track.jumps.iter().map(|j| (j.index, j.distance)).collect();
         assert_eq!(reported, far_steps(&track), "{seed}");
     }
 }
@@ -385,7 +389,7 @@ fn far_step_follows_the_straight_line() {
         to[5] += turn;
         let target = arm.base_from_tool(&to).unwrap();
         let jump = follower.advance(target, &mut solution).unwrap().unwrap();
-        assert!(solution.reached && jump.continuous, "{jump:?}");
+        assert!(solution.reached && !jump.reconfiguration, "{jump:?}");
         assert!(
             largest_difference(&solution.q, &to) < 1e-4,
             "{:?}",

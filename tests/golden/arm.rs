@@ -137,10 +137,7 @@ fn path(record: &mut Record) {
         "length and deviation",
         [solution.length, deviation.metres, deviation.radians],
     );
-    record.counts(
-        "reconfigurations",
-        solution.reconfigurations.iter().map(|r| r.index),
-    );
+    record.counts("reconfigurations", solution.jumps.iter().map(|r| r.index));
     record.counts("missed", solution.missed.iter().map(|missed| missed.index));
     let limits = TimingLimits::new(&[2.0; 6], &[6.0; 6]);
     let trajectory = Trajectory::through(&solution.q, 6, &[], &limits).unwrap();

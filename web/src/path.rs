@@ -7,7 +7,7 @@ use kinopt_bindings::option::{self, names};
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
-use crate::arm::Arm;
+use crate::arm::{Arm, Jumps, jumps};
 use crate::placement::read_all;
 use crate::value::Value;
 use crate::{object, raise, solution, view};
@@ -37,15 +37,6 @@ export interface PathOptions {
     toolOfPoints?: Numbers;
 }
 
-/** A step in which an arm leaves its branch. */
-export interface Reconfiguration {
-    /** Row of `q` after the step; 0 for the step that closes a cyclic path. */
-    index: number;
-    joint: string;
-    /** Radians; of a prismatic joint the equivalent length. */
-    distance: number;
-}
-
 /** A point of a path that the tool does not reach. */
 export interface MissedPoint {
     index: number;
@@ -66,9 +57,6 @@ extern "C" {
     /// Options of a path.
     #[wasm_bindgen(typescript_type = "PathOptions")]
     pub type PathOptions;
-    /// Reconfigurations as objects.
-    #[wasm_bindgen(typescript_type = "Reconfiguration[]")]
-    pub type Reconfigurations;
     /// Missed points as objects.
     #[wasm_bindgen(typescript_type = "MissedPoint[]")]
     pub type MissedPoints;
@@ -136,16 +124,8 @@ impl PathSolution {
 
     /// Steps in which the arm leaves its branch.
     #[wasm_bindgen(getter)]
-    pub fn reconfigurations(&self) -> Reconfigurations {
-        let steps = self.inner.reconfigurations.iter().map(|step| {
-            let joint = self.joints.get(step.joint).map_or("", String::as_str);
-            object::of([
-                ("index", step.index.into()),
-                ("joint", joint.into()),
-                ("distance", step.distance.into()),
-            ])
-        });
-        steps.collect::<Array>().unchecked_into()
+    pub fn jumps(&self) -> Jumps {
+        jumps(&self.inner.jumps, &self.joints).unchecked_into()
     }
 
     /// Points that are not reached, in order.

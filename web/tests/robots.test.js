@@ -49,7 +49,7 @@ test("a path has one branch, and reports unreached points", () => {
     const points = (length) => Float64Array.from({ length: 16 * 61 }, (_, k) => begin[k % 16] + (k % 16 === 13 ? (length * Math.floor(k / 16)) / 60 : 0));
     const path = points(0.5);
     const solution = solvePath(arm, path);
-    assert.ok(solution.isWhole && solution.reconfigurations.length === 0, JSON.stringify(solution.missed));
+    assert.ok(solution.isWhole && solution.jumps.length === 0, JSON.stringify(solution.missed));
     assert.ok(solution.largestDeviation < 1e-3);
     const q = solution.q.slice();
     for (let k = 0; k < 61; k += 1) {
@@ -69,13 +69,13 @@ test("a path has one branch, and reports unreached points", () => {
     const two = solvePath(arm, near, { tools: longer, toolOfPoints });
     assert.deepEqual([two.missed, two.q.length], [[], 61 * 7]);
     // The change of tools is the only long step, if there is one.
-    assert.ok(two.reconfigurations.every(({ index }) => index === 30));
+    assert.ok(two.jumps.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
     const offset = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);
     assert.ok(Math.abs(Math.hypot(...offset) - 0.05) < 4e-6, `${offset}`);
     assert.throws(() => solvePath(arm, path, { toolOfPoints }), /tool 1/);
     assert.throws(() => solvePath(arm, path, { toolOfPoints: [0.5] }), /toolOfPoints.*whole/);
     const slow = solvePath(arm, path, { times: Array.from({ length: 61 }, (_, k) => k / 1000), keepTimes: true });
-    assert.ok(slow.reconfigurations.length > 0);
+    assert.ok(slow.jumps.length > 0);
     assert.throws(() => solvePath(arm, path.subarray(0, 17)), /16/);
 });

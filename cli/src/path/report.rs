@@ -8,6 +8,7 @@ use kinopt::motion::path::{
 use serde::Serialize;
 
 use crate::collision_document::{CollisionDocument, depth};
+use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::table;
 
@@ -33,8 +34,7 @@ pub(super) struct Document<'a> {
     points: usize,
     read_as: String,
     entry: usize,
-    reconfigurations: usize,
-    reconfigured_at: Vec<Step<'a>>,
+    jumps: Vec<JumpDocument>,
     length: f64,
     largest_deviation: f64,
     largest_deviation_at: usize,
@@ -46,14 +46,6 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     times: Option<&'a [f64]>,
     milliseconds: f64,
-}
-
-#[derive(Serialize)]
-struct Step<'a> {
-    index: usize,
-    joint: &'a str,
-    distance: f64,
-    length: f64,
 }
 
 #[derive(Serialize)]
@@ -87,12 +79,8 @@ impl<'a> Report<'a> {
         let solution = self.solution;
         let deviation = solution.largest_deviation;
         let joints: Vec<&str> = self.arm.joints().collect();
-        let steps = solution.reconfigurations.iter().map(|step| Step {
-            index: step.index,
-            joint: joints.get(step.joint).copied().unwrap_or_default(),
-            distance: step.distance,
-            length: step.length,
-        });
+        let jumps = solution.jumps.iter();
+        let jumps = jumps.map(|jump| JumpDocument::of(jump, &joints));
         let misses = solution.missed.iter().map(|miss| Miss {
             index: miss.index,
             position_error: miss.position_error,
@@ -109,8 +97,7 @@ impl<'a> Report<'a> {
             points: self.path.points().len(),
             read_as: self.columns_read.to_string(),
             entry: solution.entry,
-            reconfigurations: solution.reconfigurations.len(),
-            reconfigured_at: steps.collect(),
+            jumps: jumps.collect(),
             length: solution.length,
             largest_deviation: deviation.metres,
             largest_deviation_at: deviation.metres_at,
@@ -152,7 +139,7 @@ impl<'a> Report<'a> {
         entries.push(("time", format!("{:.1} ms", self.milliseconds)));
         let mut text = table::lines(entries);
         let joints: Vec<&str> = self.arm.joints().collect();
-        let steps = solution.reconfigurations.iter().map(|step| {
+        let steps = solution.jumps.iter().map(|step| {
             let joint = joints.get(step.joint).copied().unwrap_or_default();
             format!(
                 "  to row {}: {joint} moves by {:.3} rad",
@@ -177,7 +164,7 @@ impl<'a> Report<'a> {
     }
 
     fn branches(&self) -> String {
-        match self.solution.reconfigurations.len() {
+        match self.solution.jumps.len() {
             0 => "one branch, no reconfiguration".to_owned(),
             1 => "1 reconfiguration".to_owned(),
             count => format!("{count} reconfigurations"),

@@ -13,4 +13,4 @@ pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
 pub(crate) use servo::{Servo, ServoStep};
-pub(crate) use track::{Jump, Track};
+pub(crate) use track::Track;

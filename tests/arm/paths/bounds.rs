@@ -91,7 +91,7 @@ fn deviation_between_points_is_tightly_bounded() {
             let solution = PathSolver::new(&arm).solve(&given).unwrap();
             assert!(solution.missed.is_empty(), "{name}: {:?}", solution.missed);
             assert!(solution.rows().all(|q| within_limits(&arm, q)));
-            if !solution.reconfigurations.is_empty() {
+            if !solution.jumps.is_empty() {
                 continue;
             }
             let found = sampled(name, (base, tip), &arm, &path, &solution);
@@ -225,7 +225,7 @@ fn check_coriolis_deviation(first: f64) {
         .with_max_step(10.0)
         .with_start(&rows[0]);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.is_whole(), "{:?}", solution.jumps);
     let mut farthest = 0.0_f64;
     for (ends, rows) in points.windows(2).zip(rows.windows(2)) {
         for k in 0..=40 {
@@ -270,7 +270,7 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         let solver = PathSolver::new(&arm).with_max_step(10.0);
         let solver = solver.with_start(&start).with_end(&end);
         let solution = solver.solve(&path).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        assert!(solution.is_whole(), "{:?}", solution.jumps);
         let deviation_of = |share: f64| {
             let [x, y] = [0, 1].map(|k| start[k] + share * (end[k] - start[k]));
             let (sin, cos) = (turn * share).sin_cos();

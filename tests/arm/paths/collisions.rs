@@ -47,7 +47,7 @@ fn elbow_avoids_an_obstacle() {
     let rows: Vec<&[f64]> = solution.rows().collect();
     for (row, pair) in rows.windows(2).enumerate() {
         let jumps = solution
-            .reconfigurations
+            .jumps
             .iter()
             .any(|reported| reported.index == row + 1);
         assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
@@ -286,7 +286,7 @@ fn wall_between_two_points_is_reported() {
         (points(0.6, -0.04), 3, "far wall"),
     ] {
         let through = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(through.missed.is_empty() && through.reconfigurations.is_empty());
+        assert!(through.missed.is_empty() && through.jumps.is_empty());
         let [blocked] = &through.blocked[..] else {
             panic!("{:?}", through.blocked)
         };

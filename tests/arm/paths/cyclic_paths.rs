@@ -27,7 +27,7 @@ fn turning_joint_gives_equal_length_from_any_point() {
             .with_max_step(0.4)
             .solve(&path)
             .unwrap();
-        assert!(reported.is_whole(), "{:?}", reported.reconfigurations);
+        assert!(reported.is_whole(), "{:?}", reported.jumps);
         let rows: Vec<&[f64]> = reported.rows().collect();
         let back = rows[49].iter().zip(rows[0]).map(|(a, b)| (a - b).abs());
         let back: Vec<f64> = back.collect();

@@ -66,7 +66,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(expected));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
-        let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
+        let reported: Vec<usize> = solution.jumps.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
             let is_jump = largest_difference(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
@@ -75,7 +75,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         assert_eq!(untold, None, "{name} {case}: {reported:?}");
         // A reported step exceeds the maximum step of a branch.
         let short = solution
-            .reconfigurations
+            .jumps
             .iter()
             .find(|reported| reported.distance <= 0.2);
         assert_eq!(short, None, "{name} {case}");
@@ -138,7 +138,7 @@ fn two_turn_joints_start_where_they_need_no_rewind() {
             let path = CartesianPath::new(points).unwrap();
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
             assert!(solution.is_whole(), "{name} {case}");
-            let left = solution.reconfigurations;
+            let left = solution.jumps;
             assert!(left.is_empty(), "{name} {case}: {left:?}");
         }
     }
@@ -169,7 +169,7 @@ fn jump_within_a_self_motion_is_distributed() {
         let path = CartesianPath::new(points).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
-        let left: Vec<_> = (solution.reconfigurations.iter())
+        let left: Vec<_> = (solution.jumps.iter())
             .map(|reported| (reported.index, reported.distance))
             .collect();
         assert_eq!(left, [], "{ends:?}");

@@ -33,8 +33,8 @@ fn wound_joint_rewinds_as_rarely_as_possible() {
         let path = screw(&arm, turns, (turns * 80.0) as u32);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
-        assert_eq!(solution.reconfigurations.len(), breaks, "{turns} turns");
-        for reported in &solution.reconfigurations {
+        assert_eq!(solution.jumps.len(), breaks, "{turns} turns");
+        for reported in &solution.jumps {
             assert!(reported.distance > 0.2);
         }
     }
@@ -55,7 +55,7 @@ fn reported_length_and_jumps_equal_the_rows() {
         length += squares.sum::<f64>().sqrt();
         let moves = rows[row].iter().zip(rows[row - 1]);
         let longest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let reported = solution.reconfigurations.iter().find(|r| r.index == row);
+        let reported = solution.jumps.iter().find(|r| r.index == row);
         match reported {
             Some(reported) => assert_eq!(reported.distance, longest),
             None => assert!(longest <= 0.2 + 1e-9),
@@ -88,7 +88,7 @@ fn path_is_shorter_than_that_of_a_follower() {
         assert!(
             solution.is_whole(),
             "{:?} {:?}",
-            solution.reconfigurations,
+            solution.jumps,
             solution.missed
         );
     }
@@ -236,10 +236,7 @@ fn fewer_reconfigurations_precede_shorter_length() {
     let solver = solver.with_joint_weights(&[1.0, 1.0, 0.01]);
     let solution = solver.solve(&path).unwrap();
     assert!(solution.missed.is_empty());
-    let breaks = solution
-        .reconfigurations
-        .iter()
-        .map(|reported| reported.index);
+    let breaks = solution.jumps.iter().map(|reported| reported.index);
     assert_eq!(breaks.collect::<Vec<_>>(), [1]);
     // The other choice has about a hundredth of the length of two turns of the hand.
     assert!(solution.length > 2.0);
@@ -281,10 +278,7 @@ fn change_of_tools_is_not_interpolated() {
             let missed = solution.missed.iter().any(|missed| missed.index == point);
             assert!(missed || deviation < 1e-5, "{case}, {point}: {deviation} m");
         }
-        let breaks = solution
-            .reconfigurations
-            .iter()
-            .map(|reported| reported.index);
+        let breaks = solution.jumps.iter().map(|reported| reported.index);
         let breaks: Vec<usize> = breaks.collect();
         let goes_far = |row: &usize| {
             let moves = rows[*row].iter().zip(rows[row - 1]);
@@ -321,9 +315,5 @@ fn nearly_equal_branches_are_chosen_again() {
     let path = CartesianPath::new((0..=100).map(point).collect::<Vec<_>>()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     assert!(!solution.missed.is_empty());
-    assert!(
-        solution.reconfigurations.is_empty(),
-        "{:?}",
-        solution.reconfigurations
-    );
+    assert!(solution.jumps.is_empty(), "{:?}", solution.jumps);
 }

@@ -40,8 +40,8 @@ fn furthest_joint_of_a_jump_is_weighted_by_unit() {
         let path = CartesianPath::new(vec![stand; 2]).unwrap();
         let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
         let solution = solver.solve(&path).unwrap();
-        let [reported] = &solution.reconfigurations[..] else {
-            panic!("{:?}", solution.reconfigurations)
+        let [reported] = &solution.jumps[..] else {
+            panic!("{:?}", solution.jumps)
         };
         assert_eq!(reported.joint < 2, is_slide, "{reported:?}");
         assert!(
@@ -148,7 +148,7 @@ fn jump_over_an_obstacle_is_not_distributed() {
     let arm = alone.with_checker(&checker, &[0.0; 4]).unwrap();
     let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
     let solution = solver.solve(&path).unwrap();
-    assert_eq!(solution.reconfigurations.len(), 1);
+    assert_eq!(solution.jumps.len(), 1);
     assert!(solution.missed.is_empty(), "{:?}", solution.missed);
     for q in solution.rows() {
         assert!(arm.collisions(q).unwrap().is_empty(), "{q:?}");

@@ -82,17 +82,14 @@ fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usiz
             continue;
         }
         within_reach += 1;
-        if !few.reconfigurations.is_empty() {
+        if !few.jumps.is_empty() {
             left += usize::from(segment.solved(&arm, 210).is_whole());
         }
         // Every step without a reported reconfiguration is continuous.
         let (points, rows) = (segment.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
-            let reported = few
-                .reconfigurations
-                .iter()
-                .any(|reported| reported.index == row);
+            let reported = few.jumps.iter().any(|reported| reported.index == row);
             let short = largest_difference(steps[0], steps[1]) <= 0.2 + 1e-9;
             assert!(
                 reported || short || is_led(&arm, [points[row - 1], points[row]], steps),
@@ -131,7 +128,7 @@ fn closed_paths_of_few_points_stay_on_their_branch() {
         let mut left = 0;
         for (_, segment) in segments(&arm, &cases) {
             let few = segment.solved_as_ring(&arm, 1);
-            if few.missed.is_empty() && !few.reconfigurations.is_empty() {
+            if few.missed.is_empty() && !few.jumps.is_empty() {
                 left += usize::from(segment.solved_as_ring(&arm, 105).is_whole());
             }
         }

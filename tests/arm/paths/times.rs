@@ -99,7 +99,7 @@ fn step_too_fast_for_its_time_is_reported() {
         assert!(solve(false).is_whole());
         let solution = solve(true);
         let reported: Vec<usize> = solution
-            .reconfigurations
+            .jumps
             .iter()
             .map(|reported| reported.index)
             .collect();
@@ -142,8 +142,8 @@ fn ample_times_change_nothing() {
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let timed = solver.solve(&timed).unwrap();
         assert_eq!(plain.q, timed.q);
-        assert_eq!(plain.reconfigurations, timed.reconfigurations);
-        broken += plain.reconfigurations.len();
+        assert_eq!(plain.jumps, timed.jumps);
+        broken += plain.jumps.len();
     }
     assert!(broken > 3, "{broken}");
 }
@@ -164,7 +164,7 @@ fn too_fast_step_between_distant_points_is_reported() {
         let path = path.with_times(times).unwrap();
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let solution = solver.solve(&path).unwrap();
-        let reported: Vec<usize> = (solution.reconfigurations.iter())
+        let reported: Vec<usize> = (solution.jumps.iter())
             .map(|reported| reported.index)
             .collect();
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -210,7 +210,7 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     let times: Vec<f64> = (0..=150).map(|k| step * f64::from(k)).collect();
     let timed = path.with_times(times).unwrap();
     let solution = solver.with_times_kept(true).solve(&timed).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.is_whole(), "{:?}", solution.jumps);
     for (k, pair) in solution.rows().collect::<Vec<_>>().windows(2).enumerate() {
         assert!(shares(pair[0], pair[1]) <= step * (1.0 + 1e-6), "{k}");
     }

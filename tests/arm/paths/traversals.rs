@@ -34,7 +34,7 @@ fn cyclic_path_ends_where_it_begins() {
         assert!(
             solution.is_whole(),
             "{name}: {:?} {:?}",
-            solution.reconfigurations,
+            solution.jumps,
             solution.missed
         );
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -61,7 +61,7 @@ fn cyclic_path_has_equal_length_from_any_point() {
         let path = CartesianPath::new(points).unwrap();
         let path = path.with_traversal(Traversal::Cyclic);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        assert!(solution.is_whole(), "{:?}", solution.jumps);
         solution.length
     });
     let (shortest, longest) = (lengths.iter())
@@ -86,7 +86,7 @@ fn rewound_turn_is_reported() {
     let path = CartesianPath::new(points).unwrap();
     let cyclic = path.clone().with_traversal(Traversal::Cyclic);
     let solution = PathSolver::new(&arm).solve(&cyclic).unwrap();
-    assert_eq!(solution.reconfigurations.len(), 1);
+    assert_eq!(solution.jumps.len(), 1);
     let anywhere = path.with_traversal(Traversal::AnyStart);
     let solution = PathSolver::new(&arm).solve(&anywhere).unwrap();
     assert!(solution.is_whole());
@@ -111,7 +111,7 @@ fn closed_path_is_entered_at_the_best_point() {
     let open = CartesianPath::new(points.clone()).unwrap();
     let anywhere = open.clone().with_traversal(Traversal::AnyStart);
     let [first, best] = [open, anywhere].map(|path| PathSolver::new(&arm).solve(&path).unwrap());
-    assert!(best.reconfigurations.len() <= first.reconfigurations.len());
+    assert!(best.jumps.len() <= first.jumps.len());
     assert!(best.entry < 120 && best.missed.is_empty());
     let rows: Vec<&[f64]> = best.rows().collect();
     for (row, q) in rows.iter().enumerate() {
@@ -144,10 +144,10 @@ fn shortest_of_equally_good_entries_is_taken() {
     let first = from(0);
     let rank = |reported: &PathSolution| {
         assert!(reported.missed.is_empty());
-        (reported.reconfigurations.len(), reported.length)
+        (reported.jumps.len(), reported.length)
     };
     let others = first
-        .reconfigurations
+        .jumps
         .iter()
         .map(|reported| rank(&from(reported.index)));
     let (fewest, shortest) = others
@@ -157,7 +157,7 @@ fn shortest_of_equally_good_entries_is_taken() {
     let path = CartesianPath::new(points.clone()).unwrap();
     let anywhere = path.with_traversal(Traversal::AnyStart);
     let best = solver.solve(&anywhere).unwrap();
-    assert_eq!(best.reconfigurations.len(), fewest);
+    assert_eq!(best.jumps.len(), fewest);
     assert!((best.length - shortest).abs() < 1e-9);
     assert_ne!(best.entry, 0);
 }
@@ -201,7 +201,7 @@ fn given_ends_are_kept() {
     let path = CartesianPath::spline(ends.to_vec(), None, 60).unwrap();
     let solver = PathSolver::new(&arm).with_start(&start).with_end(&end);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.is_whole(), "{:?}", solution.jumps);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert_eq!((rows[0], rows[60]), (&start[..], &end[..]));
     let from_end = PathSolver::new(&arm).with_start(&end).solve(&path);
@@ -279,12 +279,7 @@ fn points_for_two_tools_are_reached() {
     let refused = with_tools.with_end(&by_flange).solve(&path);
     assert!(matches!(refused, Err(PathError::End { which: "end", .. })));
     // The change of tools is the only long step.
-    assert!(
-        solution
-            .reconfigurations
-            .iter()
-            .all(|reported| reported.index == 20)
-    );
+    assert!(solution.jumps.iter().all(|reported| reported.index == 20));
 }
 
 /// The same rotation with a last joint without limits: it continues, and nothing is rewound.
@@ -303,7 +298,7 @@ fn joint_without_limits_never_rewinds() {
     let cyclic = path.with_traversal(Traversal::Cyclic);
     for solver in [PathSolver::new(&arm), PathSolver::new(&arm).with_start(&q)] {
         let solution = solver.solve(&cyclic).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        assert!(solution.is_whole(), "{:?}", solution.jumps);
         let rows: Vec<&[f64]> = solution.rows().collect();
         // The step from the last point to the first is as long as the others.
         let gone = rows[99][5] - rows[0][5];
@@ -352,7 +347,7 @@ fn branch_ending_before_the_tool_change_is_avoided() {
     let solver = PathSolver::new(&arm).with_tools([&other]);
     let solution = solver.solve(&path).unwrap();
     assert!(solution.missed.is_empty(), "{:?}", solution.missed);
-    assert_eq!(solution.reconfigurations.len(), 1);
+    assert_eq!(solution.jumps.len(), 1);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert!(rows[..10].iter().all(|q| q[1] > 0.0) && rows[39][1] < 0.0);
 }

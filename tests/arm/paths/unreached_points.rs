@@ -132,7 +132,7 @@ fn points_reachable_from_a_neighbour_are_reached() {
             // A stretch of unreached points has at most one reconfiguration.
             let jumps = |stretch: &[usize]| {
                 let (from, to) = (stretch[0], stretch[stretch.len() - 1] + 1);
-                let reported = solution.reconfigurations.iter();
+                let reported = solution.jumps.iter();
                 reported
                     .filter(|jump| (from..=to).contains(&jump.index))
                     .count()

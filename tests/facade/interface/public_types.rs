@@ -95,7 +95,7 @@ each! { value:
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
-    arm::ArmBuilder<'static>, arm::PoseBounds, arm::Jump, arm::ServoStatus, arm::Track,
+    arm::ArmBuilder<'static>, arm::PoseBounds, arm::ServoStatus, arm::Track,
     simd_ik::Chain, simd_ik::LaneOptions,
 }
 
@@ -105,7 +105,7 @@ each! { value:
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
     motion::path::MissReason, motion::path::Missed, motion::path::PathSolution,
-    motion::path::PathSolver<'static>, motion::path::QuaternionOrder, motion::path::Reconfiguration,
+    motion::path::PathSolver<'static>, motion::path::QuaternionOrder,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,
     motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
@@ -122,7 +122,7 @@ each! { value:
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
     collision::CollisionModelBuilder<'static>, collision::Resolution, collision::MeshUse, collision::MotionCheck,
     collision::MotionChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,
-    ik::DerivativeWorkspace, ik::Drag, ik::Differentiability, ik::DragJump<'static>, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
+    ik::DerivativeWorkspace, ik::Drag, ik::Differentiability, ik::JointJump, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
     ik::RowBlockReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, simd_ik::AxisGoal, simd_ik::ChainJoint,
     simd_ik::JointKind, simd_ik::PoseSolver, simd_ik::Prefer, simd_ik::lane::LaneMask<4>,
     simd_ik::lane::Lanes<4, false>, model::Reference<'static, model::FrameId>, problem::ParameterVector,

@@ -16,6 +16,7 @@ use crate::solution::Solution;
 use follower::Follower;
 use servo::{Servo, ServoOptions};
 use track::{Batch, Track};
+pub(crate) use track::{Jumps, jumps};
 
 /// An arm of a robot, from a base to a tip, prepared for queries.
 #[wasm_bindgen]

@@ -1,7 +1,7 @@
 //! Solutions of several targets.
 
 use js_sys::Array;
-use kinopt::arm::PoseOutcome;
+use kinopt::arm::{JointJump, PoseOutcome};
 use wasm_bindgen::prelude::*;
 
 use crate::object;
@@ -11,21 +11,23 @@ use crate::view;
 const TYPES: &str = r#"
 /**
  * A step of a path in which a joint moves farther than 0.2 rad, or a prismatic joint farther than the equivalent
- * length.
+ * length. `solvePath` lists reconfigurations only.
  */
-export interface Jump {
-    step: number;
+export interface JointJump {
+    /** Index of the row after the step; 0 for the step that closes a cyclic path. */
+    index: number;
     joint: string;
+    /** Radians; of a prismatic joint the equivalent angle. */
     distance: number;
-    /** True if small steps along the straight segment lead there: a fast motion on the same branch. */
-    continuous: boolean;
+    /** True if the arm leaves its branch. False for a fast motion or a coarse path: small steps lead there too. */
+    reconfiguration: boolean;
 }
 "#;
 
 #[wasm_bindgen]
 extern "C" {
     /// Jumps as objects.
-    #[wasm_bindgen(typescript_type = "Jump[]")]
+    #[wasm_bindgen(typescript_type = "JointJump[]")]
     pub type Jumps;
 }
 
@@ -89,16 +91,8 @@ pub struct Track {
 impl Track {
     pub(super) fn new(arm: &kinopt::Arm, track: kinopt::arm::Track) -> Self {
         let names: Vec<&str> = arm.joints().collect();
-        let jumps = track.jumps.iter().map(|jump| {
-            object::of([
-                ("step", (jump.step as f64).into()),
-                ("joint", names.get(jump.joint).copied().unwrap_or("").into()),
-                ("distance", jump.distance.into()),
-                ("continuous", jump.continuous.into()),
-            ])
-        });
         Self {
-            jumps: jumps.collect(),
+            jumps: jumps(&track.jumps, &names),
             q: track
                 .solutions
                 .iter()
@@ -133,4 +127,18 @@ impl Track {
     pub fn jumps(&self) -> Jumps {
         self.jumps.clone().unchecked_into()
     }
+}
+
+/// Jumps as objects, with the names of their joints.
+pub(crate) fn jumps<S: AsRef<str>>(jumps: &[JointJump], joints: &[S]) -> Array {
+    let jumps = jumps.iter().map(|jump| {
+        let joint = joints.get(jump.joint).map_or("", AsRef::as_ref);
+        object::of([
+            ("index", jump.index.into()),
+            ("joint", joint.into()),
+            ("distance", jump.distance.into()),
+            ("reconfiguration", jump.reconfiguration.into()),
+        ])
+    });
+    jumps.collect()
 }

@@ -3,10 +3,10 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::distances::{MAX_JOINT_STEP, largest_joint_move};
-use super::follower::{Follower, Jump};
+use super::follower::Follower;
 use super::step_subdivision::other_solutions;
 use kinopt_kinematics::spatial::Placement;
-use kinopt_solver::ik::Solution;
+use kinopt_solver::ik::{JointJump, Solution};
 
 /// Number of solutions beyond the end of a branch that are tried as starts of a backward path.
 const MAX_ALTERNATIVES: usize = 16;
@@ -25,8 +25,9 @@ const MAX_MEETING_DISTANCE: f64 = 0.25 * MAX_JOINT_STEP;
 pub struct Track {
     /// One solution per target, reached or not.
     pub solutions: Vec<Solution>,
-    /// Steps in which a joint moves farther than 0.2 rad, in order.
-    pub jumps: Vec<Jump>,
+    /// Steps in which a joint moves farther than 0.2 rad, in order. Reconfigurations are
+    /// [enabled](super::ArmBuilder::with_global_search_on_miss), or lead to a distant first target.
+    pub jumps: Vec<JointJump>,
 }
 
 impl Track {
@@ -141,7 +142,7 @@ fn find_detour(
                 let meeting = step - path.len();
                 track.solutions.truncate(meeting + 1);
                 track.solutions.extend(path.into_iter().rev());
-                track.jumps.retain(|jump| jump.step <= meeting);
+                track.jumps.retain(|jump| jump.index <= meeting);
                 return Ok(true);
             }
         }

@@ -21,7 +21,7 @@
 //! let path = CartesianPath::new(points.collect::<Vec<_>>())?;
 //!
 //! let solution = PathSolver::new(&arm).solve(&path)?;
-//! assert!(solution.reconfigurations.is_empty() && solution.missed.is_empty());
+//! assert!(solution.jumps.is_empty() && solution.missed.is_empty());
 //! assert!(solution.largest_deviation.metres < 1e-4);
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -59,6 +59,6 @@ mod winding;
 pub use cartesian_path::{CartesianPath, Traversal};
 pub use csv::{CsvColumns, QuaternionOrder};
 pub use error::PathError;
-pub use solution::{Blocked, Deviation, MissReason, Missed, PathSolution, Reconfiguration};
+pub use solution::{Blocked, Deviation, MissReason, Missed, PathSolution};
 pub use solver::PathSolver;
 pub use timing::{TimingLimits, Trajectory, TrajectoryPoint};

@@ -6,8 +6,9 @@ use super::error::PathError;
 use super::knot_configurations::KnotPath;
 use super::knots::Knots;
 use super::shorten::step_length;
-use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
+use super::solution::{MissReason, Missed, PathSolution};
 use super::solver::PathSolver;
+use kinopt_solver::ik::JointJump;
 
 impl PathSolver<'_> {
     /// Reports on a joint path. The knots in `touching` are in collision.
@@ -39,15 +40,14 @@ impl PathSolver<'_> {
             if let Some(from) = knot.checked_sub(1) {
                 let row = knot % count;
                 let before = joint_path.row(from, n);
-                let length = step_length(before, q, &weights);
-                solution.length += length;
+                solution.length += step_length(before, q, &weights);
                 if !joint_path.joined[knot] {
                     let (joint, distance) = self.longest_move(before, q);
-                    solution.reconfigurations.push(Reconfiguration {
+                    solution.jumps.push(JointJump {
                         index: row,
                         joint,
                         distance,
-                        length,
+                        reconfiguration: true,
                     });
                 } else {
                     self.check_step(&mut solution, row, before, q)?;

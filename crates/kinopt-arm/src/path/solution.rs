@@ -1,21 +1,7 @@
 //! Solution of a path.
 
+use kinopt_solver::ik::JointJump;
 use kinopt_solver::search::Collision;
-
-/// Step in which the arm changes to another branch.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Reconfiguration {
-    /// Row of [`q`](PathSolution::q) that the step leads to; 0 for the step that closes a cyclic path.
-    pub index: usize,
-    /// Index in [`Arm::joints`](crate::Arm::joints) of the joint that moves furthest.
-    pub joint: usize,
-    /// Displacement of that joint, radians; that of a prismatic joint is scaled to radians.
-    pub distance: f64,
-    /// Weighted joint length of the step.
-    pub length: f64,
-}
 
 /// Largest deviation of the tool from the path between points, while all joints move at constant rates.
 ///
@@ -92,11 +78,11 @@ pub struct PathSolution {
     /// Index of the path point of the first row: 0 unless the path has
     /// [`Traversal::AnyStart`](super::Traversal::AnyStart).
     pub entry: usize,
-    /// Steps in which the arm changes to another branch.
+    /// Steps in which the arm changes to another branch. All are reconfigurations.
     ///
     /// In other steps no joint moves further than [the limit](super::PathSolver::with_max_step), or small parts of a
     /// long tool segment connect both ends.
-    pub reconfigurations: Vec<Reconfiguration>,
+    pub jumps: Vec<JointJump>,
     /// Weighted joint length of all steps, including reconfigurations: the sum of the roots of Σ (weight ·
     /// difference)².
     pub length: f64,
@@ -118,6 +104,6 @@ impl PathSolution {
     /// Returns whether all points are reached without reconfigurations, and all steps are collision-free.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.reconfigurations.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
+        self.jumps.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
     }
 }

@@ -381,13 +381,12 @@ impl<'a> PathSolver<'a> {
     /// Solves a closed path from its best entry. An entry at a reconfiguration saves that reconfiguration.
     fn solve_anywhere(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         let mut best = self.solve_in_order(&path.entered_at(0))?;
-        let breaks: Vec<usize> = best.reconfigurations.iter().map(|r| r.index).collect();
+        let breaks: Vec<usize> = best.jumps.iter().map(|r| r.index).collect();
         for entry in breaks.into_iter().take(MAX_ENTRIES) {
             let entry = entry % path.points.len();
             let mut other = self.solve_in_order(&path.entered_at(entry))?;
             other.entry = entry;
-            let rank =
-                |solution: &PathSolution| (solution.missed.len(), solution.reconfigurations.len());
+            let rank = |solution: &PathSolution| (solution.missed.len(), solution.jumps.len());
             let (a, b) = (rank(&other), rank(&best));
             if a < b || a == b && other.length < best.length {
                 best = other;

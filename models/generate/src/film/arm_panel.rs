@@ -68,7 +68,7 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     if !solution.is_whole() {
         return Err(format!(
             "the path of the arm is not whole: {:?}, {:?}, {:?}",
-            solution.reconfigurations, solution.missed, solution.blocked
+            solution.jumps, solution.missed, solution.blocked
         )
         .into());
     }

@@ -61,7 +61,7 @@ impl PathSolution {
 
     /// Computes the time-optimal trajectory along the rows, from rest to rest.
     ///
-    /// The arm also stops before and after each [reconfiguration](Self::reconfigurations), which is timed by the same
+    /// The arm also stops before and after each [reconfiguration](Self::jumps), which is timed by the same
     /// limits.
     ///
     /// The joints follow a cubic spline over joint length, within 1e-5 (radians or metres) of every row. Rows more than
@@ -99,7 +99,7 @@ impl PathSolution {
     /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
     /// joints. Returns an error for tool limits without an arm, and for steps that no finite acceleration limit bounds.
     pub fn trajectory(&self, limits: &TimingLimits<'_>) -> Result<Trajectory, PathError> {
-        let steps = self.reconfigurations.iter().map(|step| step.index);
+        let steps = self.jumps.iter().map(|step| step.index);
         let rests: Vec<usize> = steps.collect();
         Trajectory::through(&self.q, self.joint_count, &rests, limits)
     }
