@@ -21,6 +21,7 @@ mod has_model;
 mod io;
 mod items;
 mod joint_jump;
+mod joint_path;
 mod kinematics;
 mod loops;
 mod masses;
@@ -57,7 +58,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep, Track};
+    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
@@ -69,6 +70,8 @@ mod _kinopt {
     #[pymodule_export]
     use super::joint_jump::JointJump;
     #[pymodule_export]
+    use super::joint_path::JointPath;
+    #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
     use super::loops::LoopClosure;
@@ -79,7 +82,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionSolution};
     #[pymodule_export]
-    use super::path::{MissedPoint, PathSolution, solve_path};
+    use super::path::{MissedPoint, PathReport, solve_path};
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]

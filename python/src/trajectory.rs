@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
-use crate::path::PathSolution;
+use crate::joint_path::JointPath;
 
 /// Configurations over time, along the rows of a path.
 #[pyclass(frozen, module = "kinopt")]
@@ -15,7 +15,7 @@ pub(crate) struct Trajectory {
     /// Names of the joints, the columns of `q`.
     #[pyo3(get)]
     pub(crate) joint_names: Vec<String>,
-    pub(crate) solution: Py<PathSolution>,
+    pub(crate) solution: Py<JointPath>,
     pub(crate) options: Py<PyDict>,
 }
 
@@ -82,7 +82,7 @@ impl Trajectory {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, trajectory) = (slf.py(), slf.get());
-        let method = py.get_type::<PathSolution>().getattr("trajectory")?;
+        let method = py.get_type::<JointPath>().getattr("trajectory")?;
         let partial = py.import("functools")?.getattr("partial")?;
         let constructor = partial.call((method,), Some(trajectory.options.bind(py)))?;
         let arguments = (trajectory.solution.clone_ref(py),);

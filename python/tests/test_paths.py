@@ -30,17 +30,17 @@ def sideways(arm: kinopt.Arm, points: int = 60) -> np.ndarray:
 def test_line_is_one_segment(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     solved = kinopt.solve_path(arm, path)
-    assert solved.jumps == [] and solved.is_whole
+    assert solved.jumps == [] and solved.reached
     assert solved.q.shape == (60, 7) and solved.joint_names == arm.joint_names
     assert np.allclose(arm.base_from_tool(solved.q), path, atol=2e-6)
     assert np.all(solved.q >= arm.lower) and np.all(solved.q <= arm.upper)
-    assert np.isclose(solved.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
+    assert np.isclose(solved.report.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
     # No sample between the rows exceeds the reported bound.
     share = np.linspace(0, 1, 11)[:, None, None]
     between = solved.q[:-1] + share * np.diff(solved.q, axis=0)
     expected = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
     away = arm.base_from_tool(between.reshape(-1, 7))[:, :3, 3].reshape(expected.shape) - expected
-    assert np.linalg.norm(away, axis=-1).max() <= solved.largest_deviation + 1e-9 < 1e-3
+    assert np.linalg.norm(away, axis=-1).max() <= solved.report.largest_deviation + 1e-9 < 1e-3
 
 
 def test_points_are_read_from_files(arm: kinopt.Arm, tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_points_are_read_from_files(arm: kinopt.Arm, tmp_path: Path) -> None:
     np.savetxt(file, rows, delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
     by_file = kinopt.solve_path(arm, file)
     assert np.array_equal(by_points.q, by_file.q)
-    assert by_points.read_as is None and by_file.read_as is not None and "header" in by_file.read_as
+    assert by_points.report.read_as is None and by_file.report.read_as is not None and "header" in by_file.report.read_as
     last = rows[:, [0, 1, 2, 4, 5, 6, 3]]
     assert np.array_equal(kinopt.solve_path(arm, last, order="w-last").q, by_points.q)
 
@@ -61,7 +61,7 @@ def test_ends_traversals_and_tools(arm: kinopt.Arm) -> None:
     assert np.array_equal(kinopt.solve_path(arm, path, start=Q).q[0], Q)
     there_and_back = np.concatenate([path, path[-2:0:-1]])
     cyclic = kinopt.solve_path(arm, there_and_back, traversal="cyclic")
-    assert cyclic.is_whole and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
+    assert cyclic.reached and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
     anywhere = kinopt.solve_path(arm, there_and_back, traversal="any-start")
     assert anywhere.q.shape == (len(there_and_back) + 1, 7)
     drill = np.eye(4)
@@ -83,7 +83,7 @@ def test_table_names_the_tool_of_a_point(arm: kinopt.Arm, tmp_path: Path) -> Non
     table.write_text("\n".join(["x,y,z,tool", *rows]))
     seeking = [each.with_goal(kinopt.PoseBounds.position()) for each in (arm, drilling)]
     both = kinopt.solve_path(seeking[0], table, tools=seeking[1:])
-    assert both.is_whole and "tools from column 4" in (both.read_as or "")
+    assert both.reached and "tools from column 4" in (both.report.read_as or "")
     assert np.allclose(drilling.base_from_tool(both.q[30:])[:, :3, 3], path[30:, :3, 3], atol=2e-6)
     with pytest.raises(InvalidValueError, match="point 30 is for tool 1"):
         kinopt.solve_path(seeking[0], table)
@@ -93,9 +93,9 @@ def test_missed_points_are_reported(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     path[30, 0, 3] += 3.0
     solved = kinopt.solve_path(arm, path)
-    [missed] = solved.missed
+    [missed] = solved.report.missed
     assert missed.index == 30 and "beyond reach" in missed.reason and missed.position_error > 1.5
-    assert not solved.is_whole
+    assert not solved.reached
 
 
 def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
@@ -104,7 +104,7 @@ def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, path)
     back = pickle.loads(pickle.dumps(solved))
     assert np.array_equal(back.q, solved.q) and repr(back) == repr(solved)
-    assert repr(back.missed) == repr(solved.missed)
+    assert repr(back.report.missed) == repr(solved.report.missed)
     assert repr(back.jumps) == repr(solved.jumps)
 
 

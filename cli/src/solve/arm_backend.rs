@@ -221,7 +221,7 @@ impl QueryBackend for ArmBackend<'_> {
             let track = self.arm.track(&targets, &q_arm)?;
             let each = microseconds(started) / queries.len() as f64;
             jumps = track.jumps;
-            let solutions = track.solutions.into_iter();
+            let solutions = track.report.into_iter();
             steps = solutions.map(|solution| (solution, each)).collect();
         }
         let answer = |(solution, micros)| self.answer_of(first, solution, Some(micros));

@@ -1,8 +1,9 @@
 //! Promise: trajectories along paths keep all limits at every time, and are the fastest that do.
 
 use kinopt::Arm;
+use kinopt::arm::{JointJump, JointPath};
 use kinopt::motion::path::{
-    CartesianPath, PathError, PathSolution, PathSolver, TimingLimits, Trajectory,
+    CartesianPath, PathError, PathReport, PathSolver, TimingLimits, Trajectory,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -36,8 +37,17 @@ fn right_angle(count: u32) -> Vec<f64> {
     first.chain(second).flatten().collect()
 }
 
+/// Joint path without jumps.
+fn joint_path(q: &[f64], nq: usize) -> JointPath<()> {
+    JointPath {
+        q: q.to_vec(),
+        nq,
+        ..JointPath::default()
+    }
+}
+
 fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory {
-    Trajectory::through(q, joints, &[], limits).unwrap()
+    joint_path(q, joints).trajectory(limits).unwrap()
 }
 
 /// Largest shares of the limits that a trajectory uses: velocity, acceleration and jerk.
@@ -236,7 +246,7 @@ fn ur5e() -> (Robot, Arm) {
 }
 
 /// Joints for a pick and place of the UR5e: down, up, aside, down and up, in rows of a given distance in metres.
-fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
+fn pick_and_place(arm: &Arm, row_distance: f64) -> JointPath<PathReport> {
     let start = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
     let begin = arm.base_from_tool(&start).unwrap();
     let stops = [
@@ -261,7 +271,7 @@ fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
         .with_start(&start)
         .solve(&path)
         .unwrap();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     solution
 }
 
@@ -324,13 +334,18 @@ fn tool_limits_hold_and_bind() {
 
 #[test]
 fn reconfigurations_begin_and_end_at_rest() {
-    let mut solution = PathSolution::default();
-    solution.joint_count = 2;
     let first = (0..20).flat_map(|k| [0.02 * f64::from(k), 0.0]);
     let second = (0..20).flat_map(|k| [2.0, 1.0 + 0.02 * f64::from(k)]);
-    solution.q = first.chain(second).collect();
+    let q: Vec<f64> = first.chain(second).collect();
+    let mut solution = joint_path(&q, 2);
+    solution.jumps.push(JointJump {
+        index: 20,
+        joint: 0,
+        distance: 1.62,
+        reconfiguration: true,
+    });
     let limits = TimingLimits::new(&[1.0; 2], &[2.0; 2]);
-    let trajectory = Trajectory::through(&solution.q, 2, &[20], &limits).unwrap();
+    let trajectory = solution.trajectory(&limits).unwrap();
     for row in [0, 19, 20, 39] {
         let point = trajectory.at(trajectory.times()[row]);
         assert!(
@@ -421,7 +436,9 @@ fn joints_without_limits_follow_the_others() {
     }
     // Nothing bounds a step that only they make.
     let limits = TimingLimits::new(&[1.0, infinity], &[2.0, infinity]);
-    let error = Trajectory::through(&[0.0, 0.0, 0.0, 1.0], 2, &[], &limits).unwrap_err();
+    let error = joint_path(&[0.0, 0.0, 0.0, 1.0], 2)
+        .trajectory(&limits)
+        .unwrap_err();
     assert!(
         matches!(error, PathError::Unbounded { row: 1, .. }),
         "{error}"
@@ -434,7 +451,7 @@ fn limits_out_of_range_name_option_and_joint() {
     let (_, arm) = ur5e();
     let q = [0.0; 12];
     let error = |limits: TimingLimits<'_>| {
-        let error = Trajectory::through(&q, 6, &[], &limits).unwrap_err();
+        let error = joint_path(&q, 6).trajectory(&limits).unwrap_err();
         error.to_string()
     };
     let limits = TimingLimits::of(&arm).with_acceleration_limits(&[5.0; 6]);
@@ -492,11 +509,11 @@ fn limits_out_of_range_name_option_and_joint() {
         ([f64::INFINITY, 0.0], 0),
         ([-1e308, 1e308], 1),
     ] {
-        let error = Trajectory::through(&q, 1, &[], &limits);
+        let error = joint_path(&q, 1).trajectory(&limits);
         assert_eq!(error, Err(PathError::Row { row }));
     }
     // Rows without joints are no rows.
-    let none = Trajectory::through(&[1.0, 2.0, 3.0], 0, &[], &TimingLimits::new(&[], &[]));
+    let none = joint_path(&[1.0, 2.0, 3.0], 0).trajectory(&TimingLimits::new(&[], &[]));
     assert!(none.unwrap().times().is_empty());
 }
 

@@ -95,7 +95,7 @@ each! { value:
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::FramePose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
-    arm::ArmBuilder<'static>, arm::PoseBounds, arm::ServoStatus, arm::Track,
+    arm::ArmBuilder<'static>, arm::PoseBounds, arm::ServoStatus, arm::JointPath<()>,
     simd_ik::Chain, simd_ik::LaneOptions,
 }
 
@@ -104,7 +104,7 @@ each! { value:
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
-    motion::path::MissReason, motion::path::Missed, motion::path::PathSolution,
+    motion::path::MissReason, motion::path::Missed, motion::path::PathReport,
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,

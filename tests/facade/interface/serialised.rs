@@ -253,7 +253,7 @@ fn motions_and_paths_survive_serde() {
         .with_start(&start)
         .solve(&path)
         .unwrap();
-    assert!(!solved.missed.is_empty());
+    assert!(!solved.report.missed.is_empty());
     assert_round_trip(&solved);
 }
 

@@ -65,10 +65,10 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     };
     let solver = PathSolver::new(arm).with_start(&start).with_end(&start);
     let solution = solver.solve(&path)?;
-    if !solution.is_whole() {
+    if !solution.reached() {
         return Err(format!(
             "the path of the arm is not whole: {:?}, {:?}, {:?}",
-            solution.jumps, solution.missed, solution.blocked
+            solution.jumps, solution.report.missed, solution.report.blocked
         )
         .into());
     }

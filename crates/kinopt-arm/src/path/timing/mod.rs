@@ -25,7 +25,7 @@ pub use limits::TimingLimits;
 pub use trajectory::{Trajectory, TrajectoryPoint};
 
 use super::PathError;
-use super::solution::PathSolution;
+use crate::arm::JointPath;
 use cell::GridCell;
 use corners::{MIN_TANGENT_DISTANCE, Rows};
 use cubic_curve::CubicCurve;
@@ -40,7 +40,7 @@ const ROW_DISTANCE_TOLERANCE: f64 = 1e-9;
 /// Minimum number of grid cells of a curve.
 const MIN_CELLS: usize = 100;
 
-impl PathSolution {
+impl<R> JointPath<R> {
     /// Computes the time of each row, seconds, starting at 0, under joint velocity and acceleration limits.
     ///
     /// Limits are in rad/s and rad/s², or m/s and m/s²; infinity means no limit.
@@ -61,7 +61,7 @@ impl PathSolution {
 
     /// Computes the time-optimal trajectory along the rows, from rest to rest.
     ///
-    /// The arm also stops before and after each [reconfiguration](Self::jumps), which is timed by the same
+    /// The arm also stops before and after each [reconfiguration](kinopt_solver::ik::JointJump::reconfiguration), which is timed by the same
     /// limits.
     ///
     /// The joints follow a cubic spline over joint length, within 1e-5 (radians or metres) of every row. Rows more than
@@ -97,38 +97,20 @@ impl PathSolution {
     ///
     /// # Errors
     /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
-    /// joints. Returns an error for tool limits without an arm, and for steps that no finite acceleration limit bounds.
+    /// joints. Returns an error for a row that is not finite, for tool limits without an arm, and for steps that no
+    /// finite acceleration limit bounds.
     pub fn trajectory(&self, limits: &TimingLimits<'_>) -> Result<Trajectory, PathError> {
-        let steps = self.jumps.iter().map(|step| step.index);
-        let rests: Vec<usize> = steps.collect();
-        Trajectory::through(&self.q, self.joint_count, &rests, limits)
-    }
-}
-
-impl Trajectory {
-    /// Computes the time-optimal trajectory through rows of joint values, `joint_count` numbers each.
-    ///
-    /// The arm stops at both ends, and before and after the step to each row of `rests`, which are ascending. See
-    /// [`PathSolution::trajectory`].
-    ///
-    /// # Errors
-    /// Returns the errors of [`PathSolution::trajectory`], and an error for a row that is not finite.
-    pub fn through(
-        q: &[f64],
-        joint_count: usize,
-        rests: &[usize],
-        limits: &TimingLimits<'_>,
-    ) -> Result<Self, PathError> {
+        let joint_count = self.nq;
         limits.check(joint_count)?;
         let rows: Vec<&[f64]> = match joint_count {
             0 => Vec::new(),
-            _ => q.chunks_exact(joint_count).collect(),
+            _ => self.rows().collect(),
         };
         let lengths = lengths(&rows);
         if let Some(row) = lengths.iter().position(|length| !length.is_finite()) {
             return Err(PathError::Row { row });
         }
-        let mut trajectory = Self {
+        let mut trajectory = Trajectory {
             joints: joint_count,
             first: rows
                 .first()
@@ -141,10 +123,11 @@ impl Trajectory {
         let mut first = 0;
         while first + 1 < rows.len() {
             // A reconfiguration is a motion of its own.
-            let last = match rests.iter().find(|rest| **rest > first) {
-                Some(&rest) if rest >= rows.len() => rows.len() - 1,
-                Some(&rest) if rest == first + 1 => rest,
-                Some(&rest) => rest - 1,
+            let mut jumps = self.jumps.iter().filter(|jump| jump.reconfiguration);
+            let last = match jumps.find(|jump| jump.index > first).map(|jump| jump.index) {
+                Some(row) if row >= rows.len() => rows.len() - 1,
+                Some(row) if row == first + 1 => row,
+                Some(row) => row - 1,
                 None => rows.len() - 1,
             };
             trajectory.append(&rows, &lengths, first..=last, limits)?;
@@ -152,7 +135,9 @@ impl Trajectory {
         }
         Ok(trajectory)
     }
+}
 
+impl Trajectory {
     /// Appends the motion along consecutive rows, from rest to rest.
     fn append(
         &mut self,

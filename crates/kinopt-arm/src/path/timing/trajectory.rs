@@ -18,8 +18,7 @@ pub struct TrajectoryPoint {
 
 /// Trajectory along the rows of a path.
 ///
-/// Created by [`PathSolution::trajectory`](crate::path::PathSolution::trajectory) or
-/// [`through`](Self::through).
+/// Created by [`JointPath::trajectory`](crate::arm::JointPath::trajectory).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     pub(super) joints: usize,
