@@ -39,7 +39,7 @@ from ._kinopt import (
     ModelBuilder,
     MotionCapture,
     MotionProblem,
-    MotionSolution,
+    MotionReport,
     Obstacle,
     ParameterMap,
     PathReport,
@@ -66,6 +66,7 @@ from ._kinopt import (
     SphereModel,
     Srdf,
     TaskReport,
+    TimedSpline,
     Trajectory,
     TrajectoryPoint,
     TriangleMesh,
@@ -85,7 +86,7 @@ from .errors import (
 
 from .motion import Contact
 from .placements import placement
-from .retargeting import RetargetFollower, Retargeted, guess_map, retarget
+from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -131,13 +132,13 @@ __all__ = [
     "ModelBuilder",
     "MotionCapture",
     "MotionProblem",
-    "MotionSolution",
+    "MotionReport",
     "Obstacle",
     "ParameterMap",
     "PathReport",
     "Problem",
     "RetargetFollower",
-    "Retargeted",
+    "RetargetReport",
     "Rig",
     "RigPosing",
     "Robot",
@@ -160,6 +161,7 @@ __all__ = [
     "SphereModel",
     "Srdf",
     "TaskReport",
+    "TimedSpline",
     "Trajectory",
     "TrajectoryPoint",
     "TriangleMesh",

@@ -6,7 +6,6 @@ use kinopt::arm::JointJump as InnerJump;
 use kinopt::motion::path::TimingLimits;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
 
 use crate::arm::Arm;
@@ -14,7 +13,7 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::joint_jump::JointJump;
 use crate::pickling;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{TimedSpline, Trajectory};
 
 /// Joint path of an arm: one configuration a row, with its jumps and a report. `arm.track` reports the `Solutions` of
 /// the rows, `solve_path` a `PathReport`.
@@ -44,14 +43,14 @@ fn none() -> Py<PyAny> {
 
 impl JointPath {
     /// Path of an arm with a report in Python.
-    pub(crate) fn new<R>(
+    pub(crate) fn new(
         arm: &kinopt::Arm,
-        path: kinopt::arm::JointPath<R>,
+        inner: kinopt::arm::JointPath<()>,
         reached: bool,
         report: Py<PyAny>,
     ) -> Self {
         Self {
-            inner: path.with_report(()),
+            inner,
             joint_names: arm.joints().map(str::to_owned).collect(),
             reached,
             rates: [arm.velocity_limits(), arm.acceleration_limits()].map(<[f64]>::to_vec),
@@ -78,11 +77,11 @@ impl JointPath {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let limits = self.timing_limits(acceleration_limits, velocity_limits)?;
         let solved = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
-        Ok(PyArray1::from_slice(py, solved.times()))
+        Ok(PyArray1::from_slice(py, &solved.times))
     }
 
-    /// Time-optimal `Trajectory` along the rows, from rest to rest, under joint limits, shape (dof,) or one number for
-    /// all joints.
+    /// Time-optimal `Trajectory` along the rows, from rest to rest, with a `TimedSpline` as report. Joint limits have
+    /// shape (dof,), or are one number for all joints.
     ///
     /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of
     /// accelerations, unbounded by default. `tool_linear_limits` and `tool_angular_limits`: largest speed and
@@ -95,22 +94,22 @@ impl JointPath {
     #[pyo3(signature = (acceleration_limits = None, velocity_limits = None, *, jerk_limits = None, arm = None,
         tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
-    fn trajectory<'py>(
-        slf: &Bound<'py, Self>,
-        acceleration_limits: Option<&Bound<'py, PyAny>>,
-        velocity_limits: Option<&Bound<'py, PyAny>>,
-        jerk_limits: Option<&Bound<'py, PyAny>>,
-        arm: Option<&Bound<'py, Arm>>,
+    fn trajectory(
+        &self,
+        py: Python<'_>,
+        acceleration_limits: Option<&Bound<'_, PyAny>>,
+        velocity_limits: Option<&Bound<'_, PyAny>>,
+        jerk_limits: Option<&Bound<'_, PyAny>>,
+        arm: Option<&Bound<'_, Arm>>,
         tool_linear_limits: Option<&Bound<'_, PyAny>>,
         tool_angular_limits: Option<&Bound<'_, PyAny>>,
         corner_tolerance: f64,
         grid_points: usize,
     ) -> PyResult<Trajectory> {
-        let (py, solution) = (slf.py(), slf.get());
         let arm_inner = arm.map(|arm| Arc::clone(&arm.get().inner));
-        let mut limits = solution.timing_limits(acceleration_limits, velocity_limits)?;
+        let mut limits = self.timing_limits(acceleration_limits, velocity_limits)?;
         if let Some(jerks) = jerk_limits {
-            limits = limits.with_jerk_limits(&solution.one_each(jerks, "jerk_limits")?);
+            limits = limits.with_jerk_limits(&self.one_each(jerks, "jerk_limits")?);
         }
         if let Some(arm) = arm_inner.as_deref() {
             limits = limits.with_arm(arm);
@@ -131,29 +130,10 @@ impl JointPath {
         let limits = limits
             .with_corner_tolerance(corner_tolerance)
             .with_grid_points(grid_points);
-        let inner = py
-            .detach(|| solution.inner.trajectory(&limits))
-            .or_raise()?;
-        // Unpickling recreates the trajectory from the solution.
-        let options = PyDict::new(py);
-        for (name, value) in [
-            ("acceleration_limits", acceleration_limits),
-            ("velocity_limits", velocity_limits),
-            ("jerk_limits", jerk_limits),
-            ("arm", arm.map(Bound::as_any)),
-        ] {
-            options.set_item(name, value)?;
-        }
-        options.set_item("tool_linear_limits", tool_linear_limits)?;
-        options.set_item("tool_angular_limits", tool_angular_limits)?;
-        options.set_item("corner_tolerance", corner_tolerance)?;
-        options.set_item("grid_points", grid_points)?;
-        Ok(Trajectory {
-            inner,
-            joint_names: solution.joint_names.clone(),
-            solution: slf.clone().unbind(),
-            options: options.unbind(),
-        })
+        let trajectory = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
+        let (trajectory, spline) = trajectory.split_report();
+        let report = Py::new(py, TimedSpline::new(spline, self.inner.nq))?.into_any();
+        Ok(Trajectory::of(trajectory, self.joint_names.clone(), report))
     }
 
     /// One configuration for each point or target, shape (N, dof), radians or metres.

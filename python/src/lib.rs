@@ -80,7 +80,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
-    use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionSolution};
+    use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionReport};
     #[pymodule_export]
     use super::path::{MissedPoint, PathReport, solve_path};
     #[pymodule_export]
@@ -104,7 +104,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::srdf::Srdf;
     #[pymodule_export]
-    use super::trajectory::{Trajectory, TrajectoryPoint};
+    use super::trajectory::{TimedSpline, Trajectory, TrajectoryPoint};
     #[pymodule_export]
     use super::world::{Obstacle, Separation, World};
 

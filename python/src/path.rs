@@ -155,20 +155,21 @@ pub(crate) fn solve_path(
         options.solve(&inner_arm, tools, &path)
     });
     let solution = solution.or_raise()?;
-    let (reached, report) = (solution.reached(), report(&solution.report, read_as));
-    let report = Py::new(py, report)?.into_any();
+    let reached = solution.reached();
+    let (solution, report) = solution.split_report();
+    let report = Py::new(py, path_report(report, read_as))?.into_any();
     Ok(JointPath::new(&inner_arm, solution, reached, report))
 }
 
-fn report(report: &path::PathReport, read_as: Option<String>) -> PathReport {
+fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport {
     let missed = report.missed.iter().map(|missed| MissedPoint {
         index: missed.index,
         position_error: missed.position_error,
         orientation_error: missed.orientation_error,
         reason: miss_reason(&missed.reason),
     });
-    let blocked = report.blocked.iter();
-    let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));
+    let blocked = report.blocked.into_iter();
+    let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by)));
     let deviation = report.largest_deviation;
     PathReport {
         entry: report.entry,

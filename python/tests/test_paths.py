@@ -138,24 +138,24 @@ def test_trajectories_keep_limits(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, sideways(arm))
     limited = solved.trajectory(5.0, 1.0)
     assert np.array_equal(limited.times, solved.times(5.0, 1.0))
-    assert limited.times[-1] == limited.duration and limited.joint_names == solved.joint_names
+    assert limited.times[-1] == limited.duration and limited.names == solved.joint_names
     bounded = solved.trajectory(5.0, 1.0, jerk_limits=50.0, corner_tolerance=0.0)
     slow = solved.trajectory(5.0, 1.0, arm=arm, tool_linear_limits=(0.1, 1.0), tool_angular_limits=(0.5, np.inf))
     assert bounded.duration > limited.duration and slow.duration > limited.duration
     for trajectory in (limited, bounded, slow):
         times = np.linspace(0.0, trajectory.duration, 4001)
-        points = trajectory.at(times)
+        points = trajectory.report.at(times)
         assert points.q.shape == points.velocity.shape == points.acceleration.shape == (4001, 7)
         assert np.abs(points.velocity).max() <= 1.0 + 1e-9
         assert np.abs(points.acceleration).max() <= 5.0 + 1e-8
         velocities = np.gradient(points.q, times, axis=0)
         assert np.abs(velocities - points.velocity)[1:-1].max() < 5.0 * times[1]
-        assert np.abs(trajectory.at(trajectory.times).q - solved.q).max() < 1.1e-5
-    one = limited.at(0.5)
-    assert one.q.shape == (7,) and np.array_equal(one.q, limited.at([0.5]).q[0])
-    jerks = np.diff(bounded.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
+        assert np.abs(trajectory.report.at(trajectory.times).q - solved.q).max() < 1.1e-5
+    one = limited.report.at(0.5)
+    assert one.q.shape == (7,) and np.array_equal(one.q, limited.report.at([0.5]).q[0])
+    jerks = np.diff(bounded.report.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
     assert np.abs(jerks).max() <= 50.0 * 1.001
-    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.at(np.linspace(0, slow.duration, 1001)).q])
+    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.report.at(np.linspace(0, slow.duration, 1001)).q])
     speeds = np.linalg.norm(np.diff(tool, axis=0), axis=1) * 1000 / slow.duration
     assert 0.099 < speeds.max() <= 0.1001
 
@@ -165,7 +165,7 @@ def test_trajectories_are_pickled(arm: kinopt.Arm) -> None:
     trajectory = solved.trajectory(5.0, jerk_limits=np.full(7, 50.0), arm=arm, tool_linear_limits=(0.3, 2.0))
     twin = pickle.loads(pickle.dumps(trajectory))
     assert np.array_equal(twin.times, trajectory.times)
-    point = trajectory.at(0.3)
+    point = trajectory.report.at(0.3)
     assert np.array_equal(pickle.loads(pickle.dumps(point)).velocity, point.velocity)
 
 

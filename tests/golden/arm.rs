@@ -152,7 +152,10 @@ fn path(record: &mut Record) {
     let trajectory = rows.trajectory(&limits).unwrap();
     record.numbers("duration", [trajectory.duration()]);
     let times = (0..40).map(|k| trajectory.duration() * f64::from(k) / 39.0);
-    record.numbers("trajectory", times.flat_map(|time| trajectory.at(time).q));
+    record.numbers(
+        "trajectory",
+        times.flat_map(|time| trajectory.report.at(time).q),
+    );
 }
 
 fn avoidance(record: &mut Record) {

@@ -46,15 +46,15 @@ pub struct JointPath {
 
 impl JointPath {
     /// Path of an arm with a report as an object.
-    pub(crate) fn new<R>(
+    pub(crate) fn new(
         arm: &kinopt::Arm,
-        path: kinopt::arm::JointPath<R>,
+        inner: kinopt::arm::JointPath<()>,
         reached: bool,
         report: JsValue,
     ) -> Self {
         let rates = [arm.velocity_limits(), arm.acceleration_limits()];
         Self {
-            inner: path.with_report(()),
+            inner,
             joints: arm.joints().map(str::to_owned).collect(),
             rates: rates.map(<[f64]>::to_vec),
             reached,
@@ -121,6 +121,6 @@ impl JointPath {
         let accelerations = limits(&accelerations, "accelerations", default_accelerations)?;
         let limits = TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joints);
         let trajectory = self.inner.trajectory(&limits).map_err(raise)?;
-        Ok(trajectory.times().to_vec())
+        Ok(trajectory.times)
     }
 }

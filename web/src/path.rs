@@ -96,8 +96,9 @@ pub fn solve_path(
     let others = others.map(|tool| arm.inner.with_tool(tool).map_err(raise));
     let others = others.collect::<Result<Vec<_>, _>>()?;
     let inner = options.solve(&arm.inner, &others, &path).map_err(raise)?;
-    let (reached, report) = (inner.reached(), report(&inner.report));
-    Ok(JointPath::new(&arm.inner, inner, reached, report))
+    let reached = inner.reached();
+    let (inner, errors) = inner.split_report();
+    Ok(JointPath::new(&arm.inner, inner, reached, report(&errors)))
 }
 
 /// Report as an object.

@@ -125,7 +125,7 @@ fn times(
         .then_some(arm_limits);
     if let Some(accelerations) = accelerations.or(finite_limits) {
         let limits = TimingLimits::of(arm).with_acceleration_limits(accelerations);
-        return Ok(Some(solution.trajectory(&limits)?.times().to_vec()));
+        return Ok(Some(solution.trajectory(&limits)?.times));
     }
     let path_times = path
         .times()

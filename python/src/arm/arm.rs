@@ -416,12 +416,12 @@ impl Arm {
         let py = targets.py();
         let targets = placements(targets, "target")?.to_vec("target")?;
         let start = self.start(start)?;
-        let mut path = py
+        let path = py
             .detach(|| self.inner.track(&targets, &start))
             .or_raise()?;
         let reached = path.reached();
-        let solutions = Solutions::new(std::mem::take(&mut path.report), path.nq);
-        let report = Py::new(py, solutions)?.into_any();
+        let (path, solutions) = path.split_report();
+        let report = Py::new(py, Solutions::new(solutions, path.nq))?.into_any();
         Ok(JointPath::new(&self.inner, path, reached, report))
     }
 

@@ -2,8 +2,9 @@
 
 use kinopt::Arm;
 use kinopt::arm::{JointJump, JointPath};
+use kinopt::motion::Trajectory;
 use kinopt::motion::path::{
-    CartesianPath, PathError, PathReport, PathSolver, TimingLimits, Trajectory,
+    CartesianPath, PathError, PathReport, PathSolver, TimedSpline, TimingLimits,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -46,18 +47,21 @@ fn joint_path(q: &[f64], nq: usize) -> JointPath<()> {
     }
 }
 
-fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory {
+fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory<TimedSpline> {
     joint_path(q, joints).trajectory(limits).unwrap()
 }
 
 /// Largest shares of the limits that a trajectory uses: velocity, acceleration and jerk.
-fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64; 3]) -> [f64; 3] {
+fn largest_shares(
+    trajectory: &Trajectory<TimedSpline>,
+    [velocity, acceleration, jerk]: [f64; 3],
+) -> [f64; 3] {
     let step = trajectory.duration() / f64::from(SAMPLES);
     let mut largest = [0.0_f64; 3];
-    let mut last = trajectory.at(0.0);
+    let mut last = trajectory.report.at(0.0);
     for k in 1..=SAMPLES {
-        let point = trajectory.at(step * f64::from(k));
-        for joint in 0..trajectory.joint_count() {
+        let point = trajectory.report.at(step * f64::from(k));
+        for joint in 0..trajectory.nq {
             largest[0] = largest[0].max(point.velocity[joint].abs() / velocity);
             largest[1] = largest[1].max(point.acceleration[joint].abs() / acceleration);
             let change = (point.acceleration[joint] - last.acceleration[joint]) / step;
@@ -150,7 +154,7 @@ fn rows_with_solver_noise_take_the_same_time() {
 fn corners_without_tolerance_stop_the_arm() {
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.0);
     let trajectory = through(&right_angle(50), &limits, 2);
-    let corner = trajectory.at(trajectory.times()[50]);
+    let corner = trajectory.report.at(trajectory.times[50]);
     assert_eq!(corner.q, [0.5, 0.0]);
     assert!(corner.velocity.iter().all(|v| v.abs() < 1e-9));
     let [fastest, largest, _] = largest_shares(&trajectory, [2.0, 6.0, 1.0]);
@@ -168,7 +172,10 @@ fn blended_corners_stay_within_the_tolerance() {
         last = trajectory.duration();
         let mut farthest = 0.0_f64;
         for k in 0..=SAMPLES {
-            let q = trajectory.at(last * f64::from(k) / f64::from(SAMPLES)).q;
+            let q = trajectory
+                .report
+                .at(last * f64::from(k) / f64::from(SAMPLES))
+                .q;
             // Distance from the two segments.
             farthest = farthest.max(q[1].abs().min((q[0] - 0.5).abs()));
         }
@@ -193,7 +200,7 @@ fn reversals_are_reached_and_stopped_at() {
         .collect();
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.05);
     let trajectory = through(&q, &limits, 2);
-    let turn = trajectory.at(trajectory.times()[20]);
+    let turn = trajectory.report.at(trajectory.times[20]);
     assert!((turn.q[0] - 0.4).abs() < 1e-12);
     assert!(turn.velocity[0].abs() < 1e-9);
 }
@@ -209,7 +216,10 @@ fn jerk_limits_hold_and_lines_are_fastest() {
         assert!(fastest <= 1.0 + ROUNDING && largest <= 1.0 + ROUNDING);
         assert!(jerkiest <= 1.0 + JERK_EXCESS, "{jerkiest}");
         assert!(trajectory.duration() > unbounded.duration());
-        for point in [trajectory.at(0.0), trajectory.at(trajectory.duration())] {
+        for point in [
+            trajectory.report.at(0.0),
+            trajectory.report.at(trajectory.duration()),
+        ] {
             assert!(
                 point.acceleration.iter().all(|a| a.abs() < 1e-6),
                 "{point:?}"
@@ -308,7 +318,7 @@ fn tool_limits_hold_and_bind() {
         let trajectory = solution.trajectory(&limits).unwrap();
         let step = 1e-5;
         let mut twist = |time: f64| {
-            let point = trajectory.at(time);
+            let point = trajectory.report.at(time);
             let j = jacobian.at(&point.q).unwrap();
             std::array::from_fn::<f64, 3, _>(|row| {
                 let moves = point.velocity.iter().enumerate();
@@ -347,7 +357,7 @@ fn reconfigurations_begin_and_end_at_rest() {
     let limits = TimingLimits::new(&[1.0; 2], &[2.0; 2]);
     let trajectory = solution.trajectory(&limits).unwrap();
     for row in [0, 19, 20, 39] {
-        let point = trajectory.at(trajectory.times()[row]);
+        let point = trajectory.report.at(trajectory.times[row]);
         assert!(
             point.velocity.iter().all(|v| v.abs() < 1e-9),
             "{row}: {point:?}"
@@ -359,7 +369,7 @@ fn reconfigurations_begin_and_end_at_rest() {
         );
     }
     // The step itself is straight, from rest to rest.
-    let time = trajectory.times()[20] - trajectory.times()[19];
+    let time = trajectory.times[20] - trajectory.times[19];
     let expected = 1.62 + 0.5;
     assert!((time / expected - 1.0).abs() < 1e-4, "{time}");
 }
@@ -370,12 +380,12 @@ fn rows_are_passed_at_their_times() {
     let limits = TimingLimits::new(&[2.0; 7], &[6.0; 7]);
     for limits in [limits.clone(), limits.with_jerk_limits(&[100.0; 7])] {
         let trajectory = through(&q, &limits, 7);
-        let times = trajectory.times();
+        let times = &trajectory.times;
         assert_eq!((times.len(), times[0]), (300, 0.0));
         assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(times[299], trajectory.duration());
         for (row, time) in q.chunks(7).zip(times) {
-            let at = trajectory.at(*time).q;
+            let at = trajectory.report.at(*time).q;
             assert!(at.iter().zip(row).all(|(a, b)| (a - b).abs() <= 1.1e-5));
         }
     }
@@ -391,7 +401,7 @@ fn times_outside_the_trajectory_are_rest() {
         (f64::NAN, &q[..7]),
         (f64::INFINITY, &q[343..]),
     ] {
-        let point = trajectory.at(time);
+        let point = trajectory.report.at(time);
         assert!(
             point.q.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-9),
             "{time}"
@@ -406,15 +416,15 @@ fn few_or_equal_rows_are_no_motion() {
     let limits = TimingLimits::new(&[1.0; 2], &[2.0; 2]);
     for q in [vec![], vec![0.1, 0.2], [0.1, 0.2].repeat(5)] {
         let trajectory = through(&q, &limits, 2);
-        assert_eq!(trajectory.times(), vec![0.0; q.len() / 2]);
+        assert_eq!(trajectory.times, vec![0.0; q.len() / 2]);
         assert_eq!(trajectory.duration(), 0.0);
-        let point = trajectory.at(1.0);
+        let point = trajectory.report.at(1.0);
         assert_eq!(point.velocity, [0.0; 2]);
         assert!(q.is_empty() || point.q == [0.1, 0.2]);
     }
     // Two rows are a line; equal rows have one time.
     let two = through(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0], &limits, 2);
-    let times = two.times();
+    let times = &two.times;
     assert!(times[1] == 0.0 && times[2] == times[3]);
     assert!((two.duration() - 1.5).abs() < 1e-4);
 }
@@ -514,7 +524,7 @@ fn limits_out_of_range_name_option_and_joint() {
     }
     // Rows without joints are no rows.
     let none = joint_path(&[1.0, 2.0, 3.0], 0).trajectory(&TimingLimits::new(&[], &[]));
-    assert!(none.unwrap().times().is_empty());
+    assert!(none.unwrap().times.is_empty());
 }
 
 /// Rows without any order, from far apart to nearly equal, and limits that differ by orders of magnitude.
@@ -545,9 +555,9 @@ fn random_rows_keep_all_limits() {
         };
         let trajectory = through(&q, &limits, joints);
         let step = trajectory.duration() / 2000.0;
-        let mut last = trajectory.at(0.0);
+        let mut last = trajectory.report.at(0.0);
         for k in 0..=2000 {
-            let point = trajectory.at(step * f64::from(k));
+            let point = trajectory.report.at(step * f64::from(k));
             for joint in 0..joints {
                 let velocity = point.velocity[joint].abs() / velocities[joint];
                 let acceleration = point.acceleration[joint].abs() / accelerations[joint];

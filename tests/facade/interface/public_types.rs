@@ -42,7 +42,7 @@ each! { value:
     collision::CollisionModel, collision::CollisionObject, collision::SphereModel, collision::SphereGroup,
     collision::Checker, collision::Collision,
     motion::trajectory::MotionProblem, motion::trajectory::MotionSolver, motion::trajectory::Windows, motion::trajectory::RateCost,
-    motion::trajectory::Contact, motion::trajectory::MotionSolution, motion::trajectory::MotionTermination,
+    motion::trajectory::Contact, motion::trajectory::MotionReport, motion::trajectory::MotionTermination,
     motion::trajectory::MotionCounts, motion::trajectory::MotionBound, motion::trajectory::MotionLimit<'static>,
     motion::trajectory::MotionMiss<'static>,
 }
@@ -110,7 +110,7 @@ each! { value:
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,
     motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
-    motion::retarget::RetargetOptions, motion::retarget::Retargeted, motion::retarget::Retargeting<'static>,
+    motion::retarget::RetargetOptions, motion::retarget::RetargetReport, motion::retarget::Retargeting<'static>,
     motion::retarget::Touching, motion::retarget::UpAxis,
 }
 
@@ -118,7 +118,7 @@ each! { value:
     animation::KeyTolerance, animation::ParameterDefault, animation::EulerPoseMap, animation::BallPoseMap,
     animation::RootMotion, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
-    arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::Trajectory,
+    arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::TimedSpline, motion::Trajectory<()>,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
     collision::CollisionModelBuilder<'static>, collision::Resolution, collision::MeshUse, collision::MotionCheck,
     collision::MotionChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,

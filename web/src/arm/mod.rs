@@ -157,9 +157,10 @@ impl Arm {
         let targets = read_all(targets, "target")?;
         let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         let path = self.inner.track(&targets, &start).map_err(raise)?;
-        let rows: Vec<u8> = path.report.iter().map(|row| row.reached.into()).collect();
-        let report = object::of([("reached", js_sys::Uint8Array::from(&*rows).into())]);
         let reached = path.reached();
+        let (path, solutions) = path.split_report();
+        let rows: Vec<u8> = solutions.iter().map(|row| row.reached.into()).collect();
+        let report = object::of([("reached", js_sys::Uint8Array::from(&*rows).into())]);
         Ok(JointPath::new(&self.inner, path, reached, report.into()))
     }
 

@@ -32,15 +32,16 @@ impl<R> JointPath<R> {
         self.rows().nth(row)
     }
 
-    /// Replaces the report.
+    /// Separates the report from the configurations.
     #[must_use]
-    pub fn with_report<S>(self, report: S) -> JointPath<S> {
-        JointPath {
+    pub fn split_report(self) -> (JointPath<()>, R) {
+        let path = JointPath {
             q: self.q,
             nq: self.nq,
             jumps: self.jumps,
-            report,
-        }
+            report: (),
+        };
+        (path, self.report)
     }
 }
 

@@ -61,4 +61,4 @@ pub use csv::{CsvColumns, QuaternionOrder};
 pub use error::PathError;
 pub use path_report::{Blocked, Deviation, MissReason, Missed, PathReport};
 pub use solver::PathSolver;
-pub use timing::{TimingLimits, Trajectory, TrajectoryPoint};
+pub use timing::{TimedSpline, TimingLimits, TrajectoryPoint};

@@ -82,7 +82,7 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     }
     let time = |frame: usize| frame as f64 / FRAMES_PER_SECOND as f64 * speed;
     Ok((0..FRAMES)
-        .map(|frame| trajectory.at(time(frame)).q)
+        .map(|frame| trajectory.report.at(time(frame)).q)
         .collect())
 }
 

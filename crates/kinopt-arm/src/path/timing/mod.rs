@@ -18,11 +18,11 @@ mod grid;
 mod jerk;
 mod limits;
 mod profile;
+mod timed_spline;
 mod tool_motion;
-mod trajectory;
 
 pub use limits::TimingLimits;
-pub use trajectory::{Trajectory, TrajectoryPoint};
+pub use timed_spline::{TimedSpline, TrajectoryPoint};
 
 use super::PathError;
 use crate::arm::JointPath;
@@ -31,9 +31,10 @@ use corners::{MIN_TANGENT_DISTANCE, Rows};
 use cubic_curve::CubicCurve;
 use easing::SmoothstepEasing;
 use grid::Grid;
+use kinopt_kinematics::Trajectory;
 use profile::PathRateLimits;
+use timed_spline::Motion;
 use tool_motion::{ToolLimits, ToolMotion};
-use trajectory::Motion;
 
 /// Distance below which rows count as equal, radians or metres of joint length.
 const ROW_DISTANCE_TOLERANCE: f64 = 1e-9;
@@ -56,7 +57,7 @@ impl<R> JointPath<R> {
         acceleration_limits: &[f64],
     ) -> Result<Vec<f64>, PathError> {
         let limits = TimingLimits::new(velocity_limits, acceleration_limits);
-        Ok(self.trajectory(&limits)?.times().to_vec())
+        Ok(self.trajectory(&limits)?.times)
     }
 
     /// Computes the time-optimal trajectory along the rows, from rest to rest.
@@ -89,7 +90,7 @@ impl<R> JointPath<R> {
     ///     .with_acceleration_limits(&[5.0; 7])
     ///     .with_tool_linear_limits(0.25, 2.0);
     /// let trajectory = solution.trajectory(&limits)?;
-    /// let middle = trajectory.at(0.5 * trajectory.duration());
+    /// let middle = trajectory.report.at(0.5 * trajectory.duration());
     /// assert!(middle.velocity.iter().zip(arm.velocity_limits()).all(|(v, limit)| v.abs() <= *limit));
     /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -99,7 +100,10 @@ impl<R> JointPath<R> {
     /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
     /// joints. Returns an error for a row that is not finite, for tool limits without an arm, and for steps that no
     /// finite acceleration limit bounds.
-    pub fn trajectory(&self, limits: &TimingLimits<'_>) -> Result<Trajectory, PathError> {
+    pub fn trajectory(
+        &self,
+        limits: &TimingLimits<'_>,
+    ) -> Result<Trajectory<TimedSpline>, PathError> {
         let joint_count = self.nq;
         limits.check(joint_count)?;
         let rows: Vec<&[f64]> = match joint_count {
@@ -110,16 +114,16 @@ impl<R> JointPath<R> {
         if let Some(row) = lengths.iter().position(|length| !length.is_finite()) {
             return Err(PathError::Row { row });
         }
-        let mut trajectory = Trajectory {
+        let mut spline = TimedSpline {
             joints: joint_count,
             first: rows
                 .first()
                 .map_or(vec![0.0; joint_count], |row| row.to_vec()),
-            times: Vec::with_capacity(rows.len()),
             motions: Vec::new(),
             duration: 0.0,
         };
-        trajectory.times.extend(rows.first().map(|_| 0.0));
+        let mut times = Vec::with_capacity(rows.len());
+        times.extend(rows.first().map(|_| 0.0));
         let mut first = 0;
         while first + 1 < rows.len() {
             // A reconfiguration is a motion of its own.
@@ -130,21 +134,27 @@ impl<R> JointPath<R> {
                 Some(row) => row - 1,
                 None => rows.len() - 1,
             };
-            trajectory.append(&rows, &lengths, first..=last, limits)?;
+            spline.append(&rows, &lengths, first..=last, limits, &mut times)?;
             first = last;
         }
-        Ok(trajectory)
+        Ok(Trajectory {
+            times,
+            q: self.q.clone(),
+            nq: self.nq,
+            report: spline,
+        })
     }
 }
 
-impl Trajectory {
-    /// Appends the motion along consecutive rows, from rest to rest.
+impl TimedSpline {
+    /// Appends the motion along consecutive rows, from rest to rest, and the times of these rows.
     fn append(
         &mut self,
         rows: &[&[f64]],
         lengths: &[f64],
         range: std::ops::RangeInclusive<usize>,
         limits: &TimingLimits<'_>,
+        times: &mut Vec<f64>,
     ) -> Result<(), PathError> {
         let start = self.duration;
         let added = self.motions.len();
@@ -179,14 +189,14 @@ impl Trajectory {
         for row in range.skip(1) {
             let s = lengths[row];
             if end - s <= ROW_DISTANCE_TOLERANCE {
-                self.times.push(self.duration);
+                times.push(self.duration);
                 continue;
             }
             let after = motions.partition_point(|motion| motion.curve.start() <= s);
             let time = motions
                 .get(after.saturating_sub(1))
                 .map_or(start, |motion| motion.time + motion.time_at(s));
-            self.times.push(time.min(self.duration));
+            times.push(time.min(self.duration));
         }
         Ok(())
     }
