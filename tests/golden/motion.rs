@@ -77,6 +77,7 @@ fn clip_ik(record: &mut Record) {
     let edited = planted.solve(clip).unwrap();
     sampled(record, "planted feet", &edited.clip, armature.rest());
     let drift = edited
+        .report
         .stances
         .iter()
         .flat_map(|plant| [plant.slide, plant.stray]);
@@ -89,7 +90,7 @@ fn clip_ik(record: &mut Record) {
     let reach = reach.with_span(0.4..=1.2).with_fade(0.1);
     let edited = ik().with_reach(reach).solve(clip).unwrap();
     sampled(record, "reaching hand", &edited.clip, armature.rest());
-    record.numbers("misses", edited.led.iter().map(|result| result.miss));
+    record.numbers("misses", edited.report.led.iter().map(|result| result.miss));
 }
 
 fn keyframe_ik(record: &mut Record) {

@@ -136,6 +136,7 @@ fn still_foot_in_the_air_of_a_clip_has_no_contact() {
         }
         let edited = solver.solve(&lifted(&armature, lift)).unwrap();
         edited
+            .report
             .stances
             .iter()
             .filter(|stance| stance.bone == foot)
@@ -158,7 +159,11 @@ fn contact_counts_from_the_shortest_duration() {
         let detection = ContactDetection::default().with_height(0.35);
         let solver = planted(&armature).with_detection(detection.with_shortest(shortest));
         let edited = solver.with_keys_per_second(30.0).solve(&clip).unwrap();
-        let stances = edited.stances.into_iter().filter(|own| own.bone == foot);
+        let stances = edited
+            .report
+            .stances
+            .into_iter()
+            .filter(|own| own.bone == foot);
         stances.map(|stances| stances.span).collect::<Vec<_>>()
     };
     let all = stances(0.1);

@@ -213,7 +213,7 @@ fn clip_ik_is_alike_in_all_units() {
 fn stances(unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let edited = planted(&armature).solve(&clip).unwrap();
-    let stances = edited.stances.iter();
+    let stances = edited.report.stances.iter();
     stances
         .flat_map(|stance| {
             let position = stance.place / unit;

@@ -101,7 +101,7 @@ each! { value:
 
 each! { value:
     motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
-    motion::clip_ik::BeyondLimit, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
+    motion::clip_ik::BeyondLimit, motion::clip_ik::EditReport, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
     motion::path::MissReason, motion::path::Missed, motion::path::PathReport,
