@@ -141,7 +141,7 @@ fn robot(file: &str, base: &str, tip: &str) {
         fastest = fastest.min(micros(started) / POSES as f64);
         jumps = track.jumps.len();
         worst = track
-            .solutions
+            .report
             .windows(2)
             .flat_map(|pair| {
                 pair[0]

@@ -116,6 +116,8 @@ pub mod motion {
     #[cfg(feature = "arm")]
     #[doc(inline)]
     pub use kinopt_arm::path;
+    #[doc(inline)]
+    pub use kinopt_kinematics::Trajectory;
     #[cfg(feature = "motion")]
     #[doc(inline)]
     pub use kinopt_motion::motion::*;

@@ -28,6 +28,7 @@ mod info;
 mod interpolation_choice;
 mod joint_columns;
 mod json_file;
+mod jump_document;
 mod loaded_model;
 mod mesh_output;
 mod model_options;

@@ -20,6 +20,8 @@ mod goal;
 mod has_model;
 mod io;
 mod items;
+mod joint_jump;
+mod joint_path;
 mod kinematics;
 mod loops;
 mod masses;
@@ -56,7 +58,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::animation::animation;
     #[pymodule_export]
-    use super::arm::{Arm, ArmDerivative, Batch, Follower, Jump, Servo, ServoStep, Track};
+    use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
@@ -66,6 +68,10 @@ mod _kinopt {
     #[pymodule_export]
     use super::io::io;
     #[pymodule_export]
+    use super::joint_jump::JointJump;
+    #[pymodule_export]
+    use super::joint_path::JointPath;
+    #[pymodule_export]
     use super::kinematics::{ForwardKinematics, Jacobian, frame_jacobian, frame_placement};
     #[pymodule_export]
     use super::loops::LoopClosure;
@@ -74,9 +80,9 @@ mod _kinopt {
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
     #[pymodule_export]
-    use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionSolution};
+    use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionReport};
     #[pymodule_export]
-    use super::path::{MissedPoint, PathSolution, Reconfiguration, solve_path};
+    use super::path::{MissedPoint, PathReport, solve_path};
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
@@ -94,11 +100,11 @@ mod _kinopt {
     #[pymodule_export]
     use super::solution::{ActiveLimit, Collision, Counts, RowBlockReport, Solution, TaskReport};
     #[pymodule_export]
-    use super::solver::{Drag, DragJump, Iteration, Solutions, Solver};
+    use super::solver::{Drag, Iteration, Solutions, Solver};
     #[pymodule_export]
     use super::srdf::Srdf;
     #[pymodule_export]
-    use super::trajectory::{Trajectory, TrajectoryPoint};
+    use super::trajectory::{TimedSpline, Trajectory, TrajectoryPoint};
     #[pymodule_export]
     use super::world::{Obstacle, Separation, World};
 

@@ -3,59 +3,21 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::path::{self, CartesianPath, QuaternionOrder, TimingLimits};
+use kinopt::motion::path::{self, CartesianPath, QuaternionOrder};
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use kinopt_bindings::names::miss_reason;
 use kinopt_bindings::option::path::{PathOptions, TRAVERSALS};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
 
 use crate::arm::Arm;
 use crate::arrays::{self, shape_text};
 use crate::error::{OrRaise, invalid};
+use crate::joint_path::JointPath;
 use crate::object::Object;
 use crate::pickling;
 use crate::placement::placements;
 use crate::solution::Collision;
-use crate::trajectory::Trajectory;
-
-/// A step in which an arm leaves its branch.
-#[pyclass(frozen, get_all, module = "kinopt")]
-#[derive(Clone, Serialize, Deserialize)]
-pub(crate) struct Reconfiguration {
-    /// Row of `q` at the end of the step; 0 for the step that closes a cyclic path.
-    index: usize,
-    /// Name of the joint that moves farthest.
-    joint: String,
-    /// Distance that it moves, radians; for a prismatic joint metres, converted by its weight.
-    distance: f64,
-    /// Weighted joint length of the step.
-    length: f64,
-}
-
-#[pymethods]
-impl Reconfiguration {
-    fn __repr__(&self) -> String {
-        let Self {
-            index,
-            joint,
-            distance,
-            ..
-        } = self;
-        format!("Reconfiguration(to row {index}, {joint:?}, {distance:.3} rad)")
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_json::<Self>(py, self)
-    }
-
-    #[staticmethod]
-    fn _rebuild(json: &str) -> PyResult<Self> {
-        pickling::of_json(json)
-    }
-}
 
 /// A point of a path that the tool does not reach.
 #[pyclass(frozen, get_all, module = "kinopt")]
@@ -87,168 +49,37 @@ impl MissedPoint {
     }
 }
 
-/// Joint path for a Cartesian path.
-#[pyclass(frozen, module = "kinopt")]
+/// Errors of the joint path of a Cartesian path.
+#[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Serialize, Deserialize)]
-pub(crate) struct PathSolution {
-    q: Vec<f64>,
-    /// Names of the joints, the columns of `q`.
-    #[pyo3(get)]
-    joint_names: Vec<String>,
+pub(crate) struct PathReport {
     /// Index of the point of the first row: 0 except for traversal "any-start".
-    #[pyo3(get)]
     entry: usize,
-    /// Steps in which the arm leaves its branch, in order.
-    #[pyo3(get)]
-    reconfigured_at: Vec<Reconfiguration>,
     /// Weighted joint length of all steps.
-    #[pyo3(get)]
     length: f64,
     /// Upper bound of the tool's distance from the path between rows, metres.
-    #[pyo3(get)]
     largest_deviation: f64,
     /// Row at the end of the step with `largest_deviation`.
-    #[pyo3(get)]
     largest_deviation_at: usize,
     /// Upper bound of the tool's rotation from the path between rows, radians.
-    #[pyo3(get)]
     largest_turn: f64,
     /// Row at the end of the step with `largest_turn`.
-    #[pyo3(get)]
     largest_turn_at: usize,
     /// Points that are not reached, in order.
-    #[pyo3(get)]
     missed: Vec<MissedPoint>,
     /// Steps that are not proven collision-free, for an arm with a world: (row at the end of the step, `Collision`).
-    #[pyo3(get)]
     blocked: Vec<(usize, Collision)>,
     /// Interpretation of a file's columns; None for an array.
-    #[pyo3(get)]
     read_as: Option<String>,
-    /// Velocity and acceleration limits of the arm, rad/s or m/s, and rad/s² or m/s².
-    #[serde(with = "pickling::limits")]
-    rates: [Vec<f64>; 2],
 }
 
 #[pymethods]
-impl PathSolution {
-    /// Time of each row, shape (N,), seconds, starting at 0: time-optimal under joint acceleration and velocity limits,
-    /// shape (dof,) or one number for all joints. Default: the limits of the arm; accelerations come from
-    /// `Robot.with_joint_limits`. The arm is at rest before and after a reconfiguration. Equal to
-    /// `trajectory(acceleration_limits, velocity_limits).times`.
-    ///
-    /// Raises `InvalidValueError` for limits that are not above 0, and if no moving joint has a finite acceleration
-    /// limit.
-    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None))]
-    fn times<'py>(
-        &self,
-        py: Python<'py>,
-        acceleration_limits: Option<&Bound<'py, PyAny>>,
-        velocity_limits: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let limits = self.timing_limits(acceleration_limits, velocity_limits)?;
-        let solved = py.detach(|| self.timed(&limits)).or_raise()?;
-        Ok(PyArray1::from_slice(py, solved.times()))
-    }
-
-    /// Time-optimal `Trajectory` along the rows, from rest to rest, under joint limits, shape (dof,) or one number for
-    /// all joints.
-    ///
-    /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of
-    /// accelerations, unbounded by default. `tool_linear_limits` and `tool_angular_limits`: largest speed and
-    /// acceleration of the tool, in metres or radians and seconds; they require `arm`. `corner_tolerance`: largest
-    /// distance of a joint from the path at a blended corner, radians or metres; with 0 the arm stops at corners.
-    /// `grid_points`: number of samples of the speed profile over the whole path.
-    ///
-    /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError` with the
-    /// option and joint.
-    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None, *, jerk_limits = None, arm = None,
-        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
-    fn trajectory<'py>(
-        slf: &Bound<'py, Self>,
-        acceleration_limits: Option<&Bound<'py, PyAny>>,
-        velocity_limits: Option<&Bound<'py, PyAny>>,
-        jerk_limits: Option<&Bound<'py, PyAny>>,
-        arm: Option<&Bound<'py, Arm>>,
-        tool_linear_limits: Option<&Bound<'_, PyAny>>,
-        tool_angular_limits: Option<&Bound<'_, PyAny>>,
-        corner_tolerance: f64,
-        grid_points: usize,
-    ) -> PyResult<Trajectory> {
-        let (py, solution) = (slf.py(), slf.get());
-        let arm_inner = arm.map(|arm| Arc::clone(&arm.get().inner));
-        let mut limits = solution.timing_limits(acceleration_limits, velocity_limits)?;
-        if let Some(jerks) = jerk_limits {
-            limits = limits.with_jerk_limits(&solution.one_each(jerks, "jerk_limits")?);
-        }
-        if let Some(arm) = arm_inner.as_deref() {
-            limits = limits.with_arm(arm);
-        }
-        let tool_linear_limits =
-            tool_limits(tool_linear_limits, "tool_linear_limits", "m/s and m/s²")?;
-        let tool_angular_limits = tool_limits(
-            tool_angular_limits,
-            "tool_angular_limits",
-            "rad/s and rad/s²",
-        )?;
-        if let Some((speed, acceleration)) = tool_linear_limits {
-            limits = limits.with_tool_linear_limits(speed, acceleration);
-        }
-        if let Some((speed, acceleration)) = tool_angular_limits {
-            limits = limits.with_tool_angular_limits(speed, acceleration);
-        }
-        let limits = limits
-            .with_corner_tolerance(corner_tolerance)
-            .with_grid_points(grid_points);
-        let inner = py.detach(|| solution.timed(&limits)).or_raise()?;
-        // Unpickling recreates the trajectory from the solution.
-        let options = PyDict::new(py);
-        for (name, value) in [
-            ("acceleration_limits", acceleration_limits),
-            ("velocity_limits", velocity_limits),
-            ("jerk_limits", jerk_limits),
-            ("arm", arm.map(Bound::as_any)),
-        ] {
-            options.set_item(name, value)?;
-        }
-        options.set_item("tool_linear_limits", tool_linear_limits)?;
-        options.set_item("tool_angular_limits", tool_angular_limits)?;
-        options.set_item("corner_tolerance", corner_tolerance)?;
-        options.set_item("grid_points", grid_points)?;
-        Ok(Trajectory {
-            inner,
-            joint_names: solution.joint_names.clone(),
-            solution: slf.clone().unbind(),
-            options: options.unbind(),
-        })
-    }
-
-    /// One configuration for each point, shape (N, dof), in the order of traversal.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let width = self.joint_names.len();
-        arrays::list(py, &self.q).reshape([self.q.len() / width.max(1), width])
-    }
-
-    /// Number of reconfigurations.
-    #[getter]
-    fn reconfigurations(&self) -> usize {
-        self.reconfigured_at.len()
-    }
-
-    /// True if all points are reached on one branch, and all steps are collision-free.
-    #[getter]
-    fn is_whole(&self) -> bool {
-        self.reconfigured_at.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
-    }
-
+impl PathReport {
     fn __repr__(&self) -> String {
-        let rows = self.q.len() / self.joint_names.len().max(1);
         format!(
-            "PathSolution({} of {rows} reached, {} reconfigurations, length {:.3})",
-            rows - self.missed.len(),
-            self.reconfigured_at.len(),
+            "PathReport({} missed, {} blocked, length {:.3})",
+            self.missed.len(),
+            self.blocked.len(),
             self.length
         )
     }
@@ -263,56 +94,8 @@ impl PathSolution {
     }
 }
 
-/// Largest speed and acceleration of the tool.
-fn tool_limits(
-    value: Option<&Bound<'_, PyAny>>,
-    what: &str,
-    units: &str,
-) -> PyResult<Option<(f64, f64)>> {
-    let pair = |value: &Bound<'_, PyAny>| {
-        let shown = arrays::shown(value);
-        let fault = |_| {
-            invalid(format!(
-                "{what} is {shown}: (speed, acceleration) in {units}"
-            ))
-        };
-        value.extract::<(f64, f64)>().map_err(fault)
-    };
-    value.map(pair).transpose()
-}
-
-impl PathSolution {
-    /// Returns one number for each joint, from a list or from one number for all.
-    fn one_each(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
-        match value.extract::<f64>() {
-            Ok(one) => Ok(vec![one; self.joint_names.len()]),
-            Err(_) => arrays::copied(value, what),
-        }
-    }
-
-    /// Joint limits, by default those of the arm.
-    fn timing_limits(
-        &self,
-        acceleration_limits: Option<&Bound<'_, PyAny>>,
-        velocity_limits: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<TimingLimits<'static>> {
-        let limits = |value: Option<&Bound<'_, PyAny>>, what: &str, defaults: &[f64]| match value {
-            None => Ok(defaults.to_vec()),
-            Some(value) => self.one_each(value, what),
-        };
-        let [velocities, accelerations] = &self.rates;
-        let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
-        let accelerations = limits(acceleration_limits, "acceleration_limits", accelerations)?;
-        Ok(TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joint_names))
-    }
-
-    fn timed(&self, limits: &TimingLimits<'_>) -> Result<path::Trajectory, path::PathError> {
-        let rests: Vec<usize> = self.reconfigured_at.iter().map(|step| step.index).collect();
-        path::Trajectory::through(&self.q, self.joint_names.len(), &rests, limits)
-    }
-}
-
-/// Solves a Cartesian path of an arm's tool with the fewest reconfigurations, then the shortest: a `PathSolution`.
+/// Solves a Cartesian path of an arm's tool with the fewest reconfigurations, then the shortest: a `JointPath` with
+/// a `PathReport`.
 ///
 /// `path` has one of three forms. Placements: shape (N, 4, 4) or a list of them. Points: shape (N, 7) (x, y, z, then a
 /// quaternion w, x, y, z) or (N, 3). A table: the path of its file, whose header names the columns. `order`, "w-first"
@@ -347,7 +130,7 @@ pub(crate) fn solve_path(
     tools: Option<Vec<Bound<'_, Arm>>>,
     tool_of_points: Option<Vec<usize>>,
     order: Option<&Bound<'_, PyAny>>,
-) -> PyResult<PathSolution> {
+) -> PyResult<JointPath> {
     let (path, read_as) = read(path, order)?;
     let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
         value.map(|value| arrays::copied(value, what)).transpose()
@@ -371,47 +154,33 @@ pub(crate) fn solve_path(
         let tools = other_arms.iter().map(|arm| &**arm);
         options.solve(&inner_arm, tools, &path)
     });
-    Ok(path_solution(&inner_arm, solution.or_raise()?, read_as))
+    let solution = solution.or_raise()?;
+    let reached = solution.reached();
+    let (solution, report) = solution.split_report();
+    let report = Py::new(py, path_report(report, read_as))?.into_any();
+    Ok(JointPath::new(&inner_arm, solution, reached, report))
 }
 
-fn path_solution(
-    arm: &kinopt::Arm,
-    solution: kinopt::motion::path::PathSolution,
-    read_as: Option<String>,
-) -> PathSolution {
-    let joint_names: Vec<String> = arm.joints().map(str::to_owned).collect();
-    let steps = solution
-        .reconfigurations
-        .iter()
-        .map(|step| Reconfiguration {
-            index: step.index,
-            joint: joint_names.get(step.joint).cloned().unwrap_or_default(),
-            distance: step.distance,
-            length: step.length,
-        });
-    let missed = solution.missed.iter().map(|missed| MissedPoint {
+fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport {
+    let missed = report.missed.iter().map(|missed| MissedPoint {
         index: missed.index,
         position_error: missed.position_error,
         orientation_error: missed.orientation_error,
         reason: miss_reason(&missed.reason),
     });
-    let blocked = solution.blocked.iter();
-    let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));
-    let deviation = solution.largest_deviation;
-    PathSolution {
-        reconfigured_at: steps.collect(),
-        missed: missed.collect(),
-        blocked: blocked.collect(),
-        entry: solution.entry,
-        length: solution.length,
+    let blocked = report.blocked.into_iter();
+    let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by)));
+    let deviation = report.largest_deviation;
+    PathReport {
+        entry: report.entry,
+        length: report.length,
         largest_deviation: deviation.metres,
         largest_deviation_at: deviation.metres_at,
         largest_turn: deviation.radians,
         largest_turn_at: deviation.radians_at,
-        q: solution.q,
-        joint_names,
+        missed: missed.collect(),
+        blocked: blocked.collect(),
         read_as,
-        rates: [arm.velocity_limits(), arm.acceleration_limits()].map(<[f64]>::to_vec),
     }
 }
 

@@ -1,22 +1,122 @@
-//! Trajectories along joint paths.
+//! Trajectories, and the joint values between the rows of a path.
 
 use kinopt::motion::path;
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use serde::{Deserialize, Serialize};
 
 use crate::arrays;
-use crate::path::PathSolution;
+use crate::pickling;
 
-/// Configurations over time, along the rows of a path.
-#[pyclass(frozen, module = "kinopt")]
+/// Configurations over time, with a report.
+///
+/// The report depends on the origin: `JointPath.trajectory` reports a `TimedSpline`, `MotionProblem.solve` a
+/// `MotionReport`, `retarget` a `RetargetReport`.
+///
+/// `times`: shape (N,), seconds. `q`: shape (N, nq). Raises `InvalidValueError` for other shapes.
+#[pyclass(frozen, generic, module = "kinopt")]
 pub(crate) struct Trajectory {
-    pub(crate) inner: path::Trajectory,
-    /// Names of the joints, the columns of `q`.
+    inner: kinopt::motion::Trajectory<()>,
+    /// Names of the numbers of a configuration, the columns of `q`.
     #[pyo3(get)]
-    pub(crate) joint_names: Vec<String>,
-    pub(crate) solution: Py<PathSolution>,
-    pub(crate) options: Py<PyDict>,
+    names: Vec<String>,
+    /// Errors or further data of the trajectory.
+    #[pyo3(get)]
+    report: Py<PyAny>,
+}
+
+impl Trajectory {
+    /// Trajectory with a report in Python.
+    pub(crate) fn of(
+        inner: kinopt::motion::Trajectory<()>,
+        names: Vec<String>,
+        report: Py<PyAny>,
+    ) -> Self {
+        Self {
+            inner,
+            names,
+            report,
+        }
+    }
+}
+
+#[pymethods]
+impl Trajectory {
+    #[new]
+    fn new(
+        times: &Bound<'_, PyAny>,
+        q: &Bound<'_, PyAny>,
+        names: Vec<String>,
+        report: Py<PyAny>,
+    ) -> PyResult<Self> {
+        let nq = names.len();
+        let q = arrays::rows(q, "q", nq)?;
+        let times = arrays::vector_of(times, "times", q.shape()[0])?;
+        let inner = kinopt::motion::Trajectory {
+            times: times.to_vec(),
+            q: q.to_vec(),
+            nq,
+            report: (),
+        };
+        Ok(Self {
+            inner,
+            names,
+            report,
+        })
+    }
+
+    /// Sample times, shape (N,), seconds, the first at 0.
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.times)
+    }
+
+    /// Configurations, shape (N, nq), radians and metres.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::list(py, &self.inner.q).reshape([self.inner.times.len(), self.inner.nq])
+    }
+
+    /// Time of the last sample, seconds.
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.inner.duration()
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.times.len()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let (rows, seconds) = (self.inner.times.len(), self.inner.duration());
+        let report = self.report.bind(py).repr()?;
+        Ok(format!("Trajectory({rows} rows, {seconds:.3} s, {report})"))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, trajectory) = (slf.py(), slf.get());
+        let arguments = (
+            trajectory.times(py),
+            trajectory.q(py)?,
+            &trajectory.names,
+            trajectory.report.clone_ref(py),
+        );
+        pickling::by_class::<Self>(py, arguments)
+    }
+}
+
+/// Joint values over time between the rows of a path: cubic splines, from rest to rest.
+#[pyclass(frozen, module = "kinopt")]
+#[derive(Serialize, Deserialize)]
+pub(crate) struct TimedSpline {
+    inner: path::TimedSpline,
+    width: usize,
+}
+
+impl TimedSpline {
+    pub(crate) fn new(inner: path::TimedSpline, width: usize) -> Self {
+        Self { inner, width }
+    }
 }
 
 /// Joint state at one time of a trajectory, or at several.
@@ -31,26 +131,14 @@ pub(crate) struct TrajectoryPoint {
 }
 
 #[pymethods]
-impl Trajectory {
-    /// Time of each row of the path, shape (N,), seconds, the first at 0.
-    #[getter]
-    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.inner.times())
-    }
-
-    /// Time of the last row, seconds.
-    #[getter]
-    fn duration(&self) -> f64 {
-        self.inner.duration()
-    }
-
+impl TimedSpline {
     /// Joint values, velocities and accelerations at a time in seconds, or at several of shape (T,). Before the start
     /// and after the end the arm is at rest.
     ///
     /// Raises `InvalidValueError` if `time` holds no numbers.
     fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {
         let times = arrays::Queries::numbers(time, "time")?;
-        let width = self.joint_names.len();
+        let width = self.width;
         let mut rows: [Vec<f64>; 3] = Default::default();
         let mut point = path::TrajectoryPoint::default();
         for time in times.all() {
@@ -76,17 +164,16 @@ impl Trajectory {
     }
 
     fn __repr__(&self) -> String {
-        let rows = self.inner.times().len();
-        format!("Trajectory({rows} rows, {:.3} s)", self.inner.duration())
+        format!("TimedSpline({} stretches)", self.inner.stretch_count())
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let (py, trajectory) = (slf.py(), slf.get());
-        let method = py.get_type::<PathSolution>().getattr("trajectory")?;
-        let partial = py.import("functools")?.getattr("partial")?;
-        let constructor = partial.call((method,), Some(trajectory.options.bind(py)))?;
-        let arguments = (trajectory.solution.clone_ref(py),);
-        Ok((constructor, arguments).into_pyobject(py)?.into_any())
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        pickling::by_json::<Self>(py, self)
+    }
+
+    #[staticmethod]
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        pickling::of_json(json)
     }
 }
 

@@ -139,7 +139,7 @@ def test_path_is_followed_without_jumps(arm):
     change = np.linspace(0, 1, 200)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.5, -0.3, 0.4])
     path = arm.base_from_tool(START + change)
     track = arm.track(path, START)
-    assert track.reached.all() and track.jumps == [] and len(track) == 200
+    assert track.reached and track.report.reached.all() and track.jumps == [] and len(track) == 200
     assert np.abs(np.diff(track.q, axis=0)).max() < 0.05
     assert errors_of(arm, track.q, path)[0].max() < 1.001e-6
     follower = arm.follower(START)
@@ -204,9 +204,9 @@ def test_batches_and_tracks_pickle_and_iterate(arm, targets):
         assert twin.explain(3) == batch.explain(3)
     twin = pickle.loads(pickle.dumps(track))
     assert np.array_equal(twin.q, track.q) and len(twin.jumps) == len(track.jumps)
-    assert twin.explain() == track.explain()
+    assert twin.report.explain() == track.report.explain()
     assert [solution.reached for solution in batch] == batch.reached.tolist()
-    assert len(list(track)) == 3
+    assert len(track) == len(list(track.report)) == 3
 
 
 def test_returned_arrays_are_read_only(arm, robot):

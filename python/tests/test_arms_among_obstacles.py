@@ -98,7 +98,7 @@ def test_paths_stop_before_contact(panda: kinopt.Robot) -> None:
     path = np.repeat(begin[None], 81, axis=0)
     path[:, 1, 3] += 0.3 * (1 - abs(np.linspace(-1, 1, 81)))
     track = arm.with_world(wall).track(path, Q)
-    solutions = list(track)
+    solutions = list(track.report)
     assert not solutions[40].reached and solutions[40].collisions[0].second == "wall"
     assert solutions[0].reached and solutions[-1].reached
     for solution in solutions:

@@ -168,7 +168,7 @@ def test_objects_outlive_their_sources():
     target = targets[0].copy()
     del robot, arm, targets
     gc.collect()
-    assert batch[1].reached and track[2].reached
+    assert batch[1].reached and track.report[2].reached
     assert servo.step(target).reached
     assert follower.advance(target)[0].reached
 

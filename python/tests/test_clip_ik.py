@@ -37,11 +37,11 @@ def test_hand_reaches_while_feet_stay_planted(wave: tuple[kinopt.Skeleton, Clip]
         keys_per_second=20,
         skeleton=skeleton,
     )
-    assert {stance.bone for stance in edited.stances} == {"left_foot", "right_foot"}
-    assert max(stance.slide for stance in edited.stances) < 1e-4
-    assert max(stance.stray for stance in edited.stances) < 1e-3
-    assert max(result.miss for result in edited.led) < 1e-4
-    assert edited.root_moved == 0.0
+    assert {stance.bone for stance in edited.report.stances} == {"left_foot", "right_foot"}
+    assert max(stance.slide for stance in edited.report.stances) < 1e-4
+    assert max(stance.stray for stance in edited.report.stances) < 1e-3
+    assert max(result.miss for result in edited.report.led) < 1e-4
+    assert edited.report.root_moved == 0.0
     length = skeleton.bones[skeleton.bone_names.index("left_hand")].length
     np.testing.assert_allclose(tip(edited, "left_hand", length, 1.8), target, atol=1e-4)
     before = tip(clip, "left_hand", length, 0.5)
@@ -54,15 +54,15 @@ def test_curve_ground_and_travel_options_work(wave: tuple[kinopt.Skeleton, Clip]
     given: dict[str, object] = {"up": (0, 0, 1), "keys_per_second": 10, "skeleton": skeleton}
     curve = np.array([[0.3, 0.3, 1.0], [0.35, 0.2, 1.1], [0.3, 0.3, 1.2]])
     edited = clip.with_ik([Reach("left_hand", curve, times=(0.5, 1.5, 2.5), span=(0.5, 2.5))], **given)  # type: ignore[arg-type]
-    assert edited.led[0].bone == "left_hand" and edited.led[0].miss < 1e-3
+    assert edited.report.led[0].bone == "left_hand" and edited.report.led[0].miss < 1e-3
     feet = ["left_foot", "right_foot"]
     high = clip.with_ik(plant=feet, ground=lambda x, y, z: 0.1, **given)  # type: ignore[arg-type]
-    assert high.root_moved == pytest.approx(0.1, abs=1e-3)
+    assert high.report.root_moved == pytest.approx(0.1, abs=1e-3)
     world = kinopt.World()
     world.add_box("floor", (4, 4, 0.1), (0, 0, 0.05))
     same = clip.with_ik(plant=feet, ground=world, **given)  # type: ignore[arg-type]
     np.testing.assert_allclose(
-        [stance.place for stance in same.stances], [stance.place for stance in high.stances], atol=1e-6
+        [stance.place for stance in same.report.stances], [stance.place for stance in high.report.stances], atol=1e-6
     )
     gone = clip.with_ik(plant=["left_hand"], root_velocity=(0.2, 0, 0), **given)  # type: ignore[arg-type]
     pelvis = gone.clip.armature.model_from_bone(gone.clip.sample(3.0), "pelvis")

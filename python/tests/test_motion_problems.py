@@ -52,21 +52,21 @@ def test_motion_keeps_limits_and_reports_errors(arm: kinopt.Robot) -> None:
     assert speeds.max() <= 0.8
     assert speeds.max() > 0.79
     # It starts before the jump, and the target is missed in the middle.
-    assert not solved.reached
-    missed = {miss.frame for miss in solved.missed if miss.task == "reach"}
+    assert not solved.report.reached
+    missed = {miss.frame for miss in solved.report.missed if miss.task == "reach"}
     assert FRAMES // 2 in missed or FRAMES // 2 - 1 in missed
-    limits = solved.active_limits
+    limits = solved.report.active_limits
     assert limits and all(limit.bound == "speed" for limit in limits)
     assert all(limit.push > 0 and limit.side in ("lower", "upper") for limit in limits)
-    assert solved.cost == pytest.approx(solved.frame_costs.sum() + solved.cost_of_rates)
+    assert solved.report.cost == pytest.approx(solved.report.frame_costs.sum() + solved.report.cost_of_rates)
     # From a near start, in windows, and pickled, the result is equal.
     near = motion.solve(solved.q)
-    assert near.cost == pytest.approx(solved.cost, rel=1e-5)
+    assert near.report.cost == pytest.approx(solved.report.cost, rel=1e-5)
     again = pickle.loads(pickle.dumps(motion)).solve(rest)
     np.testing.assert_array_equal(again.q, solved.q)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(solved)).q, solved.q)
     windows = motion.solve(rest, windows=(20, 15))
-    assert windows.cost == pytest.approx(solved.cost, rel=0.05)
+    assert windows.report.cost == pytest.approx(solved.report.cost, rel=0.05)
 
 
 def test_contact_and_fixed_frames_are_kept() -> None:
@@ -88,7 +88,7 @@ def test_contact_and_fixed_frames_are_kept() -> None:
         first=start,
     )
     solved = motion.solve(start)
-    assert solved.slip < 1e-6
+    assert solved.report.slip < 1e-6
     np.testing.assert_allclose(solved.q[0], start, atol=1e-12)
 
 
@@ -192,10 +192,10 @@ def test_two_hands_hold_a_box_in_all_frames() -> None:
         first=start,
     )
     solved = motion.solve(start)
-    assert solved.loop_gap <= 1e-9, solved
-    assert not any("loop" in miss.task for miss in solved.missed)
+    assert solved.report.loop_gap <= 1e-9, solved
+    assert not any("loop" in miss.task for miss in solved.report.missed)
     for q in solved.q:
         one = kinopt.frame_placement(robot, "left_tool", q) @ left
         other = kinopt.frame_placement(robot, "right_tool", q) @ right
         np.testing.assert_allclose(one, other, atol=3e-9)
-    assert pickle.loads(pickle.dumps(solved)).loop_gap == solved.loop_gap
+    assert pickle.loads(pickle.dumps(solved)).loop_gap == solved.report.loop_gap

@@ -33,7 +33,7 @@ SECTIONS = {
     "Solvers": sorted([*keywords(kinopt.Solver), *(name for name in METHODS if name not in ("damping", "_kind"))]),
     "Drags": keywords(kinopt.Drag, ["problem", "start"]),
     "Paths": keywords(kinopt.solve_path, ["arm", "path"]),
-    "Trajectories": keywords(kinopt.PathSolution.trajectory, ["self"]),
+    "Trajectories": keywords(kinopt.JointPath.trajectory, ["self"]),
 }
 
 

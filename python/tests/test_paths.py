@@ -30,17 +30,17 @@ def sideways(arm: kinopt.Arm, points: int = 60) -> np.ndarray:
 def test_line_is_one_segment(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     solved = kinopt.solve_path(arm, path)
-    assert solved.reconfigurations == 0 and solved.reconfigured_at == [] and solved.is_whole
+    assert solved.jumps == [] and solved.reached
     assert solved.q.shape == (60, 7) and solved.joint_names == arm.joint_names
     assert np.allclose(arm.base_from_tool(solved.q), path, atol=2e-6)
     assert np.all(solved.q >= arm.lower) and np.all(solved.q <= arm.upper)
-    assert np.isclose(solved.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
+    assert np.isclose(solved.report.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
     # No sample between the rows exceeds the reported bound.
     share = np.linspace(0, 1, 11)[:, None, None]
     between = solved.q[:-1] + share * np.diff(solved.q, axis=0)
     expected = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
     away = arm.base_from_tool(between.reshape(-1, 7))[:, :3, 3].reshape(expected.shape) - expected
-    assert np.linalg.norm(away, axis=-1).max() <= solved.largest_deviation + 1e-9 < 1e-3
+    assert np.linalg.norm(away, axis=-1).max() <= solved.report.largest_deviation + 1e-9 < 1e-3
 
 
 def test_points_are_read_from_files(arm: kinopt.Arm, tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_points_are_read_from_files(arm: kinopt.Arm, tmp_path: Path) -> None:
     np.savetxt(file, rows, delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
     by_file = kinopt.solve_path(arm, file)
     assert np.array_equal(by_points.q, by_file.q)
-    assert by_points.read_as is None and by_file.read_as is not None and "header" in by_file.read_as
+    assert by_points.report.read_as is None and by_file.report.read_as is not None and "header" in by_file.report.read_as
     last = rows[:, [0, 1, 2, 4, 5, 6, 3]]
     assert np.array_equal(kinopt.solve_path(arm, last, order="w-last").q, by_points.q)
 
@@ -61,7 +61,7 @@ def test_ends_traversals_and_tools(arm: kinopt.Arm) -> None:
     assert np.array_equal(kinopt.solve_path(arm, path, start=Q).q[0], Q)
     there_and_back = np.concatenate([path, path[-2:0:-1]])
     cyclic = kinopt.solve_path(arm, there_and_back, traversal="cyclic")
-    assert cyclic.is_whole and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
+    assert cyclic.reached and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
     anywhere = kinopt.solve_path(arm, there_and_back, traversal="any-start")
     assert anywhere.q.shape == (len(there_and_back) + 1, 7)
     drill = np.eye(4)
@@ -83,7 +83,7 @@ def test_table_names_the_tool_of_a_point(arm: kinopt.Arm, tmp_path: Path) -> Non
     table.write_text("\n".join(["x,y,z,tool", *rows]))
     seeking = [each.with_goal(kinopt.PoseBounds.position()) for each in (arm, drilling)]
     both = kinopt.solve_path(seeking[0], table, tools=seeking[1:])
-    assert both.is_whole and "tools from column 4" in (both.read_as or "")
+    assert both.reached and "tools from column 4" in (both.report.read_as or "")
     assert np.allclose(drilling.base_from_tool(both.q[30:])[:, :3, 3], path[30:, :3, 3], atol=2e-6)
     with pytest.raises(InvalidValueError, match="point 30 is for tool 1"):
         kinopt.solve_path(seeking[0], table)
@@ -93,9 +93,9 @@ def test_missed_points_are_reported(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     path[30, 0, 3] += 3.0
     solved = kinopt.solve_path(arm, path)
-    [missed] = solved.missed
+    [missed] = solved.report.missed
     assert missed.index == 30 and "beyond reach" in missed.reason and missed.position_error > 1.5
-    assert not solved.is_whole
+    assert not solved.reached
 
 
 def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
@@ -104,8 +104,8 @@ def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, path)
     back = pickle.loads(pickle.dumps(solved))
     assert np.array_equal(back.q, solved.q) and repr(back) == repr(solved)
-    assert repr(back.missed) == repr(solved.missed)
-    assert repr(back.reconfigured_at) == repr(solved.reconfigured_at)
+    assert repr(back.report.missed) == repr(solved.report.missed)
+    assert repr(back.jumps) == repr(solved.jumps)
 
 
 def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> None:
@@ -138,24 +138,24 @@ def test_trajectories_keep_limits(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, sideways(arm))
     limited = solved.trajectory(5.0, 1.0)
     assert np.array_equal(limited.times, solved.times(5.0, 1.0))
-    assert limited.times[-1] == limited.duration and limited.joint_names == solved.joint_names
+    assert limited.times[-1] == limited.duration and limited.names == solved.joint_names
     bounded = solved.trajectory(5.0, 1.0, jerk_limits=50.0, corner_tolerance=0.0)
     slow = solved.trajectory(5.0, 1.0, arm=arm, tool_linear_limits=(0.1, 1.0), tool_angular_limits=(0.5, np.inf))
     assert bounded.duration > limited.duration and slow.duration > limited.duration
     for trajectory in (limited, bounded, slow):
         times = np.linspace(0.0, trajectory.duration, 4001)
-        points = trajectory.at(times)
+        points = trajectory.report.at(times)
         assert points.q.shape == points.velocity.shape == points.acceleration.shape == (4001, 7)
         assert np.abs(points.velocity).max() <= 1.0 + 1e-9
         assert np.abs(points.acceleration).max() <= 5.0 + 1e-8
         velocities = np.gradient(points.q, times, axis=0)
         assert np.abs(velocities - points.velocity)[1:-1].max() < 5.0 * times[1]
-        assert np.abs(trajectory.at(trajectory.times).q - solved.q).max() < 1.1e-5
-    one = limited.at(0.5)
-    assert one.q.shape == (7,) and np.array_equal(one.q, limited.at([0.5]).q[0])
-    jerks = np.diff(bounded.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
+        assert np.abs(trajectory.report.at(trajectory.times).q - solved.q).max() < 1.1e-5
+    one = limited.report.at(0.5)
+    assert one.q.shape == (7,) and np.array_equal(one.q, limited.report.at([0.5]).q[0])
+    jerks = np.diff(bounded.report.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
     assert np.abs(jerks).max() <= 50.0 * 1.001
-    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.at(np.linspace(0, slow.duration, 1001)).q])
+    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.report.at(np.linspace(0, slow.duration, 1001)).q])
     speeds = np.linalg.norm(np.diff(tool, axis=0), axis=1) * 1000 / slow.duration
     assert 0.099 < speeds.max() <= 0.1001
 
@@ -165,7 +165,7 @@ def test_trajectories_are_pickled(arm: kinopt.Arm) -> None:
     trajectory = solved.trajectory(5.0, jerk_limits=np.full(7, 50.0), arm=arm, tool_linear_limits=(0.3, 2.0))
     twin = pickle.loads(pickle.dumps(trajectory))
     assert np.array_equal(twin.times, trajectory.times)
-    point = trajectory.at(0.3)
+    point = trajectory.report.at(0.3)
     assert np.array_equal(pickle.loads(pickle.dumps(point)).velocity, point.velocity)
 
 

@@ -37,7 +37,7 @@ def all_kinds(robot, arm, targets):
     return [
         arm.solve_batch(targets, START),
         arm.solve_batch(list(targets), np.tile(START, (20, 1))),
-        arm.track(targets, START),
+        arm.track(targets, START).report,
         kinopt.Solver(attempts=2).solve_batch(problem, START, {"hand": targets[:, :3, 3]}),
     ]
 
@@ -77,11 +77,11 @@ def test_integers_select_from_either_end(all_kinds):
 
 def test_track_contains_solutions_and_jumps(arm, targets):
     track = arm.track(targets[:3], START)
-    assert isinstance(track, kinopt.Solutions)
+    assert type(track.report) is kinopt.Solutions
     back = pickle.loads(pickle.dumps(track))
-    assert type(back) is kinopt.Track and np.array_equal(back.q, track.q)
+    assert type(back) is kinopt.JointPath and np.array_equal(back.q, track.q)
     assert [repr(jump) for jump in back.jumps] == [repr(jump) for jump in track.jumps]
-    assert repr(track) == f"Track(3 of 3 reached, {len(track.jumps)} jumps)"
+    assert repr(track) == f"JointPath(3 rows, {"reached" if track.reached else "not reached"}, {len(track.jumps)} jumps)"
 
 
 def test_arm_has_robot_base_and_tip(robot, arm):

@@ -72,20 +72,20 @@ def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
     for whole in (False, True):
         found = kinopt.retarget(sway(), nao, MAP, whole=whole)
         assert found.q.shape == (30, nao.configuration_len) and found.names == nao.coordinate_names
-        assert found.fps == 30 and len(found) == 30
+        assert found.report.fps == 30 and len(found) == 30
         assert all(nao.is_within_limits(q) for q in found.q)
         # Joint velocities, between successive frames.
         max_step = nao.velocity_limits[7:] / 30
         assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= max_step * (1 + 1e-12))
         # The reported errors equal those of forward kinematics.
-        assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
-        assert np.isclose(found.errors.mean(), found.mean_error)
-        assert found.contact_frames == ["left_sole", "right_sole"] and found.contacts.all()
-        assert found.contact_points.shape == (2, 3) and not found.contact_points.any()
-        soles = kinopt.ForwardKinematics(nao, found.contact_frames).place(found.q)[:, :, :3, 3]
+        assert found.report.driven == ["hips", "left", "right"] and found.report.errors.shape == (30, 3)
+        assert np.isclose(found.report.errors.mean(), found.report.mean_error)
+        assert found.report.contact_frames == ["left_sole", "right_sole"] and found.report.contacts.all()
+        assert found.report.contact_points.shape == (2, 3) and not found.report.contact_points.any()
+        soles = kinopt.ForwardKinematics(nao, found.report.contact_frames).place(found.q)[:, :, :3, 3]
         slip = np.linalg.norm(soles - soles[0], axis=2).max()
-        assert np.isclose(slip, found.slip, atol=1e-9) and slip < 1e-3
-        assert found.lost_contacts == [] and 0 <= found.ground_penetration < 1e-3
+        assert np.isclose(slip, found.report.slip, atol=1e-9) and slip < 1e-3
+        assert found.report.lost_contacts == [] and 0 <= found.report.ground_penetration < 1e-3
 
 
 def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
@@ -93,10 +93,10 @@ def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
     positions = sway(20)
     positions[10:, 0, 1] += 0.3
     found = kinopt.retarget(positions, nao, MAP)
-    assert found.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.limits)
+    assert found.report.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.report.limits)
     max_steps = dict(zip(nao.joint_names, nao.velocity_limits / 30))
     column = found.names.index
-    for limit in found.limits:
+    for limit in found.report.limits:
         q = found.q[:, column(limit.joint)]
         if limit.bound.startswith("speed"):
             steps = np.abs(np.diff(q))[limit.first - 1 : limit.end - 1]
@@ -154,12 +154,12 @@ def test_capture_file_and_its_clip_are_equal(nao: kinopt.Robot, tmp_path: Path) 
     rows = "\n".join(f"0 {0.9 - 0.01 * k} 0" + " 0" * 9 for k in range(5))
     (tmp_path / "squat.bvh").write_text(BVH + rows + "\n")
     found = kinopt.retarget(tmp_path / "squat.bvh", nao, {"drives": MAP["drives"]})
-    assert found.fps == 25 and len(found) == 5
+    assert found.report.fps == 25 and len(found) == 5
     read = kinopt.MotionCapture.read(tmp_path / "squat.bvh")
     for source in (read, read_capture(read.clip, fps=25)):
         assert np.array_equal(kinopt.retarget(source, nao, {"drives": MAP["drives"]}).q, found.q)
     # No joint has the name of a foot, so there are no contacts without a map.
-    assert found.contacts.shape == (5, 0) and found.contact_frames == []
+    assert found.report.contacts.shape == (5, 0) and found.report.contact_frames == []
 
 
 def test_shipped_capture_has_a_map(nao: kinopt.Robot) -> None:
@@ -203,7 +203,7 @@ def test_rig_is_a_target() -> None:
     found = kinopt.retarget(positions, rig, "smpl", fps=30)
     assert found.q.shape == (12, 7 + rig.model.configuration_len)
     assert found.q[-1, 0] - found.q[0, 0] > 0.1
-    assert found.map["drives"]["left_foot"] == "left_toes"
+    assert found.report.map["drives"]["left_foot"] == "left_toes"
 
 
 def test_frames_are_followed_one_by_one(nao: kinopt.Robot) -> None:
@@ -229,17 +229,17 @@ def test_frames_are_followed_one_by_one(nao: kinopt.Robot) -> None:
 
 def test_result_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -> None:
     found = kinopt.retarget(sway(), nao, MAP)
-    found.save(tmp_path / "sway.npz")
+    kinopt.retargeting.save(found, tmp_path / "sway.npz")
     with np.load(tmp_path / "sway.npz") as read:
         assert np.array_equal(read["q"], found.q) and read["fps"] == 30
-        assert read["names"].tolist() == found.names and np.array_equal(read["contacts"], found.contacts)
+        assert read["names"].tolist() == found.names and np.array_equal(read["contacts"], found.report.contacts)
     assert [file.name for file in tmp_path.iterdir()] == ["sway.npz"]
     with pytest.raises(InvalidValueError, match="npz"):
-        found.save(tmp_path / "sway.txt")
+        kinopt.retargeting.save(found, tmp_path / "sway.txt")
     with pytest.raises(FileError):
-        found.save(tmp_path / "nowhere" / "sway.npz")
+        kinopt.retargeting.save(found, tmp_path / "nowhere" / "sway.npz")
     again = pickle.loads(pickle.dumps(found))
-    assert np.array_equal(again.q, found.q) and again.map == found.map
+    assert np.array_equal(again.q, found.q) and again.report.map == found.report.map
     capture = pickle.loads(pickle.dumps(Capture(sway(), JOINTS, 30, "y")))
     assert capture.joints == JOINTS and capture.up == "y" and np.array_equal(capture.positions, sway())
 
@@ -313,8 +313,8 @@ def test_self_collisions_are_avoided() -> None:
     positions = sway(6) * np.array([1.0, 1.5, 1.0])
     found = kinopt.retarget(positions, robot, MAP, keep_clear=0.002)
     apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], margin=0.002)
-    assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
-    assert not found.touching
+    assert {pair.frame for pair in found.report.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
+    assert not found.report.touching
     follower = kinopt.RetargetFollower(positions, robot, MAP, keep_clear=0.002)
     assert robot.is_within_limits(follower.step(positions[0]))
     with pytest.raises(InvalidValueError, match="margin"):
@@ -333,12 +333,12 @@ def test_robot_avoids_a_world() -> None:
     assert any(apart.collisions(q) for q in plain.q)
     for whole in [False, True]:
         found = kinopt.retarget(positions, robot, MAP, world=world, margin=0.002, whole=whole)
-        assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
-        assert len(found.touching) == 0
+        assert {pair.frame for pair in found.report.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
+        assert len(found.report.touching) == 0
     # A pole at the position near the subject is farther away and thicker.
-    persons = world.scaled(1 / plain.stride)
-    found = kinopt.retarget(positions, robot, MAP, world=persons.scaled(plain.stride), margin=0.002)
-    assert len(found.touching) == 0 and not any(apart.collisions(q) for q in found.q)
+    persons = world.scaled(1 / plain.report.stride)
+    found = kinopt.retarget(positions, robot, MAP, world=persons.scaled(plain.report.stride), margin=0.002)
+    assert len(found.report.touching) == 0 and not any(apart.collisions(q) for q in found.q)
     with pytest.raises(InvalidValueError, match="times"):
         world.scaled(0.0)
     follower = kinopt.RetargetFollower(positions, robot, MAP, world=world, margin=0.002)
@@ -368,7 +368,7 @@ def test_figure_moves_in_its_file_format(tmp_path: Path) -> None:
     # Retargeting to a body with equal bones, whose file has y up, returns the motion itself.
     capture = kinopt.MotionCapture.read(STEPS)
     found = kinopt.retarget(STEPS, capture, fps=30)
-    clip = found.clip(capture, "again")
+    clip = kinopt.retargeting.to_clip(found, capture, "again")
     assert clip.name == "again" and np.isclose(clip.span[1], capture.clip.span[1], atol=1 / 30)
     times = [0.5, 2.0, 3.5]
     assert np.allclose(heights(clip, "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
@@ -383,7 +383,7 @@ def test_figure_moves_in_its_file_format(tmp_path: Path) -> None:
     scene.write(tmp_path / "body.glb")
     file = kinopt.SceneFile.read(tmp_path / "body.glb")
     movement = kinopt.retarget(STEPS, file.scene, fps=30)
-    file.add_clip(movement.clip(file.scene, "Steps"))
+    file.add_clip(kinopt.retargeting.to_clip(movement, file.scene, "Steps"))
     file.write(tmp_path / "moving.glb")
     written = kinopt.Scene.read(tmp_path / "moving.glb")
     assert [clip.name for clip in written.clips] == ["Steps"]
@@ -393,7 +393,7 @@ def test_figure_moves_in_its_file_format(tmp_path: Path) -> None:
 def test_rig_with_z_up_is_upright_in_scene(tmp_path: Path) -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     found = kinopt.retarget(STEPS, rig, fps=30)
-    clip = found.clip(rig, "Steps")
+    clip = kinopt.retargeting.to_clip(found, rig, "Steps")
     scene = kinopt.Scene(clip.armature, clips=[clip])
     scene.write(tmp_path / "steps.glb", up=(0, 0, 1))
     clip = kinopt.Scene.read(tmp_path / "steps.glb").clips[0]
@@ -407,8 +407,8 @@ def test_map_of_other_robot_is_completed_by_names(nao: kinopt.Robot) -> None:
     other = {"drives": {"g1.urdf": {"Hips": "pelvis_link"}}}
     found = kinopt.retarget(STEPS, nao, other, fps=30)
     guessed = kinopt.retarget(STEPS, nao, fps=30)
-    assert np.array_equal(found.q, guessed.q) and found.map["drives"] == guessed.map["drives"]
-    assert "guessed from names" in found.notes[0]
+    assert np.array_equal(found.q, guessed.q) and found.report.map["drives"] == guessed.map["drives"]
+    assert "guessed from names" in found.report.notes[0]
 
 
 def test_invalid_figures_raise(nao: kinopt.Robot, tmp_path: Path) -> None:
@@ -435,7 +435,7 @@ def test_fixed_base_of_a_humanoid_is_noted() -> None:
 
 def test_repr_of_a_movement_is_one_line() -> None:
     found = kinopt.retarget(sway(4), kinopt.Robot.from_urdf(NAO, base_joint="free"), MAP)
-    assert repr(found).startswith("Retargeted(4 frames") and "\n" not in repr(found)
+    assert repr(found).startswith("Trajectory(4 rows") and "\n" not in repr(found)
     assert len(repr(found)) < 160
 
 

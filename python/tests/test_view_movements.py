@@ -29,7 +29,7 @@ def test_robot_and_subject_move_together():
             assert np.array_equal(body.q, movement.q[frame])
             # On the ground, with legs as long as the robot's.
             drawn = np.asarray(clip.person._joints.points) / scene.drawn
-            assert np.isclose(drawn[0, 2] - drawn[1, 2], 0.9 * movement.stride, rtol=1e-3)
+            assert np.isclose(drawn[0, 2] - drawn[1, 2], 0.9 * movement.report.stride, rtol=1e-3)
             assert np.isclose(drawn[:, 2].min(), 0.0, atol=1e-6)
         # Beyond its ends it stays at them.
         clip.show(99.0)

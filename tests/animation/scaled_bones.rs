@@ -360,7 +360,11 @@ fn clip_ik_brings_the_scaled_armature_there() {
                 .translation
                 .distance(target);
             assert!(deviation < 1e-5, "{case}: {deviation} at {time} s");
-            assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
+            assert!(
+                edited.report.led[0].miss < 1e-5,
+                "{case}: {:?}",
+                edited.report.led
+            );
         }
     });
 }

@@ -105,7 +105,7 @@ fn reported_jumps_are_those_of_the_track() {
         }
         let track = arm.track(&points, &ends[0]).unwrap();
         let expected_steps = far_steps(&track);
-        let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
+        let jumps = track.jumps.iter().map(|jump| (jump.index, jump.distance));
         assert_eq!(jumps.collect::<Vec<_>>(), expected_steps, "{seed}");
         tracks += usize::from(!expected_steps.is_empty());
         reported += expected_steps.len();

@@ -77,7 +77,7 @@ fn overflowing_targets_return_the_clamped_start() {
                     "{metres:e}"
                 );
                 let track = arm.track(&[near, target, near], &start).unwrap();
-                assert!(track.solutions.iter().all(|s| within_limits(&arm, &s.q)));
+                assert!(track.report.iter().all(|s| within_limits(&arm, &s.q)));
             }
         }
     }

@@ -487,7 +487,7 @@ fn move_limits_hold_in_every_path_step() {
             assert_same_configuration(&mut last, &solution.q);
         }
         last.copy_from_slice(&start);
-        for solution in arm.track(&[target; 20], &start).unwrap().solutions {
+        for solution in arm.track(&[target; 20], &start).unwrap().report {
             assert_same_configuration(&mut last, &solution.q);
         }
     }

@@ -142,7 +142,7 @@ fn reference_path_is_followed_without_a_flip() {
     assert_truth(&bench);
     let arm = bench.arm(Search::Start);
     for start in [&bench.work.truth[0], &bench.work.starts[0]] {
-        let path = arm.track(&bench.goals, start).unwrap().solutions;
+        let path = arm.track(&bench.goals, start).unwrap().report;
         let mut largest_excess: f64 = 0.0;
         for (index, solution) in path.iter().enumerate() {
             bench.assert_solved(index, solution);

@@ -156,7 +156,7 @@ fn solve_all_and_track_are_reproducible() {
         let mut all: Vec<Solution> = all
             .flat_map(|(goal, start)| arm.solve_all(goal, start).unwrap())
             .collect();
-        all.extend(arm.track(&path, &starts[..7]).unwrap().solutions);
+        all.extend(arm.track(&path, &starts[..7]).unwrap().report);
         bits(&all)
     };
     let once = run();

@@ -69,7 +69,7 @@ fn ends_at_once(what: &str, builder: ArmBuilder<'_>, most_iterations: usize) {
     let path = arm.track(&goals, &starts[..n]).unwrap();
     for (solution, goal) in together
         .iter()
-        .chain(&path.solutions)
+        .chain(&path.report)
         .zip(goals.iter().chain(&goals))
     {
         assert_true(&arm, goal, solution);

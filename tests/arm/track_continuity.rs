@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use kinopt::arm::{Arm, Track};
+use kinopt::arm::{Arm, JointPath};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
 use support::arms::{apart, base_from_tip, robot, within_limits};
@@ -43,15 +43,15 @@ fn path(arm: &Arm, random: &mut Random, legs: usize, margin: f64) -> Vec<Vec<f64
 }
 
 /// Steps in which a joint moves more than 0.2 rad, with that displacement.
-pub(crate) fn far_steps(track: &Track) -> Vec<(usize, f64)> {
-    let steps = track.solutions.windows(2).enumerate();
+pub(crate) fn far_steps(track: &JointPath<Vec<Solution>>) -> Vec<(usize, f64)> {
+    let steps = track.report.windows(2).enumerate();
     let moves = steps.map(|(step, ends)| (step + 1, largest_difference(&ends[0].q, &ends[1].q)));
     moves.filter(|(_, moved)| *moved > 0.2).collect()
 }
 
 /// Steps that flip.
-fn flips(joint_path: &[Vec<f64>], track: &Track) -> Vec<usize> {
-    let steps = joint_path.windows(2).zip(track.solutions.windows(2));
+fn flips(joint_path: &[Vec<f64>], track: &JointPath<Vec<Solution>>) -> Vec<usize> {
+    let steps = joint_path.windows(2).zip(track.report.windows(2));
     let excess = steps.map(|(pair, ours)| {
         largest_difference(&ours[0].q, &ours[1].q) - largest_difference(&pair[0], &pair[1])
     });
@@ -76,24 +76,21 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
             .map(|q| arm.base_from_tool(q).unwrap())
             .collect();
         let track = arm.track(&targets, &joint_path[0]).unwrap();
-        assert_eq!(track.solutions.len(), joint_path.len());
-        for (solution, q) in track.solutions.iter().zip(&joint_path) {
+        assert_eq!(track.report.len(), joint_path.len());
+        for (solution, q) in track.report.iter().zip(&joint_path) {
             let target = base_from_tip(robot.model(), &arm, q, base, tip);
             let at = base_from_tip(robot.model(), &arm, &solution.q, base, tip);
             let (metres, radians) = apart(&at, &target);
             assert!(solution.reached && metres <= 1.01e-6 && radians <= 1.05e-6);
             assert!(within_limits(&arm, &solution.q));
         }
-        let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
+        let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.index).collect();
         let flips = flips(&joint_path, &track);
         let hidden = flips.iter().find(|step| !reported.contains(step));
         assert_eq!(hidden, None, "{name}: {reported:?}");
         all += usize::from(!flips.is_empty());
         for jump in &track.jumps {
-            let (a, b) = (
-                &track.solutions[jump.step - 1].q,
-                &track.solutions[jump.step].q,
-            );
+            let (a, b) = (&track.report[jump.index - 1].q, &track.report[jump.index].q);
             let moved = (a[jump.joint] - b[jump.joint]).abs();
             assert!(jump.distance > 0.2 && (moved == jump.distance || name.contains("cobra")));
         }
@@ -177,7 +174,7 @@ fn singular_configurations_cause_no_flips() {
             .map(|q| arm.base_from_tool(q).unwrap())
             .collect();
         let track = arm.track(&targets, &joint_path[0]).unwrap();
-        assert!(track.solutions.iter().all(|solution| solution.reached));
+        assert!(track.report.iter().all(|solution| solution.reached));
         assert_eq!(flips(&joint_path, &track), [0; 0], "{name}");
     }
 }
@@ -200,26 +197,30 @@ fn end_of_a_branch_is_reported() {
     let targets: Vec<_> = (0..60).map(|k| at(0.01 * f64::from(k))).collect();
     let track = arm.track(&targets, &start).unwrap();
     assert!(track.jumps.is_empty());
-    let reached = track.solutions.iter().map(|solution| solution.reached);
+    let reached = track.report.iter().map(|solution| solution.reached);
     assert!(
         reached
             .enumerate()
             .all(|(step, reached)| reached == (step < 31))
     );
-    assert!(track.solutions[31..].iter().all(|s| s.q[0] == limit));
+    assert!(track.report[31..].iter().all(|s| s.q[0] == limit));
 
     let leaping = Arm::builder(&robot, "base", "flange");
     let leaping = leaping.with_global_search_on_miss(true).build().unwrap();
     let track = leaping.track(&targets, &start).unwrap();
-    let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
-    assert_eq!(reported, [(31, false)], "{:?}", track.jumps);
-    assert!(track.solutions.iter().all(|solution| solution.reached));
+    let reported: Vec<_> = track
+        .jumps
+        .iter()
+        .map(|j| (j.index, j.reconfiguration))
+        .collect();
+    assert_eq!(reported, [(31, true)], "{:?}", track.jumps);
+    assert!(track.report.iter().all(|solution| solution.reached));
 
     let bounded = Arm::builder(&robot, "base", "flange");
     let bounded = bounded.with_max_move(&[0.2; 4]).build().unwrap();
     let track = bounded.track(&targets, &start).unwrap();
     assert!(track.jumps.is_empty());
-    let ends: Vec<_> = track.solutions.iter().map(|s| s.termination).collect();
+    let ends: Vec<_> = track.report.iter().map(|s| s.termination).collect();
     assert!(ends[..31].iter().all(|end| *end == Termination::Reached));
     assert_eq!(ends[31], Termination::CannotContinue);
 }
@@ -237,7 +238,7 @@ fn constant_target_and_single_steps_agree() {
     targets.truncate(STEPS / 2 + 1);
     targets.extend([last; 20]);
     let track = arm.track(&targets, &joint_path[0]).unwrap();
-    let second_half = &track.solutions[STEPS / 2..];
+    let second_half = &track.report[STEPS / 2..];
     assert!(
         second_half
             .iter()
@@ -245,7 +246,7 @@ fn constant_target_and_single_steps_agree() {
     );
     let mut follower = arm.follower(&joint_path[0]).unwrap();
     let mut solution = Solution::default();
-    for (target, expected) in targets.iter().zip(&track.solutions) {
+    for (target, expected) in targets.iter().zip(&track.report) {
         assert_eq!(follower.advance(*target, &mut solution).unwrap(), None);
         assert_eq!(solution.q, expected.q);
     }
@@ -269,8 +270,8 @@ fn detour_keeps_null_space_convergence() {
         targets.push(target);
     }
     let track = arm.track(&targets, &joint_path[0]).unwrap();
-    assert!(track.solutions.iter().all(|solution| solution.reached));
-    let q = &track.solutions[targets.len() - 1].q;
+    assert!(track.report.iter().all(|solution| solution.reached));
+    let q = &track.report[targets.len() - 1].q;
     // Null-space direction from differences of the tool's pose.
     let column = |i: usize| {
         let [a, b] = [1e-5, -1e-5].map(|change| {
@@ -309,7 +310,7 @@ fn far_first_target_is_solved_from_any_start() {
         let rotation = kinopt::spatial::Matrix3::identity().rotated_about_z(beyond.sin_cos());
         let target = Placement::new(rotation, at.translation);
         let track = arm.track(&[target], &[4.0]).unwrap();
-        assert_eq!(track.solutions[0].reached, jumps, "{turn}");
+        assert_eq!(track.report[0].reached, jumps, "{turn}");
         assert_eq!(track.jumps.len(), usize::from(jumps), "{turn}");
     }
 }
@@ -329,7 +330,7 @@ fn reported_jumps_match_the_returned_track() {
             .map(|q| arm.base_from_tool(q).unwrap())
             .collect();
         let track = arm.track(&targets, &joint_path[0]).unwrap();
-        let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
+        let reported: Vec<_> = track.jumps.iter().map(|j| (j.index, j.distance)).collect();
         assert_eq!(reported, far_steps(&track), "{seed}");
     }
 }
@@ -364,7 +365,7 @@ fn detour_is_found_after_an_unreachable_part() {
         });
         let all: Vec<_> = out.chain(targets).collect();
         let track = arm.track(&all, &joint_path[0]).unwrap();
-        let (out, back) = track.solutions.split_at(41);
+        let (out, back) = track.report.split_at(41);
         let all_reached = |part: &[Solution]| part.iter().all(|solution| solution.reached);
         assert!(!all_reached(out) && all_reached(back), "{seed}");
     }
@@ -385,7 +386,7 @@ fn far_step_follows_the_straight_line() {
         to[5] += turn;
         let target = arm.base_from_tool(&to).unwrap();
         let jump = follower.advance(target, &mut solution).unwrap().unwrap();
-        assert!(solution.reached && jump.continuous, "{jump:?}");
+        assert!(solution.reached && !jump.reconfiguration, "{jump:?}");
         assert!(
             largest_difference(&solution.q, &to) < 1e-4,
             "{:?}",

@@ -48,7 +48,7 @@ fn by_follower(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solu
 fn by_track(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
     let track = arm.track(targets, start).unwrap();
     assert_eq!(track.jumps, []);
-    track.solutions
+    track.report
 }
 
 fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {

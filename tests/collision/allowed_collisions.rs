@@ -171,7 +171,7 @@ fn arm_reaches_into_an_allowed_obstacle() {
     assert!(!strict.collisions(&solution.q).unwrap().is_empty());
     let reached = |arm: &Arm| {
         let track = arm.track(&path, &Q).unwrap();
-        track.solutions.iter().filter(|s| s.reached).count()
+        track.report.iter().filter(|s| s.reached).count()
     };
     assert_eq!(reached(&lenient), path.len());
     assert!(reached(&strict) < path.len());

@@ -32,7 +32,7 @@ fn arm_leaves_an_obstacle_it_starts_in() {
 
     // A path that starts in contact reports it at every pose until one is free.
     let path = [tool, target];
-    for solution in arm.track(&path, &inside).unwrap().solutions {
+    for solution in arm.track(&path, &inside).unwrap().report {
         let touched = arm.collisions(&solution.q).unwrap();
         assert!(!solution.reached || touched.is_empty(), "{touched:?}");
         assert!(solution.reached || !solution.collisions().is_empty());

@@ -1,9 +1,9 @@
 //! Arms: poses, batches, tracks, servos, Cartesian paths and collision avoidance.
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
+use kinopt::arm::{Arm, ArmBuilder, JointPath, PoseBounds, Search};
 use kinopt::collision::{Checker, World};
-use kinopt::motion::path::{CartesianPath, PathSolver, TimingLimits, Trajectory};
+use kinopt::motion::path::{CartesianPath, PathSolver, TimingLimits};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
@@ -98,7 +98,7 @@ fn track(record: &mut Record) {
     // The end is out of reach.
     let line = line(&arm, &PANDA_START, [0.01, 0.004, 0.002], 60);
     let track = arm.track(&line, &PANDA_START).unwrap();
-    record.solutions("track", &track.solutions);
+    record.solutions("track", &track.report);
     let mut follower = arm.follower(&PANDA_START).unwrap();
     let mut solutions = Vec::new();
     for target in &line {
@@ -132,21 +132,30 @@ fn path(record: &mut Record) {
     let path = CartesianPath::new(line).unwrap();
     let solution = PathSolver::new(&arm).with_samples(48).solve(&path).unwrap();
     record.numbers("q", solution.q.iter().copied());
-    let deviation = solution.largest_deviation;
+    let deviation = solution.report.largest_deviation;
     record.numbers(
         "length and deviation",
-        [solution.length, deviation.metres, deviation.radians],
+        [solution.report.length, deviation.metres, deviation.radians],
     );
+    record.counts("reconfigurations", solution.jumps.iter().map(|r| r.index));
     record.counts(
-        "reconfigurations",
-        solution.reconfigurations.iter().map(|r| r.index),
+        "missed",
+        solution.report.missed.iter().map(|missed| missed.index),
     );
-    record.counts("missed", solution.missed.iter().map(|missed| missed.index));
     let limits = TimingLimits::new(&[2.0; 6], &[6.0; 6]);
-    let trajectory = Trajectory::through(&solution.q, 6, &[], &limits).unwrap();
+    // Without stops at reconfigurations.
+    let rows = JointPath::<()> {
+        q: solution.q,
+        nq: solution.nq,
+        ..JointPath::default()
+    };
+    let trajectory = rows.trajectory(&limits).unwrap();
     record.numbers("duration", [trajectory.duration()]);
     let times = (0..40).map(|k| trajectory.duration() * f64::from(k) / 39.0);
-    record.numbers("trajectory", times.flat_map(|time| trajectory.at(time).q));
+    record.numbers(
+        "trajectory",
+        times.flat_map(|time| trajectory.report.at(time).q),
+    );
 }
 
 fn avoidance(record: &mut Record) {
@@ -183,5 +192,5 @@ fn avoidance(record: &mut Record) {
     }
     record.text("contacts", &contacts);
     let line = line(&arm, &PANDA_START, [0.004, 0.004, 0.0], 40);
-    record.solutions("track", &arm.track(&line, &PANDA_START).unwrap().solutions);
+    record.solutions("track", &arm.track(&line, &PANDA_START).unwrap().report);
 }

@@ -42,10 +42,14 @@ fn trajectory(record: &mut Record) {
     for (field, windows) in [("whole", None), ("windows", Some(Windows::new(10, 6)))] {
         let solver = MotionSolver::default().with_windows(windows);
         let solved = solver.solve(&motion, &rest).unwrap();
-        record.numbers(&format!("{field}.q"), solved.q().iter().copied());
-        let costs = [solved.cost(), solved.cost_of_rates(), solved.slip()];
+        record.numbers(&format!("{field}.q"), solved.q.iter().copied());
+        let costs = [
+            solved.report.cost(),
+            solved.report.cost_of_rates(),
+            solved.report.slip(),
+        ];
         record.numbers(&format!("{field}.cost"), costs);
-        record.counts(&format!("{field}.iterations"), [solved.iterations()]);
+        record.counts(&format!("{field}.iterations"), [solved.report.iterations()]);
     }
 }
 
@@ -73,6 +77,7 @@ fn clip_ik(record: &mut Record) {
     let edited = planted.solve(clip).unwrap();
     sampled(record, "planted feet", &edited.clip, armature.rest());
     let drift = edited
+        .report
         .stances
         .iter()
         .flat_map(|plant| [plant.slide, plant.stray]);
@@ -85,7 +90,7 @@ fn clip_ik(record: &mut Record) {
     let reach = reach.with_span(0.4..=1.2).with_fade(0.1);
     let edited = ik().with_reach(reach).solve(clip).unwrap();
     sampled(record, "reaching hand", &edited.clip, armature.rest());
-    record.numbers("misses", edited.led.iter().map(|result| result.miss));
+    record.numbers("misses", edited.report.led.iter().map(|result| result.miss));
 }
 
 fn keyframe_ik(record: &mut Record) {
@@ -117,11 +122,15 @@ fn retargeting(record: &mut Record) {
     ] {
         let found = found.unwrap();
         record.numbers(&format!("{field}.q"), found.q.iter().copied());
-        let errors = [found.mean_error, found.slip, found.ground_penetration];
+        let errors = [
+            found.report.mean_error,
+            found.report.slip,
+            found.report.ground_penetration,
+        ];
         record.numbers(&format!("{field}.errors"), errors);
         record.counts(
             &format!("{field}.contacts"),
-            found.contacts.into_iter().map(usize::from),
+            found.report.contacts.into_iter().map(usize::from),
         );
     }
 }

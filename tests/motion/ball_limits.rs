@@ -3,8 +3,9 @@
 //! with equal limits.
 
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
+use kinopt::motion::Trajectory;
 use kinopt::motion::trajectory::{
-    MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolution, MotionSolver,
+    MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionReport, MotionSolver,
     MotionTermination, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
@@ -100,30 +101,30 @@ fn following(
     motion.build()
 }
 
-fn solved(motion: &MotionProblem, start: &[f64]) -> MotionSolution {
+fn solved(motion: &MotionProblem, start: &[f64]) -> Trajectory<MotionReport> {
     let solved = MotionSolver::default().solve(motion, start).unwrap();
     assert_eq!(
-        solved.termination(),
+        solved.report.termination(),
         MotionTermination::Stationary,
         "{} iterations",
-        solved.iterations()
+        solved.report.iterations()
     );
     solved
 }
 
-fn assert_equal_cost(a: &MotionSolution, b: &MotionSolution) {
+fn assert_equal_cost(a: &Trajectory<MotionReport>, b: &Trajectory<MotionReport>) {
     assert!(
-        (a.cost() / b.cost() - 1.0).abs() < 1e-6,
+        (a.report.cost() / b.report.cost() - 1.0).abs() < 1e-6,
         "{} and {}",
-        a.cost(),
-        b.cost()
+        a.report.cost(),
+        b.report.cost()
     );
 }
 
 /// Largest rotation between consecutive frames.
-fn fastest(solved: &MotionSolution, at: usize) -> f64 {
-    let frames: Vec<_> = (0..solved.frames())
-        .map(|frame| quaternion(solved.frame(frame).unwrap(), at))
+fn fastest(solved: &Trajectory<MotionReport>, at: usize) -> f64 {
+    let frames: Vec<_> = (0..solved.rows().len())
+        .map(|frame| quaternion(solved.row(frame).unwrap(), at))
         .collect();
     frames
         .windows(2)
@@ -146,7 +147,7 @@ fn ball_joint_keeps_velocity_limits_like_a_revolute() {
     assert_equal_cost(&of_ball, &of_hinge);
     let fastest = fastest(&of_ball, 0);
     assert!(fastest <= 2.5 * STEP && fastest > 2.49 * STEP, "{fastest}");
-    let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
+    let held = (0..FRAMES).flat_map(|frame| of_ball.report.active_limits(frame));
     let held: Vec<_> = held.map(|limit| (limit.joint, limit.bound)).collect();
     assert!(
         !held.is_empty()
@@ -188,9 +189,9 @@ fn free_joint_keeps_velocity_limits_in_any_direction() {
         MotionSolver::default().with_windows(Some(Windows::new(15, 10))),
     ] {
         let solved = solver.solve(&motion, &model.neutral()).unwrap();
-        assert_eq!(solved.termination(), MotionTermination::Stationary);
+        assert_eq!(solved.report.termination(), MotionTermination::Stationary);
         let mut fastest_slide = 0.0_f64;
-        for pair in solved.q().chunks(7).collect::<Vec<_>>().windows(2) {
+        for pair in solved.rows().collect::<Vec<_>>().windows(2) {
             let by = [0, 1, 2].map(|k| pair[1][k] - pair[0][k]);
             fastest_slide = fastest_slide.max(by.iter().map(|by| by * by).sum::<f64>().sqrt());
         }
@@ -203,6 +204,7 @@ fn free_joint_keeps_velocity_limits_in_any_direction() {
         let held = |name| {
             (0..FRAMES).any(|frame| {
                 solved
+                    .report
                     .active_limits(frame)
                     .any(|active| active.joint == name)
             })
@@ -210,7 +212,7 @@ fn free_joint_keeps_velocity_limits_in_any_direction() {
         assert!(held("base/x") && held("base/rotation"));
         // Each limit once, although windows overlap.
         for frame in 0..FRAMES {
-            let reported = solved.active_limits(frame);
+            let reported = solved.report.active_limits(frame);
             let reported: Vec<_> = reported
                 .map(|active| (active.joint, active.bound, active.side))
                 .collect();
@@ -243,7 +245,7 @@ fn coupled_free_joint_keeps_its_velocity_limit() {
     motion.rate_cost(RateCost::acceleration(1e-3));
     motion.max_free_speed("base", 0.9, 3.0);
     let solved = solved(&motion.build().unwrap(), &model.neutral());
-    let rows: Vec<&[f64]> = solved.q().chunks(7).collect();
+    let rows: Vec<&[f64]> = solved.rows().collect();
     let steps = rows.windows(2).map(|pair| {
         let [a, b] = [0, 1].map(|k| pair[1][k] - pair[0][k]);
         a.hypot(b)
@@ -267,7 +269,7 @@ fn free_and_axis_velocity_limits_have_equal_minima() {
     ];
     let [one, other] = costs.map(|(model, motion)| solved(&motion, &model.neutral()));
     assert_equal_cost(&one, &other);
-    assert!(one.active_limits(FRAMES / 2).count() > 0);
+    assert!(one.report.active_limits(FRAMES / 2).count() > 0);
 }
 
 #[test]
@@ -278,9 +280,10 @@ fn ball_joint_stays_on_its_cone_like_a_revolute() {
     let of_ball = solved(&of_ball, &ball.0.neutral());
     let of_hinge = following(&hinge, FRAMES, turn_about_z, |_| ()).unwrap();
     assert_equal_cost(&of_ball, &solved(&of_hinge, &[0.0]));
-    let last = parts(quaternion(of_ball.frame(FRAMES - 1).unwrap(), 0));
+    let last = parts(quaternion(of_ball.row(FRAMES - 1).unwrap(), 0));
     assert!((last[1] - 0.7).abs() < 1e-4, "{last:?}");
     let held: Vec<_> = of_ball
+        .report
         .active_limits(FRAMES - 1)
         .map(|limit| (limit.joint, limit.bound))
         .collect();
@@ -317,7 +320,7 @@ fn all_ball_joint_limits_hold_together() {
             });
             let solved = solved(&motion.unwrap(), &ball.0.neutral());
             let mut farthest = [0.0_f64; 3];
-            for q in solved.q().chunks(4) {
+            for q in solved.rows() {
                 let [first, second, twist] = parts(quaternion(q, 0));
                 let share = (first / limits.swing[0]).hypot(second / limits.swing[1]);
                 farthest[0] = farthest[0].max(share);
@@ -387,7 +390,7 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
     // Both ends on a limit, of swing and of twist, with an inward motion between them.
     let edge = [rotated([1.0, 0.0, 0.0]), rotated([0.0, 1.0, 0.0])];
     let solved = between(6.0, &edge).unwrap();
-    assert!(solved.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
+    assert!(solved.rows().all(|q| ball.0.is_within_limits(q)));
     let reported = |q: [f64; 3]| {
         between(6.0, &[rotated(q), ends[1].clone()])
             .unwrap_err()
@@ -405,9 +408,9 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
     );
 }
 
-fn between_frames(solved: &MotionSolution, frame: usize, other: &[f64]) -> Quaternion {
+fn between_frames(solved: &Trajectory<MotionReport>, frame: usize, other: &[f64]) -> Quaternion {
     between(
-        quaternion(solved.frame(frame).unwrap(), 0),
+        quaternion(solved.row(frame).unwrap(), 0),
         quaternion(other, 0),
     )
 }
@@ -426,9 +429,9 @@ fn start_beyond_all_limits_is_moved_within_them() {
             .flat_map(|frame| rotated([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
             .collect();
         let near = MotionSolver::default().solve_near(&motion, &far).unwrap();
-        assert_eq!(near.termination(), MotionTermination::Stationary);
+        assert_eq!(near.report.termination(), MotionTermination::Stationary);
         assert_equal_cost(&near, &solved(&motion, &ball.0.neutral()));
-        assert!(near.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
+        assert!(near.rows().all(|q| ball.0.is_within_limits(q)));
     }
 }
 
@@ -474,7 +477,7 @@ fn unlimited_twist_takes_the_shorter_rotation() {
     let solved = MotionSolver::default().solve(&motion, &twisted(3.0));
     let solved = solved.unwrap();
     for frame in 1..7 {
-        let [before, now] = [frame - 1, frame].map(|k| quaternion(solved.frame(k).unwrap(), 0));
+        let [before, now] = [frame - 1, frame].map(|k| quaternion(solved.row(k).unwrap(), 0));
         let moved = angle(between(before, now));
         assert!(moved <= 0.1 + 1e-9, "frame {frame}: {moved}");
     }

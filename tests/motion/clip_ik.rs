@@ -115,9 +115,13 @@ fn planted_feet_slide_by_less_than_2_mm() {
         .solve(&walk)
         .unwrap();
     // Two feet, two seconds, one step per second each.
-    assert!(edited.stances.len() >= 4, "{:?}", edited.stances);
+    assert!(
+        edited.report.stances.len() >= 4,
+        "{:?}",
+        edited.report.stances
+    );
     let (mut before, mut after) = (0.0_f32, 0.0_f32);
-    for stance in &edited.stances {
+    for stance in &edited.report.stances {
         let name = &armature.names()[stance.bone.index()];
         let [from, to] = stance.span;
         assert!(to - from > 0.05);
@@ -137,7 +141,7 @@ fn planted_feet_slide_by_less_than_2_mm() {
     assert!(before > 0.01, "{before}");
     assert!(after < 0.002, "{after}");
     // The root did not have to move.
-    assert_eq!(edited.root_moved, 0.0);
+    assert_eq!(edited.report.root_moved, 0.0);
     for time in [0.0, 0.3, 1.1, 2.0] {
         let [old, new] = [&walk, &edited.clip].map(|clip| at(&armature, clip, "hips", time));
         assert_eq!(old, new);
@@ -157,7 +161,7 @@ fn walk_on_the_spot_travels_with_its_feet() {
         .solve(&on_the_spot)
         .unwrap();
     let same = planted(&armature).solve(&walk(&armature, true)).unwrap();
-    assert_eq!(edited.stances.len(), same.stances.len());
+    assert_eq!(edited.report.stances.len(), same.report.stances.len());
     for time in [0.0, 0.37, 1.0, 1.9] {
         for bone in ["hips", "foot.l", "foot.r", "hand"] {
             let [one, other] = [&edited, &same].map(|made| at(&armature, &made.clip, bone, time));
@@ -181,8 +185,8 @@ fn planted_feet_stay_put_between_sparse_keys() {
             .with_keys_per_second(rate)
             .solve(&clip)
             .unwrap();
-        assert!(edited.stances.len() >= 4);
-        for stance in &edited.stances {
+        assert!(edited.report.stances.len() >= 4);
+        for stance in &edited.report.stances {
             let name = &armature.names()[stance.bone.index()];
             let [from, to] = stance.span;
             let deviation_of = |time| {
@@ -204,7 +208,7 @@ fn planted_feet_stay_put_between_sparse_keys() {
         let channel = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
         let times = channel.1.times();
         let in_stance = |time: f32| {
-            let spans = edited.stances.iter().map(|stance| stance.span);
+            let spans = edited.report.stances.iter().map(|stance| stance.span);
             spans
                 .into_iter()
                 .any(|[from, to]| (from - 1e-6..to + 1e-6).contains(&f64::from(time)))
@@ -239,7 +243,7 @@ fn unreachable_contact_gets_no_additional_keys() {
         .with_keys_per_second(30.0)
         .solve(&clip)
         .unwrap();
-    assert!(edited.led[0].miss > 5e-3, "{:?}", edited.led);
+    assert!(edited.report.led[0].miss > 5e-3, "{:?}", edited.report.led);
     let channels = edited.clip.channels(&armature).unwrap();
     let channel = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
     let keys = channel.unwrap().1.times().len();
@@ -255,7 +259,7 @@ fn planted_feet_follow_stairs() {
         .solve(&walk(&armature, true))
         .unwrap();
     let level = planted(&armature).solve(&walk(&armature, true)).unwrap();
-    for (stance, before) in edited.stances.iter().zip(&level.stances) {
+    for (stance, before) in edited.report.stances.iter().zip(&level.report.stances) {
         let expected = before.place + DVec3::Y * stairs(before.place);
         assert!(stance.place.distance(expected) < 1e-9);
         assert!(stance.slide < 5e-4, "{stance:?}");
@@ -326,7 +330,12 @@ fn foot_rises_early_and_descends_late() {
             .solve(&walk)
             .unwrap();
         let mut swings = 0;
-        for pair in edited.stances.windows(2).zip(level.stances.windows(2)) {
+        for pair in edited
+            .report
+            .stances
+            .windows(2)
+            .zip(level.report.stances.windows(2))
+        {
             let ([from, to], [under_from, under_to]) = pair else {
                 continue;
             };
@@ -382,8 +391,8 @@ fn feet_stay_planted_around_a_hand_target() {
     let reach = Reach::to(hand, [0.4, 1.2, 1.4]).unwrap();
     let reach = reach.with_span(0.9..=1.3).with_fade(0.1);
     let edited = planted(&armature).with_reach(reach).solve(&walk).unwrap();
-    assert_eq!(edited.stances.len(), alone.stances.len());
-    for (stance, before) in edited.stances.iter().zip(&alone.stances) {
+    assert_eq!(edited.report.stances.len(), alone.report.stances.len());
+    for (stance, before) in edited.report.stances.iter().zip(&alone.report.stances) {
         assert!(stance.slide < before.slide + 1e-4, "{stance:?} {before:?}");
         let name = &armature.names()[stance.bone.index()];
         let [from, to] = stance.span;
@@ -434,6 +443,6 @@ fn mesh_node_beside_the_hips_is_no_branch() {
     };
     let [(hips, _, without_mesh), (beside_mesh, node, edited)] = [false, true].map(solved);
     assert_eq!((hips, node), (beside_mesh, Vec3A::ZERO));
-    assert_eq!(edited.stances, without_mesh.stances);
-    assert_eq!(edited.root_moved, without_mesh.root_moved);
+    assert_eq!(edited.report.stances, without_mesh.report.stances);
+    assert_eq!(edited.report.root_moved, without_mesh.report.root_moved);
 }

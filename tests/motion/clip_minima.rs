@@ -97,23 +97,23 @@ fn short_clips_reach_the_costs_of_ipopt() {
         let near = clip.near.iter();
         let near: Vec<f64> = near.flat_map(|x| clip.configuration(&robot, x)).collect();
         let solved = solver.solve_near(&motion, &near).unwrap();
-        let deviation = solved.cost() / clip.cost - 1.0;
+        let deviation = solved.report.cost() / clip.cost - 1.0;
         let message = || {
             format!(
                 "clip {number}: {} for {}, {deviation:e}",
-                solved.cost(),
+                solved.report.cost(),
                 clip.cost
             )
         };
         assert_eq!(
-            solved.termination(),
+            solved.report.termination(),
             MotionTermination::Stationary,
             "{}",
             message()
         );
         assert!(deviation.abs() <= COST_TOLERANCE, "{}", message());
         bound += usize::from(clip.moves_at_their_limit > 0);
-        check_limits(&robot, clip, solved.q());
+        check_limits(&robot, clip, &solved.q);
     }
     assert!(bound >= 15, "limits of speed bind in {bound} clips");
 }

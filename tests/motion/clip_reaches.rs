@@ -113,16 +113,16 @@ fn root_moves_only_as_far_as_limbs_are_too_short() {
     let hips = at(&armature, &edited.clip, "hips", 0.5).as_dvec3();
     let expected = DVec3::new(0.0, f64::from(HIPS) - 0.05, 0.0);
     assert!(hips.distance(expected) < 1e-3, "{hips}");
-    assert!((edited.root_moved - 0.05).abs() < 1e-3);
-    assert!(edited.led[0].miss < 1e-4, "{:?}", edited.led);
+    assert!((edited.report.root_moved - 0.05).abs() < 1e-3);
+    assert!(edited.report.led[0].miss < 1e-4, "{:?}", edited.report.led);
     // Within reach the root does not move.
     let near = hip - DVec3::new(0.0, straight - 0.1, 0.1);
     let edited = ClipIk::new(&armature)
         .with_reach(Reach::to(foot, near).unwrap())
         .solve(&stand)
         .unwrap();
-    assert_eq!(edited.root_moved, 0.0);
-    assert!(edited.led[0].miss < 1e-5);
+    assert_eq!(edited.report.root_moved, 0.0);
+    assert!(edited.report.led[0].miss < 1e-5);
 }
 
 /// The hand moves to its target and back over the fade time. Its default is a fifth of a second, or half of a shorter
@@ -181,7 +181,7 @@ fn time_of_the_largest_error_is_reported() {
         .with_reach(reach)
         .solve(&stand)
         .unwrap();
-    let result = &edited.led[0];
+    let result = &edited.report.led[0];
     let deviation_of = |frame: u32| {
         let time = f64::from(frame) / 60.0;
         let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
@@ -215,7 +215,11 @@ fn root_returns_within_the_span() {
         .with_reach(reach)
         .solve(&stand)
         .unwrap();
-    assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
+    assert!(
+        edited.report.root_moved > 0.3,
+        "{}",
+        edited.report.root_moved
+    );
     let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
     let hips_at_rest = DVec3::new(0.0, f64::from(HIPS), 0.0);
     // A sixtieth of a second outside the span the pose is the clip's.

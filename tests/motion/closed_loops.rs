@@ -3,8 +3,9 @@
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Loop, Model, ModelBuilder};
+use kinopt::motion::Trajectory;
 use kinopt::motion::trajectory::{
-    MotionProblem, MotionSolution, MotionSolver, MotionTermination, RateCost, Windows,
+    MotionProblem, MotionReport, MotionSolver, MotionTermination, RateCost, Windows,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
@@ -67,11 +68,11 @@ fn following(model: &Model, rate: f64) -> MotionProblem {
 }
 
 /// Largest distance between two frames and, for a weld, between their axes.
-fn gap(model: &Model, solved: &MotionSolution, [a, b]: [&str; 2]) -> f64 {
+fn gap(model: &Model, solved: &Trajectory<MotionReport>, [a, b]: [&str; 2]) -> f64 {
     let ends = [a, b].map(|end| model.frame(end).unwrap().index());
     let mut kinematics = ForwardKinematics::new(model);
     let mut largest = 0.0_f64;
-    for q in solved.q().chunks(model.configuration_len()) {
+    for q in solved.rows() {
         let placed = kinematics.place(q).unwrap();
         let [one, other] = ends.map(|end| placed[end]);
         largest = largest.max((one.translation - other.translation).norm());
@@ -91,7 +92,7 @@ fn linkage_stays_closed_at_the_minimum_of_its_crank() {
         let alone = following(&crank, 1e-4 * moving.sqrt());
         let alone = MotionSolver::default().solve(&alone, &[0.8]).unwrap();
         let model = parallelogram(weld, limits);
-        check(&model, &following(&model, 1e-4), end, alone.cost());
+        check(&model, &following(&model, 1e-4), end, alone.report.cost());
     }
 }
 
@@ -124,8 +125,8 @@ fn two_linkages_both_stay_closed() {
         let gap = gap(&both, &solved[1], [&ends[0], &ends[1]]);
         assert!(gap <= 1e-9, "{whose}: {gap}");
     }
-    assert!(solved[1].loop_gap() <= 1e-9);
-    for (one, both) in solved[0].q().chunks(4).zip(solved[1].q().chunks(8)) {
+    assert!(solved[1].report.loop_gap() <= 1e-9);
+    for (one, both) in solved[0].rows().zip(solved[1].rows()) {
         let moves = one.iter().cycle().zip(both);
         let apart = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-4, "{apart}");
@@ -135,26 +136,31 @@ fn two_linkages_both_stay_closed() {
 fn check(model: &Model, motion: &MotionProblem, end: &str, cost: f64) {
     let start = [0.8, -0.8, 0.8, -0.8];
     let solved = MotionSolver::default().solve(motion, &start).unwrap();
-    assert_eq!(solved.termination(), MotionTermination::Stationary);
+    assert_eq!(solved.report.termination(), MotionTermination::Stationary);
     let gap = gap(model, &solved, ["coupler end", end]);
     assert!(
-        gap <= 1e-9 && solved.loop_gap() <= 1e-9,
+        gap <= 1e-9 && solved.report.loop_gap() <= 1e-9,
         "{gap} {}",
-        solved.loop_gap()
+        solved.report.loop_gap()
     );
     assert!(
-        (solved.cost() / cost - 1.0).abs() < 1e-6,
+        (solved.report.cost() / cost - 1.0).abs() < 1e-6,
         "{} and {cost}",
-        solved.cost()
+        solved.report.cost()
     );
-    assert!((0..FRAMES).all(|frame| solved.missed(frame).all(|miss| !miss.task.contains("loop"))));
-    for pair in solved.q().chunks(4).collect::<Vec<_>>().windows(2) {
+    assert!((0..FRAMES).all(|frame| {
+        solved
+            .report
+            .missed(frame)
+            .all(|miss| !miss.task.contains("loop"))
+    }));
+    for pair in solved.rows().collect::<Vec<_>>().windows(2) {
         assert!((pair[1][0] - pair[0][0]).abs() <= 3.0 * STEP);
     }
-    assert!(solved.q().chunks(4).all(|q| model.is_within_limits(q)));
+    assert!(solved.rows().all(|q| model.is_within_limits(q)));
     let windows = Windows::new(15, 10);
     let solver = MotionSolver::default().with_windows(Some(windows));
-    assert!(solver.solve(motion, &start).unwrap().loop_gap() <= 1e-9);
+    assert!(solver.solve(motion, &start).unwrap().report.loop_gap() <= 1e-9);
 }
 
 #[test]
@@ -175,15 +181,24 @@ fn loop_that_cannot_close_is_reported() {
     motion.add(Point::new(ends[0], [0.3, 0.0, 0.0]));
     let motion = motion.build().unwrap();
     let solved = MotionSolver::default().solve(&motion, &[0.1, 0.1]).unwrap();
-    assert!(solved.loop_gap() > 0.01, "{}", solved.loop_gap());
-    assert!(solved.q().chunks(2).all(|q| model.is_within_limits(q)));
-    assert!(!solved.reached());
-    assert!((0..5).all(|frame| solved.missed(frame).any(|miss| miss.task == "loop `pin`")));
+    assert!(
+        solved.report.loop_gap() > 0.01,
+        "{}",
+        solved.report.loop_gap()
+    );
+    assert!(solved.rows().all(|q| model.is_within_limits(q)));
+    assert!(!solved.report.reached());
+    assert!((0..5).all(|frame| {
+        solved
+            .report
+            .missed(frame)
+            .any(|miss| miss.task == "loop `pin`")
+    }));
 }
 
 /// Both hands of a Baxter hold a box, which the left hand lifts by 15 cm. `apart` is the requested distance of the
 /// right hand from the left one in metres, which the box does not allow.
-fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
+fn lift(rest: f64, apart: Option<f64>) -> (Trajectory<MotionReport>, Robot) {
     let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
     let places = [1.0, -1.0].map(|side| {
@@ -223,11 +238,15 @@ fn two_hands_hold_a_box_in_every_frame() {
     // With soft tasks of low weight the hands have to move far along the curve of the constraint.
     for (rest, apart) in [(0.01, None), (0.001, None), (0.1, None), (0.01, Some(0.8))] {
         let (solved, robot) = lift(rest, apart);
-        assert_eq!(solved.termination(), MotionTermination::Stationary);
-        assert!(solved.loop_gap() <= 1e-9, "{rest}: {}", solved.loop_gap());
+        assert_eq!(solved.report.termination(), MotionTermination::Stationary);
+        assert!(
+            solved.report.loop_gap() <= 1e-9,
+            "{rest}: {}",
+            solved.report.loop_gap()
+        );
         let mut kinematics = ForwardKinematics::new(robot.model());
         let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
-        for q in solved.q().chunks(robot.model().configuration_len()) {
+        for q in solved.rows() {
             let placed = kinematics.place(q).unwrap();
             // The box extends 20 cm along z of both tools, which face each other.
             let [one, other] = tools.map(|tool| placed[tool.index()].translation);

@@ -43,11 +43,13 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
         let toe = found
+            .report
             .contact_frames
             .iter()
             .position(|name| name == "left_toe")
             .unwrap();
-        let in_contact = |frame: usize| found.contacts[frame * found.contact_frames.len() + toe];
+        let in_contact =
+            |frame: usize| found.report.contacts[frame * found.report.contact_frames.len() + toe];
         assert!(
             in_contact(20) && in_contact(290) && !in_contact(75),
             "{height}"
@@ -91,8 +93,17 @@ fn slow_foot_is_in_contact_by_leg_length() {
         let moving = person(speed / still.stride());
         let retargeting = Retargeting::new(&robot, &map, &moving, options()).unwrap();
         let found = retargeting.per_frame().unwrap();
-        let all = found.contacts.iter().filter(|contact| **contact).count();
-        assert_eq!(all > found.contacts.len() / 2, in_contact, "{speed}: {all}");
+        let all = found
+            .report
+            .contacts
+            .iter()
+            .filter(|contact| **contact)
+            .count();
+        assert_eq!(
+            all > found.report.contacts.len() / 2,
+            in_contact,
+            "{speed}: {all}"
+        );
     }
 }
 
@@ -125,6 +136,7 @@ fn still_foot_in_the_air_of_a_clip_has_no_contact() {
         }
         let edited = solver.solve(&lifted(&armature, lift)).unwrap();
         edited
+            .report
             .stances
             .iter()
             .filter(|stance| stance.bone == foot)
@@ -147,7 +159,11 @@ fn contact_counts_from_the_shortest_duration() {
         let detection = ContactDetection::default().with_height(0.35);
         let solver = planted(&armature).with_detection(detection.with_shortest(shortest));
         let edited = solver.with_keys_per_second(30.0).solve(&clip).unwrap();
-        let stances = edited.stances.into_iter().filter(|own| own.bone == foot);
+        let stances = edited
+            .report
+            .stances
+            .into_iter()
+            .filter(|own| own.bone == foot);
         stances.map(|stances| stances.span).collect::<Vec<_>>()
     };
     let all = stances(0.1);
@@ -176,11 +192,7 @@ fn foot_below_ground_in_the_capture_stays_above() {
     let toe = robot.model().frame("left_toe").unwrap().index();
     let mut height = |q: &[f64]| kinematics.place(q).unwrap()[toe].translation.z;
     let found = retargeting.per_frame().unwrap();
-    let by_frame: Vec<f64> = found
-        .q
-        .chunks(found.configuration_len)
-        .map(&mut height)
-        .collect();
+    let by_frame: Vec<f64> = found.q.chunks(found.nq).map(&mut height).collect();
     let mut live = retargeting.live().unwrap();
     let frames = (0..capture.frames()).map(|frame| capture.frame(frame).unwrap());
     let live: Vec<f64> = frames.map(|at| height(live.step(at).unwrap())).collect();

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::trajectory::{Contact, MotionProblem, MotionSolution, MotionSolver, Windows};
+use kinopt::motion::Trajectory;
+use kinopt::motion::trajectory::{Contact, MotionProblem, MotionReport, MotionSolver, Windows};
 use kinopt::task::{Point, Task};
 
 use crate::slide::slide;
@@ -19,15 +20,15 @@ fn foot_in_contact_is_still_while_its_target_moves() {
     for windows in [None, Some(windows)] {
         let solver = MotionSolver::default().with_windows(windows);
         let solved = solver.solve(&motion, &walker.stance).unwrap();
-        assert!(solved.slip() < 1e-6, "{} m", solved.slip());
+        assert!(solved.report.slip() < 1e-6, "{} m", solved.report.slip());
         assert_still(&walker, &solved, span.clone());
         // Measured from the start of the contact, not from frame to frame.
         let slipped = slipped(&walker, &solved, span.clone());
-        let deviation = solved.slip() - slipped;
+        let deviation = solved.report.slip() - slipped;
         assert!(
             deviation.abs() < 1e-3 * slipped + 1e-14,
             "{} {slipped}",
-            solved.slip()
+            solved.report.slip()
         );
     }
 }
@@ -46,19 +47,19 @@ fn tool_in_contact_is_still_for_any_weight() {
         let motion = motion.build().unwrap();
         let solved = MotionSolver::default().solve(&motion, &[0.0]).unwrap();
         assert!(
-            solved.slip() < 1e-6,
+            solved.report.slip() < 1e-6,
             "{weight}: {} {:?} m",
-            solved.slip(),
-            solved.termination()
+            solved.report.slip(),
+            solved.report.termination()
         );
     }
 }
 
 /// Largest distance of a point of the sole from its position in the first frame of the contact.
-fn slipped(walker: &Walker, solved: &MotionSolution, span: Range<usize>) -> f64 {
+fn slipped(walker: &Walker, solved: &Trajectory<MotionReport>, span: Range<usize>) -> f64 {
     let mut kinematics = ForwardKinematics::new(walker.model());
     let mut points = |frame: usize| {
-        let placed = kinematics.place(solved.frame(frame).unwrap()).unwrap();
+        let placed = kinematics.place(solved.row(frame).unwrap()).unwrap();
         let foot = placed[walker.feet[1].index()];
         SOLE.map(|at| foot.apply(at.into()))
     };
@@ -70,10 +71,10 @@ fn slipped(walker: &Walker, solved: &MotionSolution, span: Range<usize>) -> f64 
     deviations.fold(0.0, f64::max)
 }
 
-fn assert_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
+fn assert_still(walker: &Walker, solved: &Trajectory<MotionReport>, span: Range<usize>) {
     let mut kinematics = ForwardKinematics::new(walker.model());
     let mut at = |frame: usize| {
-        let placed = kinematics.place(solved.frame(frame).unwrap()).unwrap();
+        let placed = kinematics.place(solved.row(frame).unwrap()).unwrap();
         placed[walker.feet[1].index()]
     };
     let first = at(span.start);
@@ -103,18 +104,22 @@ fn solver_options_have_an_effect() {
         solver.solve(&motion, &walker.stance).unwrap()
     });
     assert!(
-        loose.slip() > 2.0 * tight.slip() && loose.iterations() < tight.iterations(),
+        loose.report.slip() > 2.0 * tight.report.slip()
+            && loose.report.iterations() < tight.report.iterations(),
         "{} in {}, {} in {}",
-        loose.slip(),
-        loose.iterations(),
-        tight.slip(),
-        tight.iterations()
+        loose.report.slip(),
+        loose.report.iterations(),
+        tight.report.slip(),
+        tight.report.iterations()
     );
     let costs: f64 = (0..frames)
-        .map(|frame| tight.frame_cost(frame).unwrap())
+        .map(|frame| tight.report.frame_cost(frame).unwrap())
         .sum();
-    assert!((costs + tight.cost_of_rates() - tight.cost()).abs() < 1e-12 * tight.cost());
-    assert!(tight.frame_cost(frames).is_none());
+    assert!(
+        (costs + tight.report.cost_of_rates() - tight.report.cost()).abs()
+            < 1e-12 * tight.report.cost()
+    );
+    assert!(tight.report.frame_cost(frames).is_none());
     let mut done = Vec::new();
     let windows = solver().with_windows(Some(Windows::new(4, 3)));
     let start = walker.stance.repeat(frames);
@@ -126,10 +131,10 @@ fn solver_options_have_an_effect() {
         "{done:?}"
     );
     assert!(
-        near.cost() < 1.2 * tight.cost(),
+        near.report.cost() < 1.2 * tight.report.cost(),
         "{} {}",
-        near.cost(),
-        tight.cost()
+        near.report.cost(),
+        tight.report.cost()
     );
 }
 
@@ -142,6 +147,6 @@ fn curvature_option_keeps_the_minimum() {
         let solver = MotionSolver::default().with_curvature(curvature);
         solver.solve(&motion, &walker.stance).unwrap()
     });
-    assert!(bent.counts().gradients > 0 && straight.counts().gradients == 0);
-    assert!((bent.cost() - straight.cost()).abs() < 1e-4 * bent.cost());
+    assert!(bent.report.counts().gradients > 0 && straight.report.counts().gradients == 0);
+    assert!((bent.report.cost() - straight.report.cost()).abs() < 1e-4 * bent.report.cost());
 }

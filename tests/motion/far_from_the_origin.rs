@@ -22,8 +22,8 @@ fn distant_subject_is_followed_equally() {
     };
     let (near, distance) = (at(0.0), 1e4);
     let far = at(distance);
-    let frames = near.q.chunks(near.configuration_len);
-    for (near, far) in frames.zip(far.q.chunks(near.configuration_len)) {
+    let frames = near.rows();
+    for (near, far) in frames.zip(far.q.chunks(near.nq)) {
         // Except for the base position, which is rounded at its own size.
         let apart = near[3..].iter().zip(&far[3..]).map(|(a, b)| (a - b).abs());
         let apart = apart.fold(0.0, f64::max);

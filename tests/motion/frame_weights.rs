@@ -25,9 +25,9 @@ fn unweighted_frame_is_not_reported_as_unreached() {
         motion.rate_cost(RateCost::acceleration(1e-6));
         let motion = motion.build().unwrap();
         let solved = MotionSolver::default().solve(&motion, &[0.0]).unwrap();
-        assert_eq!(solved.reached(), !is_required);
+        assert_eq!(solved.report.reached(), !is_required);
         for frame in 0..FRAMES {
-            let missed: Vec<f64> = solved.missed(frame).map(|miss| miss.error).collect();
+            let missed: Vec<f64> = solved.report.missed(frame).map(|miss| miss.error).collect();
             match is_required && target_at(frame) > 1.0 {
                 true => assert!((missed[0] - 2.0).abs() < 1e-3, "{frame}: {missed:?}"),
                 false if is_required => assert!(missed.iter().all(|error| *error < 1e-2)),
@@ -57,7 +57,7 @@ fn frame_weights_of_a_single_task_count() {
         let motion = motion.build().unwrap();
         MotionSolver::default().solve(&motion, &[0.0]).unwrap()
     });
-    let apart = solved[0].q().iter().zip(solved[1].q());
+    let apart = solved[0].q.iter().zip(&solved[1].q);
     let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-6, "{apart} m");
 }
@@ -79,6 +79,7 @@ fn distant_position_limit_is_inactive() {
         let solved = solver.solve(&motion, &[0.0]).unwrap();
         for frame in 0..12 {
             let held: Vec<Side> = solved
+                .report
                 .active_limits(frame)
                 .map(|limit| limit.side)
                 .collect();
@@ -108,7 +109,7 @@ fn unreached_velocity_limit_is_inactive() {
             let solved = solver.solve(&motion, &[0.0]).unwrap();
             // The last velocity may be lower, because no frame follows.
             for frame in 1..11 {
-                let reported: Vec<_> = solved.active_limits(frame).collect();
+                let reported: Vec<_> = solved.report.active_limits(frame).collect();
                 let speeds = reported.iter().map(|limit| (limit.bound, limit.side));
                 let speeds: Vec<_> = speeds.collect();
                 match held {

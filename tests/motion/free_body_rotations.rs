@@ -34,7 +34,7 @@ fn body_rotating_twice_follows_without_a_jump() {
         let expected = 4.0 * std::f64::consts::PI / frames as f64;
         let mut step = [0.0; 6];
         for pair in 0..frames - 1 {
-            let [from, to] = [pair, pair + 1].map(|k| solved.frame(k).unwrap());
+            let [from, to] = [pair, pair + 1].map(|k| solved.row(k).unwrap());
             model.difference(from, to, &mut step).unwrap();
             let turned = Vector3::new(step[3], step[4], step[5]).norm();
             assert!(

@@ -121,15 +121,16 @@ fn fixed_ends_too_far_apart_are_an_error() {
         }
     );
     let solved = fixed(10.5).unwrap();
-    assert_eq!(solved.frame(0).unwrap(), [0.0, 0.0]);
-    assert_eq!(solved.frame(10).unwrap(), [0.0, 1.0]);
+    assert_eq!(solved.row(0).unwrap(), [0.0, 0.0]);
+    assert_eq!(solved.row(10).unwrap(), [0.0, 1.0]);
     let speeds = |frame: usize| {
         solved
+            .report
             .active_limits(frame)
             .any(|limit| limit.joint == "elbow" && limit.bound == MotionBound::Speed)
     };
     assert!((1..11).any(speeds));
-    for pair in solved.q().chunks(2).collect::<Vec<_>>().windows(2) {
+    for pair in solved.rows().collect::<Vec<_>>().windows(2) {
         assert!((pair[1][1] - pair[0][1]).abs() / 0.01 <= 10.5);
     }
 }
@@ -157,9 +158,9 @@ fn single_frame_is_a_motion() {
     .unwrap();
     let solved = MotionSolver::default().solve(&motion, &[0.1, 0.1]).unwrap();
     assert!(
-        solved.cost() < 1e-12 && solved.reached(),
+        solved.report.cost() < 1e-12 && solved.report.reached(),
         "{}",
-        solved.cost()
+        solved.report.cost()
     );
 }
 
@@ -181,9 +182,7 @@ fn lowest_of_several_velocity_limits_counts() {
         });
         let motion = motion.unwrap();
         let solved = MotionSolver::default().solve(&motion, &[1.5, 0.4]).unwrap();
-        let places: Vec<f64> = (0..12)
-            .map(|frame| solved.frame(frame).unwrap()[0])
-            .collect();
+        let places: Vec<f64> = (0..12).map(|frame| solved.row(frame).unwrap()[0]).collect();
         let changes = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let largest = changes.fold(0.0, f64::max);
         assert!((largest - 0.005).abs() < 1e-6, "{speeds:?}: {largest}");

@@ -4,7 +4,8 @@
 use std::fmt::Write as _;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::motion::Trajectory;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, RetargetReport, Retargeting};
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 
@@ -66,11 +67,11 @@ fn geom(index: usize) -> String {
 }
 
 /// Depth of the lowest corner of both feet in all frames, metres below the ground.
-fn max_penetration(robot: &Robot, found: &Retargeted) -> f64 {
+fn max_penetration(robot: &Robot, found: &Trajectory<RetargetReport>) -> f64 {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let mut lowest = f64::INFINITY;
-    for q in found.q.chunks(found.configuration_len) {
+    for q in found.rows() {
         let placed = kinematics.place(q).unwrap();
         for side in ["L", "R"] {
             for (name, (at, size)) in ["Ankle", "Toe"].iter().zip(BOXES) {
@@ -116,12 +117,12 @@ fn heels_of_jointed_feet_stay_over_the_ground() {
             assert!(
                 deepest < 3e-3,
                 "{deepest} m, reported {}",
-                found.ground_penetration
+                found.report.ground_penetration
             );
             assert!(
-                (deepest.max(0.0) - found.ground_penetration).abs() < 1e-9,
+                (deepest.max(0.0) - found.report.ground_penetration).abs() < 1e-9,
                 "{deepest} m, reported {}",
-                found.ground_penetration
+                found.report.ground_penetration
             );
         }
     }

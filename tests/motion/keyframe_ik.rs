@@ -104,9 +104,9 @@ fn hand_follows_by_keys_within_the_span_alone() {
     let (before, after) = (deviation_of(&clip), deviation_of(&edited.clip));
     assert!(before > 0.05 && after < 0.02, "{before} {after}");
     assert!(
-        (edited.led[0].miss - after).abs() < 0.02,
+        (edited.report.led[0].miss - after).abs() < 0.02,
         "{:?} {after}",
-        edited.led
+        edited.report.led
     );
     // Keys outside the span are exactly unchanged, and so are times, bones and angles that nothing moves.
     let mut changed = 0;
@@ -316,16 +316,20 @@ fn track_beyond_its_limit_is_moved_within_it() {
     };
     // All keys are solved for: no limit is exceeded.
     let edited = solve(all);
-    assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
+    assert!(
+        edited.report.beyond.is_empty(),
+        "{:?}",
+        edited.report.beyond
+    );
     for time in all_times() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
     let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, all);
     assert!(
-        deviation < 0.01 && edited.led[0].miss < 0.01,
+        deviation < 0.01 && edited.report.led[0].miss < 0.01,
         "{deviation} {:?}",
-        edited.led
+        edited.report.led
     );
 
     // Keys outside the span are kept, and reported where they keep the elbow beyond its limit.
@@ -345,8 +349,8 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let [reported] = &edited.beyond[..] else {
-        panic!("{:?}", edited.beyond)
+    let [reported] = &edited.report.beyond[..] else {
+        panic!("{:?}", edited.report.beyond)
     };
     assert_eq!((reported.bone, reported.angle), (forearm, 1));
     assert!(reported.at < SPAN[0], "{reported:?}");
@@ -359,9 +363,9 @@ fn track_beyond_its_limit_is_moved_within_it() {
     );
     let deviation = hand_distance(&rig, &edited.clip, &reachable_clip, SPAN);
     assert!(
-        deviation < 0.02 && edited.led[0].miss < 0.02,
+        deviation < 0.02 && edited.report.led[0].miss < 0.02,
         "{deviation} {:?}",
-        edited.led
+        edited.report.led
     );
 }
 
@@ -380,7 +384,11 @@ fn key_beyond_its_limit_is_clamped_without_others() {
         let (beyond, reachable_clip) = (only(limits.upper + over), only(limits.upper));
         let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &reachable_clip, SPAN));
         let edited = ik.solve(&beyond).unwrap();
-        assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
+        assert!(
+            edited.report.beyond.is_empty(),
+            "{:?}",
+            edited.report.beyond
+        );
         let new = bends(&rig, &edited.clip);
         assert!(
             new[key] <= limits.upper && new[key] > limits.upper - 2e-3,
@@ -396,7 +404,7 @@ fn key_beyond_its_limit_is_clamped_without_others() {
                 }
             }
         }
-        assert!(edited.led[0].miss < 2e-3, "{:?}", edited.led);
+        assert!(edited.report.led[0].miss < 2e-3, "{:?}", edited.report.led);
     }
 }
 
@@ -431,9 +439,9 @@ fn single_key_track_keeps_its_limit() {
     let deviation = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
     let deviation = deviation.fold(0.0, f64::max);
     assert!(
-        (edited.led[0].miss - deviation).abs() < 1e-9,
+        (edited.report.led[0].miss - deviation).abs() < 1e-9,
         "{:?} {deviation}",
-        edited.led
+        edited.report.led
     );
 }
 
@@ -462,7 +470,7 @@ fn locked_angle_keeps_its_value_in_the_clip() {
     let deviation =
         times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
     let deviation = deviation.fold(0.0, f64::max);
-    let reported = edited.led[0].miss;
+    let reported = edited.report.led[0].miss;
     assert!(
         deviation < 0.02 && (reported - deviation).abs() < 1e-9,
         "{reported} {deviation}"

@@ -40,7 +40,7 @@ fn missing_limit_equals_a_distant_one() {
         let reach = reach.with_span(0.2..=0.8);
         let edited = KeyframeIk::new(&skeleton).with_reach(reach);
         let edited = edited.solve(&clip).unwrap();
-        assert!(edited.beyond.is_empty() && edited.led[0].miss < 0.05);
+        assert!(edited.report.beyond.is_empty() && edited.report.led[0].miss < 0.05);
         edited.clip
     };
     let wide = solved(Limits::new(-1e3, 1e3));

@@ -4,9 +4,10 @@ use glam::Vec3A;
 use kinopt::animation::{Armature, Clip, Limb, LimbGoal, Pose};
 use kinopt::ik::Drag;
 use kinopt::model::Model;
+use kinopt::motion::Trajectory;
 use kinopt::motion::clip_ik::Reach;
 use kinopt::motion::retarget::{
-    BodyMap, Capture, FigureTarget, RetargetOptions, Retargeted, Retargeting, UpAxis,
+    BodyMap, Capture, FigureTarget, RetargetOptions, RetargetReport, Retargeting, UpAxis,
 };
 use kinopt::problem::Problem;
 use kinopt::skeleton::{BallSkeleton, Bone, BoneId, Cones, Skeleton, SkeletonRoot};
@@ -46,7 +47,11 @@ fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
 }
 
 /// Captured steps, retargeted to the humanoid in a unit.
-fn retargeted(unit: f64, rate: f64, solve: impl Fn(&Retargeting<'_>) -> Retargeted) -> Vec<f64> {
+fn retargeted(
+    unit: f64,
+    rate: f64,
+    solve: impl Fn(&Retargeting<'_>) -> Trajectory<RetargetReport>,
+) -> Vec<f64> {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, rate).unwrap();
     let rig = humanoid();
@@ -60,9 +65,9 @@ fn retargeted(unit: f64, rate: f64, solve: impl Fn(&Retargeting<'_>) -> Retarget
     let errors = fitted.errors(&found).unwrap();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(
-        (mean - found.mean_error).abs() < 1e-9 * unit,
+        (mean - found.report.mean_error).abs() < 1e-9 * unit,
         "{mean} {}",
-        found.mean_error
+        found.report.mean_error
     );
     in_metres(&found.q, model.configuration_len(), 3, unit)
 }
@@ -208,7 +213,7 @@ fn clip_ik_is_alike_in_all_units() {
 fn stances(unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let edited = planted(&armature).solve(&clip).unwrap();
-    let stances = edited.stances.iter();
+    let stances = edited.report.stances.iter();
     stances
         .flat_map(|stance| {
             let position = stance.place / unit;

@@ -36,12 +36,16 @@ fn feet_in_contact_are_not_pressed_into_the_ground() {
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         check_limits(&robot, &found);
         assert!(
-            found.ground_penetration < 8e-4,
+            found.report.ground_penetration < 8e-4,
             "{} m",
-            found.ground_penetration
+            found.report.ground_penetration
         );
-        assert!(found.slip < 1e-3, "{} m", found.slip);
-        assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
+        assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
+        assert!(
+            found.report.lost_contacts.is_empty(),
+            "{:?}",
+            found.report.lost_contacts
+        );
     }
 }
 
@@ -56,12 +60,16 @@ fn sliding_feet_do_not_stop_the_robot() {
         let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
         let found = fitted.per_frame().unwrap();
         check_limits(&robot, &found);
-        assert!(found.contacts.iter().all(|in_contact| !in_contact));
-        assert!(found.mean_error < 0.07, "{} m", found.mean_error);
+        assert!(found.report.contacts.iter().all(|in_contact| !in_contact));
         assert!(
-            found.ground_penetration < 8e-4,
+            found.report.mean_error < 0.07,
             "{} m",
-            found.ground_penetration
+            found.report.mean_error
+        );
+        assert!(
+            found.report.ground_penetration < 8e-4,
+            "{} m",
+            found.report.ground_penetration
         );
     }
 }
@@ -76,8 +84,8 @@ fn sliding_feet_stay_above_ground_solved_as_a_whole() {
     let found = fitted.whole().unwrap();
     check_limits(&robot, &found);
     assert!(
-        found.ground_penetration < 1.5e-3,
+        found.report.ground_penetration < 1.5e-3,
         "{} m",
-        found.ground_penetration
+        found.report.ground_penetration
     );
 }

@@ -34,7 +34,7 @@ fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
         let motion = motion.build().unwrap();
         let solved = MotionSolver::default().solve(&motion, &[0.0, 0.1]).unwrap();
         let steps = (1..80).map(|frame| {
-            let [before, after] = [frame - 1, frame].map(|frame| solved.frame(frame).unwrap());
+            let [before, after] = [frame - 1, frame].map(|frame| solved.row(frame).unwrap());
             (after[1] - before[1]).abs()
         });
         let largest = steps.fold(0.0, f64::max);
@@ -42,7 +42,7 @@ fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
             largest <= 0.05 + 1e-12 && largest > 0.049,
             "{ratio}: {largest}"
         );
-        let last = solved.frame(79).unwrap();
+        let last = solved.row(79).unwrap();
         assert!((last[0] - 1.0).abs() < 1e-3, "{ratio}: {last:?}");
     }
 }

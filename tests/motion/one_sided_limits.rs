@@ -32,12 +32,12 @@ fn prismatic_joint_stops_at_its_single_limit() {
         for start in [0.0, 3.0 * side, -3.0 * side] {
             let start = [start; FRAMES];
             let solved = MotionSolver::default().solve_near(&motion, &start).unwrap();
-            assert_eq!(solved.termination(), MotionTermination::Stationary);
+            assert_eq!(solved.report.termination(), MotionTermination::Stationary);
             for frame in 0..FRAMES {
-                let at = side * solved.frame(frame).unwrap()[0];
+                let at = side * solved.row(frame).unwrap()[0];
                 let expected = (side * target_at(frame)).min(0.5);
                 assert!(at <= 0.5 && (at - expected).abs() < 1e-3, "{frame}: {at}");
-                let reported = solved.active_limits(frame).count();
+                let reported = solved.report.active_limits(frame).count();
                 // If the limit is just reached, either report is accepted.
                 if (side * target_at(frame) - 0.5).abs() > 0.06 {
                     assert_eq!(

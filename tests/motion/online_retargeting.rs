@@ -66,7 +66,7 @@ fn online_retargeter_locks_contacts_of_the_subject() {
                 (0..2).all(|k| (at[k] - anchor[k]).norm() < 1e-3),
                 "frame {frame}"
             );
-            let q = &known.q[frame * known.configuration_len..][..known.configuration_len];
+            let q = &known.q[frame * known.nq..][..known.nq];
             let expected = kinematics.place(q).unwrap()[torso.index()].translation;
             assert!((actual - expected).norm() < 0.02, "frame {frame}");
         }
@@ -152,7 +152,7 @@ fn limits_and_errors_are_reported_correctly() {
     let found = retargeting.per_frame().unwrap();
     let errors = retargeting.errors(&found).unwrap();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    assert!((mean - found.mean_error).abs() < 1e-12);
+    assert!((mean - found.report.mean_error).abs() < 1e-12);
     let met = retargeting.active_limits(&found);
     let model = robot.model();
     let max_moves = robot.moves_within(1.0 / 30.0);
@@ -163,7 +163,7 @@ fn limits_and_errors_are_reported_correctly() {
     for met in met {
         let id = model.joint(&met.joint).unwrap();
         let at = model.coordinate(id).unwrap();
-        let value = |frame: usize| found.q[frame * found.configuration_len + at];
+        let value = |frame: usize| found.q[frame * found.nq + at];
         for frame in met.frames {
             let deviation = match met.bound {
                 MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - max_moves[at],
@@ -343,28 +343,29 @@ fn reported_slip_is_the_largest() {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let feet: Vec<_> = found
+        .report
         .contact_frames
         .iter()
         .map(|name| model.frame(name).unwrap())
         .collect();
     let mut stood: Vec<Option<Vector3<f64>>> = vec![None; feet.len()];
     let mut largest = 0.0_f64;
-    for frame in 0..found.frames() {
-        let q = &found.q[frame * found.configuration_len..][..found.configuration_len];
+    for frame in 0..found.rows().len() {
+        let q = &found.q[frame * found.nq..][..found.nq];
         let placed = kinematics.place(q).unwrap();
         for (k, foot) in feet.iter().enumerate() {
             let at = placed[foot.index()].translation;
-            match found.contacts[frame * feet.len() + k] {
+            match found.report.contacts[frame * feet.len() + k] {
                 true => largest = largest.max((at - *stood[k].get_or_insert(at)).norm()),
                 false => stood[k] = None,
             }
         }
     }
-    assert!(found.lost_contacts.is_empty() && largest > 0.0);
+    assert!(found.report.lost_contacts.is_empty() && largest > 0.0);
     assert!(
-        (found.slip - largest).abs() <= 1e-9,
+        (found.report.slip - largest).abs() <= 1e-9,
         "{} {largest}",
-        found.slip
+        found.report.slip
     );
 }
 
@@ -406,7 +407,7 @@ fn acceleration_cost_lowers_accelerations() {
         let options = RetargetOptions::default().with_acceleration(cost);
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.whole().unwrap();
-        let n = found.configuration_len;
+        let n = found.nq;
         let rows: Vec<&[f64]> = found.q.chunks_exact(n).collect();
         let bend = rows.windows(3).flat_map(|rows| {
             // Position and quaternion of a free base come first.

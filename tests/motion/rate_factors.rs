@@ -40,8 +40,8 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
     let motion = motion.build().unwrap();
     let solved = MotionSolver::default();
     let solved = solved.solve(&motion, &model.neutral()).unwrap();
-    let frames = (0..FRAMES).map(|frame| solved.frame(frame).unwrap().to_vec());
-    (frames.collect(), solved.cost_of_rates())
+    let frames = (0..FRAMES).map(|frame| solved.row(frame).unwrap().to_vec());
+    (frames.collect(), solved.report.cost_of_rates())
 }
 
 /// Largest difference of some coordinates in any frame.

@@ -3,7 +3,8 @@
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::motion::Trajectory;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, RetargetReport, Retargeting};
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use support::arms::floating_nao;
@@ -55,7 +56,14 @@ fn links_of_map() -> Vec<String> {
     map.joints
 }
 
-fn both_ways(robot: &Robot, checker: &Checker, share: f64) -> ([Retargeted; 2], [Retargeted; 2]) {
+fn both_ways(
+    robot: &Robot,
+    checker: &Checker,
+    share: f64,
+) -> (
+    [Trajectory<RetargetReport>; 2],
+    [Trajectory<RetargetReport>; 2],
+) {
     let map = BodyMap::from_json(MAP, "").unwrap();
     let capture = clasp(robot, share);
     let fitted = Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
@@ -69,8 +77,8 @@ fn both_ways(robot: &Robot, checker: &Checker, share: f64) -> ([Retargeted; 2], 
     (solve(&fitted), solve(&clear))
 }
 
-fn frames(found: &Retargeted) -> impl Iterator<Item = &[f64]> {
-    found.q.chunks(found.configuration_len)
+fn frames(found: &Trajectory<RetargetReport>) -> impl Iterator<Item = &[f64]> {
+    found.rows()
 }
 
 fn checker(robot: &Robot) -> Checker {
@@ -82,12 +90,12 @@ fn checker(robot: &Robot) -> Checker {
 }
 
 /// Number of frames in which links are nearer than the margin.
-fn touching(checker: &Checker, found: &Retargeted) -> usize {
+fn touching(checker: &Checker, found: &Trajectory<RetargetReport>) -> usize {
     let touches = |q: &&[f64]| !checker.collisions(q).unwrap().is_empty();
     frames(found).filter(touches).count()
 }
 
-fn keeps_limits(robot: &Robot, found: &Retargeted) -> bool {
+fn keeps_limits(robot: &Robot, found: &Trajectory<RetargetReport>) -> bool {
     let moves = robot.moves_within(1.0 / RATE);
     let mut pairs = frames(found).zip(frames(found).skip(1));
     frames(found).all(|q| robot.model().is_within_limits(q))
@@ -109,14 +117,14 @@ fn hands_pulled_into_the_chest_stay_collision_free() {
             touching(&checker, plain)
         );
         assert_eq!(touching(&checker, clear), 0);
-        assert!(clear.touching.is_empty());
+        assert!(clear.report.touching.is_empty());
         assert!(keeps_limits(&robot, clear));
-        assert!(clear.slip < 1e-3, "{} m", clear.slip);
+        assert!(clear.report.slip < 1e-3, "{} m", clear.report.slip);
         // The avoidance does not keep the hands away: they come nearly as near.
         assert!(
-            clear.mean_error < plain.mean_error + 0.02,
+            clear.report.mean_error < plain.report.mean_error + 0.02,
             "{}",
-            clear.mean_error
+            clear.report.mean_error
         );
     }
 }
@@ -146,8 +154,13 @@ fn initial_contact_is_reported_or_resolved() {
     let checker = checker(&robot);
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let found = fitted.keep_clear(&checker).per_frame().unwrap();
-    assert_eq!(found.touching.len(), touching(&checker, &found));
-    assert_eq!(found.touching.len(), 0, "{:?}", found.touching.first());
+    assert_eq!(found.report.touching.len(), touching(&checker, &found));
+    assert_eq!(
+        found.report.touching.len(),
+        0,
+        "{:?}",
+        found.report.touching.first()
+    );
 }
 
 /// A motion solved as a whole avoids collisions from the first iteration in the frames around those that came near to
@@ -164,7 +177,7 @@ fn smooth_motion_becomes_collision_free_quickly() {
         let found = fitted
             .keep_clear(&checker)
             .whole_with_progress(&mut |done| rounds += usize::from(done == FRAMES));
-        assert!(found.unwrap().touching.is_empty());
+        assert!(found.unwrap().report.touching.is_empty());
         assert!(rounds <= 2, "{share}: solved {rounds} times");
     }
 }

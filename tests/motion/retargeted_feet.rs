@@ -4,7 +4,8 @@
 use std::fmt::Write as _;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::motion::Trajectory;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, RetargetReport, Retargeting};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 
@@ -139,8 +140,8 @@ pub(crate) fn person() -> Vec<f64> {
     numbers
 }
 
-pub(crate) fn check_limits(robot: &Robot, found: &Retargeted) {
-    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+pub(crate) fn check_limits(robot: &Robot, found: &Trajectory<RetargetReport>) {
+    let frames: Vec<&[f64]> = found.rows().collect();
     assert!(frames.iter().all(|q| robot.model().is_within_limits(q)));
     for pair in frames.windows(2) {
         for (k, speed) in robot.moves_within(1.0).iter().enumerate() {
@@ -159,21 +160,29 @@ fn ankles_and_toes_are_in_contact_together() {
     let found = retargeting.per_frame().unwrap();
     check_limits(&robot, &found);
     // The ankles' points are on the shanks, so they are not points of the feet.
-    assert_eq!(found.contact_frames, ["left_toe", "right_toe"]);
-    assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
-    assert!(found.slip < 1e-3, "{} m", found.slip);
+    assert_eq!(found.report.contact_frames, ["left_toe", "right_toe"]);
+    assert!(
+        found.report.lost_contacts.is_empty(),
+        "{:?}",
+        found.report.lost_contacts
+    );
+    assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
     // Knees bend over feet in contact: with fixed shanks the error would be twice as large.
-    assert!(found.mean_error < 0.045, "{} m", found.mean_error);
+    assert!(
+        found.report.mean_error < 0.045,
+        "{} m",
+        found.report.mean_error
+    );
     // Computed again from the configurations.
     let mut kinematics = ForwardKinematics::new(robot.model());
-    for (k, name) in found.contact_frames.iter().enumerate() {
+    for (k, name) in found.report.contact_frames.iter().enumerate() {
         let frame = robot.model().frame(name).unwrap();
         let mut stood = None;
         let mut standing = 0;
         for (q, contacts) in found
             .q
-            .chunks(found.configuration_len)
-            .zip(found.contacts.chunks(2))
+            .chunks(found.nq)
+            .zip(found.report.contacts.chunks(2))
         {
             let at = kinematics.place(q).unwrap()[frame.index()].translation;
             stood = contacts[k].then(|| stood.unwrap_or(at));
@@ -206,14 +215,18 @@ fn ankle_frame_on_the_foot_is_in_contact() {
     let feet = ["left_foot", "left_toe", "right_foot", "right_toe"];
     assert_eq!(names(retargeting.driven()), feet);
     let found = retargeting.per_frame().unwrap();
-    let mut standing = found.contact_frames.clone();
+    let mut standing = found.report.contact_frames.clone();
     standing.sort();
     assert_eq!(standing, feet);
-    for (k, name) in found.contact_frames.iter().enumerate() {
-        let in_contact = found.contacts.chunks(4).filter(|contacts| contacts[k]);
+    for (k, name) in found.report.contact_frames.iter().enumerate() {
+        let in_contact = found
+            .report
+            .contacts
+            .chunks(4)
+            .filter(|contacts| contacts[k]);
         assert!(in_contact.count() > FRAMES / 2, "{name}");
     }
-    assert!(found.slip < 1e-3, "{} m", found.slip);
+    assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
 }
 
 #[test]

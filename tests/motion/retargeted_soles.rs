@@ -3,8 +3,9 @@
 
 use kinopt::collision::{CollisionModel, CollisionObject, Shape};
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::{
-    BodyMap, Capture, FootShapes, RetargetOptions, Retargeted, Retargeting,
+    BodyMap, Capture, FootShapes, RetargetOptions, RetargetReport, Retargeting,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -21,11 +22,11 @@ const CORNERS: [[f64; 3]; 4] = [
 ];
 
 /// Heights of the corners of both feet, frame by frame.
-fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
+fn heights(robot: &Robot, found: &Trajectory<RetargetReport>) -> Vec<[[f64; 4]; 2]> {
     let model = robot.model();
     let feet = ["left_foot", "right_foot"].map(|name| model.frame(name).unwrap().index());
     let mut kinematics = ForwardKinematics::new(model);
-    let frames = found.q.chunks(found.configuration_len);
+    let frames = found.rows();
     let of_frame = |q: &[f64]| {
         let placed = kinematics.place(q).unwrap();
         feet.map(|foot| CORNERS.map(|at| placed[foot].apply(Vector3::from(at)).z))
@@ -59,7 +60,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
     let fitted =
         |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let without = fitted(&bare).per_frame().unwrap();
-    assert_eq!(without.ground_penetration, 0.0);
+    assert_eq!(without.report.ground_penetration, 0.0);
     // Without a shape the ground was at the toes' point, 1 cm above the sole. That much is no roll.
     let ground_penetration = max_penetration(&heights(&bare, &without)) - 0.01;
     assert!(
@@ -74,16 +75,20 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
         let deepest = max_penetration(&heights);
         assert!(deepest < 1.5e-3, "{deepest} m");
         // The reported depth is that of the sole's corners.
-        assert!((deepest.max(0.0) - found.ground_penetration).abs() < 1e-12);
-        assert!(found.slip < 1e-3, "{} m", found.slip);
-        assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
+        assert!((deepest.max(0.0) - found.report.ground_penetration).abs() < 1e-12);
+        assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
         assert!(
-            found.mean_error < 1.2 * without.mean_error,
+            found.report.lost_contacts.is_empty(),
+            "{:?}",
+            found.report.lost_contacts
+        );
+        assert!(
+            found.report.mean_error < 1.2 * without.report.mean_error,
             "{} m",
-            found.mean_error
+            found.report.mean_error
         );
         let mut standing = 0;
-        for (heights, in_contact) in heights.iter().zip(found.contacts.chunks(2)) {
+        for (heights, in_contact) in heights.iter().zip(found.report.contacts.chunks(2)) {
             for (foot, _) in heights
                 .iter()
                 .zip(in_contact)
@@ -130,12 +135,16 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         check_limits(&robot, &found);
         assert!(
-            found.ground_penetration < 1.5e-3,
+            found.report.ground_penetration < 1.5e-3,
             "{} m",
-            found.ground_penetration
+            found.report.ground_penetration
         );
-        assert!(found.slip < 1e-3, "{} m", found.slip);
-        assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
+        assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
+        assert!(
+            found.report.lost_contacts.is_empty(),
+            "{:?}",
+            found.report.lost_contacts
+        );
     }
 }
 
@@ -216,7 +225,7 @@ fn round_soles_are_in_contact_by_their_surface() {
     let mut kinematics = ForwardKinematics::new(robot.model());
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         let mut lowest = f64::INFINITY;
-        for q in found.q.chunks(found.configuration_len) {
+        for q in found.rows() {
             let placed = kinematics.place(q).unwrap();
             for foot in feet {
                 let heights = PADS
@@ -292,15 +301,15 @@ fn heavier_weight_lands_a_foot_flatter() {
         let options = RetargetOptions::default().with_landing_weight(landing_weight);
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
-        let names = &found.contact_frames;
+        let names = &found.report.contact_frames;
         let left = names.iter().position(|name| name == "left_foot").unwrap();
-        let in_contact = |frame: usize| found.contacts[frame * names.len() + left];
-        let landing = (1..found.frames())
+        let in_contact = |frame: usize| found.report.contacts[frame * names.len() + left];
+        let landing = (1..found.rows().len())
             .find(|&k| in_contact(k) && !in_contact(k - 1))
             .unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let mut tilt = |frame: usize| {
-            let q = found.q.chunks(found.configuration_len).nth(frame).unwrap();
+            let q = found.rows().nth(frame).unwrap();
             let turned = kinematics.place(q).unwrap()[foot].rotation;
             turned.x.z.hypot(turned.y.z)
         };
@@ -359,8 +368,10 @@ fn ellipsoid_is_equal_under_swapped_axes() {
     let deviation = deviation.fold(0.0, f64::max);
     assert!(deviation < 1e-6, "{deviation}");
     assert!(
-        found.iter().all(|found| found.ground_penetration < 0.01),
+        found
+            .iter()
+            .all(|found| found.report.ground_penetration < 0.01),
         "{} m",
-        found[0].ground_penetration
+        found[0].report.ground_penetration
     );
 }

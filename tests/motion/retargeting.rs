@@ -2,8 +2,9 @@
 //! and feet in contact are motionless. Solved as a whole, it is smoother.
 
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::{
-    BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting,
+    BodyMap, Capture, RetargetError, RetargetOptions, RetargetReport, Retargeting,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
@@ -60,10 +61,10 @@ fn steps(robot: &Robot, frames: usize) -> Vec<f64> {
     numbers
 }
 
-fn check_limits(robot: &Robot, found: &Retargeted) {
+fn check_limits(robot: &Robot, found: &Trajectory<RetargetReport>) {
     let model = robot.model();
     let speeds = robot.moves_within(1.0);
-    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+    let frames: Vec<&[f64]> = found.rows().collect();
     assert!(frames.iter().all(|q| model.is_within_limits(q)));
     for pair in frames.windows(2) {
         for (k, speed) in speeds.iter().enumerate() {
@@ -74,8 +75,8 @@ fn check_limits(robot: &Robot, found: &Retargeted) {
 }
 
 /// Root mean square of the third differences of all revolute joints.
-fn jerk(found: &Retargeted) -> f64 {
-    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+fn jerk(found: &Trajectory<RetargetReport>) -> f64 {
+    let frames: Vec<&[f64]> = found.rows().collect();
     let mut sum = 0.0;
     for four in frames.windows(4) {
         let [a, b, c, d] = [0, 1, 2, 3].map(|frame| four[frame].iter().skip(7));
@@ -103,13 +104,20 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
     for (found, most) in [(&live, 1e-3), (&whole, 1e-3)] {
         check_limits(&robot, found);
         let json = serde_json::to_string(found).unwrap();
-        assert_eq!(serde_json::from_str::<Retargeted>(&json).unwrap(), *found);
-        assert_eq!(found.frames(), 90);
-        assert_eq!(found.contact_frames, ["left_sole", "right_sole"]);
-        assert!(found.slip < most, "{} m", found.slip);
-        assert!(found.mean_error < 0.03, "{} m", found.mean_error);
+        assert_eq!(
+            serde_json::from_str::<Trajectory<RetargetReport>>(&json).unwrap(),
+            *found
+        );
+        assert_eq!(found.rows().len(), 90);
+        assert_eq!(found.report.contact_frames, ["left_sole", "right_sole"]);
+        assert!(found.report.slip < most, "{} m", found.report.slip);
+        assert!(
+            found.report.mean_error < 0.03,
+            "{} m",
+            found.report.mean_error
+        );
         // The right foot is in contact all the time, the left one before and after its step.
-        let in_contact = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
+        let in_contact = |frame: usize| &found.report.contacts[2 * frame..2 * frame + 2];
         assert!((0..90).all(|frame| in_contact(frame)[1]));
         assert_eq!(
             [10, 45, 80].map(|frame| in_contact(frame)[0]),
@@ -207,7 +215,7 @@ fn single_frame_and_limbs_without_length_work() {
             retargeting.per_frame().unwrap(),
             retargeting.whole().unwrap(),
         ] {
-            assert_eq!(found.frames(), frames);
+            assert_eq!(found.rows().len(), frames);
             check_limits(&robot, &found);
         }
     }

@@ -32,11 +32,15 @@ fn capture_of_steps_is_retargeted_to_the_nao() {
     let feet = ["left_foot", "right_foot"].map(|foot| model.frame(foot).unwrap());
     let mut kinematics = ForwardKinematics::of_frames(model, &feet).unwrap();
     for found in [retargeting.per_frame().unwrap(), whole] {
-        assert!(found.mean_error < 0.02, "{} m", found.mean_error);
-        assert!(found.slip < 1e-3, "{} m", found.slip);
+        assert!(
+            found.report.mean_error < 0.02,
+            "{} m",
+            found.report.mean_error
+        );
+        assert!(found.report.slip < 1e-3, "{} m", found.report.slip);
         // A crouch with both feet on the ground, and the subject at rest at the end: no toe points up or down.
         for frame in [110, 180] {
-            let width = found.configuration_len;
+            let width = found.nq;
             let q = &found.q[frame * width..(frame + 1) * width];
             for placed in kinematics.place(q).unwrap() {
                 let slope = placed.rotation.x.z;

@@ -215,7 +215,7 @@ fn rig_with_a_rotated_root_reaches_equally() {
         let posed = pose(&armature, &edited.clip, 0.2);
         (
             arm.map(|bone| posed.local(bone).unwrap().rotation),
-            edited.led[0].miss,
+            edited.report.led[0].miss,
         )
     };
     let (plain, miss) = reached(Quat::IDENTITY);

@@ -77,7 +77,7 @@ fn edge_is_cleared_from_the_lower_contact() {
             .with_ground(move |at| ground(at.into()))
             .solve(&pace(&armature, raised))
             .unwrap();
-        assert_eq!(edited.stances.len(), 2);
+        assert_eq!(edited.report.stances.len(), 2);
         // Height of the sole over the ground where it is flat.
         let lowest = 0.1;
         let places =
@@ -114,7 +114,7 @@ fn reversed_clip_gives_the_reversed_result() {
                 .unwrap()
         };
         let [forward, backward] = [&walk, &back].map(solve);
-        assert_eq!(forward.stances.len(), backward.stances.len());
+        assert_eq!(forward.report.stances.len(), backward.report.stances.len());
         for time in &moments {
             for foot in ["foot.l", "foot.r"] {
                 let one = at(&armature, &forward.clip, foot, *time);
@@ -142,7 +142,11 @@ fn blend_of_a_contact_has_the_configured_duration() {
         let mut largest = [0.0_f32; 2];
         for foot in ["foot.l", "foot.r"] {
             let bone = armature.bone(foot).unwrap();
-            let spans = edited.stances.iter().filter(|stance| stance.bone == bone);
+            let spans = edited
+                .report
+                .stances
+                .iter()
+                .filter(|stance| stance.bone == bone);
             let spans: Vec<_> = spans.map(|stance| stance.span).collect();
             for pair in spans.windows(2) {
                 let [end, next] = [pair[0][1], pair[1][0]];

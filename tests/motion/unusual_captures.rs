@@ -5,8 +5,9 @@
 
 use kinopt::animation::Clip;
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::{
-    BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting, UpAxis,
+    BodyMap, Capture, RetargetError, RetargetOptions, RetargetReport, Retargeting, UpAxis,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
@@ -53,7 +54,12 @@ fn capture(frames: usize, position_at: impl Fn(usize, Vector3<f64>) -> Vector3<f
     Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0).unwrap()
 }
 
-fn retargeted(robot: &Robot, capture: &Capture, up: UpAxis, whole: bool) -> Retargeted {
+fn retargeted(
+    robot: &Robot,
+    capture: &Capture,
+    up: UpAxis,
+    whole: bool,
+) -> Trajectory<RetargetReport> {
     let guess = BodyMap::guess(capture, robot.model()).unwrap();
     let options = RetargetOptions::default().with_up(up);
     let retargeting = Retargeting::new(robot, &guess.map, capture, options).unwrap();
@@ -63,9 +69,9 @@ fn retargeted(robot: &Robot, capture: &Capture, up: UpAxis, whole: bool) -> Reta
         retargeting.per_frame()
     }
     .unwrap();
-    assert_eq!(found.frames(), capture.frames());
+    assert_eq!(found.rows().len(), capture.frames());
     let model = robot.model();
-    for q in found.q.chunks_exact(found.configuration_len) {
+    for q in found.rows() {
         assert!(q.iter().all(|number| number.is_finite()));
         assert!(model.is_within_limits(q));
     }
@@ -77,7 +83,7 @@ fn single_frame_is_retargeted() {
     let robot = floating_nao();
     for whole in [false, true] {
         let found = retargeted(&robot, &capture(1, |_, at| at), UpAxis::Z, whole);
-        assert_eq!(found.slip, 0.0);
+        assert_eq!(found.report.slip, 0.0);
     }
 }
 
@@ -111,7 +117,7 @@ fn hips_at_a_single_point_stay_level() {
     let found = retargeted(&robot, &narrow, UpAxis::Z, false);
     let torso = model.frame("torso").unwrap();
     let mut kinematics = ForwardKinematics::new(model);
-    for q in found.q.chunks_exact(found.configuration_len) {
+    for q in found.rows() {
         let across = kinematics.place(q).unwrap()[torso.index()].rotation.y;
         assert!(across.z.abs() < 0.02, "{across:?}");
     }
@@ -162,7 +168,7 @@ fn rotated_subject_gives_the_rotated_robot() {
     let straight = retargeted(&robot, &capture(20, |_, at| at), UpAxis::Z, false);
     let turned = capture(20, |_, at| Vector3::new(-at.y, at.x, at.z));
     let turned = retargeted(&robot, &turned, UpAxis::Z, false);
-    let width = straight.configuration_len;
+    let width = straight.nq;
     for (unrotated, other) in straight
         .q
         .chunks_exact(width)

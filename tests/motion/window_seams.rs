@@ -87,7 +87,7 @@ fn windows_continue_from_the_kept_frames() {
             apart.fold(0.0, f64::max)
         };
         assert!(
-            deviation_of(whole.q(), expected.as_slice()) < 1e-6,
+            deviation_of(&whole.q, expected.as_slice()) < 1e-6,
             "order {order}"
         );
 
@@ -100,11 +100,11 @@ fn windows_continue_from_the_kept_frames() {
             begin = if end == FRAMES { end } else { begin + frames };
         }
         // Without an effect of the seams it would be another motion.
-        assert!(deviation_of(&expected, whole.q()) > 1e-3, "order {order}");
+        assert!(deviation_of(&expected, &whole.q) > 1e-3, "order {order}");
         let cut = solver.with_windows(Some(Windows::new(frames, ahead)));
         let cut = cut.solve(&motion, &[0.0]).unwrap();
-        assert_eq!(cut.termination(), MotionTermination::Stationary);
-        let deviation_of = deviation_of(cut.q(), &expected);
+        assert_eq!(cut.report.termination(), MotionTermination::Stationary);
+        let deviation_of = deviation_of(&cut.q, &expected);
         assert!(deviation_of < 1e-6, "order {order}: off by {deviation_of}");
     }
 }

@@ -20,15 +20,15 @@ fn windows_agree_with_the_whole_and_at_their_seams() {
         .solve(&motion, &walker.stance)
         .unwrap();
     for solved in [&whole, &cut] {
-        assert_eq!(solved.termination(), MotionTermination::Stationary);
-        for q in solved.q().chunks(motion.configuration_len()) {
+        assert_eq!(solved.report.termination(), MotionTermination::Stationary);
+        for q in solved.rows() {
             assert!(walker.model().is_within_limits(q));
         }
     }
-    let apart = whole.q().iter().zip(cut.q()).map(|(a, b)| (a - b).abs());
+    let apart = whole.q.iter().zip(&cut.q).map(|(a, b)| (a - b).abs());
     let apart = apart.fold(0.0, f64::max);
     assert!(apart < 1e-4, "{apart} rad apart");
-    let dearer = cut.cost() / whole.cost() - 1.0;
+    let dearer = cut.report.cost() / whole.report.cost() - 1.0;
     assert!(dearer.abs() < 1e-5, "{dearer:e}");
 }
 
@@ -43,7 +43,7 @@ fn work_grows_linearly_with_the_frames() {
         let solved = solver
             .solve(&walker.swaying(frames, None), &walker.stance)
             .unwrap();
-        solved.counts().factored_frames as f64 / frames as f64
+        solved.report.counts().factored_frames as f64 / frames as f64
     });
     assert!(
         per_frame[1] < 1.3 * per_frame[0] + 1.0,
@@ -75,9 +75,9 @@ fn unconverged_window_is_reported() {
     let mut cut = 0;
     for limit in 1..30 {
         let solver = MotionSolver::default().with_max_iterations(limit);
-        let alone = solver.solve(&first, &[0.0]).unwrap().termination();
+        let alone = solver.solve(&first, &[0.0]).unwrap().report.termination();
         let solver = solver.with_windows(Some(windows));
-        let reported = solver.solve(&all, &[0.0]).unwrap().termination();
+        let reported = solver.solve(&all, &[0.0]).unwrap().report.termination();
         if alone == MotionTermination::IterationLimit {
             cut += 1;
             assert_eq!(reported, MotionTermination::IterationLimit, "{limit}");

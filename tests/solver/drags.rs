@@ -347,7 +347,9 @@ fn jump_of_prismatic_joint_is_in_metres() {
             assert_eq!(drag.q()[1], 0.3);
             if let Some(jump) = drag.jump() {
                 let moved = (drag.q()[0] - before).abs();
-                assert!((jump.distance - moved).abs() < 1e-12 && jump.joint == "slide");
+                let joint = model.moving_joints()[jump.joint];
+                assert_eq!(model.joints()[joint.index()].name, "slide");
+                assert!((jump.distance - moved).abs() < 1e-12 && jump.reconfiguration);
                 leaps.push(jump.distance);
             }
         }

@@ -6,7 +6,7 @@ use js_sys::Array;
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature as Bones, Clip as Motion};
 use kinopt::glam::{DVec3, Vec3};
-use kinopt::motion::clip_ik::{ClipIk, EditedClip as Edited, Reach, ground_speed};
+use kinopt::motion::clip_ik::{ClipIk, EditReport as Report, Reach, ground_speed};
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
@@ -66,6 +66,16 @@ export interface ReachResult {
     /** Time of that distance, seconds of the clip. */
     at: number;
 }
+
+/** Errors of an edited clip, in the armature's unit. */
+export interface EditReport {
+    /** Foot plants, foot by foot. */
+    stances: FootPlant[];
+    /** Results of the bones, planted feet first. */
+    led: ReachResult[];
+    /** Largest displacement of the root from the original clip. */
+    rootMoved: number;
+}
 "#;
 
 #[wasm_bindgen]
@@ -73,12 +83,6 @@ extern "C" {
     /// Options of inverse kinematics over a clip.
     #[wasm_bindgen(typescript_type = "ClipIkOptions")]
     pub type ClipIkOptions;
-    /// Foot plants as objects.
-    #[wasm_bindgen(typescript_type = "FootPlant[]")]
-    pub type Stances;
-    /// Results of reaching bones as objects.
-    #[wasm_bindgen(typescript_type = "ReachResult[]")]
-    pub type LedBones;
 }
 
 #[wasm_bindgen]
@@ -141,17 +145,11 @@ impl Clip {
                 top.unwrap_or(0.0).max(0.0)
             });
         }
-        let inner = ik.solve(motion).map_err(raise)?;
-        let name = |bone: BoneId| armature.names()[bone.index()].clone();
+        let edited = ik.solve(motion).map_err(raise)?;
         Ok(EditedClip {
-            stances: inner
-                .stances
-                .iter()
-                .map(|report| name(report.bone))
-                .collect(),
-            led: inner.led.iter().map(|report| name(report.bone)).collect(),
+            clip: edited.clip,
             armature: Rc::clone(armature),
-            inner,
+            report: report(&edited.report, armature),
         })
     }
 }
@@ -204,11 +202,9 @@ fn vector(value: &JsValue, what: &str) -> Result<DVec3, JsError> {
 /// Result of `withIk`.
 #[wasm_bindgen]
 pub struct EditedClip {
-    inner: Edited,
+    clip: Motion,
     armature: Rc<Bones>,
-    /// Names of the bones of foot plants and results.
-    stances: Vec<String>,
-    led: Vec<String>,
+    report: JsValue,
 }
 
 #[wasm_bindgen]
@@ -216,52 +212,43 @@ impl EditedClip {
     /// New clip.
     #[wasm_bindgen(getter)]
     pub fn clip(&self) -> Clip {
-        Clip::new(self.inner.clip.clone(), &self.armature)
+        Clip::new(self.clip.clone(), &self.armature)
     }
 
-    /// Foot plants, foot by foot.
-    #[wasm_bindgen(getter)]
-    pub fn stances(&self) -> Stances {
-        let list = |numbers: &[f64]| {
-            numbers
-                .iter()
-                .copied()
-                .map(JsValue::from)
-                .collect::<Array>()
-        };
-        let plants = self
-            .inner
-            .stances
-            .iter()
-            .zip(&self.stances)
-            .map(|(plant, bone)| {
-                object::of([
-                    ("bone", bone.into()),
-                    ("span", list(&plant.span).into()),
-                    ("place", list(&plant.place.to_array()).into()),
-                    ("slide", plant.slide.into()),
-                    ("stray", plant.stray.into()),
-                ])
-            });
-        plants.collect::<Array>().unchecked_into()
+    /// Errors of the clip.
+    #[wasm_bindgen(getter, unchecked_return_type = "EditReport")]
+    pub fn report(&self) -> JsValue {
+        self.report.clone()
     }
+}
 
-    /// Results of the bones, planted feet first.
-    #[wasm_bindgen(getter)]
-    pub fn led(&self) -> LedBones {
-        let results = self.inner.led.iter().zip(&self.led).map(|(result, bone)| {
-            object::of([
-                ("bone", bone.into()),
-                ("miss", result.miss.into()),
-                ("at", result.at.into()),
-            ])
-        });
-        results.collect::<Array>().unchecked_into()
-    }
-
-    /// Largest displacement of the root from the original clip.
-    #[wasm_bindgen(getter, js_name = rootMoved)]
-    pub fn root_moved(&self) -> f64 {
-        self.inner.root_moved
-    }
+/// Report as an object.
+fn report(report: &Report, armature: &Bones) -> JsValue {
+    let name = |bone: BoneId| JsValue::from(armature.names()[bone.index()].as_str());
+    let list = |numbers: &[f64]| {
+        let numbers = numbers.iter().copied().map(JsValue::from);
+        numbers.collect::<Array>()
+    };
+    let stances = report.stances.iter().map(|plant| {
+        object::of([
+            ("bone", name(plant.bone)),
+            ("span", list(&plant.span).into()),
+            ("place", list(&plant.place.to_array()).into()),
+            ("slide", plant.slide.into()),
+            ("stray", plant.stray.into()),
+        ])
+    });
+    let led = report.led.iter().map(|result| {
+        object::of([
+            ("bone", name(result.bone)),
+            ("miss", result.miss.into()),
+            ("at", result.at.into()),
+        ])
+    });
+    let fields = object::of([
+        ("stances", stances.collect::<Array>().into()),
+        ("led", led.collect::<Array>().into()),
+        ("rootMoved", report.root_moved.into()),
+    ]);
+    fields.into()
 }

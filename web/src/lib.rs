@@ -22,6 +22,7 @@ mod drag;
 mod euler_clip;
 #[cfg(any(feature = "bvh", feature = "gltf"))]
 mod figure;
+mod joint_path;
 mod kinematics;
 #[cfg(feature = "bodies")]
 mod masses;

@@ -17,23 +17,23 @@ const [HAND, FEET] = ["LeftHand", ["LeftFoot", "RightFoot"]];
 test("a bone reaches a target within its span only", () => {
     const target = bonePosition(clip, HAND, 1).map((value, k) => value + [5, 10, 5][k]);
     const edited = clip.withIk({ reach: [{ bone: HAND, target, span: [0.5, 1.5], fade: 0.2 }], keysPerSecond: 30 });
-    assert.deepEqual(edited.led.map(({ bone }) => bone), [HAND]);
-    assert.ok(edited.led[0].miss < 0.01, `${edited.led[0].miss}`);
+    assert.deepEqual(edited.report.led.map(({ bone }) => bone), [HAND]);
+    assert.ok(edited.report.led[0].miss < 0.01, `${edited.report.led[0].miss}`);
     assert.ok(away(bonePosition(edited.clip, HAND, 1), target) < 0.05);
     assert.ok(away(bonePosition(edited.clip, HAND, 3), bonePosition(clip, HAND, 3)) < 1e-3);
 });
 
 test("planted feet are motionless on the world's ground", () => {
     const edited = clip.withIk({ plant: FEET, keysPerSecond: 30 });
-    assert.ok(edited.stances.length >= 4);
-    for (const { bone, span: [from, to], place: position, slide, stray } of edited.stances) {
+    assert.ok(edited.report.stances.length >= 4);
+    for (const { bone, span: [from, to], place: position, slide, stray } of edited.report.stances) {
         assert.ok(slide < 0.05 && stray < 0.1);
         assert.ok(away(bonePosition(edited.clip, bone, 0.5 * (from + to)), position) < 0.1);
     }
     const stage = new World();
     stage.addBox("stage", [5000, 20, 5000]);
     const raised = clip.withIk({ plant: FEET, keysPerSecond: 30, ground: stage });
-    assert.ok(Math.abs(raised.stances[0].place[1] - edited.stances[0].place[1] - 10) < 0.1);
+    assert.ok(Math.abs(raised.report.stances[0].place[1] - edited.report.stances[0].place[1] - 10) < 0.1);
 });
 
 test("invalid requests are errors", () => {

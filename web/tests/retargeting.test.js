@@ -31,15 +31,15 @@ test("a captured motion is retargeted to a NAO", () => {
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const found = retarget(robot, capture.clip);
     const { lower, upper, configurationLen: length } = robot.model;
-    assert.equal(found.frames, 31);
+    assert.equal(found.times.length, 31);
     const q = found.q.slice();
     assert.equal(q.length, 31 * length);
     assert.ok(q.every((value, k) => lower[k % length] <= value && value <= upper[k % length]));
-    assert.ok(found.meanError < 0.1, `${found.meanError} m`);
+    assert.ok(found.report.meanError < 0.1, `${found.report.meanError} m`);
     // A map without drives is completed by names; one whose drives are empty is invalid.
     const completed = retarget(robot, capture.clip, "{}");
     assert.deepEqual(completed.q, q);
-    assert.deepEqual(completed.notes, ["the map drives no frame of the target, so drives are guessed from names", ...found.notes]);
+    assert.deepEqual(completed.report.notes, ["the map drives no frame of the target, so drives are guessed from names", ...found.report.notes]);
     assert.throws(() => retarget(robot, capture.clip, '{"drives": {}}'), /drives no frame/);
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });
@@ -69,10 +69,10 @@ test("a follower works by frame, a whole motion reports progress", () => {
     assert.ok(Math.min(...heights) < heights[0] - 0.04, "it crouches");
     const progressCalls = [];
     const whole = retarget(robot, clip, undefined, { whole: true, contactSpeed: 0.06, progress: (done, total) => progressCalls.push([done, total]) });
-    assert.equal(whole.frames, 181);
+    assert.equal(whole.times.length, 181);
     assert.ok(progressCalls.length > 1 && progressCalls.every(([done, total], k) => total === 181 && done > (progressCalls[k - 1]?.[0] ?? 0)));
     assert.equal(progressCalls.at(-1)[0], 181);
-    assert.ok(whole.slip < 0.005 && whole.meanError < 0.1);
+    assert.ok(whole.report.slip < 0.005 && whole.report.meanError < 0.1);
     const stops = { whole: true, progress: () => { throw new RangeError("enough"); } };
     assert.throws(() => retarget(robot, clip, undefined, stops), (error) => error instanceof RangeError);
     assert.throws(() => follower.step([0, 1, 2]), /places has 3 numbers/);
@@ -90,17 +90,17 @@ test("retargeting avoids a world and reports collisions", () => {
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const shapes = CollisionModel.ofRobot(robot);
     const plain = retarget(robot, capture.clip, undefined, { fps: 10 });
-    assert.deepEqual([...plain.touching], []);
+    assert.deepEqual([...plain.report.touching], []);
     const farWorld = new World();
     farWorld.addBox("far", [0.1, 0.1, 0.1], [5, 0, 0]);
     const apart = retargetClear(robot, capture.clip, shapes, farWorld, undefined, { fps: 10, margin: 0.001 });
-    assert.deepEqual([...apart.touching], []);
-    assert.ok(Math.abs(apart.meanError - plain.meanError) < 0.02 && apart.stride === plain.stride && plain.stride < 0.005);
+    assert.deepEqual([...apart.report.touching], []);
+    assert.ok(Math.abs(apart.report.meanError - plain.report.meanError) < 0.02 && apart.report.stride === plain.report.stride && plain.report.stride < 0.005);
     assert.deepEqual(JSON.parse(farWorld.scaled(0.5).toJson()).boxes[0].position, [2.5, 0, 0]);
     assert.throws(() => farWorld.scaled(0), /times/);
     // A collision with an obstacle that the robot holds cannot be avoided.
     const held = World.fromJson('{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}');
-    assert.equal(retargetClear(robot, capture.clip, shapes, held, undefined, { fps: 10 }).touching.length, plain.frames);
+    assert.equal(retargetClear(robot, capture.clip, shapes, held, undefined, { fps: 10 }).report.touching.length, plain.times.length);
     const follower = RetargetFollower.clear(robot, capture.clip, shapes, farWorld, undefined, { fps: 10 });
     const q = follower.step(capture.armature.places(capture.clip.sample(0)));
     assert.ok(q.every((value, k) => robot.model.lower[k] <= value && value <= robot.model.upper[k]));

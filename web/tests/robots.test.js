@@ -49,8 +49,8 @@ test("a path has one branch, and reports unreached points", () => {
     const points = (length) => Float64Array.from({ length: 16 * 61 }, (_, k) => begin[k % 16] + (k % 16 === 13 ? (length * Math.floor(k / 16)) / 60 : 0));
     const path = points(0.5);
     const solution = solvePath(arm, path);
-    assert.ok(solution.isWhole && solution.reconfigurations.length === 0, JSON.stringify(solution.missed));
-    assert.ok(solution.largestDeviation < 1e-3);
+    assert.ok(solution.reached && solution.jumps.length === 0, JSON.stringify(solution.report.missed));
+    assert.ok(solution.report.largestDeviation < 1e-3);
     const q = solution.q.slice();
     for (let k = 0; k < 61; k += 1) {
         const tool = arm.baseFromTool(q.subarray(7 * k, 7 * k + 7));
@@ -60,22 +60,22 @@ test("a path has one branch, and reports unreached points", () => {
     const times = solution.times(5, 1);
     assert.ok(times[0] === 0 && times.every((time, k) => k === 0 || time > times[k - 1]));
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
-    assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
+    assert.ok(!beyond.reached && beyond.report.missed.at(-1).index === 60 && /reach|found/.test(beyond.report.missed.at(-1).reason));
     assert.throws(() => solvePath(arm, path, { traversal: "back" }), /back.*cyclic/s);
     // The second half is for a tool that is 5 cm longer.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
     const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));
     const near = points(0.3);
     const two = solvePath(arm, near, { tools: longer, toolOfPoints });
-    assert.deepEqual([two.missed, two.q.length], [[], 61 * 7]);
+    assert.deepEqual([two.report.missed, two.q.length], [[], 61 * 7]);
     // The change of tools is the only long step, if there is one.
-    assert.ok(two.reconfigurations.every(({ index }) => index === 30));
+    assert.ok(two.jumps.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
     const offset = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);
     assert.ok(Math.abs(Math.hypot(...offset) - 0.05) < 4e-6, `${offset}`);
     assert.throws(() => solvePath(arm, path, { toolOfPoints }), /tool 1/);
     assert.throws(() => solvePath(arm, path, { toolOfPoints: [0.5] }), /toolOfPoints.*whole/);
     const slow = solvePath(arm, path, { times: Array.from({ length: 61 }, (_, k) => k / 1000), keepTimes: true });
-    assert.ok(slow.reconfigurations.length > 0);
+    assert.ok(slow.jumps.length > 0);
     assert.throws(() => solvePath(arm, path.subarray(0, 17)), /16/);
 });

@@ -77,7 +77,7 @@ def by_kinopt(robot: kinopt.Robot, asked: Asked, told: dict, whole: bool, **opti
         begun = time.process_time()
         found = kinopt.retarget(asked.places, robot, given, joints=asked.joints, fps=asked.fps, up="z", whole=whole, **options)
         best = min(best, time.process_time() - begun)
-    return Movement(found.q, found.names[7:], asked.fps), best, found.stride
+    return Movement(found.q, found.names[7:], asked.fps), best, found.report.stride
 
 
 def main() -> None:

@@ -165,7 +165,7 @@ impl IkOptions {
             ik = ik.with_ground(move |at| world.height_at(at, up).unwrap_or(0.0).max(0.0));
         }
         let edited = ik.solve(&clip)?;
-        let report = IkReport::of_clip(&edited, armature, root_velocity);
+        let report = IkReport::new(&edited.report, armature, None, root_velocity);
         Ok((edited.clip, Some(report)))
     }
 
@@ -190,7 +190,7 @@ impl IkOptions {
             ik = ik.with_root(armature.bone(root)?);
         }
         let edited = ik.solve(&rig.clip)?;
-        let report = IkReport::of_keys(&edited, &rig.skeleton, &armature);
+        let report = IkReport::new(&edited.report, &armature, Some(&rig.skeleton), None);
         Ok((edited.clip, report, edited.keys_changed))
     }
 

@@ -2,7 +2,7 @@
 
 use kinopt::animation::Armature;
 use kinopt::glam::Vec3;
-use kinopt::motion::clip_ik::{EditedClip, EditedKeys, ReachResult};
+use kinopt::motion::clip_ik::EditReport;
 use kinopt::skeleton::{BoneId, Skeleton};
 use serde::Serialize;
 
@@ -46,32 +46,28 @@ struct LedReport {
 }
 
 impl IkReport {
-    /// Report of a solved clip.
-    pub(super) fn of_clip(
-        edited: &EditedClip,
+    /// Report of a clip; of the keys of a rig with its skeleton.
+    pub(super) fn new(
+        report: &EditReport,
         armature: &Armature,
+        skeleton: Option<&Skeleton>,
         root_velocity: Option<Vec3>,
     ) -> Self {
         let name = |bone: BoneId| armature.names()[bone.index()].clone();
-        let stances = edited.stances.iter().map(|stance| StanceReport {
+        let stances = report.stances.iter().map(|stance| StanceReport {
             bone: name(stance.bone),
             span: stance.span,
             place: stance.place.to_array(),
             slide: stance.slide,
             stray: stance.stray,
         });
-        Self {
-            stances: stances.collect(),
-            led: led(&edited.led, armature),
-            root_moved: edited.root_moved,
-            root_velocity: root_velocity.map(|velocity| velocity.to_array()),
-            beyond: Vec::new(),
-        }
-    }
-
-    /// Report of a rig's solved keys.
-    pub(super) fn of_keys(edited: &EditedKeys, skeleton: &Skeleton, armature: &Armature) -> Self {
-        let beyond = edited.beyond.iter().map(|limit| {
+        let led = report.led.iter().map(|result| LedReport {
+            bone: name(result.bone),
+            miss: result.miss,
+            at: result.at,
+        });
+        let limits = report.beyond.iter().zip(skeleton.iter().copied().cycle());
+        let beyond = limits.map(|(limit, skeleton)| {
             let joint = skeleton.joints(limit.bone)[limit.angle];
             BeyondReport {
                 joint: skeleton.model().joints()[joint.index()].name.clone(),
@@ -80,10 +76,10 @@ impl IkReport {
             }
         });
         Self {
-            stances: Vec::new(),
-            led: led(&edited.led, armature),
-            root_moved: 0.0,
-            root_velocity: None,
+            stances: stances.collect(),
+            led: led.collect(),
+            root_moved: report.root_moved,
+            root_velocity: root_velocity.map(|velocity| velocity.to_array()),
             beyond: beyond.collect(),
         }
     }
@@ -120,13 +116,4 @@ impl IkReport {
         lines.push(format!("largest root displacement {:.2e}", self.root_moved));
         lines.join("\n") + "\n"
     }
-}
-
-fn led(results: &[ReachResult], armature: &Armature) -> Vec<LedReport> {
-    let reports = results.iter().map(|result| LedReport {
-        bone: armature.names()[result.bone.index()].clone(),
-        miss: result.miss,
-        at: result.at,
-    });
-    reports.collect()
 }

@@ -6,9 +6,9 @@ mod rows_file;
 
 use std::time::Instant;
 
-use kinopt::arm::{Arm, Base};
+use kinopt::arm::{Arm, Base, JointPath};
 use kinopt::counted;
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, TimingLimits};
+use kinopt::motion::path::{CartesianPath, PathReport, PathSolver, TimingLimits};
 use kinopt::spatial::Placement;
 
 pub(crate) use arguments::Arguments;
@@ -101,10 +101,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(out) = &arguments.out {
         output::message(&format!("wrote {}", out.display()));
     }
-    match arguments.query.fail_on_miss && !solution.missed.is_empty() {
+    match arguments.query.fail_on_miss && !solution.report.missed.is_empty() {
         true => Err(Failure::Missed(format!(
             "{} of {} points are not reached",
-            solution.missed.len(),
+            solution.report.missed.len(),
             path.points().len()
         ))),
         false => Ok(()),
@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 fn times(
     arm: &Arm,
     path: &CartesianPath,
-    solution: &PathSolution,
+    solution: &JointPath<PathReport>,
     accelerations: Option<&[f64]>,
 ) -> Outcome<Option<Vec<f64>>> {
     let arm_limits = arm.acceleration_limits();
@@ -125,7 +125,7 @@ fn times(
         .then_some(arm_limits);
     if let Some(accelerations) = accelerations.or(finite_limits) {
         let limits = TimingLimits::of(arm).with_acceleration_limits(accelerations);
-        return Ok(Some(solution.trajectory(&limits)?.times().to_vec()));
+        return Ok(Some(solution.trajectory(&limits)?.times));
     }
     let path_times = path
         .times()

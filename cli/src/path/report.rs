@@ -1,13 +1,13 @@
 //! Report of a path.
 
 use kinopt::Arm;
+use kinopt::arm::JointPath;
 use kinopt::counted;
-use kinopt::motion::path::{
-    CartesianPath, CsvColumns, Deviation, MissReason, Missed, PathSolution,
-};
+use kinopt::motion::path::{CartesianPath, CsvColumns, Deviation, MissReason, Missed, PathReport};
 use serde::Serialize;
 
 use crate::collision_document::{CollisionDocument, depth};
+use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::table;
 
@@ -19,7 +19,7 @@ pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
     pub(super) arm: &'a Arm,
     pub(super) path: &'a CartesianPath,
-    pub(super) solution: &'a PathSolution,
+    pub(super) solution: &'a JointPath<PathReport>,
     /// Time of each row in seconds, if known.
     pub(super) times: Option<Vec<f64>>,
     pub(super) milliseconds: f64,
@@ -33,8 +33,7 @@ pub(super) struct Document<'a> {
     points: usize,
     read_as: String,
     entry: usize,
-    reconfigurations: usize,
-    reconfigured_at: Vec<Step<'a>>,
+    jumps: Vec<JumpDocument>,
     length: f64,
     largest_deviation: f64,
     largest_deviation_at: usize,
@@ -46,14 +45,6 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     times: Option<&'a [f64]>,
     milliseconds: f64,
-}
-
-#[derive(Serialize)]
-struct Step<'a> {
-    index: usize,
-    joint: &'a str,
-    distance: f64,
-    length: f64,
 }
 
 #[derive(Serialize)]
@@ -85,21 +76,18 @@ impl<'a> Report<'a> {
 
     pub(super) fn document(&'a self) -> Document<'a> {
         let solution = self.solution;
-        let deviation = solution.largest_deviation;
+        let report = &solution.report;
+        let deviation = report.largest_deviation;
         let joints: Vec<&str> = self.arm.joints().collect();
-        let steps = solution.reconfigurations.iter().map(|step| Step {
-            index: step.index,
-            joint: joints.get(step.joint).copied().unwrap_or_default(),
-            distance: step.distance,
-            length: step.length,
-        });
-        let misses = solution.missed.iter().map(|miss| Miss {
+        let jumps = solution.jumps.iter();
+        let jumps = jumps.map(|jump| JumpDocument::of(jump, &joints));
+        let misses = report.missed.iter().map(|miss| Miss {
             index: miss.index,
             position_error: miss.position_error,
             orientation_error: miss.orientation_error,
             reason: reason(miss),
         });
-        let blocked = solution.blocked.iter().map(|blocked| Block {
+        let blocked = report.blocked.iter().map(|blocked| Block {
             index: blocked.index,
             by: CollisionDocument::of(&blocked.by),
         });
@@ -108,15 +96,14 @@ impl<'a> Report<'a> {
             q: self.rows().collect(),
             points: self.path.points().len(),
             read_as: self.columns_read.to_string(),
-            entry: solution.entry,
-            reconfigurations: solution.reconfigurations.len(),
-            reconfigured_at: steps.collect(),
-            length: solution.length,
+            entry: report.entry,
+            jumps: jumps.collect(),
+            length: report.length,
             largest_deviation: deviation.metres,
             largest_deviation_at: deviation.metres_at,
             largest_turn: deviation.radians,
             largest_turn_at: deviation.radians_at,
-            reached: solution.missed.is_empty(),
+            reached: solution.reached(),
             missed: misses.collect(),
             blocked: blocked.collect(),
             times: self.times.as_deref(),
@@ -126,8 +113,9 @@ impl<'a> Report<'a> {
 
     pub(super) fn text(&self) -> String {
         let solution = self.solution;
+        let report = &solution.report;
         let points = counted(self.path.points().len(), "point");
-        let reached = solution.rows().len() - solution.missed.len();
+        let reached = solution.rows().len() - report.missed.len();
         let mut entries = vec![
             (
                 "path",
@@ -137,11 +125,11 @@ impl<'a> Report<'a> {
                 ),
             ),
             ("branches", self.branches()),
-            ("length", format!("{:.4} of joint motion", solution.length)),
-            ("deviation", deviation_text(&solution.largest_deviation)),
+            ("length", format!("{:.4} of joint motion", report.length)),
+            ("deviation", deviation_text(&report.largest_deviation)),
         ];
-        if solution.entry > 0 {
-            entries.push(("entry", format!("starts at point {}", solution.entry)));
+        if report.entry > 0 {
+            entries.push(("entry", format!("starts at point {}", report.entry)));
         }
         if let Some(last) = self.times.as_ref().and_then(|times| times.last()) {
             entries.push((
@@ -152,7 +140,7 @@ impl<'a> Report<'a> {
         entries.push(("time", format!("{:.1} ms", self.milliseconds)));
         let mut text = table::lines(entries);
         let joints: Vec<&str> = self.arm.joints().collect();
-        let steps = solution.reconfigurations.iter().map(|step| {
+        let steps = solution.jumps.iter().map(|step| {
             let joint = joints.get(step.joint).copied().unwrap_or_default();
             format!(
                 "  to row {}: {joint} moves by {:.3} rad",
@@ -160,7 +148,7 @@ impl<'a> Report<'a> {
             )
         });
         add(&mut text, "reconfigurations", steps.collect());
-        let misses = solution.missed.iter().map(|miss| {
+        let misses = report.missed.iter().map(|miss| {
             let (metres, radians) = (miss.position_error, miss.orientation_error);
             let (row, why) = (miss.index, reason(miss));
             match miss.reason {
@@ -170,14 +158,14 @@ impl<'a> Report<'a> {
             }
         });
         add(&mut text, "not reached", misses.collect());
-        let blocked = solution.blocked.iter();
+        let blocked = report.blocked.iter();
         let blocked = blocked.map(|step| format!("  to row {}: {}", step.index, step.by));
         add(&mut text, "possible collisions", blocked.collect());
         text
     }
 
     fn branches(&self) -> String {
-        match self.solution.reconfigurations.len() {
+        match self.solution.jumps.len() {
             0 => "one branch, no reconfiguration".to_owned(),
             1 => "1 reconfiguration".to_owned(),
             count => format!("{count} reconfigurations"),

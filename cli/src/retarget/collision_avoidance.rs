@@ -3,7 +3,8 @@
 use clap::Args;
 use kinopt::collision::{Checker, World};
 use kinopt::counted;
-use kinopt::motion::retarget::Retargeted;
+use kinopt::motion::Trajectory;
+use kinopt::motion::retarget::RetargetReport;
 use kinopt_bindings::retarget_folder::FolderSettings;
 
 use super::target::Target;
@@ -111,9 +112,9 @@ impl AvoidanceOptions {
 }
 
 /// Reports the frames that remain in contact.
-pub(super) fn report_contacts(file: &str, retargeted: &Retargeted) {
-    if let Some(first) = retargeted.touching.first() {
-        let frames = counted(retargeted.touching.len(), "frame");
+pub(super) fn report_contacts(file: &str, retargeted: &Trajectory<RetargetReport>) {
+    if let Some(first) = retargeted.report.touching.first() {
+        let frames = counted(retargeted.report.touching.len(), "frame");
         let (frame, pair) = (first.frame, &first.pair);
         output::message(&format!(
             "note: {file}: {frames} remain in collision, first frame {frame}: {pair}"

@@ -236,14 +236,15 @@ impl<'a> Job<'a> {
             .write(&self.target, &retargeted, &name, header, out)?;
         Ok(Clip {
             out: out.to_owned(),
-            frames: retargeted.frames(),
-            fps: retargeted.frame_rate,
+            frames: retargeted.rows().len(),
+            fps: retargeted.report.frame_rate,
             stride,
-            mean_error: retargeted.mean_error,
-            slip: retargeted.slip,
-            ground_penetration: retargeted.ground_penetration,
-            contact_frames: retargeted.contact_frames,
+            mean_error: retargeted.report.mean_error,
+            slip: retargeted.report.slip,
+            ground_penetration: retargeted.report.ground_penetration,
+            contact_frames: retargeted.report.contact_frames,
             lost_contacts: retargeted
+                .report
                 .lost_contacts
                 .into_iter()
                 .map(lost_contact)

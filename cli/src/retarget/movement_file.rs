@@ -7,7 +7,8 @@ use clap::ValueEnum;
 use kinopt::animation::Armature;
 use kinopt::io::bvh::{self, BvhFormat};
 use kinopt::io::gltf::{self, Scene, WriteOptions};
-use kinopt::motion::retarget::{FigureTarget, Retargeted, UpAxis};
+use kinopt::motion::Trajectory;
+use kinopt::motion::retarget::{FigureTarget, RetargetReport, UpAxis};
 use kinopt::skeleton::Skeleton;
 use kinopt::spatial::{Placement, Vector3};
 use serde::Serialize;
@@ -68,7 +69,7 @@ impl Format {
     pub(super) fn write(
         self,
         target: &Target,
-        retargeted: &Retargeted,
+        retargeted: &Trajectory<RetargetReport>,
         name: &str,
         header: bool,
         to: &Path,
@@ -78,7 +79,7 @@ impl Format {
             Self::Npz => as_npz(retargeted, &names)?,
             Self::Json => serde_json::to_vec(&document(retargeted, &names))?,
             Self::Csv if header => as_table(retargeted, &names).into_bytes(),
-            Self::Csv => as_rows(retargeted, names.len(), target.is_free()).into_bytes(),
+            Self::Csv => as_rows(retargeted, target.is_free()).into_bytes(),
             Self::Bvh | Self::Glb => return self.write_figure(target, retargeted, name, to),
         };
         output::write_file(to, bytes)
@@ -87,7 +88,7 @@ impl Format {
     fn write_figure(
         self,
         target: &Target,
-        retargeted: &Retargeted,
+        retargeted: &Trajectory<RetargetReport>,
         name: &str,
         to: &Path,
     ) -> Outcome<()> {
@@ -96,7 +97,7 @@ impl Format {
             return Err(failure!("{}: the target is not a figure", loaded.file));
         };
         if self == Self::Bvh {
-            let format = BvhFormat::from(retargeted.frame_rate);
+            let format = BvhFormat::from(retargeted.report.frame_rate);
             return match (&loaded.scene, &loaded.capture) {
                 (Some(scene), _) => {
                     write_bvh(figure, &scene.file.scene().armature, retargeted, format, to)
@@ -114,7 +115,7 @@ impl Format {
                 name,
                 &file.scene().armature,
                 &retargeted.q,
-                retargeted.frame_rate,
+                retargeted.report.frame_rate,
             )?;
             let other = format!("{name} retargeted");
             scene_output::write_with_clip(file, clip, None, &other, to)?;
@@ -127,7 +128,12 @@ impl Format {
             }
             _ => Scene::of_skeleton(skeleton, None)?,
         };
-        let clip = figure.clip(name, &scene.armature, &retargeted.q, retargeted.frame_rate)?;
+        let clip = figure.clip(
+            name,
+            &scene.armature,
+            &retargeted.q,
+            retargeted.report.frame_rate,
+        )?;
         scene.clips.push(clip);
         let mut options = WriteOptions::default();
         options.up = figure.up().into();
@@ -139,7 +145,7 @@ impl Format {
 fn write_rig_as_bvh(
     skeleton: &Skeleton,
     up: UpAxis,
-    retargeted: &Retargeted,
+    retargeted: &Trajectory<RetargetReport>,
     to: &Path,
 ) -> Outcome<()> {
     let y_from_z = UpAxis::Y.turned_to_z().transpose();
@@ -151,7 +157,7 @@ fn write_rig_as_bvh(
         &figure,
         &armature,
         retargeted,
-        retargeted.frame_rate.into(),
+        retargeted.report.frame_rate.into(),
         to,
     )
 }
@@ -159,7 +165,7 @@ fn write_rig_as_bvh(
 fn write_bvh(
     figure: &FigureTarget,
     armature: &Armature,
-    retargeted: &Retargeted,
+    retargeted: &Trajectory<RetargetReport>,
     format: BvhFormat<'_>,
     to: &Path,
 ) -> Outcome<()> {
@@ -167,22 +173,22 @@ fn write_bvh(
     Ok(bvh::write_poses(armature, &poses, format, to)?)
 }
 
-fn as_npz(retargeted: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
-    let (frames, width) = (retargeted.frames(), names.len());
-    let contact_count = retargeted.contact_frames.len();
+fn as_npz(retargeted: &Trajectory<RetargetReport>, names: &[String]) -> Outcome<Vec<u8>> {
+    let (frames, width) = (retargeted.rows().len(), names.len());
+    let contact_count = retargeted.report.contact_frames.len();
     numpy_file::npz(&[
         ("q", &[frames, width], Column::Numbers(&retargeted.q)),
-        ("fps", &[], Column::Numbers(&[retargeted.frame_rate])),
+        ("fps", &[], Column::Numbers(&[retargeted.report.frame_rate])),
         ("names", &[width], Column::Words(names)),
         (
             "contacts",
             &[frames, contact_count],
-            Column::Flags(&retargeted.contacts),
+            Column::Flags(&retargeted.report.contacts),
         ),
         (
             "contact_frames",
             &[contact_count],
-            Column::Words(&retargeted.contact_frames),
+            Column::Words(&retargeted.report.contact_frames),
         ),
         (
             "contact_points",
@@ -204,20 +210,21 @@ struct Document<'a> {
     contacts: Vec<&'a [bool]>,
 }
 
-fn document<'a>(retargeted: &'a Retargeted, names: &'a [String]) -> Document<'a> {
+fn document<'a>(retargeted: &'a Trajectory<RetargetReport>, names: &'a [String]) -> Document<'a> {
     Document {
-        fps: retargeted.frame_rate,
+        fps: retargeted.report.frame_rate,
         names,
-        contact_frames: &retargeted.contact_frames,
+        contact_frames: &retargeted.report.contact_frames,
         contact_points: contact_points(retargeted),
-        q: retargeted.q.chunks_exact(names.len().max(1)).collect(),
+        q: retargeted.rows().collect(),
         contacts: contacts(retargeted).collect(),
     }
 }
 
 /// Contact points, each in the coordinates of its frame, metres.
-fn contact_points(retargeted: &Retargeted) -> Vec<[f64; 3]> {
+fn contact_points(retargeted: &Trajectory<RetargetReport>) -> Vec<[f64; 3]> {
     retargeted
+        .report
         .contact_points
         .iter()
         .map(|at| at.to_array())
@@ -225,10 +232,11 @@ fn contact_points(retargeted: &Retargeted) -> Vec<[f64; 3]> {
 }
 
 /// Contact flags, frame by frame.
-fn contacts(retargeted: &Retargeted) -> impl Iterator<Item = &[bool]> {
-    let width = retargeted.contact_frames.len();
-    (0..retargeted.frames()).map(move |frame| {
+fn contacts(retargeted: &Trajectory<RetargetReport>) -> impl Iterator<Item = &[bool]> {
+    let width = retargeted.report.contact_frames.len();
+    (0..retargeted.rows().len()).map(move |frame| {
         retargeted
+            .report
             .contacts
             .get(frame * width..(frame + 1) * width)
             .unwrap_or_default()
@@ -236,9 +244,9 @@ fn contacts(retargeted: &Retargeted) -> impl Iterator<Item = &[bool]> {
 }
 
 /// Rows of configurations without a header. The base's quaternion is x, y, z, w, as in Unitree's retargeted LAFAN1.
-fn as_rows(retargeted: &Retargeted, width: usize, is_free: bool) -> String {
+fn as_rows(retargeted: &Trajectory<RetargetReport>, is_free: bool) -> String {
     let mut text = String::new();
-    for q in retargeted.q.chunks_exact(width.max(1)) {
+    for q in retargeted.rows() {
         let mut row = q.to_vec();
         if is_free {
             row[3..BASE].rotate_left(1);
@@ -251,8 +259,9 @@ fn as_rows(retargeted: &Retargeted, width: usize, is_free: bool) -> String {
 }
 
 /// Header row, then one row per frame: time in seconds, configuration, and contact flags (1 in contact).
-fn as_table(retargeted: &Retargeted, names: &[String]) -> String {
+fn as_table(retargeted: &Trajectory<RetargetReport>, names: &[String]) -> String {
     let contact_columns = retargeted
+        .report
         .contact_frames
         .iter()
         .map(|frame| format!("{frame} in contact"));
@@ -260,12 +269,9 @@ fn as_table(retargeted: &Retargeted, names: &[String]) -> String {
         .chain(names.iter().cloned())
         .chain(contact_columns);
     let mut text = columns.collect::<Vec<_>>().join(",") + "\n";
-    let rows = retargeted
-        .q
-        .chunks_exact(names.len().max(1))
-        .zip(contacts(retargeted));
-    for (frame, (q, in_contact)) in rows.enumerate() {
-        let _ = write!(text, "{}", frame as f64 / retargeted.frame_rate);
+    let rows = retargeted.times.iter().zip(retargeted.rows());
+    for ((time, q), in_contact) in rows.zip(contacts(retargeted)) {
+        let _ = write!(text, "{time}");
         for number in q {
             let _ = write!(text, ",{number}");
         }

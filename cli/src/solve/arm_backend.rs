@@ -13,10 +13,11 @@ use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
-use super::query::{Answer, LongStep, Path, Query};
+use super::query::{Answer, Path, Query};
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
+use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::problem::number_list::Numbers;
@@ -213,20 +214,20 @@ impl QueryBackend for ArmBackend<'_> {
             jumps.extend(jump);
             answered();
         }
-        if jumps.iter().any(|jump| !jump.continuous) {
+        if jumps.iter().any(|jump| jump.reconfiguration) {
             // With the whole path known, the arm may avoid the jump; the steps are timed together.
             let targets: Vec<_> = queries.iter().map(|q| self.target(q)).collect();
             let started = Instant::now();
             let track = self.arm.track(&targets, &q_arm)?;
             let each = microseconds(started) / queries.len() as f64;
             jumps = track.jumps;
-            let solutions = track.solutions.into_iter();
+            let solutions = track.report.into_iter();
             steps = solutions.map(|solution| (solution, each)).collect();
         }
         let answer = |(solution, micros)| self.answer_of(first, solution, Some(micros));
         let answers = steps.into_iter().map(answer);
         let joints = self.joint_names();
-        let jumps = jumps.iter().map(|jump| LongStep::of(jump, &joints));
+        let jumps = jumps.iter().map(|jump| JumpDocument::of(jump, &joints));
         Ok(Path {
             answers: answers.collect::<Outcome<_>>()?,
             jumps: jumps.collect(),

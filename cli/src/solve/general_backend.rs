@@ -19,10 +19,11 @@ use super::goals::Goals;
 use super::held_frames::Held;
 use super::levels::{BALANCE, HELD, levels};
 use super::pose_finder::{PoseFinder, TargetMotion};
-use super::query::{Answer, LongStep, Path, Query};
+use super::query::{Answer, Path, Query, drag_jump};
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
+use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::problem::Problem;
 use crate::problem::task_name::TaskName;
@@ -314,8 +315,9 @@ impl QueryBackend for GeneralBackend<'_> {
             let answer = Answer::new(solution.q.clone(), solution, Some(micros));
             path.answers.push(answer);
             if step > 0 {
-                let jump = LongStep::between(step, &before, drag.q(), &angles, &joints);
-                path.jumps.extend(jump);
+                let jump = drag_jump(step, &before, drag.q(), &angles);
+                path.jumps
+                    .extend(jump.map(|jump| JumpDocument::of(&jump, &joints)));
             }
             answered();
         }

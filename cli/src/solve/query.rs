@@ -1,12 +1,12 @@
 //! Queries and their solutions, in terms of the whole model.
 
 use kinopt::Solution;
-use kinopt::arm::Jump;
+use kinopt::ik::JointJump;
 use kinopt::spatial::Placement;
 use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
-use crate::number_format::six_digits;
+use crate::jump_document::JumpDocument;
 
 /// Joint displacement of a step above which the step is reported, in radians.
 const MAX_JOINT_STEP: f64 = 0.2;
@@ -62,20 +62,7 @@ pub(super) struct Path {
     /// Solutions, one for each step.
     pub(super) answers: Vec<Answer>,
     /// Steps in which a joint exceeds the jump bound.
-    pub(super) jumps: Vec<LongStep>,
-}
-
-/// Step of a path in which a joint moves more than 0.2 rad.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct LongStep {
-    /// Index of its target, from 0.
-    step: usize,
-    /// Joint with the largest displacement.
-    joint: String,
-    /// Displacement in radians; of a prismatic joint, weighted metres.
-    distance: f64,
-    /// True if smaller steps also lead there; false for a jump to another branch.
-    continuous: bool,
+    pub(super) jumps: Vec<JumpDocument>,
 }
 
 impl Answer {
@@ -92,46 +79,22 @@ impl Answer {
     }
 }
 
-impl LongStep {
-    /// Long step from a jump of an arm with these joints.
-    pub(super) fn of(jump: &Jump, joints: &[&str]) -> Self {
-        let joint = joints.get(jump.joint).copied().unwrap_or_default();
-        Self {
-            step: jump.step,
-            joint: joint.to_owned(),
-            distance: jump.distance,
-            continuous: jump.continuous,
-        }
-    }
-
-    /// Long step of a dragged path from `before` to `after`, in coordinates of the model, if a joint exceeds the bound.
-    /// Only `angles` count. The step is continuous, because a drag stays on its branch.
-    pub(super) fn between(
-        step: usize,
-        before: &[f64],
-        after: &[f64],
-        angles: &[bool],
-        joints: &[&str],
-    ) -> Option<Self> {
-        let moves = before.iter().zip(after).map(|(a, b)| (a - b).abs());
-        let moves = moves.zip(angles).zip(joints);
-        let rotated = moves.filter_map(|((moved, &angle), joint)| angle.then_some((moved, joint)));
-        let (distance, joint) = rotated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (distance > MAX_JOINT_STEP).then(|| Self {
-            step,
-            joint: (*joint).to_owned(),
-            distance,
-            continuous: true,
-        })
-    }
-
-    /// Line of text.
-    pub(super) fn text(&self) -> String {
-        let kind = match self.continuous {
-            true => "continuous: a fast motion or a coarse path",
-            false => "a jump: the branch ends there",
-        };
-        let (step, joint, distance) = (self.step, &self.joint, six_digits(self.distance));
-        format!("step {step}: `{joint}` moves by {distance} rad, {kind}")
-    }
+/// Jump of a dragged path from `before` to `after`, in coordinates of the model, if a joint exceeds the bound. Only
+/// `angles` count. It is no reconfiguration, because a drag stays on its branch.
+pub(super) fn drag_jump(
+    index: usize,
+    before: &[f64],
+    after: &[f64],
+    angles: &[bool],
+) -> Option<JointJump> {
+    let moves = before.iter().zip(after).map(|(a, b)| (a - b).abs());
+    let moves = moves.zip(angles).enumerate();
+    let rotated = moves.filter_map(|(joint, (moved, &angle))| angle.then_some((moved, joint)));
+    let (distance, joint) = rotated.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (distance > MAX_JOINT_STEP).then_some(JointJump {
+        index,
+        joint,
+        distance,
+        reconfiguration: false,
+    })
 }

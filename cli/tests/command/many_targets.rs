@@ -131,7 +131,7 @@ fn jump_is_reported() {
     let document = answer!("{track} @solve.global_search_on_miss=true");
     let jumps = list(&document["summary"]["jumps"]);
     assert_eq!(jumps.len(), 1, "{jumps:?}");
-    has!(jumps[0], {"step": 31, "continuous": false});
+    has!(jumps[0], {"index": 31, "reconfiguration": true});
     assert!(number(&jumps[0]["distance"]) > 0.2);
     let text = text!("{track} @solve.global_search_on_miss=true");
     says!(text => &format!("step 31 | {}", word(&jumps[0]["joint"])));

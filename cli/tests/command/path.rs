@@ -10,7 +10,7 @@ const SEAM: &str = "../models/paths/pipe_seam.csv";
 #[test]
 fn seam_is_followed_without_reconfiguration() {
     let report = answer!("path {PANDA} {SEAM} --tip tool");
-    has!(report, {"reconfigurations": 0, "reconfigured_at": [], "points": 121, "entry": 0});
+    has!(report, {"jumps": [], "points": 121, "entry": 0});
     has!(report, {"reached": true, "missed": [], "blocked": []});
     let rows = list(&report["q"]);
     assert_eq!(rows.len(), 121);
@@ -63,8 +63,8 @@ fn traversals_and_unreached_points_are_reported() {
     assert_eq!(list(&report["q"]).len(), 5);
     let report = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal cyclic");
     assert_eq!(
-        (list(&report["q"]).len(), &report["reconfigurations"]),
-        (4, &json!(0))
+        (list(&report["q"]).len(), &report["jumps"]),
+        (4, &json!([]))
     );
     let report = answer!("path {PANDA} {path} --tip tool --at 5,0,0.3");
     assert_eq!(list(&report["missed"]).len(), 4);

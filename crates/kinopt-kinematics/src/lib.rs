@@ -34,6 +34,7 @@ mod scoped_cell;
 mod size_mismatch;
 pub mod skeleton;
 pub mod spatial;
+mod trajectory;
 
 pub use bad_option::BadOption;
 pub use buffer::Buffer;
@@ -44,3 +45,4 @@ pub use num_dual;
 pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;
+pub use trajectory::Trajectory;

@@ -1,10 +1,9 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, SupportsIndex, TypedDict, final, overload
+from typing import Any, Generic, Literal, SupportsIndex, TypedDict, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import disjoint_base
 
 from . import animation as animation
 from . import io as io
@@ -610,7 +609,7 @@ class Arm:
         out: Floats | None = None,
         progress: Callable[[int, int], object] | bool | None = None,
     ) -> Batch: ...
-    def track(self, targets: PlacementsLike, start: ArrayLike | None = None) -> Track: ...
+    def track(self, targets: PlacementsLike, start: ArrayLike | None = None) -> JointPath[Solutions]: ...
     def follower(self, start: ArrayLike | None = None) -> Follower: ...
     def servo(
         self,
@@ -659,23 +658,7 @@ class Batch:
     def __getitem__(self, index: slice | ArrayLike, /) -> Batch: ...
 
 @final
-class Jump:
-    @property
-    def step(self) -> int: ...
-    @property
-    def joint(self) -> str: ...
-    @property
-    def distance(self) -> float: ...
-    @property
-    def continuous(self) -> bool: ...
-
-@final
-class Track(Solutions):
-    @property
-    def jumps(self) -> list[Jump]: ...
-
-@final
-class Reconfiguration:
+class JointJump:
     @property
     def index(self) -> int: ...
     @property
@@ -683,7 +666,7 @@ class Reconfiguration:
     @property
     def distance(self) -> float: ...
     @property
-    def length(self) -> float: ...
+    def reconfiguration(self) -> bool: ...
 
 @final
 class MissedPoint:
@@ -757,14 +740,10 @@ class MotionProblem:
         slip: float | None = None,
         curvature: bool = True,
         windows: tuple[int, int] | None = None,
-    ) -> MotionSolution: ...
+    ) -> Trajectory[MotionReport]: ...
 
 @final
-class MotionSolution:
-    @property
-    def q(self) -> Floats: ...
-    @property
-    def names(self) -> list[str]: ...
+class MotionReport:
     @property
     def frame_costs(self) -> Floats: ...
     @property
@@ -785,37 +764,11 @@ class MotionSolution:
     def active_limits(self) -> list[ActiveMotionLimit]: ...
     @property
     def reached(self) -> bool: ...
-    def __len__(self) -> int: ...
 
 @final
-class PathSolution:
-    def times(
-        self,
-        acceleration_limits: ArrayLike | None = None,
-        velocity_limits: ArrayLike | None = None,
-    ) -> Floats: ...
-    def trajectory(
-        self,
-        acceleration_limits: ArrayLike | None = None,
-        velocity_limits: ArrayLike | None = None,
-        *,
-        jerk_limits: ArrayLike | None = None,
-        arm: Arm | None = None,
-        tool_linear_limits: tuple[float, float] | None = None,
-        tool_angular_limits: tuple[float, float] | None = None,
-        corner_tolerance: float = 1e-3,
-        grid_points: int = 1000,
-    ) -> Trajectory: ...
-    @property
-    def q(self) -> Floats: ...
-    @property
-    def joint_names(self) -> list[str]: ...
+class PathReport:
     @property
     def entry(self) -> int: ...
-    @property
-    def reconfigurations(self) -> int: ...
-    @property
-    def reconfigured_at(self) -> list[Reconfiguration]: ...
     @property
     def length(self) -> float: ...
     @property
@@ -832,17 +785,57 @@ class PathSolution:
     def blocked(self) -> list[tuple[int, Collision]]: ...
     @property
     def read_as(self) -> str | None: ...
-    @property
-    def is_whole(self) -> bool: ...
+
+_Report = TypeVar("_Report", covariant=True)
 
 @final
-class Trajectory:
+class JointPath(Generic[_Report]):
+    def times(
+        self,
+        acceleration_limits: ArrayLike | None = None,
+        velocity_limits: ArrayLike | None = None,
+    ) -> Floats: ...
+    def trajectory(
+        self,
+        acceleration_limits: ArrayLike | None = None,
+        velocity_limits: ArrayLike | None = None,
+        *,
+        jerk_limits: ArrayLike | None = None,
+        arm: Arm | None = None,
+        tool_linear_limits: tuple[float, float] | None = None,
+        tool_angular_limits: tuple[float, float] | None = None,
+        corner_tolerance: float = 1e-3,
+        grid_points: int = 1000,
+    ) -> Trajectory[TimedSpline]: ...
+    @property
+    def q(self) -> Floats: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def jumps(self) -> list[JointJump]: ...
+    @property
+    def reached(self) -> bool: ...
+    @property
+    def report(self) -> _Report: ...
+    def __len__(self) -> int: ...
+
+@final
+class Trajectory(Generic[_Report]):
+    def __new__(cls, times: ArrayLike, q: ArrayLike, names: list[str], report: _Report) -> Trajectory[_Report]: ...
     @property
     def times(self) -> Floats: ...
     @property
+    def q(self) -> Floats: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
     def duration(self) -> float: ...
     @property
-    def joint_names(self) -> list[str]: ...
+    def report(self) -> _Report: ...
+    def __len__(self) -> int: ...
+
+@final
+class TimedSpline:
     def at(self, time: ArrayLike) -> TrajectoryPoint: ...
 
 @final
@@ -869,12 +862,12 @@ def solve_path(
     tools: list[Arm] | None = None,
     tool_of_points: list[int] | None = None,
     order: Literal["w-first", "w-last"] | None = None,
-) -> PathSolution: ...
+) -> JointPath[PathReport]: ...
 @final
 class Follower:
     @property
     def q(self) -> Floats: ...
-    def advance(self, target: PlacementLike) -> tuple[Solution, Jump | None]: ...
+    def advance(self, target: PlacementLike) -> tuple[Solution, JointJump | None]: ...
 
 @final
 class Servo:
@@ -1415,7 +1408,7 @@ class Solver:
         progress: bool | Callable[[int, int], object] | None = None,
     ) -> Solutions: ...
 
-@disjoint_base
+@final
 class Solutions:
     @property
     def q(self) -> Floats: ...
@@ -1475,14 +1468,8 @@ class Drag:
     @property
     def is_at_rest(self) -> bool: ...
     @property
-    def jump(self) -> DragJump | None: ...
+    def jump(self) -> JointJump | None: ...
 
-@final
-class DragJump:
-    @property
-    def joint(self) -> str: ...
-    @property
-    def distance(self) -> float: ...
 @final
 class Scene:
     def __new__(

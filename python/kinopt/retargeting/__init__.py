@@ -10,7 +10,7 @@ from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
-from .movement import LostContact, LimitMet, Retargeted, Touching
+from .movement import LostContact, LimitMet, RetargetReport, Touching, save, to_clip
 from .retarget import retarget
 from .sources import read_capture
 
@@ -22,10 +22,12 @@ __all__ = [
     "LimitMet",
     "MapGuess",
     "RetargetFollower",
-    "Retargeted",
+    "RetargetReport",
     "Touching",
     "guess_map",
     "read_capture",
     "retarget",
     "retarget_folder",
+    "save",
+    "to_clip",
 ]

@@ -14,6 +14,7 @@ from .._kinopt import World
 from .._kinopt.retargeting import folder_begun
 from ..errors import InvalidValueError, KinoptError
 from .maps import MapLike, is_skeleton, read_map
+from .movement import save
 from .retarget import retarget
 from .targets import TargetLike, read_target
 
@@ -29,11 +30,11 @@ class ClipReport:
     frames: int = 0
     """Number of frames; 0 for a file that was done before, or failed."""
     mean_error: float = 0.0
-    """Mean error as in ``Retargeted``, metres."""
+    """Mean error as in ``RetargetReport``, metres."""
     slip: float = 0.0
-    """Largest drift as in ``Retargeted``, metres."""
+    """Largest drift as in ``RetargetReport``, metres."""
     ground_penetration: float = 0.0
-    """Largest ground penetration as in ``Retargeted``, metres."""
+    """Largest ground penetration as in ``RetargetReport``, metres."""
     done_before: bool = False
     """True if the output existed."""
     notes: list[str] = field(default_factory=list)
@@ -93,7 +94,7 @@ class FolderJob:
         source, out = pair
         try:
             retargeted = retarget(source, self.target, self.map, **self.options)
-            retargeted.save(out)
+            save(retargeted, out)
         except KinoptError as error:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
@@ -101,10 +102,10 @@ class FolderJob:
             source,
             out,
             len(retargeted),
-            retargeted.mean_error,
-            retargeted.slip,
-            retargeted.ground_penetration,
-            notes=retargeted.notes,
+            retargeted.report.mean_error,
+            retargeted.report.slip,
+            retargeted.report.ground_penetration,
+            notes=retargeted.report.notes,
         )
 
 
@@ -130,7 +131,7 @@ def retarget_folder(
     progress: bool | Callable[[int, int], None] = False,
 ) -> list[ClipReport]:
     """Retargets every motion capture of a folder and its subfolders to a robot or a rig: a .npz each, as
-    ``Retargeted.save`` writes it.
+    ``retargeting.save`` writes it.
 
     Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
     A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal

@@ -1,4 +1,4 @@
-"""A retargeted motion, with its errors."""
+"""The report of a retargeted motion, and its files and clips."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._kinopt import Trajectory
 from .._kinopt.animation import Clip
 from .._kinopt.retargeting import Capture, FigureTarget, unfinished
 from ..errors import FileError, InvalidValueError
@@ -56,15 +57,11 @@ class LostContact:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Retargeted:
-    """A motion of a robot or a rig: configurations exactly within all position and speed limits."""
+class RetargetReport:
+    """Errors, contacts and collisions of a retargeted motion."""
 
-    q: Floats
-    """Configurations, shape (T, nq)."""
     fps: float
     """Frame rate, in frames a second."""
-    names: list[str]
-    """Names of the numbers of a configuration."""
     contacts: NDArray[np.bool_]
     """True for each frame of motion and target frame in contact, shape (T, S)."""
     contact_frames: list[str]
@@ -96,13 +93,10 @@ class Retargeted:
     capture: Capture
     """The capture."""
 
-    def __len__(self) -> int:
-        return len(self.q)
-
     def __repr__(self) -> str:
         return (
-            f"Retargeted({len(self.q)} frames at {self.fps:g} fps, {self.q.shape[1]} numbers a frame, "
-            f"mean_error={self.mean_error:.4g} m, slip={self.slip:.2g} m, {len(self.notes)} notes)"
+            f"RetargetReport({self.fps:g} fps, mean_error={self.mean_error:.4g} m, slip={self.slip:.2g} m, "
+            f"{len(self.notes)} notes)"
         )
 
     def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
@@ -111,45 +105,48 @@ class Retargeted:
         is_missed = self.errors > tolerance
         return {name: np.flatnonzero(is_missed[:, k]) for k, name in enumerate(self.driven) if is_missed[:, k].any()}
 
-    def clip(self, target: TargetLike, name: str = "retargeted") -> Clip:
-        """The motion as a clip of ``target``'s armature, in the axes of its file. ``target`` is the rig, skeleton,
-        scene, motion capture or ``FigureTarget`` of the retargeting, or its file.
 
-        ``SceneFile.add_clip`` adds it to the file of a scene.
+def to_clip(motion: Trajectory[RetargetReport], target: TargetLike, name: str = "retargeted") -> Clip:
+    """The motion as a clip of ``target``'s armature, in the axes of its file. ``target`` is the rig, skeleton, scene,
+    motion capture or ``FigureTarget`` of the retargeting, or its file.
 
-        Raises ``InvalidValueError`` for another target, or one without an armature.
-        """
-        figure = read_target(target)
-        if not isinstance(figure, FigureTarget):
-            figure = FigureTarget(figure)
-        return figure.clip(self.q, self.fps, name)
+    ``SceneFile.add_clip`` adds it to the file of a scene.
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``contact_frames`` and ``contact_points`` as a .npz, which appears
-        when it is complete.
-
-        Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
-        """
-        path = Path(path)
-        if path.suffix != ".npz":
-            raise InvalidValueError(f"{path}: expected the extension .npz")
-        # Written next to the target of a symbolic link.
-        real = Path(os.path.realpath(path))
-        part = unfinished(real)
-        try:
-            with part.open("wb") as file:
-                np.savez(
-                    file,
-                    q=self.q,
-                    fps=self.fps,
-                    names=np.array(self.names),
-                    contacts=self.contacts,
-                    contact_frames=np.array(self.contact_frames, dtype=str),
-                    contact_points=self.contact_points,
-                )
-            part.replace(real)
-        except OSError as error:
-            raise FileError(f"{path}: cannot be written: {error}") from None
+    Raises ``InvalidValueError`` for another target, or one without an armature.
+    """
+    figure = read_target(target)
+    if not isinstance(figure, FigureTarget):
+        figure = FigureTarget(figure)
+    return figure.clip(motion.q, motion.report.fps, name)
 
 
-__all__ = ["LostContact", "LimitMet", "Retargeted", "Touching"]
+def save(motion: Trajectory[RetargetReport], path: str | os.PathLike[str]) -> None:
+    """Writes ``q``, ``fps``, ``names``, ``contacts``, ``contact_frames`` and ``contact_points`` as a .npz, which appears
+    when it is complete.
+
+    Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".npz":
+        raise InvalidValueError(f"{path}: expected the extension .npz")
+    report = motion.report
+    # Written next to the target of a symbolic link.
+    real = Path(os.path.realpath(path))
+    part = unfinished(real)
+    try:
+        with part.open("wb") as file:
+            np.savez(
+                file,
+                q=motion.q,
+                fps=report.fps,
+                names=np.array(motion.names),
+                contacts=report.contacts,
+                contact_frames=np.array(report.contact_frames, dtype=str),
+                contact_points=report.contact_points,
+            )
+        part.replace(real)
+    except OSError as error:
+        raise FileError(f"{path}: cannot be written: {error}") from None
+
+
+__all__ = ["LostContact", "LimitMet", "RetargetReport", "Touching", "save", "to_clip"]

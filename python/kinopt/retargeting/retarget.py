@@ -8,11 +8,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
 from .. import progress as bars
-from .._kinopt import World
+from .._kinopt import Trajectory, World
 from .._kinopt.retargeting import Capture, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
-from .movement import LostContact, LimitMet, Retargeted, Touching
+from .movement import LostContact, LimitMet, RetargetReport, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
 
@@ -78,15 +80,15 @@ def retarget(
     world: World | None = None,
     margin: float | None = None,
     progress: bool | Callable[[int, int], None] = False,
-) -> Retargeted:
+) -> Trajectory[RetargetReport]:
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
     ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
     ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A robot that
-    walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in ``Retargeted.notes``. A
+    walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the report. A
     skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene, a
     ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
-    .xml, .glb, .gltf, .bvh or rig's .json file. ``Retargeted.clip`` converts the motion of a skeleton to a clip.
+    .xml, .glb, .gltf, .bvh or rig's .json file. ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",
     "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``. The result contains the map. One file may hold
@@ -139,10 +141,8 @@ def retarget(
         notes.append("the target is upright along another axis than its upward axis")
     if has_fixed_base:
         notes.append('the target has legs but a fixed base, so it stays in place: read the robot with base_joint="free"')
-    return Retargeted(
-        q=q,
+    report = RetargetReport(
         fps=request.capture.fps,
-        names=names,
         contacts=contacts,
         contact_frames=contact_frames,
         contact_points=contact_points,
@@ -159,6 +159,7 @@ def retarget(
         notes=notes,
         capture=request.capture,
     )
+    return Trajectory(np.arange(len(q)) / request.capture.fps, q, names, report)
 
 
 __all__ = ["retarget"]

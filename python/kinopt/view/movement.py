@@ -64,11 +64,11 @@ class Person:
 class Movement:
     """A retargeted motion of a body in a scene, with the subject next to it: a clip."""
 
-    def __init__(self, name: str, movement: kinopt.Retargeted, body: Body, person: Person | None) -> None:
+    def __init__(self, name: str, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, person: Person | None) -> None:
         #: Name of the clip.
         self.name = name
         #: Start and end time, seconds.
-        self.span = (0.0, (len(movement) - 1) / movement.fps)
+        self.span = (0.0, movement.duration)
         self.movement, self.body, self.person = movement, body, person
         self._at = body.at.copy()
         self._base = movement.q.shape[1] - len(body.q)
@@ -79,7 +79,7 @@ class Movement:
 
     def show(self, seconds: float) -> None:
         """Sets the poses of body and subject at that time."""
-        frame = min(max(round(seconds * self.movement.fps), 0), len(self.movement) - 1)
+        frame = min(max(round(seconds * self.movement.report.fps), 0), len(self.movement) - 1)
         q = self.movement.q[frame]
         if self._base:
             # A rig has no base joint.
@@ -90,7 +90,7 @@ class Movement:
 
 
 def show_movement(
-    scene: Canvas, movement: kinopt.Retargeted, body: Body, beside: float | None, name: str
+    scene: Canvas, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, beside: float | None, name: str
 ) -> Movement:
     """Implements `Scene.add_movement`."""
     played = Movement(name, movement, body, None)
@@ -100,18 +100,19 @@ def show_movement(
         positions = upright(movement)
         # To its left: in most files it faces along x.
         positions[..., 1] += beside * size
-        played.person = Person(scene, scene.clear(name), positions, movement.capture.bones)
+        played.person = Person(scene, scene.clear(name), positions, movement.report.capture.bones)
         scene.place(name, played.person)
     _look(scene, played, size)
     return played
 
 
-def upright(movement: kinopt.Retargeted) -> Array:
+def upright(movement: kinopt.Trajectory[kinopt.RetargetReport]) -> Array:
     """Positions of the subject's joints with z upward and legs as long as the body's, the lowest on the ground."""
-    positions = movement.capture.positions
-    if movement.map.get("up", movement.capture.up) == "y":
+    report = movement.report
+    positions = report.capture.positions
+    if report.map.get("up", report.capture.up) == "y":
         positions = positions[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
-    positions = movement.stride * positions
+    positions = report.stride * positions
     positions[..., 2] -= np.quantile(positions[..., 2].min(axis=1), 0.05)
     return positions
 

@@ -171,9 +171,9 @@ def open_page(
             world=retarget_world,
             margin=None if retarget_world is None or keep_clear is not None else margin,
         )
-        opened.notes += movement.notes
-        if movement.touching:
-            opened.notes.append(f"collisions in {len(movement.touching)} of {len(movement)} frames")
+        opened.notes += movement.report.notes
+        if movement.report.touching:
+            opened.notes.append(f"collisions in {len(movement.report.touching)} of {len(movement)} frames")
     if world is not None:
         # Checks the world with the model before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)

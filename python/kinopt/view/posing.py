@@ -246,7 +246,7 @@ class _ArmEngine(_Engine):
             jump_text = None
         else:
             solution, jump = self._follower.advance(target)
-            jump_text = None if jump is None or jump.continuous else f"{jump.joint} jumped by {jump.distance:.2g}"
+            jump_text = None if jump is None or not jump.reconfiguration else f"{jump.joint} jumped by {jump.distance:.2g}"
         settled = self._arm.configuration(solution.q, q)
         # A path follower that misses comes nearer frame by frame, until it is at rest.
         goes_on = self._follower is not None and not solution.reached

@@ -130,7 +130,7 @@ class Scene(Canvas):
         return shown
 
     def add_movement(
-        self, movement: kinopt.Retargeted, body: Body, *, beside: float | None = 0.9, name: str = "movement"
+        self, movement: kinopt.Trajectory[kinopt.RetargetReport], body: Body, *, beside: float | None = 0.9, name: str = "movement"
     ) -> Movement:
         """Adds a retargeted motion of a body: a clip, whose `show(seconds)` moves it and which `play` plays.
 

@@ -63,11 +63,9 @@ impl ReachResult {
     }
 }
 
-/// Result of `Clip.with_ik`. Lengths are in the armature's unit.
+/// Errors of an edited clip. Lengths are in the armature's unit.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
-pub(crate) struct EditedClip {
-    /// New clip, with the name of the original.
-    clip: Py<Clip>,
+pub(crate) struct EditReport {
     /// Foot plants, foot by foot; empty if no foot is in contact.
     stances: Vec<FootPlant>,
     /// Errors of the bones with targets, planted feet first.
@@ -76,17 +74,33 @@ pub(crate) struct EditedClip {
     root_moved: f64,
 }
 
+/// Result of `Clip.with_ik`.
+#[pyclass(frozen, get_all, module = "kinopt.animation")]
+pub(crate) struct EditedClip {
+    /// New clip, with the name of the original.
+    clip: Py<Clip>,
+    /// Errors of the clip.
+    report: Py<EditReport>,
+}
+
 #[pymethods]
-impl EditedClip {
+impl EditReport {
     fn __repr__(&self) -> String {
         let stances = self.stances.iter();
         let slides = stances.map(|stance| stance.slide.max(stance.stray));
         format!(
-            "EditedClip({} foot plants, largest slide {:.2e}, root moved {:.2e})",
+            "EditReport({} foot plants, largest slide {:.2e}, root moved {:.2e})",
             self.stances.len(),
             slides.fold(0.0, f64::max),
             self.root_moved
         )
+    }
+}
+
+#[pymethods]
+impl EditedClip {
+    fn __repr__(&self) -> String {
+        format!("EditedClip({})", self.report.get().__repr__())
     }
 }
 
@@ -245,22 +259,25 @@ fn skeleton_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>>
 
 fn edited_clip(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
     let name = |bone: BoneId| armature.names()[bone.index()].clone();
-    let stances = edited.stances.iter().map(|plant| FootPlant {
+    let stances = edited.report.stances.iter().map(|plant| FootPlant {
         bone: name(plant.bone),
         span: plant.span.into(),
         place: plant.place.into(),
         slide: plant.slide,
         stray: plant.stray,
     });
-    let led = edited.led.iter().map(|result| ReachResult {
+    let led = edited.report.led.iter().map(|result| ReachResult {
         bone: name(result.bone),
         miss: result.miss,
         at: result.at,
     });
-    Ok(EditedClip {
+    let report = EditReport {
         stances: stances.collect(),
         led: led.collect(),
-        root_moved: edited.root_moved,
+        root_moved: edited.report.root_moved,
+    };
+    Ok(EditedClip {
+        report: Py::new(py, report)?,
         clip: Py::new(py, Clip::of(armature, Arc::new(edited.clip)))?,
     })
 }

@@ -40,7 +40,7 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::clip_builder::ClipBuilder;
     #[pymodule_export]
-    use super::clip_ik::{EditedClip, FootPlant, ReachResult};
+    use super::clip_ik::{EditReport, EditedClip, FootPlant, ReachResult};
     #[pymodule_export]
     use super::crowd::{Crowd, PlayingClip};
     #[pymodule_export]

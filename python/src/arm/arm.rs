@@ -13,12 +13,12 @@ use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::track::Track;
 use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
 use crate::goal::PoseBounds;
+use crate::joint_path::JointPath;
 use crate::kinematics::jacobians;
 use crate::model::Model;
 use crate::object::Options;
@@ -27,6 +27,7 @@ use crate::pool::Pool;
 use crate::robot::Robot;
 use crate::signals::interruptible;
 use crate::solution::{Collision, Solution};
+use crate::solver::Solutions;
 use crate::srdf::Srdf;
 use crate::world::World;
 
@@ -402,23 +403,26 @@ impl Arm {
     }
 
     /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch. A first target far from the
-    /// start is solved as by `solve`, and can be on another branch. The `Track` lists every step in which a joint moves
-    /// farther than 0.2 rad as a jump.
+    /// start is solved as by `solve`, and can be on another branch. The `JointPath` lists every step in which a joint moves
+    /// farther than 0.2 rad as a jump. Its report has the `Solutions` of the targets.
     ///
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
-    fn track<'py>(
+    fn track(
         &self,
-        targets: &Bound<'py, PyAny>,
-        start: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, Track>> {
+        targets: &Bound<'_, PyAny>,
+        start: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<JointPath> {
         let py = targets.py();
         let targets = placements(targets, "target")?.to_vec("target")?;
         let start = self.start(start)?;
-        let track = py
+        let path = py
             .detach(|| self.inner.track(&targets, &start))
             .or_raise()?;
-        Track::new(py, &self.inner, track)
+        let reached = path.reached();
+        let (path, solutions) = path.split_report();
+        let report = Py::new(py, Solutions::new(solutions, path.nq))?.into_any();
+        Ok(JointPath::new(&self.inner, path, reached, report))
     }
 
     /// A `Follower` at `start`, for a path whose targets come one at a time. It stays on the branch of the start, unless

@@ -6,9 +6,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
 
-use super::track::Jump;
 use crate::arrays;
 use crate::error::OrRaise;
+use crate::joint_jump::JointJump;
 use crate::placement::placement;
 use crate::solution::Solution;
 
@@ -47,22 +47,22 @@ impl Follower {
         arrays::list(py, cell.borrow_dependent().q())
     }
 
-    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `Jump` or None.
+    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `JointJump` or None.
     ///
     /// Raises `InvalidValueError` for a target that is not rigid.
     fn advance(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
-    ) -> PyResult<(Solution, Option<Jump>)> {
+    ) -> PyResult<(Solution, Option<JointJump>)> {
         let target = placement(target, "target")?;
         py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|arm, follower| {
                 let mut solution = kinopt::Solution::default();
                 let jump = follower.advance(target, &mut solution).or_raise()?;
-                let jump = jump.map(|jump| Jump::new(arm, &jump));
-                Ok((Solution::from(solution), jump))
+                let jumps = JointJump::of_arm(arm, jump.as_slice());
+                Ok((Solution::from(solution), jumps.into_iter().next()))
             })
         })
     }

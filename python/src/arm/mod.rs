@@ -6,11 +6,9 @@ mod batch;
 mod derivative;
 mod follower;
 mod servo;
-mod track;
 
 pub(crate) use arm::Arm;
 pub(crate) use batch::Batch;
 pub(crate) use derivative::ArmDerivative;
 pub(crate) use follower::Follower;
 pub(crate) use servo::{Servo, ServoStep};
-pub(crate) use track::{Jump, Track};

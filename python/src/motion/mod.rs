@@ -1,7 +1,7 @@
 //! Trajectory optimisation: all samples of a motion in one problem.
 
 mod by_frame;
-mod solution;
+mod report;
 
 use std::sync::Arc;
 
@@ -12,13 +12,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use self::by_frame::{ByFrame, of_tasks};
-pub(crate) use self::solution::{ActiveMotionLimit, MissedFrame, MotionSolution};
+pub(crate) use self::report::{ActiveMotionLimit, MissedFrame, MotionReport};
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
 use crate::problem::{self, CompiledProblem, ParameterMap, limits_of, raised};
 use crate::robot::Robot;
+use crate::trajectory::Trajectory;
 
 /// All samples of a trajectory of one model as one bounded least-squares problem.
 ///
@@ -146,7 +147,7 @@ impl MotionProblem {
         slip: Option<f64>,
         curvature: bool,
         windows: Option<(usize, usize)>,
-    ) -> PyResult<MotionSolution> {
+    ) -> PyResult<Trajectory> {
         let mut solver = MotionSolver::default().with_curvature(curvature);
         if let Some(tolerance) = tolerance {
             solver = solver.with_tolerance(tolerance);
@@ -174,11 +175,10 @@ impl MotionProblem {
             raised().map(|()| solved)
         })?;
         let solved = solved.or_raise()?;
-        Ok(MotionSolution::new(
-            &solved,
-            self.joint_names.clone(),
-            width,
-        ))
+        let (solved, report) = solved.split_report();
+        let report = MotionReport::new(&report, solved.times.len());
+        let report = Py::new(py, report)?.into_any();
+        Ok(Trajectory::of(solved, self.joint_names.clone(), report))
     }
 
     fn __repr__(&self) -> String {

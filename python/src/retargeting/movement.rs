@@ -16,7 +16,7 @@ use super::request::{Options, RetargetRequest, raised};
 use crate::arrays;
 use crate::error::invalid;
 
-/// Fields of `kinopt.Retargeted` in their order.
+/// Configurations, and fields of `kinopt.RetargetReport` in their order.
 type MovementParts<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
@@ -144,32 +144,33 @@ pub(super) fn capture_retargeted<'py>(
         };
         (met.joint, side, met.frames.start, met.frames.end)
     });
-    let touching = retargeted.touching.into_iter().map(|contact| {
+    let report = retargeted.report;
+    let touching = report.touching.into_iter().map(|contact| {
         let pair = contact.pair;
         (contact.frame, pair.first, pair.second, pair.distance)
     });
-    let lost_contacts = retargeted.lost_contacts.into_iter();
+    let lost_contacts = report.lost_contacts.into_iter();
     let lost_contacts = lost_contacts.map(|lost| (lost.frame, lost.contact_frame));
-    let frames = retargeted.q.len() / retargeted.configuration_len.max(1);
-    let contacts = PyArray1::from_slice(py, &retargeted.contacts);
-    let points = retargeted.contact_points.iter();
+    let frames = retargeted.times.len();
+    let contacts = PyArray1::from_slice(py, &report.contacts);
+    let points = report.contact_points.iter();
     let contact_points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     Ok((
-        arrays::list(py, &retargeted.q).reshape([frames, retargeted.configuration_len])?,
+        arrays::list(py, &retargeted.q).reshape([frames, retargeted.nq])?,
         request.names(),
         contacts
-            .reshape([frames, retargeted.contact_frames.len()])?
+            .reshape([frames, report.contact_frames.len()])?
             .into_any(),
         (
-            retargeted.contact_frames,
-            arrays::list(py, &contact_points).reshape([retargeted.contact_points.len(), 3])?,
+            report.contact_frames,
+            arrays::list(py, &contact_points).reshape([report.contact_points.len(), 3])?,
         ),
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
         (
-            retargeted.mean_error,
-            retargeted.slip,
-            retargeted.ground_penetration,
+            report.mean_error,
+            report.slip,
+            report.ground_penetration,
             stride,
         ),
         limits.collect(),

@@ -28,7 +28,7 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 /// Solutions of a batch, in the order of its queries: arrays over all of them, and `solutions[i]`.
 ///
 /// A slice, a mask or a list of numbers selects a part: `solutions[~solutions.reached]` are the misses.
-#[pyclass(frozen, subclass, sequence, module = "kinopt")]
+#[pyclass(frozen, sequence, module = "kinopt")]
 pub(crate) struct Solutions {
     inner: Vec<kinopt::Solution>,
     dof: usize,

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use super::Solver;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::joint_jump::JointJump;
 use crate::problem::{CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
@@ -236,14 +237,15 @@ impl Drag {
         self.look(py, kinopt::ik::Drag::is_at_rest)
     }
 
-    /// Jump of the last frame to another branch; None without one.
+    /// Jump of the last frame to another branch; None without one. `index` counts the frames, from 0.
     #[getter]
-    fn jump(&self, py: Python<'_>) -> Option<DragJump> {
+    fn jump(&self, py: Python<'_>) -> Option<JointJump> {
         self.look(py, |drag| {
-            drag.jump().map(|jump| DragJump {
-                joint: jump.joint.to_owned(),
-                distance: jump.distance,
-            })
+            let jump = drag.jump()?;
+            let problem = drag.problem();
+            let mut leaders = problem.parameters().leaders().iter();
+            let variable = leaders.position(|coordinate| *coordinate == jump.joint)?;
+            Some(JointJump::new(&jump, &problem.names().joints[variable]))
         })
     }
 
@@ -276,23 +278,6 @@ fn motion_limits(
         }
     }
     Ok(limits)
-}
-
-/// A joint that moved farther in a frame than the drag allows, because a search from a random configuration found a
-/// better solution.
-#[pyclass(frozen, module = "kinopt", get_all)]
-pub(crate) struct DragJump {
-    /// Joint with the largest displacement relative to its limit.
-    joint: String,
-    /// Displacement, radians or metres.
-    distance: f64,
-}
-
-#[pymethods]
-impl DragJump {
-    fn __repr__(&self) -> String {
-        format!("DragJump({:?}, {})", self.joint, self.distance)
-    }
 }
 
 fn at_least_one(frames: usize) -> PyResult<()> {

@@ -20,7 +20,7 @@ use crate::pickling;
 use crate::problem::{Problem, raised};
 use crate::solution::Solution;
 pub(crate) use batch::Solutions;
-pub(crate) use drag::{Drag, DragJump};
+pub(crate) use drag::Drag;
 pub(crate) use watch::Iteration;
 use watch::Watch;
 

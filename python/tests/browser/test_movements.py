@@ -33,9 +33,9 @@ def test_source_and_target_play_together(tmp_path, open_tab):
         page.call(lambda: page.time.show(1.2))
         shown.come_to_rest()
         # The robot has the solved configuration, and the subject the captured positions.
-        frame = round(1.2 * movement.movement.fps)
+        frame = round(1.2 * movement.movement.report.fps)
         assert np.array_equal(page.body.q, movement.movement.q[frame])
-        hand = movement.movement.capture.joints.index("left_hand")
+        hand = movement.movement.report.capture.joints.index("left_hand")
         position = movement.person.positions[frame, hand]
         column, row = shown.pixel(position).round().astype(int)
         assert _orange(shown)[row - 6 : row + 7, column - 6 : column + 7].any(), "the hand is drawn elsewhere"

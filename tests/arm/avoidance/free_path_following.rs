@@ -1,7 +1,8 @@
 //! Promise: if a continuous collision-free joint path exists, its tool poses are followed without jump and without
 //! contact, also between poses. An arm reaches through a window in a wall.
 
-use kinopt::arm::{Arm, Track};
+use kinopt::Solution;
+use kinopt::arm::{Arm, JointPath};
 use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{distance, robot};
@@ -68,10 +69,10 @@ impl Panda {
     }
 
     /// Checks that motions between solutions are free and that no step is a jump.
-    fn assert_kept_clear(&self, start: &[f64], track: &Track) {
+    fn assert_kept_clear(&self, start: &[f64], track: &JointPath<Vec<Solution>>) {
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
         let mut last = start;
-        for solution in &track.solutions {
+        for solution in &track.report {
             assert!(self.motion_is_free(last, &solution.q));
             assert!(distance(last, &solution.q) < 0.3);
             last = &solution.q;
@@ -144,7 +145,7 @@ fn free_path_is_followed_without_contact() {
         let track = panda.arm.track(&poses, &path[0]).unwrap();
         panda.assert_kept_clear(&path[0], &track);
         let missed = track
-            .solutions
+            .report
             .iter()
             .filter(|solution| !solution.reached)
             .count();
@@ -212,7 +213,7 @@ fn arm_reaches_through_a_window_and_returns() {
         let track = panda.arm.track(&poses, &start).unwrap();
         panda.assert_kept_clear(&start, &track);
         let missed = track
-            .solutions
+            .report
             .iter()
             .filter(|solution| !solution.reached)
             .count();

@@ -54,18 +54,18 @@ fn path_into_a_wall_stops_and_returns() {
         let track = arm.track(&path, &Q).unwrap();
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
         let mut last = Q.to_vec();
-        for solution in &track.solutions {
+        for solution in &track.report {
             assert!(is_free_between(&arm, &last, &solution.q));
             assert!(distance(&last, &solution.q) < 0.2);
             last.clone_from(&solution.q);
         }
         // In the wall the path misses and names it; outside it continues.
-        let deepest = &track.solutions[60];
+        let deepest = &track.report[60];
         assert!(!deepest.reached);
         assert_eq!(deepest.collisions()[0].second, "wall");
-        let missed = track.solutions.iter().filter(|s| !s.reached).count();
+        let missed = track.report.iter().filter(|s| !s.reached).count();
         assert!(
-            track.solutions[0].reached && track.solutions[120].reached,
+            track.report[0].reached && track.report[120].reached,
             "{missed}"
         );
     }
@@ -135,7 +135,7 @@ fn initial_contact_is_left_and_never_deepened() {
         let (mut q, mut reached) = (Q.to_vec(), 0);
         let mut last = begins;
         let track = arm.track(&path, &Q).unwrap();
-        for solution in &track.solutions {
+        for solution in &track.report {
             let now = nearest(&arm, &solution.q);
             // Contacts below 1 µm count as grazing.
             assert!(

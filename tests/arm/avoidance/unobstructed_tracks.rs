@@ -1,7 +1,7 @@
 //! Promise: with unobstructed paths a track with a world equals one without in quality. This includes branches that end
 //! at a limit with a detour. A far first target is solved without contact.
 
-use kinopt::arm::{Arm, Track};
+use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -47,10 +47,6 @@ fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     (0..=STEPS).map(|k| at(k as f64 / STEPS as f64)).collect()
 }
 
-fn all_reached(track: &Track) -> bool {
-    track.jumps.is_empty() && track.solutions.iter().all(|solution| solution.reached)
-}
-
 /// True if no sample between two configurations is in contact.
 fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     (0..4).all(|k| {
@@ -79,15 +75,15 @@ fn free_track_is_as_complete_as_a_plain_one() {
         let poses = path.iter().map(|q| plain.base_from_tool(q).unwrap());
         let poses: Vec<Placement<f64>> = poses.collect();
         let track = plain.track(&poses, &path[0]).unwrap();
-        let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
-        if !all_reached(&track) || !is_free(&clear, &ways) {
+        let ways: Vec<&[f64]> = track.rows().collect();
+        if !track.reached() || !is_free(&clear, &ways) {
             continue;
         }
         seen += 1;
         let track = clear.track(&poses, &path[0]).unwrap();
-        let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
+        let ways: Vec<&[f64]> = track.rows().collect();
         assert!(is_free(&clear, &ways), "{seed}");
-        if !all_reached(&track) {
+        if !track.reached() {
             fallen.push(seed);
         }
     }
@@ -104,12 +100,10 @@ fn far_first_target_is_solved_without_contact() {
     let offset = Vector3::new(0.0, 0.3, 0.0);
     let target = Placement::new(begin.rotation, begin.translation + offset);
     let in_collision = plain.track(&[target], &start).unwrap();
-    assert!(
-        in_collision.solutions[0].reached && distance(&start, &in_collision.solutions[0].q) > 0.2
-    );
+    assert!(in_collision.report[0].reached && distance(&start, &in_collision.report[0].q) > 0.2);
     let mut q = robot.model().neutral();
     plain
-        .configuration(&in_collision.solutions[0].q, &mut q)
+        .configuration(&in_collision.report[0].q, &mut q)
         .unwrap();
     let mut frames = kinopt::kinematics::ForwardKinematics::<f64>::new(robot.model());
     let elbow = robot.model().frame("link4").unwrap();
@@ -119,12 +113,12 @@ fn far_first_target_is_solved_without_contact() {
     let clear = clear.with_world(&world, None).unwrap();
     assert!(
         !clear
-            .collisions(&in_collision.solutions[0].q)
+            .collisions(&in_collision.report[0].q)
             .unwrap()
             .is_empty()
     );
     let track = clear.track(&[target], &start).unwrap();
-    let solution = &track.solutions[0];
+    let solution = &track.report[0];
     assert!(clear.collisions(&solution.q).unwrap().is_empty() == solution.reached);
     assert!(solution.reached, "{}", solution.explain());
 }
@@ -147,8 +141,8 @@ fn blocked_track_does_not_jump() {
     let poses = path.iter().map(|q| plain.base_from_tool(q).unwrap());
     let poses: Vec<Placement<f64>> = poses.collect();
     let track = clear.track(&poses, &path[0]).unwrap();
-    let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
+    let ways: Vec<&[f64]> = track.rows().collect();
     assert!(is_free(&clear, &ways));
     assert!(track.jumps.is_empty(), "{:?}", track.jumps);
-    assert!(track.solutions.iter().any(|solution| !solution.reached));
+    assert!(track.report.iter().any(|solution| !solution.reached));
 }

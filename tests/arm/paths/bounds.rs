@@ -2,9 +2,9 @@
 //! points is farther from the path, and the bound is close. A spline's bound refers to the curve itself.
 
 use kinopt::Arm;
-use kinopt::arm::{Axis, PoseBounds};
+use kinopt::arm::{Axis, JointPath, PoseBounds};
 use kinopt::model::{Limits, Model};
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathReport, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use nalgebra::{Isometry3, Translation3};
@@ -42,7 +42,7 @@ fn sampled(
     (base, tip): (&str, &str),
     arm: &Arm,
     points: &[Placement<f64>],
-    solution: &PathSolution,
+    solution: &JointPath<PathReport>,
 ) -> (f64, f64) {
     let robot = robot(name);
     let rows: Vec<&[f64]> = solution.rows().collect();
@@ -89,13 +89,17 @@ fn deviation_between_points_is_tightly_bounded() {
             }
             let given = CartesianPath::new(path.clone()).unwrap();
             let solution = PathSolver::new(&arm).solve(&given).unwrap();
-            assert!(solution.missed.is_empty(), "{name}: {:?}", solution.missed);
+            assert!(
+                solution.report.missed.is_empty(),
+                "{name}: {:?}",
+                solution.report.missed
+            );
             assert!(solution.rows().all(|q| within_limits(&arm, q)));
-            if !solution.reconfigurations.is_empty() {
+            if !solution.jumps.is_empty() {
                 continue;
             }
             let found = sampled(name, (base, tip), &arm, &path, &solution);
-            let reported = solution.largest_deviation;
+            let reported = solution.report.largest_deviation;
             let text = format!("{name}, {points} points: {found:?}, {reported:?}");
             assert!(
                 found.0 <= reported.metres + 1e-9 && found.1 <= reported.radians + 1e-7,
@@ -121,7 +125,7 @@ fn free_directions_do_not_count_as_deviation() {
         .collect();
     let path = CartesianPath::new(points.clone()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     let exact = Arm::new(&robot, "base", "flange").unwrap();
     let turned = solution.rows().zip(&points).map(|(q, point)| {
         let at = Isometry3::from(&exact.base_from_tool(q).unwrap());
@@ -129,8 +133,8 @@ fn free_directions_do_not_count_as_deviation() {
     });
     // The tool rotates about its axis by far more than it deviates.
     assert!(turned.fold(0.0, f64::max) > 1e-3);
-    assert!(solution.largest_deviation.radians < 1e-4);
-    assert!(solution.largest_deviation.metres < 1e-4);
+    assert!(solution.report.largest_deviation.radians < 1e-4);
+    assert!(solution.report.largest_deviation.metres < 1e-4);
 }
 
 #[test]
@@ -155,7 +159,7 @@ fn spline_deviation_is_bounded_from_its_curve() {
     assert_eq!(coarse.points().len(), 37);
     assert_eq!(coarse.times().unwrap()[36], 3.0);
     let solution = PathSolver::new(&arm).solve(&coarse).unwrap();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     let rows: Vec<&[f64]> = solution.rows().collect();
     let mut farthest = 0.0_f64;
     for (index, point) in fine.points().iter().enumerate() {
@@ -169,7 +173,7 @@ fn spline_deviation_is_bounded_from_its_curve() {
         let at = arm.base_from_tool(&q).unwrap();
         farthest = farthest.max((at.translation - point.translation).norm());
     }
-    let reported = solution.largest_deviation.metres;
+    let reported = solution.report.largest_deviation.metres;
     assert!(
         farthest <= reported + 1e-9 && reported <= 4.0 * farthest,
         "{farthest} {reported}"
@@ -225,7 +229,7 @@ fn check_coriolis_deviation(first: f64) {
         .with_max_step(10.0)
         .with_start(&rows[0]);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.reached(), "{:?}", solution.jumps);
     let mut farthest = 0.0_f64;
     for (ends, rows) in points.windows(2).zip(rows.windows(2)) {
         for k in 0..=40 {
@@ -236,7 +240,7 @@ fn check_coriolis_deviation(first: f64) {
             farthest = farthest.max((tool_of_polar(&q).translation - expected).norm());
         }
     }
-    let reported = solution.largest_deviation;
+    let reported = solution.report.largest_deviation;
     assert_eq!(reported.metres_at, 2);
     assert!(
         farthest > 2e-3 && farthest <= reported.metres && reported.metres < 1.2 * farthest,
@@ -270,7 +274,7 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         let solver = PathSolver::new(&arm).with_max_step(10.0);
         let solver = solver.with_start(&start).with_end(&end);
         let solution = solver.solve(&path).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        assert!(solution.reached(), "{:?}", solution.jumps);
         let deviation_of = |share: f64| {
             let [x, y] = [0, 1].map(|k| start[k] + share * (end[k] - start[k]));
             let (sin, cos) = (turn * share).sin_cos();
@@ -279,7 +283,7 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         };
         let most = (0..=1000).map(|k| deviation_of(f64::from(k) / 1000.0));
         let largest = most.fold(0.0, f64::max);
-        let reported = solution.largest_deviation.metres;
+        let reported = solution.report.largest_deviation.metres;
         assert!(
             largest > 0.01 && largest <= reported && reported < 1.05 * largest + 1e-6,
             "{largest} {reported}"

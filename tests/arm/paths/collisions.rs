@@ -35,7 +35,7 @@ fn elbow_avoids_an_obstacle() {
     let points = sideways(&alone, 60);
     let path = CartesianPath::new(points).unwrap();
     let plain = PathSolver::new(&alone).solve(&path).unwrap();
-    assert!(plain.is_whole());
+    assert!(plain.reached());
     // A ball at the elbow's position, for the whole path.
     let mut world = World::new();
     world
@@ -43,11 +43,11 @@ fn elbow_avoids_an_obstacle() {
         .unwrap();
     let arm = panda_in(&world);
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
-    assert!(solution.missed.is_empty() && solution.blocked.is_empty());
+    assert!(solution.report.missed.is_empty() && solution.report.blocked.is_empty());
     let rows: Vec<&[f64]> = solution.rows().collect();
     for (row, pair) in rows.windows(2).enumerate() {
         let jumps = solution
-            .reconfigurations
+            .jumps
             .iter()
             .any(|reported| reported.index == row + 1);
         assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
@@ -148,7 +148,11 @@ fn branch_free_by_its_shapes_is_found() {
     let q: Vec<&[f64]> = solution.rows().collect();
     let mut clear = [false; 5];
     arm.clear_by_spheres(&q.concat(), &mut clear).unwrap();
-    assert!(solution.is_whole(), "{:?} {q:?} {clear:?}", solution.missed);
+    assert!(
+        solution.reached(),
+        "{:?} {q:?} {clear:?}",
+        solution.report.missed
+    );
     assert_eq!(clear, [false; 5]);
 }
 
@@ -173,7 +177,7 @@ fn shapes_decide_where_spheres_touch() {
         let checker = checker.with_world(&world).unwrap();
         let arm = arm.clone().with_checker(&checker, &[0.0; 3]).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert_eq!(solution.is_whole(), free, "{:?}", solution.missed);
+        assert_eq!(solution.reached(), free, "{:?}", solution.report.missed);
         let mut clear = [false];
         arm.clear_by_spheres(&[0.5, 0.0, 0.1], &mut clear).unwrap();
         assert_eq!(clear, [false]);
@@ -191,6 +195,7 @@ fn unavoidable_contact_is_reported() {
     let path = CartesianPath::new(points).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     let at_stone = solution
+        .report
         .missed
         .iter()
         .find(|missed| missed.index == 30)
@@ -198,12 +203,17 @@ fn unavoidable_contact_is_reported() {
     assert!(matches!(&at_stone.reason, MissReason::Touches(pair) if pair.second == "stone"));
     assert!(
         solution
+            .report
             .missed
             .iter()
             .all(|missed| missed.index.abs_diff(30) < 25)
     );
     for (row, q) in solution.rows().enumerate() {
-        let reported = solution.missed.iter().any(|missed| missed.index == row);
+        let reported = solution
+            .report
+            .missed
+            .iter()
+            .any(|missed| missed.index == row);
         assert_eq!(arm.collisions(q).unwrap().is_empty(), !reported, "{row}");
     }
 }
@@ -234,7 +244,7 @@ fn reported_contacts_have_no_easily_found_solution() {
         world.add_sphere("ball", 0.01, at).unwrap();
         let arm = panda_in(&world);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        for missed in &solution.missed {
+        for missed in &solution.report.missed {
             reported += 1;
             let free = arm.solve(points[missed.index], &Q).unwrap();
             assert!(
@@ -279,21 +289,21 @@ fn wall_between_two_points_is_reported() {
         CartesianPath::new(points.collect::<Vec<_>>()).unwrap()
     };
     let free = PathSolver::new(&arm).solve(&points(0.05, 0.04)).unwrap();
-    assert!(free.is_whole(), "{free:?}");
+    assert!(free.reached(), "{free:?}");
     // From 0.48 to 0.52 m in the seventh step, and back in the third.
     for (path, index, wall) in [
         (points(0.24, 0.04), 7, "near wall"),
         (points(0.6, -0.04), 3, "far wall"),
     ] {
         let through = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(through.missed.is_empty() && through.reconfigurations.is_empty());
-        let [blocked] = &through.blocked[..] else {
-            panic!("{:?}", through.blocked)
+        assert!(through.report.missed.is_empty() && through.jumps.is_empty());
+        let [blocked] = &through.report.blocked[..] else {
+            panic!("{:?}", through.report.blocked)
         };
         assert_eq!(blocked.index, index);
         let mut names = [&*blocked.by.first, &*blocked.by.second];
         names.sort_unstable();
         assert_eq!(names, ["ball", wall]);
-        assert!(!through.is_whole());
+        assert!(!through.reached());
     }
 }

@@ -27,12 +27,12 @@ fn turning_joint_gives_equal_length_from_any_point() {
             .with_max_step(0.4)
             .solve(&path)
             .unwrap();
-        assert!(reported.is_whole(), "{:?}", reported.reconfigurations);
+        assert!(reported.reached(), "{:?}", reported.jumps);
         let rows: Vec<&[f64]> = reported.rows().collect();
         let back = rows[49].iter().zip(rows[0]).map(|(a, b)| (a - b).abs());
         let back: Vec<f64> = back.collect();
         assert!((back[6] - TAU).abs() < 0.3 && back[..6].iter().all(|by| *by < 0.2));
-        reported.length
+        reported.report.length
     });
     let (shortest, longest) = (lengths.iter())
         .fold((f64::MAX, 0.0_f64), |(shortest, longest), length| {

@@ -34,8 +34,8 @@ fn step_back_to_the_entry_reports_its_deviation() {
         let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
         solver.solve(&path).unwrap()
     });
-    assert_eq!(curved.entry, entry);
-    let reported = curved.largest_deviation;
+    assert_eq!(curved.report.entry, entry);
+    let reported = curved.report.largest_deviation;
     assert_eq!(reported.metres_at, 30);
-    assert!(reported.metres > straight.largest_deviation.metres + 0.02);
+    assert!(reported.metres > straight.report.largest_deviation.metres + 0.02);
 }

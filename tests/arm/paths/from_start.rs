@@ -3,10 +3,10 @@
 //! `KINOPT_CASES=1000 cargo test --release --test arm from_start` solves 1 000 lines with each shipped arm.
 #![allow(clippy::print_stdout)]
 
-use kinopt::Arm;
-use kinopt::arm::Track;
+use kinopt::arm::JointPath;
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3};
+use kinopt::{Arm, Solution};
 use support::arms::robot;
 use support::path_steps::largest_difference;
 use support::random::{Random, case_count};
@@ -33,8 +33,8 @@ fn random_line(arm: &Arm, random: &mut Random) -> (CartesianPath, Vec<f64>) {
 }
 
 /// Number of targets that a track misses, and of its jumps.
-fn rank(track: &Track) -> (usize, usize) {
-    let missed = track.solutions.iter().filter(|solution| !solution.reached);
+fn rank(track: &JointPath<Vec<Solution>>) -> (usize, usize) {
+    let missed = track.report.iter().filter(|solution| !solution.reached);
     (missed.count(), track.jumps.len())
 }
 
@@ -60,14 +60,14 @@ fn recorded_lines_need_no_reconfiguration() {
         for max_step in [0.2, 0.5] {
             let solver = PathSolver::new(&arm).with_start(&start);
             let solved = solver.with_max_step(max_step).solve(&path).unwrap();
-            assert!(solved.is_whole(), "{model} {number}");
+            assert!(solved.reached(), "{model} {number}");
             assert_eq!(&solved.q[..start.len()], start, "{model} {number}");
         }
     }
 }
 
 /// The path from a random start, the start, and the track from there.
-fn tracked(arm: &Arm, random: &mut Random) -> (CartesianPath, Vec<f64>, Track) {
+fn tracked(arm: &Arm, random: &mut Random) -> (CartesianPath, Vec<f64>, JointPath<Vec<Solution>>) {
     let (path, start) = random_line(arm, random);
     let track = arm.track(path.points(), &start).unwrap();
     (path, start, track)
@@ -98,7 +98,7 @@ fn lines_that_track_follows_need_no_reconfiguration() {
             followed += 1;
             let solver = PathSolver::new(arm).with_start(&start);
             let solved = solver.solve(&path).unwrap();
-            assert!(solved.is_whole(), "{name}: line {made} from {start:?}");
+            assert!(solved.reached(), "{name}: line {made} from {start:?}");
             assert_eq!(&solved.q[..start.len()], start, "{name}: line {made}");
         }
         println!("{name}: {followed} of {made} lines are followed, none is reconfigured");
@@ -120,13 +120,13 @@ fn lines_out_of_reach_are_no_worse_than_tracked() {
             left += 1;
             let solver = PathSolver::new(arm).with_start(&start);
             let solved = solver.solve(&path).unwrap();
-            let found = (solved.missed.len(), solved.reconfigurations.len());
+            let found = (solved.report.missed.len(), solved.jumps.len());
             assert!(
                 found <= (missed, jumped),
                 "{name}: {found:?} from {start:?}"
             );
             jumps += jumped;
-            reconfigurations += solved.reconfigurations.len();
+            reconfigurations += solved.jumps.len();
         }
         println!("{name}: {left} lines, {jumps} jumps, {reconfigurations} reconfigurations");
     });
@@ -146,7 +146,7 @@ fn closed_paths_from_a_start_need_no_reconfiguration() {
             let mut points = path.points().to_vec();
             points.extend(path.points().iter().rev().skip(1).copied());
             let track = arm.track(&points, &start).unwrap();
-            let end = track.solutions.last().map(|last| last.q.clone()).unwrap();
+            let end = track.report.last().map(|last| last.q.clone()).unwrap();
             if rank(&track) != (0, 0) || largest_difference(&end, &start) > 0.1 {
                 continue;
             }
@@ -156,11 +156,11 @@ fn closed_paths_from_a_start_need_no_reconfiguration() {
             let ring = CartesianPath::new(points.clone()).unwrap();
             let ring = ring.with_traversal(Traversal::Cyclic);
             let solved = solver.solve(&ring).unwrap();
-            assert!(solved.is_whole(), "{name}: ring from {start:?}");
+            assert!(solved.reached(), "{name}: ring from {start:?}");
             points.push(path.points()[0]);
             let solved = solver.with_end(&end);
             let solved = solved.solve(&CartesianPath::new(points).unwrap()).unwrap();
-            assert!(solved.is_whole(), "{name}: from {start:?}");
+            assert!(solved.reached(), "{name}: from {start:?}");
             assert_eq!(solved.rows().last(), Some(&*end), "{name}");
         }
     });

@@ -53,7 +53,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             .collect();
         let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        if !solution.missed.is_empty() {
+        if !solution.report.missed.is_empty() {
             jumps += 1;
             continue;
         }
@@ -66,7 +66,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(expected));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
-        let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
+        let reported: Vec<usize> = solution.jumps.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
             let is_jump = largest_difference(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
@@ -75,7 +75,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
         assert_eq!(untold, None, "{name} {case}: {reported:?}");
         // A reported step exceeds the maximum step of a branch.
         let short = solution
-            .reconfigurations
+            .jumps
             .iter()
             .find(|reported| reported.distance <= 0.2);
         assert_eq!(short, None, "{name} {case}");
@@ -137,8 +137,8 @@ fn two_turn_joints_start_where_they_need_no_rewind() {
                 .collect();
             let path = CartesianPath::new(points).unwrap();
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
-            assert!(solution.is_whole(), "{name} {case}");
-            let left = solution.reconfigurations;
+            assert!(solution.reached(), "{name} {case}");
+            let left = solution.jumps;
             assert!(left.is_empty(), "{name} {case}: {left:?}");
         }
     }
@@ -168,8 +168,8 @@ fn jump_within_a_self_motion_is_distributed() {
             .collect();
         let path = CartesianPath::new(points).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(solution.missed.is_empty());
-        let left: Vec<_> = (solution.reconfigurations.iter())
+        assert!(solution.report.missed.is_empty());
+        let left: Vec<_> = (solution.jumps.iter())
             .map(|reported| (reported.index, reported.distance))
             .collect();
         assert_eq!(left, [], "{ends:?}");
@@ -206,10 +206,14 @@ fn chains_with_mimic_joints_are_solved() {
             .solve(&path)
             .unwrap();
         tried += 1;
-        whole += usize::from(reported.is_whole() && reported.missed.is_empty());
+        whole += usize::from(reported.reached() && reported.report.missed.is_empty());
         for (row, (q, point)) in reported.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q), "{number}");
-            let missed = reported.missed.iter().any(|missed| missed.index == row);
+            let missed = reported
+                .report
+                .missed
+                .iter()
+                .any(|missed| missed.index == row);
             let deviation = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
             assert!(
                 missed || deviation < 1.1e-6,

@@ -32,9 +32,9 @@ fn wound_joint_rewinds_as_rarely_as_possible() {
     for (turns, breaks) in [(0.9, 0), (1.9, 0), (2.5, 1), (3.9, 1), (4.5, 2)] {
         let path = screw(&arm, turns, (turns * 80.0) as u32);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(solution.missed.is_empty());
-        assert_eq!(solution.reconfigurations.len(), breaks, "{turns} turns");
-        for reported in &solution.reconfigurations {
+        assert!(solution.report.missed.is_empty());
+        assert_eq!(solution.jumps.len(), breaks, "{turns} turns");
+        for reported in &solution.jumps {
             assert!(reported.distance > 0.2);
         }
     }
@@ -55,13 +55,13 @@ fn reported_length_and_jumps_equal_the_rows() {
         length += squares.sum::<f64>().sqrt();
         let moves = rows[row].iter().zip(rows[row - 1]);
         let longest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let reported = solution.reconfigurations.iter().find(|r| r.index == row);
+        let reported = solution.jumps.iter().find(|r| r.index == row);
         match reported {
             Some(reported) => assert_eq!(reported.distance, longest),
             None => assert!(longest <= 0.2 + 1e-9),
         }
     }
-    assert!((length - solution.length).abs() < 1e-9);
+    assert!((length - solution.report.length).abs() < 1e-9);
 }
 
 /// The path of a redundant arm is no longer than that of a follower from the same start. It is also no longer than its
@@ -79,26 +79,26 @@ fn path_is_shorter_than_that_of_a_follower() {
         .map(|k| Placement::new(begin.rotation, along(k)))
         .collect();
     let track = arm.track(&points, &q).unwrap();
-    let rows = track.solutions.windows(2);
+    let rows = track.report.windows(2);
     let followed: f64 = rows.map(|pair| distance(&pair[0].q, &pair[1].q)).sum();
     let path = CartesianPath::new(points).unwrap();
     let from_there = PathSolver::new(&arm).with_start(&q).solve(&path).unwrap();
     let from_anywhere = PathSolver::new(&arm).solve(&path).unwrap();
     for solution in [&from_there, &from_anywhere] {
         assert!(
-            solution.is_whole(),
+            solution.reached(),
             "{:?} {:?}",
-            solution.reconfigurations,
-            solution.missed
+            solution.jumps,
+            solution.report.missed
         );
     }
     assert_eq!(from_there.rows().next().unwrap(), q);
     assert!(
-        from_there.length < followed,
+        from_there.report.length < followed,
         "{} {followed}",
-        from_there.length
+        from_there.report.length
     );
-    assert!(from_anywhere.length <= from_there.length * (1.0 + 1e-6));
+    assert!(from_anywhere.report.length <= from_there.report.length * (1.0 + 1e-6));
 }
 
 /// A rail of five centimetres soon reaches its limit. The null space that remains still shortens the path, which is at
@@ -124,8 +124,8 @@ fn joint_at_its_limit_leaves_the_null_space_usable() {
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
     let length = |arm: &Arm| {
         let solution = PathSolver::new(arm).solve(&path).unwrap();
-        assert!(solution.is_whole());
-        solution.length
+        assert!(solution.reached());
+        solution.report.length
     };
     let shortest = length(&arm);
     for stand in [0.0, 0.025, 0.05] {
@@ -154,9 +154,9 @@ fn coarse_paths_stay_on_their_branch() {
     let path = CartesianPath::new(points).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     assert_eq!(solution.rows().len(), 4);
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     // Interpolation of the joints between corners deviates from the straight segment by millimetres, which is reported.
-    assert!(solution.largest_deviation.metres > 1e-3);
+    assert!(solution.report.largest_deviation.metres > 1e-3);
 }
 
 /// The tool rotates further than the last joint's limits allow from the start, so this joint begins a turn earlier.
@@ -188,7 +188,11 @@ fn joint_continues_from_the_nearest_turn_after_jump() {
         .unwrap();
     let solver = PathSolver::new(&arm).with_tools([&same]).with_start(&start);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
+    assert!(
+        solution.report.missed.is_empty(),
+        "{:?}",
+        solution.report.missed
+    );
     let rows: Vec<&[f64]> = solution.rows().collect();
     for (row, pair) in rows.windows(2).enumerate() {
         let moved: Vec<f64> = pair[0]
@@ -235,14 +239,11 @@ fn fewer_reconfigurations_precede_shorter_length() {
     let solver = PathSolver::new(&arm).with_tools([&same]).with_start(&start);
     let solver = solver.with_joint_weights(&[1.0, 1.0, 0.01]);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.missed.is_empty());
-    let breaks = solution
-        .reconfigurations
-        .iter()
-        .map(|reported| reported.index);
+    assert!(solution.report.missed.is_empty());
+    let breaks = solution.jumps.iter().map(|reported| reported.index);
     assert_eq!(breaks.collect::<Vec<_>>(), [1]);
     // The other choice has about a hundredth of the length of two turns of the hand.
-    assert!(solution.length > 2.0);
+    assert!(solution.report.length > 2.0);
 }
 
 /// Between two tools the path defines no motion. Each tool's points are solved as on their own, and a large joint
@@ -278,13 +279,14 @@ fn change_of_tools_is_not_interpolated() {
                 .base_from_tool(row)
                 .unwrap();
             let deviation = (at.translation - aim.translation).norm();
-            let missed = solution.missed.iter().any(|missed| missed.index == point);
+            let missed = solution
+                .report
+                .missed
+                .iter()
+                .any(|missed| missed.index == point);
             assert!(missed || deviation < 1e-5, "{case}, {point}: {deviation} m");
         }
-        let breaks = solution
-            .reconfigurations
-            .iter()
-            .map(|reported| reported.index);
+        let breaks = solution.jumps.iter().map(|reported| reported.index);
         let breaks: Vec<usize> = breaks.collect();
         let goes_far = |row: &usize| {
             let moves = rows[*row].iter().zip(rows[row - 1]);
@@ -292,7 +294,7 @@ fn change_of_tools_is_not_interpolated() {
         };
         let jumps: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
         assert!(
-            !solution.missed.is_empty() || jumps == breaks,
+            !solution.report.missed.is_empty() || jumps == breaks,
             "{case}: {jumps:?} {breaks:?}"
         );
         reported += usize::from(breaks.contains(&6));
@@ -320,10 +322,6 @@ fn nearly_equal_branches_are_chosen_again() {
     };
     let path = CartesianPath::new((0..=100).map(point).collect::<Vec<_>>()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
-    assert!(!solution.missed.is_empty());
-    assert!(
-        solution.reconfigurations.is_empty(),
-        "{:?}",
-        solution.reconfigurations
-    );
+    assert!(!solution.report.missed.is_empty());
+    assert!(solution.jumps.is_empty(), "{:?}", solution.jumps);
 }

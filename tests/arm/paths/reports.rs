@@ -40,8 +40,8 @@ fn furthest_joint_of_a_jump_is_weighted_by_unit() {
         let path = CartesianPath::new(vec![stand; 2]).unwrap();
         let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
         let solution = solver.solve(&path).unwrap();
-        let [reported] = &solution.reconfigurations[..] else {
-            panic!("{:?}", solution.reconfigurations)
+        let [reported] = &solution.jumps[..] else {
+            panic!("{:?}", solution.jumps)
         };
         assert_eq!(reported.joint < 2, is_slide, "{reported:?}");
         assert!(
@@ -78,8 +78,8 @@ fn unreachable_points_in_contact_are_not_found() {
     });
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
-    assert_eq!(solution.missed.len(), 10);
-    for missed in &solution.missed {
+    assert_eq!(solution.report.missed.len(), 10);
+    for missed in &solution.report.missed {
         match missed.index < 5 {
             true => assert!(
                 matches!(&missed.reason, MissReason::Touches(pair) if pair.second == "ball"),
@@ -109,15 +109,16 @@ fn path_is_not_entered_where_more_is_unreached() {
     let solver = PathSolver::new(&arm).with_max_step(0.5);
     let reported = solver.solve(&path).unwrap();
     assert!(
-        !unreachable.contains(&reported.entry),
+        !unreachable.contains(&reported.report.entry),
         "entered at {}",
-        reported.entry
+        reported.report.entry
     );
     // Each one once: entered at one of them, the path would end there as well.
     let missed = reported
+        .report
         .missed
         .iter()
-        .map(|missed| (reported.entry + missed.index) % 40);
+        .map(|missed| (reported.report.entry + missed.index) % 40);
     let mut missed: Vec<usize> = missed.collect();
     missed.sort_unstable();
     assert_eq!(missed, unreachable);
@@ -138,7 +139,7 @@ fn jump_over_an_obstacle_is_not_distributed() {
     let stand = alone.base_from_tool(&from).unwrap();
     let path = CartesianPath::new(vec![stand; 33]).unwrap();
     let shared = PathSolver::new(&alone).with_start(&from).with_end(&to);
-    assert!(shared.solve(&path).unwrap().is_whole());
+    assert!(shared.solve(&path).unwrap().reached());
     let mut world = World::new();
     world
         .add_sphere("ball", 0.05, Vector3::new(0.3, 0.2, 0.0))
@@ -148,8 +149,12 @@ fn jump_over_an_obstacle_is_not_distributed() {
     let arm = alone.with_checker(&checker, &[0.0; 4]).unwrap();
     let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
     let solution = solver.solve(&path).unwrap();
-    assert_eq!(solution.reconfigurations.len(), 1);
-    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
+    assert_eq!(solution.jumps.len(), 1);
+    assert!(
+        solution.report.missed.is_empty(),
+        "{:?}",
+        solution.report.missed
+    );
     for q in solution.rows() {
         assert!(arm.collisions(q).unwrap().is_empty(), "{q:?}");
     }

@@ -6,7 +6,8 @@
 use std::ops::Range;
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
+use kinopt::arm::JointPath;
+use kinopt::motion::path::{CartesianPath, PathReport, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 use support::path_steps::{is_led, largest_difference};
@@ -43,13 +44,13 @@ impl StraightSegment {
         (0..=steps).map(point).collect()
     }
 
-    fn solved(&self, arm: &Arm, steps: u32) -> PathSolution {
+    fn solved(&self, arm: &Arm, steps: u32) -> JointPath<PathReport> {
         let path = CartesianPath::new(self.points(steps)).unwrap();
         PathSolver::new(arm).solve(&path).unwrap()
     }
 
     /// Out and back as a closed path, with `steps` steps each way.
-    fn solved_as_ring(&self, arm: &Arm, steps: u32) -> PathSolution {
+    fn solved_as_ring(&self, arm: &Arm, steps: u32) -> JointPath<PathReport> {
         let mut points = self.points(steps);
         let back: Vec<_> = points[1..points.len() - 1].iter().rev().copied().collect();
         points.extend(back);
@@ -78,21 +79,18 @@ fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usiz
     let (mut within_reach, mut left) = (0, 0);
     for (case, segment) in segments(&arm, cases) {
         let few = segment.solved(&arm, steps);
-        if !few.missed.is_empty() {
+        if !few.report.missed.is_empty() {
             continue;
         }
         within_reach += 1;
-        if !few.reconfigurations.is_empty() {
-            left += usize::from(segment.solved(&arm, 210).is_whole());
+        if !few.jumps.is_empty() {
+            left += usize::from(segment.solved(&arm, 210).reached());
         }
         // Every step without a reported reconfiguration is continuous.
         let (points, rows) = (segment.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
-            let reported = few
-                .reconfigurations
-                .iter()
-                .any(|reported| reported.index == row);
+            let reported = few.jumps.iter().any(|reported| reported.index == row);
             let short = largest_difference(steps[0], steps[1]) <= 0.2 + 1e-9;
             assert!(
                 reported || short || is_led(&arm, [points[row - 1], points[row]], steps),
@@ -131,8 +129,8 @@ fn closed_paths_of_few_points_stay_on_their_branch() {
         let mut left = 0;
         for (_, segment) in segments(&arm, &cases) {
             let few = segment.solved_as_ring(&arm, 1);
-            if few.missed.is_empty() && !few.reconfigurations.is_empty() {
-                left += usize::from(segment.solved_as_ring(&arm, 105).is_whole());
+            if few.report.missed.is_empty() && !few.jumps.is_empty() {
+                left += usize::from(segment.solved_as_ring(&arm, 105).reached());
             }
         }
         assert!(left * 200 <= cases.len(), "{name}: {left}");

@@ -1,7 +1,8 @@
 //! Promise: a path's times keep all joints within their velocity and acceleration limits, from rest to rest.
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver};
+use kinopt::arm::JointPath;
+use kinopt::motion::path::{CartesianPath, PathError, PathReport, PathSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::fault_tables::ExpectedError;
@@ -11,7 +12,7 @@ use support::random::Random;
 /// trajectory smooths.
 const ROW_NOISE: f64 = 0.01;
 
-fn solved() -> PathSolution {
+fn solved() -> JointPath<PathReport> {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
@@ -28,7 +29,7 @@ fn solved() -> PathSolution {
 #[test]
 fn velocities_and_accelerations_stay_within_limits() {
     let solution = solved();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     for (speed, acceleration) in [(1.0, 2.0), (0.2, 20.0), (f64::INFINITY, 0.5)] {
         let times = solution.times(&[speed; 6], &[acceleration; 6]).unwrap();
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -96,10 +97,10 @@ fn step_too_fast_for_its_time_is_reported() {
             let solver = PathSolver::new(&arm).with_times_kept(keep_times);
             solver.solve(&path).unwrap()
         };
-        assert!(solve(false).is_whole());
+        assert!(solve(false).reached());
         let solution = solve(true);
         let reported: Vec<usize> = solution
-            .reconfigurations
+            .jumps
             .iter()
             .map(|reported| reported.index)
             .collect();
@@ -142,8 +143,8 @@ fn ample_times_change_nothing() {
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let timed = solver.solve(&timed).unwrap();
         assert_eq!(plain.q, timed.q);
-        assert_eq!(plain.reconfigurations, timed.reconfigurations);
-        broken += plain.reconfigurations.len();
+        assert_eq!(plain.jumps, timed.jumps);
+        broken += plain.jumps.len();
     }
     assert!(broken > 3, "{broken}");
 }
@@ -164,7 +165,7 @@ fn too_fast_step_between_distant_points_is_reported() {
         let path = path.with_times(times).unwrap();
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let solution = solver.solve(&path).unwrap();
-        let reported: Vec<usize> = (solution.reconfigurations.iter())
+        let reported: Vec<usize> = (solution.jumps.iter())
             .map(|reported| reported.index)
             .collect();
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -174,7 +175,7 @@ fn too_fast_step_between_distant_points_is_reported() {
             moves.any(|((a, b), speed)| (a - b).abs() > step * speed * (1.0 + 1e-6))
         });
         assert_eq!(reported, too_fast.collect::<Vec<_>>(), "{step} s");
-        assert_eq!(solution.is_whole(), whole, "{step} s");
+        assert_eq!(solution.reached(), whole, "{step} s");
     }
 }
 
@@ -194,7 +195,7 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     let path = CartesianPath::new(points).unwrap();
     let solver = PathSolver::new(&arm).with_start(&q);
     let plain = solver.solve(&path).unwrap();
-    assert!(plain.is_whole());
+    assert!(plain.reached());
     // Shares of a joint's velocity limit for steps of one second.
     let shares = |row: &[f64], next: &[f64]| {
         let moves = row.iter().zip(next).zip(arm.velocity_limits());
@@ -210,7 +211,7 @@ fn dense_path_may_use_the_time_of_all_its_steps() {
     let times: Vec<f64> = (0..=150).map(|k| step * f64::from(k)).collect();
     let timed = path.with_times(times).unwrap();
     let solution = solver.with_times_kept(true).solve(&timed).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.reached(), "{:?}", solution.jumps);
     for (k, pair) in solution.rows().collect::<Vec<_>>().windows(2).enumerate() {
         assert!(shares(pair[0], pair[1]) <= step * (1.0 + 1e-6), "{k}");
     }

@@ -1,8 +1,10 @@
 //! Promise: trajectories along paths keep all limits at every time, and are the fastest that do.
 
 use kinopt::Arm;
+use kinopt::arm::{JointJump, JointPath};
+use kinopt::motion::Trajectory;
 use kinopt::motion::path::{
-    CartesianPath, PathError, PathSolution, PathSolver, TimingLimits, Trajectory,
+    CartesianPath, PathError, PathReport, PathSolver, TimedSpline, TimingLimits,
 };
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -36,18 +38,30 @@ fn right_angle(count: u32) -> Vec<f64> {
     first.chain(second).flatten().collect()
 }
 
-fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory {
-    Trajectory::through(q, joints, &[], limits).unwrap()
+/// Joint path without jumps.
+fn joint_path(q: &[f64], nq: usize) -> JointPath<()> {
+    JointPath {
+        q: q.to_vec(),
+        nq,
+        ..JointPath::default()
+    }
+}
+
+fn through(q: &[f64], limits: &TimingLimits<'_>, joints: usize) -> Trajectory<TimedSpline> {
+    joint_path(q, joints).trajectory(limits).unwrap()
 }
 
 /// Largest shares of the limits that a trajectory uses: velocity, acceleration and jerk.
-fn largest_shares(trajectory: &Trajectory, [velocity, acceleration, jerk]: [f64; 3]) -> [f64; 3] {
+fn largest_shares(
+    trajectory: &Trajectory<TimedSpline>,
+    [velocity, acceleration, jerk]: [f64; 3],
+) -> [f64; 3] {
     let step = trajectory.duration() / f64::from(SAMPLES);
     let mut largest = [0.0_f64; 3];
-    let mut last = trajectory.at(0.0);
+    let mut last = trajectory.report.at(0.0);
     for k in 1..=SAMPLES {
-        let point = trajectory.at(step * f64::from(k));
-        for joint in 0..trajectory.joint_count() {
+        let point = trajectory.report.at(step * f64::from(k));
+        for joint in 0..trajectory.nq {
             largest[0] = largest[0].max(point.velocity[joint].abs() / velocity);
             largest[1] = largest[1].max(point.acceleration[joint].abs() / acceleration);
             let change = (point.acceleration[joint] - last.acceleration[joint]) / step;
@@ -140,7 +154,7 @@ fn rows_with_solver_noise_take_the_same_time() {
 fn corners_without_tolerance_stop_the_arm() {
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.0);
     let trajectory = through(&right_angle(50), &limits, 2);
-    let corner = trajectory.at(trajectory.times()[50]);
+    let corner = trajectory.report.at(trajectory.times[50]);
     assert_eq!(corner.q, [0.5, 0.0]);
     assert!(corner.velocity.iter().all(|v| v.abs() < 1e-9));
     let [fastest, largest, _] = largest_shares(&trajectory, [2.0, 6.0, 1.0]);
@@ -158,7 +172,10 @@ fn blended_corners_stay_within_the_tolerance() {
         last = trajectory.duration();
         let mut farthest = 0.0_f64;
         for k in 0..=SAMPLES {
-            let q = trajectory.at(last * f64::from(k) / f64::from(SAMPLES)).q;
+            let q = trajectory
+                .report
+                .at(last * f64::from(k) / f64::from(SAMPLES))
+                .q;
             // Distance from the two segments.
             farthest = farthest.max(q[1].abs().min((q[0] - 0.5).abs()));
         }
@@ -183,7 +200,7 @@ fn reversals_are_reached_and_stopped_at() {
         .collect();
     let limits = TimingLimits::new(&[2.0; 2], &[6.0; 2]).with_corner_tolerance(0.05);
     let trajectory = through(&q, &limits, 2);
-    let turn = trajectory.at(trajectory.times()[20]);
+    let turn = trajectory.report.at(trajectory.times[20]);
     assert!((turn.q[0] - 0.4).abs() < 1e-12);
     assert!(turn.velocity[0].abs() < 1e-9);
 }
@@ -199,7 +216,10 @@ fn jerk_limits_hold_and_lines_are_fastest() {
         assert!(fastest <= 1.0 + ROUNDING && largest <= 1.0 + ROUNDING);
         assert!(jerkiest <= 1.0 + JERK_EXCESS, "{jerkiest}");
         assert!(trajectory.duration() > unbounded.duration());
-        for point in [trajectory.at(0.0), trajectory.at(trajectory.duration())] {
+        for point in [
+            trajectory.report.at(0.0),
+            trajectory.report.at(trajectory.duration()),
+        ] {
             assert!(
                 point.acceleration.iter().all(|a| a.abs() < 1e-6),
                 "{point:?}"
@@ -236,7 +256,7 @@ fn ur5e() -> (Robot, Arm) {
 }
 
 /// Joints for a pick and place of the UR5e: down, up, aside, down and up, in rows of a given distance in metres.
-fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
+fn pick_and_place(arm: &Arm, row_distance: f64) -> JointPath<PathReport> {
     let start = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
     let begin = arm.base_from_tool(&start).unwrap();
     let stops = [
@@ -261,7 +281,7 @@ fn pick_and_place(arm: &Arm, row_distance: f64) -> PathSolution {
         .with_start(&start)
         .solve(&path)
         .unwrap();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     solution
 }
 
@@ -298,7 +318,7 @@ fn tool_limits_hold_and_bind() {
         let trajectory = solution.trajectory(&limits).unwrap();
         let step = 1e-5;
         let mut twist = |time: f64| {
-            let point = trajectory.at(time);
+            let point = trajectory.report.at(time);
             let j = jacobian.at(&point.q).unwrap();
             std::array::from_fn::<f64, 3, _>(|row| {
                 let moves = point.velocity.iter().enumerate();
@@ -324,15 +344,20 @@ fn tool_limits_hold_and_bind() {
 
 #[test]
 fn reconfigurations_begin_and_end_at_rest() {
-    let mut solution = PathSolution::default();
-    solution.joint_count = 2;
     let first = (0..20).flat_map(|k| [0.02 * f64::from(k), 0.0]);
     let second = (0..20).flat_map(|k| [2.0, 1.0 + 0.02 * f64::from(k)]);
-    solution.q = first.chain(second).collect();
+    let q: Vec<f64> = first.chain(second).collect();
+    let mut solution = joint_path(&q, 2);
+    solution.jumps.push(JointJump {
+        index: 20,
+        joint: 0,
+        distance: 1.62,
+        reconfiguration: true,
+    });
     let limits = TimingLimits::new(&[1.0; 2], &[2.0; 2]);
-    let trajectory = Trajectory::through(&solution.q, 2, &[20], &limits).unwrap();
+    let trajectory = solution.trajectory(&limits).unwrap();
     for row in [0, 19, 20, 39] {
-        let point = trajectory.at(trajectory.times()[row]);
+        let point = trajectory.report.at(trajectory.times[row]);
         assert!(
             point.velocity.iter().all(|v| v.abs() < 1e-9),
             "{row}: {point:?}"
@@ -344,7 +369,7 @@ fn reconfigurations_begin_and_end_at_rest() {
         );
     }
     // The step itself is straight, from rest to rest.
-    let time = trajectory.times()[20] - trajectory.times()[19];
+    let time = trajectory.times[20] - trajectory.times[19];
     let expected = 1.62 + 0.5;
     assert!((time / expected - 1.0).abs() < 1e-4, "{time}");
 }
@@ -355,12 +380,12 @@ fn rows_are_passed_at_their_times() {
     let limits = TimingLimits::new(&[2.0; 7], &[6.0; 7]);
     for limits in [limits.clone(), limits.with_jerk_limits(&[100.0; 7])] {
         let trajectory = through(&q, &limits, 7);
-        let times = trajectory.times();
+        let times = &trajectory.times;
         assert_eq!((times.len(), times[0]), (300, 0.0));
         assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(times[299], trajectory.duration());
         for (row, time) in q.chunks(7).zip(times) {
-            let at = trajectory.at(*time).q;
+            let at = trajectory.report.at(*time).q;
             assert!(at.iter().zip(row).all(|(a, b)| (a - b).abs() <= 1.1e-5));
         }
     }
@@ -376,7 +401,7 @@ fn times_outside_the_trajectory_are_rest() {
         (f64::NAN, &q[..7]),
         (f64::INFINITY, &q[343..]),
     ] {
-        let point = trajectory.at(time);
+        let point = trajectory.report.at(time);
         assert!(
             point.q.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-9),
             "{time}"
@@ -391,15 +416,15 @@ fn few_or_equal_rows_are_no_motion() {
     let limits = TimingLimits::new(&[1.0; 2], &[2.0; 2]);
     for q in [vec![], vec![0.1, 0.2], [0.1, 0.2].repeat(5)] {
         let trajectory = through(&q, &limits, 2);
-        assert_eq!(trajectory.times(), vec![0.0; q.len() / 2]);
+        assert_eq!(trajectory.times, vec![0.0; q.len() / 2]);
         assert_eq!(trajectory.duration(), 0.0);
-        let point = trajectory.at(1.0);
+        let point = trajectory.report.at(1.0);
         assert_eq!(point.velocity, [0.0; 2]);
         assert!(q.is_empty() || point.q == [0.1, 0.2]);
     }
     // Two rows are a line; equal rows have one time.
     let two = through(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0], &limits, 2);
-    let times = two.times();
+    let times = &two.times;
     assert!(times[1] == 0.0 && times[2] == times[3]);
     assert!((two.duration() - 1.5).abs() < 1e-4);
 }
@@ -421,7 +446,9 @@ fn joints_without_limits_follow_the_others() {
     }
     // Nothing bounds a step that only they make.
     let limits = TimingLimits::new(&[1.0, infinity], &[2.0, infinity]);
-    let error = Trajectory::through(&[0.0, 0.0, 0.0, 1.0], 2, &[], &limits).unwrap_err();
+    let error = joint_path(&[0.0, 0.0, 0.0, 1.0], 2)
+        .trajectory(&limits)
+        .unwrap_err();
     assert!(
         matches!(error, PathError::Unbounded { row: 1, .. }),
         "{error}"
@@ -434,7 +461,7 @@ fn limits_out_of_range_name_option_and_joint() {
     let (_, arm) = ur5e();
     let q = [0.0; 12];
     let error = |limits: TimingLimits<'_>| {
-        let error = Trajectory::through(&q, 6, &[], &limits).unwrap_err();
+        let error = joint_path(&q, 6).trajectory(&limits).unwrap_err();
         error.to_string()
     };
     let limits = TimingLimits::of(&arm).with_acceleration_limits(&[5.0; 6]);
@@ -492,12 +519,12 @@ fn limits_out_of_range_name_option_and_joint() {
         ([f64::INFINITY, 0.0], 0),
         ([-1e308, 1e308], 1),
     ] {
-        let error = Trajectory::through(&q, 1, &[], &limits);
+        let error = joint_path(&q, 1).trajectory(&limits);
         assert_eq!(error, Err(PathError::Row { row }));
     }
     // Rows without joints are no rows.
-    let none = Trajectory::through(&[1.0, 2.0, 3.0], 0, &[], &TimingLimits::new(&[], &[]));
-    assert!(none.unwrap().times().is_empty());
+    let none = joint_path(&[1.0, 2.0, 3.0], 0).trajectory(&TimingLimits::new(&[], &[]));
+    assert!(none.unwrap().times.is_empty());
 }
 
 /// Rows without any order, from far apart to nearly equal, and limits that differ by orders of magnitude.
@@ -528,9 +555,9 @@ fn random_rows_keep_all_limits() {
         };
         let trajectory = through(&q, &limits, joints);
         let step = trajectory.duration() / 2000.0;
-        let mut last = trajectory.at(0.0);
+        let mut last = trajectory.report.at(0.0);
         for k in 0..=2000 {
-            let point = trajectory.at(step * f64::from(k));
+            let point = trajectory.report.at(step * f64::from(k));
             for joint in 0..joints {
                 let velocity = point.velocity[joint].abs() / velocities[joint];
                 let acceleration = point.acceleration[joint].abs() / accelerations[joint];

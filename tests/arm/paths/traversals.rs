@@ -4,8 +4,9 @@
 use std::f64::consts::TAU;
 
 use kinopt::Arm;
+use kinopt::arm::JointPath;
 use kinopt::model::Limits;
-use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver, Traversal};
+use kinopt::motion::path::{CartesianPath, PathError, PathReport, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot, with_endless_joint};
 use support::path_steps::largest_difference;
@@ -32,17 +33,17 @@ fn cyclic_path_ends_where_it_begins() {
             .with_traversal(Traversal::Cyclic);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(
-            solution.is_whole(),
+            solution.reached(),
             "{name}: {:?} {:?}",
-            solution.reconfigurations,
-            solution.missed
+            solution.jumps,
+            solution.report.missed
         );
         let rows: Vec<&[f64]> = solution.rows().collect();
         assert_eq!(rows.len(), 100);
         assert!(largest_difference(rows[99], rows[0]) < 0.1, "{name}");
         let from_there = PathSolver::new(&arm).with_start(&q).solve(&path).unwrap();
         assert_eq!(from_there.rows().next().unwrap(), q);
-        assert!(from_there.is_whole(), "{name}");
+        assert!(from_there.reached(), "{name}");
     }
 }
 
@@ -61,8 +62,8 @@ fn cyclic_path_has_equal_length_from_any_point() {
         let path = CartesianPath::new(points).unwrap();
         let path = path.with_traversal(Traversal::Cyclic);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
-        solution.length
+        assert!(solution.reached(), "{:?}", solution.jumps);
+        solution.report.length
     });
     let (shortest, longest) = (lengths.iter())
         .fold((f64::MAX, 0.0_f64), |(shortest, longest), length| {
@@ -86,10 +87,10 @@ fn rewound_turn_is_reported() {
     let path = CartesianPath::new(points).unwrap();
     let cyclic = path.clone().with_traversal(Traversal::Cyclic);
     let solution = PathSolver::new(&arm).solve(&cyclic).unwrap();
-    assert_eq!(solution.reconfigurations.len(), 1);
+    assert_eq!(solution.jumps.len(), 1);
     let anywhere = path.with_traversal(Traversal::AnyStart);
     let solution = PathSolver::new(&arm).solve(&anywhere).unwrap();
-    assert!(solution.is_whole());
+    assert!(solution.reached());
     assert_eq!(solution.rows().len(), 101);
 }
 
@@ -111,12 +112,12 @@ fn closed_path_is_entered_at_the_best_point() {
     let open = CartesianPath::new(points.clone()).unwrap();
     let anywhere = open.clone().with_traversal(Traversal::AnyStart);
     let [first, best] = [open, anywhere].map(|path| PathSolver::new(&arm).solve(&path).unwrap());
-    assert!(best.reconfigurations.len() <= first.reconfigurations.len());
-    assert!(best.entry < 120 && best.missed.is_empty());
+    assert!(best.jumps.len() <= first.jumps.len());
+    assert!(best.report.entry < 120 && best.report.missed.is_empty());
     let rows: Vec<&[f64]> = best.rows().collect();
     for (row, q) in rows.iter().enumerate() {
         let at = arm.base_from_tool(q).unwrap();
-        let point = &points[(best.entry + row) % 120];
+        let point = &points[(best.report.entry + row) % 120];
         assert!((at.translation - point.translation).norm() < 1.1e-6);
     }
 }
@@ -142,12 +143,12 @@ fn shortest_of_equally_good_entries_is_taken() {
         solver.solve(&path).unwrap()
     };
     let first = from(0);
-    let rank = |reported: &PathSolution| {
-        assert!(reported.missed.is_empty());
-        (reported.reconfigurations.len(), reported.length)
+    let rank = |reported: &JointPath<PathReport>| {
+        assert!(reported.report.missed.is_empty());
+        (reported.jumps.len(), reported.report.length)
     };
     let others = first
-        .reconfigurations
+        .jumps
         .iter()
         .map(|reported| rank(&from(reported.index)));
     let (fewest, shortest) = others
@@ -157,9 +158,9 @@ fn shortest_of_equally_good_entries_is_taken() {
     let path = CartesianPath::new(points.clone()).unwrap();
     let anywhere = path.with_traversal(Traversal::AnyStart);
     let best = solver.solve(&anywhere).unwrap();
-    assert_eq!(best.reconfigurations.len(), fewest);
-    assert!((best.length - shortest).abs() < 1e-9);
-    assert_ne!(best.entry, 0);
+    assert_eq!(best.jumps.len(), fewest);
+    assert!((best.report.length - shortest).abs() < 1e-9);
+    assert_ne!(best.report.entry, 0);
 }
 
 /// The deviation of a curve from its chord belongs to its own step, for any entry of the path.
@@ -182,11 +183,15 @@ fn curve_deviation_belongs_to_its_own_step() {
         let path = path.with_traversal(Traversal::AnyStart);
         let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
         let reported = solver.solve(&path).unwrap();
-        assert_ne!(reported.entry, 0);
-        let at = (reported.entry + reported.largest_deviation.metres_at) % 30;
+        assert_ne!(reported.report.entry, 0);
+        let at = (reported.report.entry + reported.report.largest_deviation.metres_at) % 30;
         let near = at.abs_diff(key as usize);
-        assert!(near < 3, "entered at {}, {at} of {key}", reported.entry);
-        assert!(reported.largest_deviation.metres > 0.01);
+        assert!(
+            near < 3,
+            "entered at {}, {at} of {key}",
+            reported.report.entry
+        );
+        assert!(reported.report.largest_deviation.metres > 0.01);
     }
 }
 
@@ -201,7 +206,7 @@ fn given_ends_are_kept() {
     let path = CartesianPath::spline(ends.to_vec(), None, 60).unwrap();
     let solver = PathSolver::new(&arm).with_start(&start).with_end(&end);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    assert!(solution.reached(), "{:?}", solution.jumps);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert_eq!((rows[0], rows[60]), (&start[..], &end[..]));
     let from_end = PathSolver::new(&arm).with_start(&end).solve(&path);
@@ -230,7 +235,7 @@ fn motion_to_a_given_end_is_distributed() {
             .map(|pair| largest_difference(pair[0], pair[1]))
             .collect();
         assert_eq!((rows[0], rows[count]), (&start[..], &end[..]));
-        assert!(solution.is_whole());
+        assert!(solution.reached());
         assert!(steps.iter().all(|step| *step <= 0.2), "{steps:?}");
     }
 }
@@ -265,7 +270,7 @@ fn points_for_two_tools_are_reached() {
         .with_tools([&drill])
         .solve(&path)
         .unwrap();
-    assert!(solution.missed.is_empty());
+    assert!(solution.report.missed.is_empty());
     for ((q, point), tool) in solution.rows().zip(&points).zip(&tools) {
         let at = [&arm, &drill][*tool].base_from_tool(q).unwrap();
         assert!((at.translation - point.translation).norm() < 1.1e-6);
@@ -279,12 +284,7 @@ fn points_for_two_tools_are_reached() {
     let refused = with_tools.with_end(&by_flange).solve(&path);
     assert!(matches!(refused, Err(PathError::End { which: "end", .. })));
     // The change of tools is the only long step.
-    assert!(
-        solution
-            .reconfigurations
-            .iter()
-            .all(|reported| reported.index == 20)
-    );
+    assert!(solution.jumps.iter().all(|reported| reported.index == 20));
 }
 
 /// The same rotation with a last joint without limits: it continues, and nothing is rewound.
@@ -303,7 +303,7 @@ fn joint_without_limits_never_rewinds() {
     let cyclic = path.with_traversal(Traversal::Cyclic);
     for solver in [PathSolver::new(&arm), PathSolver::new(&arm).with_start(&q)] {
         let solution = solver.solve(&cyclic).unwrap();
-        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        assert!(solution.reached(), "{:?}", solution.jumps);
         let rows: Vec<&[f64]> = solution.rows().collect();
         // The step from the last point to the first is as long as the others.
         let gone = rows[99][5] - rows[0][5];
@@ -351,8 +351,12 @@ fn branch_ending_before_the_tool_change_is_avoided() {
     let path = path.with_tools(tools.collect::<Vec<_>>()).unwrap();
     let solver = PathSolver::new(&arm).with_tools([&other]);
     let solution = solver.solve(&path).unwrap();
-    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
-    assert_eq!(solution.reconfigurations.len(), 1);
+    assert!(
+        solution.report.missed.is_empty(),
+        "{:?}",
+        solution.report.missed
+    );
+    assert_eq!(solution.jumps.len(), 1);
     let rows: Vec<&[f64]> = solution.rows().collect();
     assert!(rows[..10].iter().all(|q| q[1] > 0.0) && rows[39][1] < 0.0);
 }

@@ -30,14 +30,20 @@ fn path_leaving_the_workspace_reports_where() {
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert_eq!(solution.rows().len(), 81);
         // Between unreached points the tool does not follow the path, so no deviation counts.
-        let deviation = solution.largest_deviation.metres;
+        let deviation = solution.report.largest_deviation.metres;
         assert!(deviation < 5e-3, "{name}: {deviation}");
-        let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
+        let missed: Vec<usize> = solution
+            .report
+            .missed
+            .iter()
+            .map(|missed| missed.index)
+            .collect();
         assert!(
             missed.contains(&40) && !missed.contains(&0) && !missed.contains(&80),
             "{name}"
         );
         let farthest = solution
+            .report
             .missed
             .iter()
             .find(|missed| missed.index == 40)
@@ -48,7 +54,12 @@ fn path_leaving_the_workspace_reports_where() {
         for (row, (q, point)) in solution.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q));
             let away = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
-            match solution.missed.iter().find(|missed| missed.index == row) {
+            match solution
+                .report
+                .missed
+                .iter()
+                .find(|missed| missed.index == row)
+            {
                 Some(reported) => assert!((reported.position_error - away).abs() < 1e-9),
                 None => assert!(away < 1.1e-6),
             }
@@ -65,9 +76,9 @@ fn one_point_and_equal_points_are_solved() {
     for count in [1, 2, 50] {
         let path = CartesianPath::new(vec![point; count]).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(solution.is_whole());
+        assert!(solution.reached());
         assert_eq!(solution.rows().len(), count);
-        assert!(solution.length < 1e-4);
+        assert!(solution.report.length < 1e-4);
     }
 }
 
@@ -96,8 +107,8 @@ fn free_position_is_never_beyond_reach() {
         .collect();
     let path = CartesianPath::new(points).unwrap();
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
-    assert!(solution.missed.len() > 5);
-    for missed in &solution.missed {
+    assert!(solution.report.missed.len() > 5);
+    for missed in &solution.report.missed {
         assert!(matches!(missed.reason, MissReason::NotFound), "{missed:?}");
     }
 }
@@ -127,12 +138,18 @@ fn points_reachable_from_a_neighbour_are_reached() {
                 .collect();
             let path = CartesianPath::new(points.clone()).unwrap();
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
-            let missed = |row: usize| solution.missed.iter().any(|missed| missed.index == row);
+            let missed = |row: usize| {
+                solution
+                    .report
+                    .missed
+                    .iter()
+                    .any(|missed| missed.index == row)
+            };
             let rows: Vec<&[f64]> = solution.rows().collect();
             // A stretch of unreached points has at most one reconfiguration.
             let jumps = |stretch: &[usize]| {
                 let (from, to) = (stretch[0], stretch[stretch.len() - 1] + 1);
-                let reported = solution.reconfigurations.iter();
+                let reported = solution.jumps.iter();
                 reported
                     .filter(|jump| (from..=to).contains(&jump.index))
                     .count()
@@ -216,7 +233,12 @@ fn shortened_path_still_reaches_its_points() {
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();
         let reported = PathSolver::new(&arm).with_samples(24).solve(&path).unwrap();
-        let missed: Vec<usize> = reported.missed.iter().map(|missed| missed.index).collect();
+        let missed: Vec<usize> = reported
+            .report
+            .missed
+            .iter()
+            .map(|missed| missed.index)
+            .collect();
         for (k, (q, point)) in reported.rows().zip(&points).enumerate() {
             let at = arm.base_from_tool(q).unwrap();
             let deviation = (at.translation - point.translation).norm();

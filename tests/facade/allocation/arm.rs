@@ -149,7 +149,7 @@ fn detour_of_an_unreachable_path_is_sought_once() {
     let mut count = |steps: usize| {
         let mut track = None;
         let made = allocations(&mut || track = Some(arm.track(&path[..steps], &start).unwrap()));
-        let solutions = track.unwrap().solutions;
+        let solutions = track.unwrap().report;
         missed = solutions.iter().filter(|s| !s.reached).count();
         made
     };

@@ -70,7 +70,7 @@ fn option_tables_equal_the_code() {
     let of_paths = [
         "CartesianPath::with_traversal",
         "CartesianPath::read",
-        "PathSolution::times",
+        "JointPath::times",
     ];
     assert_same("Paths", &paths, &of_paths);
     let limits = [("crates/kinopt-arm/src/path/timing/limits.rs", "")];

@@ -16,9 +16,10 @@ use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Loop, Model, ModelBuilder, ParameterMap};
 use kinopt::motion::ContactDetection;
+use kinopt::motion::Trajectory;
 use kinopt::motion::path::{CartesianPath, PathSolver};
 use kinopt::motion::retarget::{FootShapes, RetargetOptions, UpAxis};
-use kinopt::motion::trajectory::{MotionProblem, MotionSolution, MotionSolver};
+use kinopt::motion::trajectory::{MotionProblem, MotionReport, MotionSolver};
 use kinopt::problem::Preferences;
 use kinopt::robot::Robot;
 use kinopt::simd_ik::LaneOptions;
@@ -234,9 +235,9 @@ fn motions_and_paths_survive_serde() {
     let solved = MotionSolver::default()
         .solve(&motion.build().unwrap(), &[0.1; 3])
         .unwrap();
-    assert!(!solved.reached());
-    let read: MotionSolution = round_trip(&solved);
-    assert_eq!(bits(read.q()), bits(solved.q()));
+    assert!(!solved.report.reached());
+    let read: Trajectory<MotionReport> = round_trip(&solved);
+    assert_eq!(bits(&read.q), bits(&solved.q));
     assert_eq!(format!("{read:?}"), format!("{solved:?}"));
 
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
@@ -253,7 +254,7 @@ fn motions_and_paths_survive_serde() {
         .with_start(&start)
         .solve(&path)
         .unwrap();
-    assert!(!solved.missed.is_empty());
+    assert!(!solved.report.missed.is_empty());
     assert_round_trip(&solved);
 }
 

@@ -81,7 +81,7 @@ export class RetargetSession {
     whole(report) {
         const options = { ...this.options, whole: true, progress: (done, total) => report({ done, total }) };
         const retargeted = retarget(this.robot, this.clip, undefined, options);
-        return { movement: retargeted.q.slice(), meanError: retargeted.meanError, slip: retargeted.slip };
+        return { movement: retargeted.q.slice(), meanError: retargeted.report.meanError, slip: retargeted.report.slip };
     }
 
     rest() {

@@ -7,7 +7,7 @@ const SECTIONS = [
     ["Changelog", "0.1.0", "changelog.html#1", "paths: solve_path keeps the start. servo: joint limits."],
     ["Paths", "Solving a path", "docs/guide/paths.html#1", "arm.solve_path(points) solves a Cartesian path."],
     ["kinopt for Python", "Arm", "python/reference.html#arm", "def solve_path(self, path, start=None)"],
-    ["Web", "Arm", "web/reference.html#arm", "solvePath(path: Path): PathSolution"],
+    ["Web", "Arm", "web/reference.html#arm", "solvePath(path: Path): JointPath"],
     ["Servo", "Servoing", "docs/guide/servo.html#1", "A servo follows targets at 1 kHz within limits."],
     ["Arms", "A first pose", "docs/guide/arms.html#1", "Inverse kinematics of an arm."],
 ];

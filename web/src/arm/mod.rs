@@ -1,21 +1,23 @@
 //! Pose inverse kinematics of an arm.
 
+mod batch;
 mod follower;
 mod options;
 mod servo;
-mod track;
 
 use std::rc::Rc;
 
 use wasm_bindgen::prelude::*;
 
+use crate::joint_path::JointPath;
+use crate::object;
 use crate::placement::{columns, read, read_all};
 use crate::raise;
 use crate::robot::Robot;
 use crate::solution::Solution;
+use batch::Batch;
 use follower::Follower;
 use servo::{Servo, ServoOptions};
-use track::{Batch, Track};
 
 /// An arm of a robot, from a base to a tip, prepared for queries.
 #[wasm_bindgen]
@@ -146,15 +148,20 @@ impl Arm {
 
     /// Follows a path of targets on one branch as far as possible. `targets` has their matrices in one list, sixteen
     /// numbers each.
+    #[wasm_bindgen(unchecked_return_type = "JointPath & { readonly report: TrackReport }")]
     pub fn track(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<Track, JsError> {
+    ) -> Result<JointPath, JsError> {
         let targets = read_all(targets, "target")?;
         let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
-        let track = self.inner.track(&targets, &start).map_err(raise)?;
-        Ok(Track::new(&self.inner, track))
+        let path = self.inner.track(&targets, &start).map_err(raise)?;
+        let reached = path.reached();
+        let (path, solutions) = path.split_report();
+        let rows: Vec<u8> = solutions.iter().map(|row| row.reached.into()).collect();
+        let report = object::of([("reached", js_sys::Uint8Array::from(&*rows).into())]);
+        Ok(JointPath::new(&self.inner, path, reached, report.into()))
     }
 
     /// Creates a follower at the configuration `start`, for targets that come one at a time.

@@ -1,24 +1,48 @@
 //! Retargeting of a whole motion to a robot.
 
-use js_sys::Function;
-use kinopt::motion::retarget;
+use js_sys::{Float64Array, Function, Uint8Array, Uint32Array};
+use kinopt::motion::{self, retarget::RetargetReport};
 use wasm_bindgen::prelude::*;
 
 use super::{ClearRetargetingOptions, FOLLOWER_OPTIONS, Mapped, RetargetingOptions};
 use crate::arguments::NamedArguments;
 use crate::clip::Clip;
-use crate::raise;
 use crate::robot::Robot;
-use crate::view;
 use crate::world::{CollisionModel, World};
+use crate::{object, raise, view};
 
-/// Retargeted motion of a robot.
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** Errors, contacts and collisions of a retargeted motion. */
+export interface RetargetReport {
+    /** Frame rate, in frames a second. */
+    fps: number;
+    /** Ratio of the step length to that of the subject, metres for each unit of the capture. */
+    stride: number;
+    /** Distance of the driven points from their targets, mean over all frames, metres. */
+    meanError: number;
+    /** Largest drift of a contact from its initial position, metres. */
+    slip: number;
+    /** Frames in collision in spite of collision avoidance. */
+    touching: Uint32Array;
+    /** Frames of the robot that are in contact at some time. */
+    contactFrames: string[];
+    /** Contact point of each, in its coordinates, three numbers, metres. */
+    contactPoints: Float64Array;
+    /** 1 for each of them in contact, frame after frame. */
+    contacts: Uint8Array;
+    /** The map in use, as JSON. */
+    map: string;
+    /** Notes on a guessed map, for review. */
+    notes: string[];
+}
+"#;
+
+/// Configurations over time, with a report.
 #[wasm_bindgen]
-pub struct Retargeted {
-    inner: retarget::Retargeted,
-    stride: f64,
-    map: String,
-    notes: Vec<String>,
+pub struct Trajectory {
+    inner: motion::Trajectory<()>,
+    report: JsValue,
 }
 
 /// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames. Without a map it
@@ -29,14 +53,14 @@ pub fn retarget(
     clip: &Clip,
     map: Option<String>,
     options: Option<RetargetingOptions>,
-) -> Result<Retargeted, JsValue> {
+) -> Result<Trajectory, JsValue> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
     solve(robot, clip, None, map, options)
 }
 
 /// Retargets a clip with collision avoidance in every frame, with a world and the robot itself, by the exact distances
 /// of its shapes. The world is in metres at the scale of the robot: obstacles of the subject scale by `stride`. Feet
-/// are in contact with obstacles as with the ground; `touching` lists frames in collision in spite of that.
+/// are in contact with obstacles as with the ground; `touching` of the report lists frames in collision in spite of that.
 #[wasm_bindgen(js_name = retargetClear)]
 pub fn retarget_clear(
     robot: &Robot,
@@ -45,7 +69,7 @@ pub fn retarget_clear(
     world: &World,
     map: Option<String>,
     options: Option<ClearRetargetingOptions>,
-) -> Result<Retargeted, JsValue> {
+) -> Result<Trajectory, JsValue> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
     solve(robot, clip, Some((shapes, world)), map, options)
 }
@@ -56,7 +80,7 @@ fn solve(
     obstacles: Option<(&CollisionModel, &World)>,
     map: Option<String>,
     options: JsValue,
-) -> Result<Retargeted, JsValue> {
+) -> Result<Trajectory, JsValue> {
     let own_options = ["whole", "acceleration", "progress"];
     let clear_options = obstacles.is_some().then_some("margin");
     let known: Vec<&str> = FOLLOWER_OPTIONS
@@ -94,91 +118,54 @@ fn solve(
     };
     match raised {
         Some(error) => Err(error),
-        None => Ok(Retargeted {
-            inner: result.map_err(raise)?,
-            stride,
-            map: mapped.map.to_json(),
-            notes: mapped.notes,
-        }),
+        None => {
+            let (inner, errors) = result.map_err(raise)?.split_report();
+            let report = report(&errors, stride, &mapped.map.to_json(), mapped.notes);
+            Ok(Trajectory { inner, report })
+        }
     }
 }
 
 #[wasm_bindgen]
-impl Retargeted {
+impl Trajectory {
     /// Configurations, one after another, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
-    pub fn q(&self) -> js_sys::Float64Array {
+    pub fn q(&self) -> Float64Array {
         view::doubles(&self.inner.q)
     }
 
-    /// Number of frames.
+    /// Time of each configuration, seconds, starting at 0.
     #[wasm_bindgen(getter)]
-    pub fn frames(&self) -> usize {
-        self.inner.frames()
+    pub fn times(&self) -> Vec<f64> {
+        self.inner.times.clone()
     }
 
-    /// Frame rate, in frames a second.
-    #[wasm_bindgen(getter)]
-    pub fn fps(&self) -> f64 {
-        self.inner.frame_rate
+    /// Errors, contacts and collisions.
+    #[wasm_bindgen(getter, unchecked_return_type = "RetargetReport")]
+    pub fn report(&self) -> JsValue {
+        self.report.clone()
     }
+}
 
-    /// Ratio of the step length to that of the subject, metres for each unit of the capture.
-    #[wasm_bindgen(getter)]
-    pub fn stride(&self) -> f64 {
-        self.stride
-    }
-
-    /// Frames in collision in spite of collision avoidance.
-    #[wasm_bindgen(getter)]
-    pub fn touching(&self) -> Vec<u32> {
-        let touching = self.inner.touching.iter();
-        touching.map(|contact| contact.frame as u32).collect()
-    }
-
-    /// The map in use, as JSON.
-    #[wasm_bindgen(getter)]
-    pub fn map(&self) -> String {
-        self.map.clone()
-    }
-
-    /// Notes on a guessed map, for review.
-    #[wasm_bindgen(getter)]
-    pub fn notes(&self) -> Vec<String> {
-        self.notes.clone()
-    }
-
-    /// Frames of the robot that are in contact at some time.
-    #[wasm_bindgen(getter)]
-    pub fn contact_frames(&self) -> Vec<String> {
-        self.inner.contact_frames.clone()
-    }
-
-    /// Contact point of each, in its coordinates, three numbers, metres.
-    #[wasm_bindgen(getter, js_name = contactPoints)]
-    pub fn contact_points(&self) -> Vec<f64> {
-        let points = self.inner.contact_points.iter();
-        points.flat_map(|at| at.to_array()).collect()
-    }
-
-    /// 1 for each of them in contact, frame after frame.
-    #[wasm_bindgen(getter)]
-    pub fn contacts(&self) -> Vec<u8> {
-        let contacts = self.inner.contacts.iter();
-        contacts
-            .map(|&is_in_contact| is_in_contact.into())
-            .collect()
-    }
-
-    /// Distance of the driven points from their targets, mean over all frames, metres.
-    #[wasm_bindgen(getter, js_name = meanError)]
-    pub fn mean_error(&self) -> f64 {
-        self.inner.mean_error
-    }
-
-    /// Largest drift of a contact from its initial position, metres.
-    #[wasm_bindgen(getter)]
-    pub fn slip(&self) -> f64 {
-        self.inner.slip
-    }
+/// Report as an object.
+fn report(report: &RetargetReport, stride: f64, map: &str, notes: Vec<String>) -> JsValue {
+    let touching = report.touching.iter();
+    let touching: Vec<u32> = touching.map(|contact| contact.frame as u32).collect();
+    let points = report.contact_points.iter();
+    let points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
+    let contacts = report.contacts.iter();
+    let contacts: Vec<u8> = contacts.map(|&in_contact| in_contact.into()).collect();
+    let fields = object::of([
+        ("fps", report.frame_rate.into()),
+        ("stride", stride.into()),
+        ("meanError", report.mean_error.into()),
+        ("slip", report.slip.into()),
+        ("touching", Uint32Array::from(&*touching).into()),
+        ("contactFrames", report.contact_frames.clone().into()),
+        ("contactPoints", Float64Array::from(&*points).into()),
+        ("contacts", Uint8Array::from(&*contacts).into()),
+        ("map", map.into()),
+        ("notes", notes.into()),
+    ]);
+    fields.into()
 }

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::super::query::{Answer, LongStep};
+use super::super::query::Answer;
 use super::super::report::{self, Report};
+use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
 use crate::problem::task_name::TaskName;
@@ -18,7 +19,7 @@ pub(super) struct Outcomes<'b> {
     /// True if obstacles are avoided.
     pub(super) keeps_clear: bool,
     /// Steps of a path in which a joint exceeds the jump bound.
-    pub(super) jumps: Option<Vec<LongStep>>,
+    pub(super) jumps: Option<Vec<JumpDocument>>,
     /// Time of all targets that were solved together, in microseconds.
     pub(super) batch_micros: Option<f64>,
 }
@@ -44,7 +45,7 @@ struct Summary<'a> {
     micros_mean: f64,
     /// In a sequence: steps in which a joint moves more than 0.2 rad.
     #[serde(skip_serializing_if = "Option::is_none")]
-    jumps: Option<&'a [LongStep]>,
+    jumps: Option<&'a [JumpDocument]>,
 }
 
 impl Outcomes<'_> {

@@ -20,7 +20,7 @@ use super::step_subdivision::{
 };
 use super::workspace::Errors;
 use kinopt_kinematics::spatial::Placement;
-use kinopt_solver::ik::Solution;
+use kinopt_solver::ik::{JointJump, Solution};
 use kinopt_solver::search::SearchResult;
 use kinopt_solver::solver::Termination;
 
@@ -30,25 +30,6 @@ const EXTRAPOLATION_FACTOR: f64 = 0.8;
 const MAX_TARGET_DISTANCE: f64 = 0.05;
 /// Longest path step that counts towards the attraction of another path, radians.
 const MAX_ATTRACTED_PATH: f64 = 0.1;
-
-/// Step in which a joint moves farther than 0.2 rad.
-///
-/// For a prismatic joint it is 0.2 times the [metres that weigh as much](super::ArmBuilder::with_metres_per_radian).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Jump {
-    /// Index of the step's target in the path; the motion is from the target before.
-    pub step: usize,
-    /// Index in [`Arm::joints`] of the joint that moves farthest.
-    pub joint: usize,
-    /// Motion of that joint in radians; of a prismatic joint by the metres that weigh as much.
-    pub distance: f64,
-    /// True if small steps along the straight line between the two poses lead there: a fast motion or a coarse path.
-    ///
-    /// If false, this is a reconfiguration. A follower makes one only if that is
-    /// [enabled](super::ArmBuilder::with_global_search_on_miss), a track also on the way to a distant first target.
-    pub continuous: bool,
-}
 
 /// Follower of a path whose targets arrive one at a time: see [`Arm::follower`].
 #[derive(Clone, Debug)]
@@ -92,11 +73,12 @@ impl Follower<'_> {
         &self.q
     }
 
-    /// Advances to the next target. Returns the [`Jump`], if the step is one.
+    /// Advances to the next target. Returns the [`JointJump`] of a step in which a joint moves farther than 0.2 rad.
     ///
-    /// Otherwise no joint moves farther than 0.2 rad (prismatic joints by the metres that weigh as much). Jumps follow
-    /// a target that is far from the last one, or are enabled. If a step ends short of the closest pose, the next one
-    /// continues. Nothing is allocated after the first few steps.
+    /// Prismatic joints count by the [metres that weigh as much](super::ArmBuilder::with_metres_per_radian). Jumps
+    /// follow a target that is far from the last one. Reconfigurations are
+    /// [enabled](super::ArmBuilder::with_global_search_on_miss) separately. If a step ends short of the closest pose,
+    /// the next one continues. Nothing is allocated after the first few steps.
     ///
     /// # Errors
     /// Returns the errors of [`Arm::solve`].
@@ -104,7 +86,7 @@ impl Follower<'_> {
         &mut self,
         base_from_tool: impl Into<Placement<f64>>,
         solution: &mut Solution,
-    ) -> Result<Option<Jump>, QueryError> {
+    ) -> Result<Option<JointJump>, QueryError> {
         let target = base_from_tool.into();
         let arm = self.arm;
         arm.check_query(self.steps, &target, &self.q)?;
@@ -179,13 +161,13 @@ impl Follower<'_> {
         target: &Placement<f64>,
         solution: &Solution,
         continuous: bool,
-    ) -> Option<Jump> {
+    ) -> Option<JointJump> {
         let (joint, distance) = largest_joint_move(self.arm, &self.q, &solution.q);
-        let jump = (distance > MAX_JOINT_STEP).then_some(Jump {
-            step: self.steps,
+        let jump = (distance > MAX_JOINT_STEP).then_some(JointJump {
+            index: self.steps,
             joint,
             distance,
-            continuous,
+            reconfiguration: !continuous,
         });
         self.set_configuration(target, &solution.q);
         if jump.is_some() {
@@ -201,7 +183,7 @@ impl Follower<'_> {
         &mut self,
         target: Placement<f64>,
         solution: &mut Solution,
-    ) -> Result<Option<Jump>, QueryError> {
+    ) -> Result<Option<JointJump>, QueryError> {
         if !self.is_far(&target)? {
             return self.advance(target, solution);
         }

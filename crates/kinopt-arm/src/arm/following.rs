@@ -3,11 +3,13 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::follower::Follower;
+use super::joint_path::JointPath;
 use super::servo::Servo;
+use super::track::follow;
 #[cfg(feature = "collision")]
-use super::track::unchecked_track_if_free;
-use super::track::{Track, follow};
+use super::track::unchecked_path_if_free;
 use kinopt_kinematics::spatial::Placement;
+use kinopt_solver::ik::Solution;
 
 impl Arm {
     /// Follows a path: every step continues from the one before on the same branch, whatever the arm's search.
@@ -15,8 +17,9 @@ impl Arm {
     /// The first target, if the start is far from it, is solved as by [`solve`](Self::solve). If the branch ends,
     /// mostly at a limit that the null space reached, the arm looks for another joint path through the steps before. If
     /// there is none, it stays on its branch at the closest pose to each target, until a target is reached again. If
-    /// jumps are [enabled](super::ArmBuilder::with_global_search_on_miss), it jumps to the nearest solution instead and
-    /// reports that in [`Track::jumps`].
+    /// jumps are [enabled](super::ArmBuilder::with_global_search_on_miss), it jumps to the nearest solution instead.
+    /// [`JointPath::jumps`] lists the steps in which a joint moves farther than 0.2 rad. The report has one solution a
+    /// target.
     ///
     /// An arm with a [checker](Self::with_checker) makes only collision-free motions. If it misses a target, it takes
     /// the path of the same arm without a checker, provided that path is complete and free.
@@ -27,19 +30,19 @@ impl Arm {
         &self,
         base_from_tools: &[Placement<f64>],
         start: &[f64],
-    ) -> Result<Track, QueryError> {
+    ) -> Result<JointPath<Vec<Solution>>, QueryError> {
         let mut follower = self.follower(start)?;
         for (query, target) in base_from_tools.iter().enumerate() {
             self.check_query(query, target, start)?;
         }
-        let track = follow(self, &mut follower, base_from_tools)?;
+        let path = follow(self, &mut follower, base_from_tools)?;
         #[cfg(feature = "collision")]
-        if let (true, false) = (self.avoids_collisions(), track.is_complete())
-            && let Some(unchecked_track) = unchecked_track_if_free(self, base_from_tools, start)?
+        if let (true, false) = (self.avoids_collisions(), path.reached())
+            && let Some(unchecked_path) = unchecked_path_if_free(self, base_from_tools, start)?
         {
-            return Ok(unchecked_track);
+            return Ok(unchecked_path);
         }
-        Ok(track)
+        Ok(path)
     }
 
     /// Starts a path follower at `start`.

@@ -3,10 +3,11 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::distances::{MAX_JOINT_STEP, largest_joint_move};
-use super::follower::{Follower, Jump};
+use super::follower::Follower;
+use super::joint_path::JointPath;
 use super::step_subdivision::other_solutions;
 use kinopt_kinematics::spatial::Placement;
-use kinopt_solver::ik::Solution;
+use kinopt_solver::ik::{JointJump, Solution};
 
 /// Number of solutions beyond the end of a branch that are tried as starts of a backward path.
 const MAX_ALTERNATIVES: usize = 16;
@@ -19,22 +20,13 @@ const BACKWARD_STEPS_PER_TARGET: usize = 32;
 /// Largest difference of a joint at which two paths meet, radians.
 const MAX_MEETING_DISTANCE: f64 = 0.25 * MAX_JOINT_STEP;
 
-/// Joint path along targets, and its jumps.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct Track {
+/// Solutions along the first targets, and their jumps.
+#[derive(Default)]
+struct Track {
     /// One solution per target, reached or not.
-    pub solutions: Vec<Solution>,
+    solutions: Vec<Solution>,
     /// Steps in which a joint moves farther than 0.2 rad, in order.
-    pub jumps: Vec<Jump>,
-}
-
-impl Track {
-    /// Returns true if every target is reached without a jump.
-    #[cfg(feature = "collision")]
-    pub(super) fn is_complete(&self) -> bool {
-        self.jumps.is_empty() && self.solutions.iter().all(|solution| solution.reached)
-    }
+    jumps: Vec<JointJump>,
 }
 
 /// Follows a checked path, from the configuration of a follower.
@@ -42,7 +34,7 @@ pub(super) fn follow<'a>(
     arm: &'a Arm,
     follower: &mut Follower<'a>,
     base_from_tools: &[Placement<f64>],
-) -> Result<Track, QueryError> {
+) -> Result<JointPath<Vec<Solution>>, QueryError> {
     let mut track = Track::default();
     track.solutions.reserve(base_from_tools.len());
     let mut backward_steps_left = BACKWARD_STEPS_PER_TARGET * base_from_tools.len();
@@ -76,32 +68,39 @@ pub(super) fn follow<'a>(
             track.jumps.extend(jump);
         }
     }
-    Ok(track)
+    let Track { solutions, jumps } = track;
+    let rows = solutions.iter().flat_map(|solution| &solution.q);
+    Ok(JointPath {
+        q: rows.copied().collect(),
+        nq: arm.joint_count(),
+        jumps,
+        report: solutions,
+    })
 }
 
-/// Track of the arm without its checker, if it is complete and collision-free.
+/// Joint path of the arm without its checker, if it reaches all targets and is collision-free.
 #[cfg(feature = "collision")]
-pub(super) fn unchecked_track_if_free(
+pub(super) fn unchecked_path_if_free(
     arm: &Arm,
     targets: &[Placement<f64>],
     start: &[f64],
-) -> Result<Option<Track>, QueryError> {
+) -> Result<Option<JointPath<Vec<Solution>>>, QueryError> {
     let mut unchecked = arm.clone();
     unchecked.collisions = None;
-    let track = follow(&unchecked, &mut unchecked.follower(start)?, targets)?;
-    let Some(first) = track.solutions.first().filter(|_| track.is_complete()) else {
+    let path = follow(&unchecked, &mut unchecked.follower(start)?, targets)?;
+    let Some(first) = path.row(0).filter(|_| path.reached()) else {
         return Ok(None);
     };
     // For a start far from the path no motion is checked, as for single solutions.
-    let starts_near = largest_joint_move(arm, start, &first.q).1 <= MAX_JOINT_STEP;
-    let mut last = if starts_near { start } else { &first.q };
-    for solution in &track.solutions {
-        if !is_motion_free(arm, last, &solution.q)? {
+    let starts_near = largest_joint_move(arm, start, first).1 <= MAX_JOINT_STEP;
+    let mut last = if starts_near { start } else { first };
+    for row in path.rows() {
+        if !is_motion_free(arm, last, row)? {
             return Ok(None);
         }
-        last = &solution.q;
+        last = row;
     }
-    Ok(Some(track))
+    Ok(Some(path))
 }
 
 /// Looks for another joint path to the end of a branch at `step`. Returns true if there is one, with the new path
@@ -141,7 +140,7 @@ fn find_detour(
                 let meeting = step - path.len();
                 track.solutions.truncate(meeting + 1);
                 track.solutions.extend(path.into_iter().rev());
-                track.jumps.retain(|jump| jump.step <= meeting);
+                track.jumps.retain(|jump| jump.index <= meeting);
                 return Ok(true);
             }
         }

@@ -15,7 +15,7 @@
 use super::PathError;
 use super::cartesian_path::CartesianPath;
 use super::linear_segment::interpolate;
-use super::solution::Deviation;
+use super::path_report::Deviation;
 use super::tools::Tools;
 use crate::arm::{Arm, ChainMotion};
 use kinopt_kinematics::scalar::elementary;

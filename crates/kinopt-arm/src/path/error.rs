@@ -9,7 +9,7 @@ use kinopt_kinematics::spatial::RigidDefect;
 
 /// Reason why a path cannot be created, solved or timed.
 ///
-/// An unreachable point is not an error: see [`PathSolution::missed`](super::PathSolution::missed).
+/// An unreachable point is not an error: see [`PathReport::missed`](super::PathReport::missed).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PathError {

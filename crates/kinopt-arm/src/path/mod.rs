@@ -1,8 +1,8 @@
 //! Cartesian paths of arms with the fewest reconfigurations, and their timing.
 //!
 //! A [`CartesianPath`] is a sequence of tool poses. A [`PathSolver`] computes a joint path with the fewest
-//! reconfigurations, and among these the shortest. The [`PathSolution`] reports reconfigurations, unreached points, and
-//! an upper bound on the deviation between points.
+//! reconfigurations, and among these the shortest. Its jumps are the reconfigurations. Its [`PathReport`] has unreached
+//! points and an upper bound on the deviation between points.
 //!
 //! ```
 //! # std::env::set_current_dir("../..")?;
@@ -21,8 +21,8 @@
 //! let path = CartesianPath::new(points.collect::<Vec<_>>())?;
 //!
 //! let solution = PathSolver::new(&arm).solve(&path)?;
-//! assert!(solution.reconfigurations.is_empty() && solution.missed.is_empty());
-//! assert!(solution.largest_deviation.metres < 1e-4);
+//! assert!(solution.reached());
+//! assert!(solution.report.largest_deviation.metres < 1e-4);
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -42,10 +42,10 @@ mod layers;
 mod linear_segment;
 mod neighbour_index;
 mod option_checks;
+mod path_report;
 mod report;
 mod revolutions;
 mod shorten;
-mod solution;
 mod solver;
 mod sparse_waypoints;
 mod spline;
@@ -59,6 +59,6 @@ mod winding;
 pub use cartesian_path::{CartesianPath, Traversal};
 pub use csv::{CsvColumns, QuaternionOrder};
 pub use error::PathError;
-pub use solution::{Blocked, Deviation, MissReason, Missed, PathSolution, Reconfiguration};
+pub use path_report::{Blocked, Deviation, MissReason, Missed, PathReport};
 pub use solver::PathSolver;
-pub use timing::{TimingLimits, Trajectory, TrajectoryPoint};
+pub use timing::{TimedSpline, TimingLimits, TrajectoryPoint};

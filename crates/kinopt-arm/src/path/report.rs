@@ -5,9 +5,10 @@ use super::deviation::{self, PathStep};
 use super::error::PathError;
 use super::knot_configurations::KnotPath;
 use super::knots::Knots;
+use super::path_report::{Blocked, MissReason, Missed, PathReport};
 use super::shorten::step_length;
-use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
 use super::solver::PathSolver;
+use crate::arm::{JointJump, JointPath};
 
 impl PathSolver<'_> {
     /// Reports on a joint path. The knots in `touching` are in collision.
@@ -17,13 +18,13 @@ impl PathSolver<'_> {
         knots: &Knots,
         joint_path: &KnotPath,
         touching: &[usize],
-    ) -> Result<PathSolution, PathError> {
+    ) -> Result<JointPath<PathReport>, PathError> {
         let n = self.tools.primary().joint_count();
         let weights = self.weights();
         let count = path.points.len();
-        let mut solution = PathSolution {
-            joint_count: n,
-            ..PathSolution::default()
+        let mut solution = JointPath::<PathReport> {
+            nq: n,
+            ..JointPath::default()
         };
         let mut steps = Vec::new();
         for knot in 0..knots.len() {
@@ -33,24 +34,23 @@ impl PathSolver<'_> {
                 solution.q.extend_from_slice(q);
                 let in_contact = touching.binary_search(&knot).is_ok();
                 if let Some(missed) = self.missed(knots, knot, joint_path, in_contact)? {
-                    solution.missed.push(missed);
+                    solution.report.missed.push(missed);
                 }
             }
             if let Some(from) = knot.checked_sub(1) {
                 let row = knot % count;
                 let before = joint_path.row(from, n);
-                let length = step_length(before, q, &weights);
-                solution.length += length;
+                solution.report.length += step_length(before, q, &weights);
                 if !joint_path.joined[knot] {
                     let (joint, distance) = self.longest_move(before, q);
-                    solution.reconfigurations.push(Reconfiguration {
+                    solution.jumps.push(JointJump {
                         index: row,
                         joint,
                         distance,
-                        length,
+                        reconfiguration: true,
                     });
                 } else {
-                    self.check_step(&mut solution, row, before, q)?;
+                    self.check_step(&mut solution.report.blocked, row, before, q)?;
                     if joint_path.reached[from]
                         && joint_path.reached[knot]
                         && knots.has_segment_to(knot)
@@ -64,21 +64,20 @@ impl PathSolver<'_> {
                 }
             }
         }
-        solution.largest_deviation = deviation::largest(&self.tools, path, &steps)?;
+        solution.report.largest_deviation = deviation::largest(&self.tools, path, &steps)?;
         Ok(solution)
     }
 
     #[cfg(feature = "collision")]
     fn check_step(
         &self,
-        solution: &mut PathSolution,
+        blocked: &mut Vec<Blocked>,
         index: usize,
         from: &[f64],
         to: &[f64],
     ) -> Result<(), PathError> {
         if let Some(by) = self.tools.primary().motion_collision(from, to)? {
-            let blocked = super::solution::Blocked { index, by };
-            solution.blocked.push(blocked);
+            blocked.push(Blocked { index, by });
         }
         Ok(())
     }
@@ -87,7 +86,7 @@ impl PathSolver<'_> {
     #[expect(clippy::unused_self, reason = "nothing is in the way")]
     fn check_step(
         &self,
-        _solution: &mut PathSolution,
+        _blocked: &mut Vec<Blocked>,
         _index: usize,
         _from: &[f64],
         _to: &[f64],

@@ -7,14 +7,14 @@ use super::graph::{EndIndices, Selection, fewest_reconfigurations, without_recon
 use super::knot_configurations::{self, KnotPath, fill};
 use super::knots::Knots;
 use super::layers::{Layer, LayerGenerator};
+use super::path_report::PathReport;
 use super::revolutions::Revolutions;
 use super::shorten::{Shortening, length};
-use super::solution::PathSolution;
 use super::sparse_waypoints::{self, Redundancy};
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::tracked_path;
-use crate::arm::Arm;
+use crate::arm::{Arm, JointPath};
 
 /// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,
 /// bytes.
@@ -144,8 +144,8 @@ impl<'a> PathSolver<'a> {
     /// # Errors
     /// Returns an error if an option is out of its range, or if a tool does not exist. Returns an error if a given
     /// start or end configuration does not reach its point. An unreachable point is not an error: see
-    /// [`PathSolution::missed`].
-    pub fn solve(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+    /// [`PathReport::missed`].
+    pub fn solve(&self, path: &CartesianPath) -> Result<JointPath<PathReport>, PathError> {
         self.check(path)?;
         match path.traversal {
             Traversal::Open | Traversal::Cyclic => self.solve_in_order(path),
@@ -154,7 +154,7 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Solves an open or a cyclic path.
-    fn solve_in_order(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+    fn solve_in_order(&self, path: &CartesianPath) -> Result<JointPath<PathReport>, PathError> {
         let find = |path: &CartesianPath| match path.traversal {
             Traversal::Open | Traversal::AnyStart => self.find_open(path),
             Traversal::Cyclic => self.find_cyclic(path),
@@ -379,17 +379,16 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Solves a closed path from its best entry. An entry at a reconfiguration saves that reconfiguration.
-    fn solve_anywhere(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+    fn solve_anywhere(&self, path: &CartesianPath) -> Result<JointPath<PathReport>, PathError> {
         let mut best = self.solve_in_order(&path.entered_at(0))?;
-        let breaks: Vec<usize> = best.reconfigurations.iter().map(|r| r.index).collect();
+        let breaks: Vec<usize> = best.jumps.iter().map(|r| r.index).collect();
         for entry in breaks.into_iter().take(MAX_ENTRIES) {
             let entry = entry % path.points.len();
             let mut other = self.solve_in_order(&path.entered_at(entry))?;
-            other.entry = entry;
-            let rank =
-                |solution: &PathSolution| (solution.missed.len(), solution.reconfigurations.len());
+            other.report.entry = entry;
+            let rank = |path: &JointPath<PathReport>| (path.report.missed.len(), path.jumps.len());
             let (a, b) = (rank(&other), rank(&best));
-            if a < b || a == b && other.length < best.length {
+            if a < b || a == b && other.report.length < best.report.length {
                 best = other;
             }
         }

@@ -15,7 +15,7 @@ impl CartesianPath {
     /// Creates a spline through keys (`base_from_tool`), sampled in `steps` uniform steps per segment, at least 1.
     ///
     /// The keys are among the points. The distance of the curve from the straight steps is part of the
-    /// [deviation](super::PathSolution::largest_deviation). Key times are uniform by default. Given times become the
+    /// [deviation](super::PathReport::largest_deviation). Key times are uniform by default. Given times become the
     /// points' times.
     ///
     /// # Errors

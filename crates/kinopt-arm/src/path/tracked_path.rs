@@ -26,10 +26,8 @@ pub(super) fn track(
         };
         let arm = generator.arms.arm(knots.tool(first));
         let track = arm.track(targets, from)?;
-        for solution in track.solutions {
-            q.extend_from_slice(&solution.q);
-            reached.push(solution.reached);
-        }
+        q.extend_from_slice(&track.q);
+        reached.extend(track.report.iter().map(|solution| solution.reached));
     }
     q[..n].copy_from_slice(start);
     reached[0] = true;

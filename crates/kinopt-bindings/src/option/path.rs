@@ -1,7 +1,8 @@
 //! Options of a Cartesian path.
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
+use kinopt::arm::JointPath;
+use kinopt::motion::path::{CartesianPath, PathReport, PathSolver, Traversal};
 
 use super::{OptionSpec, Setter};
 use crate::names::named;
@@ -183,7 +184,7 @@ impl PathOptions {
         arm: &'a Arm,
         tools: impl IntoIterator<Item = &'a Arm>,
         path: &CartesianPath,
-    ) -> Result<PathSolution, kinopt::motion::path::PathError> {
+    ) -> Result<JointPath<PathReport>, kinopt::motion::path::PathError> {
         let mut solver = PathSolver::new(arm)
             .with_max_step(self.max_step)
             .with_samples(self.samples)

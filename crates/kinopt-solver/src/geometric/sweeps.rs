@@ -2,7 +2,7 @@
 
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, ProblemInstance, Scratch, TaskSubset};
-use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};
+use crate::search::{Attempts, End, Engine, Schedule, SearchResult, SolveError, run, variables_at};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
 };
@@ -168,7 +168,7 @@ impl Engine for Sweeps<'_> {
     }
 
     /// Returns the variables of lowest cost, because not every sweep decreases it.
-    fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
+    fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> SearchResult {
         let instance = self.instance;
         self.x.copy_from_slice(start);
         instance.space().project(&mut self.x);
@@ -234,13 +234,11 @@ impl Engine for Sweeps<'_> {
             step = largest_move(&self.x, &self.previous);
             index += 1;
         };
-        Attempt {
-            termination,
+        SearchResult {
             cost: best_cost,
             reached,
-            iterations: index,
             counts: std::mem::take(&mut self.counts),
-            projected_gradient: None,
+            ..SearchResult::single_attempt(termination, index)
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Minimiser;
 use crate::problem::{AnyClearanceCheck, Collision, CollisionConstraint, Evaluation, Scratch};
-use crate::search::{Attempt, Engine};
+use crate::search::{Engine, SearchResult};
 use crate::solver::{LeastSquares, SolverState, Stopping, Termination};
 
 /// Cost per metre of an attempt that reaches all required tasks in collision: below that of any unreached attempt.
@@ -89,7 +89,7 @@ impl<'a> CollisionFreeEngine<'a> {
 
     /// Continues from the end of the unconstrained search with collision avoidance. Returns whether the end is
     /// collision-free.
-    fn continue_collision_free(&mut self, attempt: &mut Attempt, stopping: &Stopping) -> bool {
+    fn continue_collision_free(&mut self, attempt: &mut SearchResult, stopping: &Stopping) -> bool {
         let instance = self
             .unconstrained
             .instance
@@ -146,7 +146,7 @@ impl Engine for CollisionFreeEngine<'_> {
         self.unconstrained.residual_at_start(start)
     }
 
-    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
+    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> SearchResult {
         let mut attempt = self.unconstrained.attempt(x, stopping);
         self.workspace.is_constrained_end = false;
         if !attempt.reached {

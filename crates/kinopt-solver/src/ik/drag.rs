@@ -10,7 +10,8 @@ use super::escape::{EscapeSolvers, LocalMinimumEscape};
 use super::joint_interpolation::max_displacement;
 use super::priority::Extent;
 use super::{
-    BoundKind, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace,
+    BoundKind, JointJump, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver,
+    Workspace,
 };
 use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::search::{check_start, slide_per_radian};
@@ -105,7 +106,9 @@ pub struct Drag {
     pub(super) escape: LocalMinimumEscape,
     pub(super) escape_solvers: EscapeSolvers,
     pub(super) depenetration: Depenetration,
-    pub(super) last_jump: Option<(usize, f64)>,
+    /// Number of frames so far.
+    frames: usize,
+    pub(super) last_jump: Option<JointJump>,
     /// Configuration at the start of a frame, and the workspace of collision avoidance.
     pub(super) q_before: Vec<f64>,
     pub(super) collision_workspace: Option<Box<AvoidanceWorkspace>>,
@@ -113,16 +116,6 @@ pub struct Drag {
     pub(super) may_collide: bool,
     /// Commanded motion, if there are motion limits. All other fields then describe its goal.
     pub(super) motion: Option<Box<DragMotion>>,
-}
-
-/// Joint displacement that exceeds the bound of a frame, from the global search of [`Drag::with_search`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct DragJump<'a> {
-    /// Joint with the largest displacement relative to its bound.
-    pub joint: &'a str,
-    /// Displacement, radians or metres.
-    pub distance: f64,
 }
 
 impl Drag {
@@ -155,6 +148,7 @@ impl Drag {
             escape: LocalMinimumEscape::new(n),
             escape_solvers: EscapeSolvers::new(&Solver::default(), Stopping::default()),
             depenetration: Depenetration::new(n),
+            frames: 0,
             last_jump: None,
             q_before: Vec::new(),
             collision_workspace: None,
@@ -316,12 +310,10 @@ impl Drag {
         limits.any(|limit| limit.kind == BoundKind::Move)
     }
 
-    /// Returns the jump of the last frame, if there was one.
+    /// Returns the jump of the last frame, if the global search of [`with_search`](Self::with_search) made one.
     #[must_use]
-    pub fn jump(&self) -> Option<DragJump<'_>> {
-        let (variable, distance) = self.last_jump?;
-        let joint = self.problem.names().joints.get(variable)?;
-        Some(DragJump { joint, distance })
+    pub fn jump(&self) -> Option<JointJump> {
+        self.last_jump
     }
 
     /// Continues from another configuration, which is projected into the joint limits.
@@ -381,6 +373,7 @@ impl Drag {
     /// Computes one frame for the current targets.
     pub fn advance(&mut self) -> &Solution {
         self.last_jump = None;
+        self.frames += 1;
         self.q_before.clone_from(&self.q);
         self.move_limits.start_from(&self.problem, &self.x);
         if !self.step_escape() {
@@ -534,7 +527,12 @@ impl Drag {
         self.x.copy_from_slice(from);
         self.last_jump = max_move
             .filter(|&(_, distance)| distance > self.max_move)
-            .map(|(variable, distance)| (variable, distance * self.units[variable]));
+            .map(|(variable, distance)| JointJump {
+                index: self.frames - 1,
+                joint: self.problem.parameters().leaders()[variable],
+                distance: distance * self.units[variable],
+                reconfiguration: true,
+            });
     }
 
     /// Uses the trial if it is better. The effort of both solves counts.

@@ -7,7 +7,7 @@ use crate::problem::{
     Evaluation, FullObserver, MovedVariables, ProblemInstance, ReducedProblem, ReducedWorkspace,
     Scratch, TaskSubset,
 };
-use crate::search::{Attempt, Engine};
+use crate::search::{Engine, SearchResult};
 use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Stopping};
 
 /// Method applied to one problem instance.
@@ -90,7 +90,7 @@ impl Engine for Minimiser<'_> {
         state.residual()
     }
 
-    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
+    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> SearchResult {
         let variables = self.moved_variables();
         let mut evaluation = Evaluation::of(self.subset, self.instance, self.scratch);
         if let Some((variables, memory)) = variables.zip(self.moved.as_deref_mut()) {
@@ -134,13 +134,12 @@ impl Engine for Minimiser<'_> {
     }
 }
 
-fn attempt(evaluation: &Evaluation<'_>, state: &SolverState, outcome: &Outcome) -> Attempt {
-    Attempt {
-        termination: outcome.termination,
+fn attempt(evaluation: &Evaluation<'_>, state: &SolverState, outcome: &Outcome) -> SearchResult {
+    SearchResult {
         cost: state.cost(),
         reached: evaluation.is_reached(state.residual()),
-        iterations: outcome.iterations,
         counts: state.counts(),
         projected_gradient: outcome.projected_gradient,
+        ..SearchResult::single_attempt(outcome.termination, outcome.iterations)
     }
 }

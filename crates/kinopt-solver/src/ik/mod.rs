@@ -11,6 +11,7 @@ mod drag_to_rest;
 mod escape;
 mod hold_postures;
 mod joint_interpolation;
+mod joint_jump;
 mod loop_closure;
 mod minimiser;
 mod motion_limits;
@@ -28,8 +29,9 @@ pub use crate::search::{
     ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
     Side, Solution, SolveError, TaskReport,
 };
-pub use drag::{Drag, DragJump};
+pub use drag::Drag;
 pub use hold_postures::hold_postures;
+pub use joint_jump::JointJump;
 pub use loop_closure::LoopClosure;
 #[doc(hidden)]
 pub use minimiser::Minimiser;

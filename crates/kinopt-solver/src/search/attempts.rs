@@ -1,10 +1,10 @@
 //! The loop over the attempts of a search.
 
-use super::attempt::{Attempt, SearchResult};
 use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
 use super::independent_limbs::IndependentLimbs;
 use super::schedule::{Schedule, Trial};
+use super::search_result::SearchResult;
 use crate::problem::{ProblemInstance, TaskSubset};
 use crate::solver::{Stopping, Termination};
 use kinopt_kinematics::clock::{Instant, is_past};
@@ -16,7 +16,7 @@ pub trait Engine {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64];
 
     /// Searches from x, projected into the bounds.
-    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt;
+    fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> SearchResult;
 
     /// Variables and residual at the end of the last attempt.
     fn end(&self) -> (&[f64], &[f64]);

@@ -5,7 +5,7 @@
 //!
 //! The method is iterated local search (Lourenço, Martin & Stützle 2003, "Iterated local search").
 
-use super::attempt::Attempt;
+use super::search_result::SearchResult;
 use crate::problem::ProblemInstance;
 use kinopt_kinematics::random::RandomStream;
 
@@ -66,7 +66,7 @@ impl Hops {
     }
 
     /// Takes the end of an attempt.
-    pub(super) fn record(&mut self, attempt: &Attempt, x: &[f64]) {
+    pub(super) fn record(&mut self, attempt: &SearchResult, x: &[f64]) {
         match attempt.cost < self.cost {
             true => {
                 self.x.copy_from_slice(x);

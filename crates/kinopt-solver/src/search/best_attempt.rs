@@ -1,7 +1,7 @@
 //! Choice of the best attempt, and the number of attempts that agree with it.
 
-use super::attempt::{Attempt, SearchResult};
 use super::schedule::{Schedule, Trial};
+use super::search_result::SearchResult;
 use crate::solver::Termination;
 
 /// Smallest relative reduction of the cost by which an attempt replaces the best one.
@@ -92,7 +92,7 @@ impl Keeper {
     pub(super) fn record(
         &mut self,
         trial: Trial,
-        attempt: &Attempt,
+        attempt: &SearchResult,
         (x, residual): (&[f64], &[f64]),
         schedule: &Schedule,
     ) {

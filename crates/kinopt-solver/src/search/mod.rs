@@ -4,7 +4,6 @@
 //! `Keeper` chooses the best attempt and counts those that agree with it. [`Solution::measure`]
 //! measures the errors at its end, and [`explain`](Solution::explain) describes them.
 
-mod attempt;
 mod attempts;
 mod basin_hopping;
 mod best_attempt;
@@ -22,12 +21,11 @@ mod out_of_reach;
 mod preference_conflicts;
 mod restarts;
 mod schedule;
+mod search_result;
 mod solution;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use crate::solver::{Side, SolveError};
-#[doc(hidden)]
-pub use attempt::{Attempt, SearchResult};
 #[doc(hidden)]
 pub use attempts::{Attempts, Engine, run};
 #[doc(hidden)]
@@ -42,4 +40,6 @@ pub(crate) use preference_conflicts::PreferenceConflict;
 pub use restarts::Restarts;
 #[doc(hidden)]
 pub use schedule::Schedule;
+#[doc(hidden)]
+pub use search_result::SearchResult;
 pub use solution::{ActiveLimit, BoundKind, RowBlockReport, Solution, TaskReport};

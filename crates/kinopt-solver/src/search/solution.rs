@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::Collision;
-use super::attempt::SearchResult;
 use super::out_of_reach::OutOfReach;
+use super::search_result::SearchResult;
 use crate::problem::ReportNames;
 use crate::solver::{Counts, Side, Termination};
 use crate::task::{Quantity, Role};

@@ -65,10 +65,10 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     };
     let solver = PathSolver::new(arm).with_start(&start).with_end(&start);
     let solution = solver.solve(&path)?;
-    if !solution.is_whole() {
+    if !solution.reached() {
         return Err(format!(
             "the path of the arm is not whole: {:?}, {:?}, {:?}",
-            solution.reconfigurations, solution.missed, solution.blocked
+            solution.jumps, solution.report.missed, solution.report.blocked
         )
         .into());
     }
@@ -82,7 +82,7 @@ fn motion(arm: &Arm) -> Result<Vec<Vec<f64>>, Failure> {
     }
     let time = |frame: usize| frame as f64 / FRAMES_PER_SECOND as f64 * speed;
     Ok((0..FRAMES)
-        .map(|frame| trajectory.at(time(frame)).q)
+        .map(|frame| trajectory.report.at(time(frame)).q)
         .collect())
 }
 

@@ -63,7 +63,7 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
     let upright = DAffine3::from_mat3(UpAxis::Y.turned_to_z().into());
     let metres = DAffine3::from_scale(DVec3::splat(METRES_PER_UNIT)) * upright;
     let mut kinematics = ForwardKinematics::new(robot.model());
-    let configurations = movement.q.chunks(movement.configuration_len);
+    let configurations = movement.q.chunks(movement.nq);
     let mut poses = Vec::new();
     for q in configurations
         .skip(FRAMES * STEPS)

@@ -7,6 +7,7 @@ use kinopt_kinematics::scalar::elementary::{atan2, cosh, ln_1p, sin_cos, sinh};
 ///
 /// The squared speed is a parabola over σ. With a slope of 0 the acceleration is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct GridCell {
     /// First parameter of the cell.
     pub(super) start: f64,

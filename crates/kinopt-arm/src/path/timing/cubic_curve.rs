@@ -2,6 +2,7 @@
 
 /// Curve q(s) of several joints: cubic between knots, twice continuously differentiable.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CubicCurve {
     pub(super) joints: usize,
     /// Curve parameters of the knots, ascending.

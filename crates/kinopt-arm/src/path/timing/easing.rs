@@ -9,6 +9,7 @@ use super::cell::CurveState;
 /// Curve parameter s over σ. Its derivative s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays at 1,
 /// and falls likewise.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SmoothstepEasing {
     /// First curve parameter.
     start: f64,

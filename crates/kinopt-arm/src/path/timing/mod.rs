@@ -18,29 +18,30 @@ mod grid;
 mod jerk;
 mod limits;
 mod profile;
+mod timed_spline;
 mod tool_motion;
-mod trajectory;
 
 pub use limits::TimingLimits;
-pub use trajectory::{Trajectory, TrajectoryPoint};
+pub use timed_spline::{TimedSpline, TrajectoryPoint};
 
 use super::PathError;
-use super::solution::PathSolution;
+use crate::arm::JointPath;
 use cell::GridCell;
 use corners::{MIN_TANGENT_DISTANCE, Rows};
 use cubic_curve::CubicCurve;
 use easing::SmoothstepEasing;
 use grid::Grid;
+use kinopt_kinematics::Trajectory;
 use profile::PathRateLimits;
+use timed_spline::Motion;
 use tool_motion::{ToolLimits, ToolMotion};
-use trajectory::Motion;
 
 /// Distance below which rows count as equal, radians or metres of joint length.
 const ROW_DISTANCE_TOLERANCE: f64 = 1e-9;
 /// Minimum number of grid cells of a curve.
 const MIN_CELLS: usize = 100;
 
-impl PathSolution {
+impl<R> JointPath<R> {
     /// Computes the time of each row, seconds, starting at 0, under joint velocity and acceleration limits.
     ///
     /// Limits are in rad/s and rad/s², or m/s and m/s²; infinity means no limit.
@@ -56,12 +57,12 @@ impl PathSolution {
         acceleration_limits: &[f64],
     ) -> Result<Vec<f64>, PathError> {
         let limits = TimingLimits::new(velocity_limits, acceleration_limits);
-        Ok(self.trajectory(&limits)?.times().to_vec())
+        Ok(self.trajectory(&limits)?.times)
     }
 
     /// Computes the time-optimal trajectory along the rows, from rest to rest.
     ///
-    /// The arm also stops before and after each [reconfiguration](Self::reconfigurations), which is timed by the same
+    /// The arm also stops before and after each [reconfiguration](kinopt_solver::ik::JointJump::reconfiguration), which is timed by the same
     /// limits.
     ///
     /// The joints follow a cubic spline over joint length, within 1e-5 (radians or metres) of every row. Rows more than
@@ -89,7 +90,7 @@ impl PathSolution {
     ///     .with_acceleration_limits(&[5.0; 7])
     ///     .with_tool_linear_limits(0.25, 2.0);
     /// let trajectory = solution.trajectory(&limits)?;
-    /// let middle = trajectory.at(0.5 * trajectory.duration());
+    /// let middle = trajectory.report.at(0.5 * trajectory.duration());
     /// assert!(middle.velocity.iter().zip(arm.velocity_limits()).all(|(v, limit)| v.abs() <= *limit));
     /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -97,69 +98,63 @@ impl PathSolution {
     ///
     /// # Errors
     /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
-    /// joints. Returns an error for tool limits without an arm, and for steps that no finite acceleration limit bounds.
-    pub fn trajectory(&self, limits: &TimingLimits<'_>) -> Result<Trajectory, PathError> {
-        let steps = self.reconfigurations.iter().map(|step| step.index);
-        let rests: Vec<usize> = steps.collect();
-        Trajectory::through(&self.q, self.joint_count, &rests, limits)
-    }
-}
-
-impl Trajectory {
-    /// Computes the time-optimal trajectory through rows of joint values, `joint_count` numbers each.
-    ///
-    /// The arm stops at both ends, and before and after the step to each row of `rests`, which are ascending. See
-    /// [`PathSolution::trajectory`].
-    ///
-    /// # Errors
-    /// Returns the errors of [`PathSolution::trajectory`], and an error for a row that is not finite.
-    pub fn through(
-        q: &[f64],
-        joint_count: usize,
-        rests: &[usize],
+    /// joints. Returns an error for a row that is not finite, for tool limits without an arm, and for steps that no
+    /// finite acceleration limit bounds.
+    pub fn trajectory(
+        &self,
         limits: &TimingLimits<'_>,
-    ) -> Result<Self, PathError> {
+    ) -> Result<Trajectory<TimedSpline>, PathError> {
+        let joint_count = self.nq;
         limits.check(joint_count)?;
         let rows: Vec<&[f64]> = match joint_count {
             0 => Vec::new(),
-            _ => q.chunks_exact(joint_count).collect(),
+            _ => self.rows().collect(),
         };
         let lengths = lengths(&rows);
         if let Some(row) = lengths.iter().position(|length| !length.is_finite()) {
             return Err(PathError::Row { row });
         }
-        let mut trajectory = Self {
+        let mut spline = TimedSpline {
             joints: joint_count,
             first: rows
                 .first()
                 .map_or(vec![0.0; joint_count], |row| row.to_vec()),
-            times: Vec::with_capacity(rows.len()),
             motions: Vec::new(),
             duration: 0.0,
         };
-        trajectory.times.extend(rows.first().map(|_| 0.0));
+        let mut times = Vec::with_capacity(rows.len());
+        times.extend(rows.first().map(|_| 0.0));
         let mut first = 0;
         while first + 1 < rows.len() {
             // A reconfiguration is a motion of its own.
-            let last = match rests.iter().find(|rest| **rest > first) {
-                Some(&rest) if rest >= rows.len() => rows.len() - 1,
-                Some(&rest) if rest == first + 1 => rest,
-                Some(&rest) => rest - 1,
+            let mut jumps = self.jumps.iter().filter(|jump| jump.reconfiguration);
+            let last = match jumps.find(|jump| jump.index > first).map(|jump| jump.index) {
+                Some(row) if row >= rows.len() => rows.len() - 1,
+                Some(row) if row == first + 1 => row,
+                Some(row) => row - 1,
                 None => rows.len() - 1,
             };
-            trajectory.append(&rows, &lengths, first..=last, limits)?;
+            spline.append(&rows, &lengths, first..=last, limits, &mut times)?;
             first = last;
         }
-        Ok(trajectory)
+        Ok(Trajectory {
+            times,
+            q: self.q.clone(),
+            nq: self.nq,
+            report: spline,
+        })
     }
+}
 
-    /// Appends the motion along consecutive rows, from rest to rest.
+impl TimedSpline {
+    /// Appends the motion along consecutive rows, from rest to rest, and the times of these rows.
     fn append(
         &mut self,
         rows: &[&[f64]],
         lengths: &[f64],
         range: std::ops::RangeInclusive<usize>,
         limits: &TimingLimits<'_>,
+        times: &mut Vec<f64>,
     ) -> Result<(), PathError> {
         let start = self.duration;
         let added = self.motions.len();
@@ -194,14 +189,14 @@ impl Trajectory {
         for row in range.skip(1) {
             let s = lengths[row];
             if end - s <= ROW_DISTANCE_TOLERANCE {
-                self.times.push(self.duration);
+                times.push(self.duration);
                 continue;
             }
             let after = motions.partition_point(|motion| motion.curve.start() <= s);
             let time = motions
                 .get(after.saturating_sub(1))
                 .map_or(start, |motion| motion.time + motion.time_at(s));
-            self.times.push(time.min(self.duration));
+            times.push(time.min(self.duration));
         }
         Ok(())
     }

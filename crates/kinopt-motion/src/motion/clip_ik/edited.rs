@@ -1,5 +1,6 @@
 //! Result of inverse kinematics over a clip.
 
+use super::BeyondLimit;
 use glam::DVec3;
 
 use kinopt_animation::animation::Clip;
@@ -33,16 +34,27 @@ pub struct ReachResult {
     pub at: f64,
 }
 
-/// New clip with its errors. Lengths are in the armature's unit.
-#[derive(Clone, Debug)]
+/// Errors of an edited clip. Lengths are in the armature's unit.
+#[derive(Clone, Debug, Default)]
 #[non_exhaustive]
-pub struct EditedClip {
-    /// New clip. Channels of bones that did not move are unchanged, as are keys outside the spans.
-    pub clip: Clip,
+pub struct EditReport {
     /// Foot plants, grouped by foot.
     pub stances: Vec<FootPlant>,
     /// Results of the bones with targets, planted feet first.
     pub led: Vec<ReachResult>,
     /// Largest displacement of the root from its position in the clip.
     pub root_moved: f64,
+    /// Limits of a rig's joints that its keys exceed within the spans, one entry per angle. Either unchanged keys exceed
+    /// them, or no change satisfies all of them at once.
+    pub beyond: Vec<BeyondLimit>,
+}
+
+/// New clip with a report.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct EditedClip {
+    /// New clip. Channels of bones that did not move are unchanged, as are keys outside the spans.
+    pub clip: Clip,
+    /// Errors of the clip.
+    pub report: EditReport,
 }

@@ -24,7 +24,7 @@ mod solving;
 mod splice;
 
 pub use clip_solver::ClipIk;
-pub use edited::{EditedClip, FootPlant, ReachResult};
+pub use edited::{EditReport, EditedClip, FootPlant, ReachResult};
 pub use effector::Reach;
 pub use error::ClipIkError;
 pub use ground_speed::ground_speed;

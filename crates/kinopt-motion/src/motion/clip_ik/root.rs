@@ -121,9 +121,5 @@ pub(super) fn root_displacements(
         let placed = kinematics.place(q)?;
         Ok(DVec3::from(placed[root.index()].translation.to_array()) * size)
     };
-    solved
-        .q()
-        .chunks_exact(model.configuration_len())
-        .map(position)
-        .collect()
+    solved.rows().map(position).collect()
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
-use super::edited::{EditedClip, FootPlant, ReachResult};
+use super::edited::{EditReport, EditedClip, FootPlant, ReachResult};
 use super::foot_drift::FootDrift;
 use super::plan::{EffectorTarget, Plan, SampleTime, dvec, travelled};
 use super::planting::{Ground, PlantedFoot, plant};
@@ -33,7 +33,7 @@ impl ClipIk<'_> {
     /// - a span that does not overlap the clip or is shorter than its two fades,
     /// - options out of range.
     ///
-    /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.
+    /// A target that is not reached is not an error: [`EditReport::led`] has the distance.
     pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
         let request = self.check(clip)?;
         solve(self, &request, clip)
@@ -119,7 +119,7 @@ fn solve(ik: &ClipIk<'_>, request: &ClipRequest, clip: &Clip) -> Result<EditedCl
             at: f64::from(time),
         }
     });
-    Ok(EditedClip {
+    let report = EditReport {
         stances: stances.collect(),
         led: results.collect(),
         root_moved: plan
@@ -127,7 +127,11 @@ fn solve(ik: &ClipIk<'_>, request: &ClipRequest, clip: &Clip) -> Result<EditedCl
             .iter()
             .map(|displacement| displacement.length())
             .fold(0.0, f64::max),
+        ..EditReport::default()
+    };
+    Ok(EditedClip {
         clip: edited,
+        report,
     })
 }
 

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::{Retargeted, Retargeting};
+use super::{RetargetReport, Retargeting};
 use crate::motion::trajectory::MotionBound;
+use kinopt_kinematics::Trajectory;
 use kinopt_solver::solver::Side;
 
 /// Distance from a limit that counts as active, relative to the range or to the displacement bound.
@@ -28,7 +29,7 @@ impl Retargeting<'_> {
     ///
     /// Limits of mimic joints count through their source joints.
     #[must_use]
-    pub fn active_limits(&self, retargeted: &Retargeted) -> Vec<LimitMet> {
+    pub fn active_limits(&self, retargeted: &Trajectory<RetargetReport>) -> Vec<LimitMet> {
         let model = self.robot.model();
         let width = model.configuration_len();
         let max_steps = self.robot.moves_within(1.0 / self.frame_rate);

@@ -1,6 +1,7 @@
 //! Position errors of a retargeted motion, sample by sample.
 
-use super::{RetargetError, Retargeted, Retargeting};
+use super::{RetargetError, RetargetReport, Retargeting};
+use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::kinematics::ForwardKinematics;
 
 impl Retargeting<'_> {
@@ -15,15 +16,17 @@ impl Retargeting<'_> {
     ///
     /// # Errors
     /// Returns an error if the configurations do not fit the model.
-    pub fn errors(&self, retargeted: &Retargeted) -> Result<Vec<f64>, RetargetError> {
+    pub fn errors(
+        &self,
+        retargeted: &Trajectory<RetargetReport>,
+    ) -> Result<Vec<f64>, RetargetError> {
         let map_error = |error: kinopt_kinematics::kinematics::KinematicsError| {
             RetargetError::Map(error.to_string())
         };
         let mut kinematics =
             ForwardKinematics::of_frames(self.robot.model(), &self.driven()).map_err(map_error)?;
-        let mut errors = Vec::with_capacity(retargeted.frames() * self.limbs.all.len());
-        let width = retargeted.configuration_len.max(1);
-        for (frame, q) in retargeted.q.chunks_exact(width).enumerate() {
+        let mut errors = Vec::with_capacity(retargeted.rows().len() * self.limbs.all.len());
+        for (frame, q) in retargeted.rows().enumerate() {
             let placed = kinematics.place(q).map_err(map_error)?;
             let targets = self.targets(frame).unwrap_or_default();
             let limbs = self.limbs.all.iter().zip(placed).zip(targets);

@@ -9,14 +9,15 @@ use super::collision_free_frames::CollisionFreeFrames;
 use super::contacts::LimbContact;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
-use super::retargeted::{LostContact, Measures};
+use super::retarget_report::{LostContact, Measures};
 use super::unit::{ScaledObstacles, Unit};
 use super::{
-    BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, Retargeted,
+    BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, RetargetReport,
     Touching, UpAxis,
 };
 use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
 use crate::motion::trajectory::{MotionError, Windows};
+use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use kinopt_kinematics::kinematics::{ForwardKinematics, KinematicsError};
 use kinopt_kinematics::model::FrameId;
@@ -338,7 +339,7 @@ impl<'r> Retargeting<'r> {
     ///
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower).
-    pub fn per_frame(&self) -> Result<Retargeted, RetargetError> {
+    pub fn per_frame(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }
@@ -367,7 +368,10 @@ impl<'r> Retargeting<'r> {
     }
 
     /// Measures the errors of configurations of the solved body, and scales them to the robot's unit.
-    pub(super) fn measure(&self, mut q: Vec<f64>) -> Result<Retargeted, RetargetError> {
+    pub(super) fn measure(
+        &self,
+        mut q: Vec<f64>,
+    ) -> Result<Trajectory<RetargetReport>, RetargetError> {
         let model = self.body.model();
         let mut frames = self.driven();
         let driven = frames.len();
@@ -411,10 +415,9 @@ impl<'r> Retargeting<'r> {
         let touching = self.touching(&q);
         let inverse_scale = self.unit.inverse_scale();
         model.scale_slides(inverse_scale, &mut q);
-        Ok(Retargeted {
+        let report = RetargetReport {
             touching,
             lost_contacts: lost_contacts.collect(),
-            configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             contact_frames: contact_limbs.iter().map(name).collect(),
             contact_points: contact_limbs
@@ -425,7 +428,14 @@ impl<'r> Retargeting<'r> {
             mean_error: measures.mean_error() * inverse_scale,
             slip: measures.slip * inverse_scale,
             ground_penetration: measures.ground_penetration * inverse_scale,
+        };
+        Ok(Trajectory {
+            times: (0..self.frames())
+                .map(|frame| frame as f64 / self.frame_rate)
+                .collect(),
             q,
+            nq: model.configuration_len(),
+            report,
         })
     }
 }

@@ -7,9 +7,10 @@ use super::driven_point::DrivenPoint;
 use super::follower::posture;
 use super::footholds::Footholds;
 use super::retargeting::as_map_error;
-use super::{RetargetError, Retargeted, Retargeting};
+use super::{RetargetError, RetargetReport, Retargeting};
 use crate::motion::contact_detection::smooth;
 use crate::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
+use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::kinematics::ForwardKinematics;
 use kinopt_kinematics::spatial::Vector3;
 
@@ -27,7 +28,7 @@ impl Retargeting<'_> {
     ///
     /// # Errors
     /// Returns the errors of [`follower`](Self::follower) and of [`MotionSolver`].
-    pub fn whole(&self) -> Result<Retargeted, RetargetError> {
+    pub fn whole(&self) -> Result<Trajectory<RetargetReport>, RetargetError> {
         self.whole_with_progress(&mut |_| ())
     }
 
@@ -38,7 +39,7 @@ impl Retargeting<'_> {
     pub fn whole_with_progress(
         &self,
         progress: &mut dyn FnMut(usize),
-    ) -> Result<Retargeted, RetargetError> {
+    ) -> Result<Trajectory<RetargetReport>, RetargetError> {
         let (mut q, mut avoidance) = self.follow_all()?;
         let weighted_targets: Arc<[_]> = self.weighted_targets(&q)?.into();
         // A smoothed trajectory may collide at other samples than the online result.
@@ -124,7 +125,7 @@ impl Retargeting<'_> {
             .with_windows(Some(self.options.windows));
         let solved =
             solver.solve_near_unless(&motion, start, progress, self.cancelled.as_deref())?;
-        Ok(solved.q().to_vec())
+        Ok(solved.q)
     }
 
     /// Returns target and weight of each driven point at each sample.

@@ -18,10 +18,10 @@ mod interior_point;
 mod length_bounds;
 mod length_limits;
 mod motion_problem;
+mod motion_report;
 mod motion_solver;
 mod per_frame;
 mod rate_cost;
-mod solution;
 mod space;
 mod step_limits;
 mod stretch;
@@ -30,9 +30,9 @@ pub use builder::MotionProblemBuilder;
 pub use contact::Contact;
 pub use error::MotionError;
 pub use motion_problem::MotionProblem;
+pub use motion_report::{
+    MotionBound, MotionCounts, MotionLimit, MotionMiss, MotionReport, MotionTermination,
+};
 pub use motion_solver::{MotionSolver, Windows};
 pub use rate_cost::RateCost;
-pub use solution::{
-    MotionBound, MotionCounts, MotionLimit, MotionMiss, MotionSolution, MotionTermination,
-};
 pub(super) use step_limits::step_limits;

@@ -55,7 +55,7 @@ pub(super) type SetTargets =
 /// let motion = motion.build()?;
 ///
 /// let solved = MotionSolver::default().solve(&motion, &[0.1, 0.5])?;
-/// for pair in solved.q().chunks(2).collect::<Vec<_>>().windows(2) {
+/// for pair in solved.rows().collect::<Vec<_>>().windows(2) {
 ///     assert!((pair[1][1] - pair[0][1]).abs() * 60.0 <= 6.0);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())

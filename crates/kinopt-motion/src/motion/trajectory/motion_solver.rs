@@ -6,10 +6,11 @@ use super::bounds::Inward;
 use super::evaluator::SampleEvaluator;
 use super::frame_residuals::FrameResiduals;
 use super::interior_point::{InteriorPointOptions, Window};
+use super::motion_report::WindowResults;
 use super::per_frame::per_frame;
-use super::solution::Report;
 use super::stretch::SampleSpan;
-use super::{MotionError, MotionProblem, MotionSolution};
+use super::{MotionError, MotionProblem, MotionReport};
+use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption};
 use kinopt_solver::search::check_start;
 
@@ -118,7 +119,7 @@ impl MotionSolver {
         &self,
         motion: &MotionProblem,
         start: &[f64],
-    ) -> Result<MotionSolution, MotionError> {
+    ) -> Result<Trajectory<MotionReport>, MotionError> {
         let n = motion.variables();
         let first = variables(motion, start)?;
         let mut x = vec![0.0; motion.frames * n];
@@ -134,7 +135,7 @@ impl MotionSolver {
         &self,
         motion: &MotionProblem,
         start: &[f64],
-    ) -> Result<MotionSolution, MotionError> {
+    ) -> Result<Trajectory<MotionReport>, MotionError> {
         self.solve_near_with_progress(motion, start, &mut |_| ())
     }
 
@@ -148,7 +149,7 @@ impl MotionSolver {
         motion: &MotionProblem,
         start: &[f64],
         progress: &mut dyn FnMut(usize),
-    ) -> Result<MotionSolution, MotionError> {
+    ) -> Result<Trajectory<MotionReport>, MotionError> {
         self.solve_near_unless(motion, start, progress, None)
     }
 
@@ -160,7 +161,7 @@ impl MotionSolver {
         start: &[f64],
         progress: &mut dyn FnMut(usize),
         cancelled: Option<&AtomicBool>,
-    ) -> Result<MotionSolution, MotionError> {
+    ) -> Result<Trajectory<MotionReport>, MotionError> {
         let n = motion.configuration_len();
         if start.len() != motion.frames * n {
             return Err(MotionError::Length {
@@ -182,7 +183,7 @@ impl MotionSolver {
         mut x: Vec<f64>,
         progress: &mut dyn FnMut(usize),
         cancelled: Option<&AtomicBool>,
-    ) -> Result<MotionSolution, MotionError> {
+    ) -> Result<Trajectory<MotionReport>, MotionError> {
         BadOption::check("tolerance", self.tolerance, AT_LEAST_0)?;
         BadOption::check("slip", self.slip_m, AT_LEAST_0)?;
         let windows = self.windows.unwrap_or(Windows {
@@ -210,7 +211,7 @@ impl MotionSolver {
             inward: self.inward,
         };
         let mut evaluator = SampleEvaluator::new(motion);
-        let mut report = Report::new(motion);
+        let mut report = WindowResults::new(motion);
         let mut begin = 0;
         while begin < motion.frames {
             let kept_end = (begin + windows.frames).min(motion.frames);

@@ -8,7 +8,7 @@ use super::cost::KeyCost;
 use super::interior::minimise;
 use super::within::limited_change;
 use crate::motion::clip_ik::root_bone::{ancestors, branching_above};
-use crate::motion::clip_ik::{ClipIkError, Reach, ReachResult};
+use crate::motion::clip_ik::{ClipIkError, EditReport, Reach, ReachResult};
 use kinopt_animation::animation::{Armature, EulerClip, EulerTrack};
 use kinopt_kinematics::bad_option::{BadOption, POSITIVE};
 use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
@@ -23,7 +23,7 @@ use kinopt_kinematics::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 /// reach its target; the sum of squared distances over the span is minimal.
 ///
 /// Keys within the spans that exceed a limit are brought within it. Other keys, such as one outside a span, may leave
-/// the clip beyond a limit. [`EditedKeys::beyond`] lists these limits.
+/// the clip beyond a limit. [`EditReport::beyond`] lists these limits.
 ///
 /// ```
 /// # std::env::set_current_dir("../..")?;
@@ -51,13 +51,10 @@ pub struct KeyframeIk<'a> {
 pub struct EditedKeys {
     /// Clip with the edited keyframes.
     pub clip: EulerClip,
-    /// Largest distance of each tip from its target, over the sample times with full weight.
-    pub led: Vec<ReachResult>,
     /// Number of changed keys.
     pub keys_changed: usize,
-    /// Exceeded limits within the spans, one entry per angle. Either unchanged keys exceed them, or no change satisfies
-    /// all of them at once.
-    pub beyond: Vec<BeyondLimit>,
+    /// Errors of the clip, at the sample times with full weight.
+    pub report: EditReport,
 }
 
 /// Weight of a key's displacement of one radian, as a fraction of the skeleton's size.
@@ -178,9 +175,12 @@ impl<'a> KeyframeIk<'a> {
             .map_err(ClipIkError::Keys)?;
         Ok(EditedKeys {
             clip,
-            led: results.collect(),
             keys_changed,
-            beyond: BeyondLimit::all(&rows, &changes),
+            report: EditReport {
+                led: results.collect(),
+                beyond: BeyondLimit::all(&rows, &changes),
+                ..EditReport::default()
+            },
         })
     }
 

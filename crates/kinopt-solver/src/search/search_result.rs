@@ -1,24 +1,9 @@
-//! Results of attempts and of searches.
+//! Result of a search.
 
 use super::Solution;
 use crate::solver::{Counts, Termination};
 
-/// Result of one attempt.
-#[derive(Clone, Copy, Debug)]
-#[doc(hidden)]
-pub struct Attempt {
-    #[doc(hidden)]
-    pub termination: Termination,
-    pub(crate) cost: f64,
-    pub(crate) reached: bool,
-    #[doc(hidden)]
-    pub iterations: usize,
-    pub(crate) counts: Counts,
-    pub(crate) projected_gradient: Option<f64>,
-}
-
-/// Result of a search over several attempts: that of the best attempt, with totals. The [`Keeper`] holds its
-/// configuration.
+/// Result of one or more attempts: that of the best attempt, with totals. The search's state holds its configuration.
 #[derive(Clone, Copy, Debug)]
 #[doc(hidden)]
 pub struct SearchResult {

@@ -1,10 +1,12 @@
-//! Trajectory along a path: joint values, velocities and accelerations over time.
+//! Joint values, velocities and accelerations over time, between the rows of a path.
 
 use super::cell::{CurveState, GridCell};
 use super::cubic_curve::CubicCurve;
 use super::easing::SmoothstepEasing;
+#[cfg(doc)]
+use kinopt_kinematics::Trajectory;
 
-/// Joint values and their derivatives at one time of a [`Trajectory`].
+/// Joint values and their derivatives at one time of a [`TimedSpline`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TrajectoryPoint {
@@ -16,23 +18,22 @@ pub struct TrajectoryPoint {
     pub acceleration: Vec<f64>,
 }
 
-/// Trajectory along the rows of a path.
+/// Joint values over time between the rows of a path: the report of a path's [`Trajectory`].
 ///
-/// Created by [`PathSolution::trajectory`](crate::path::PathSolution::trajectory) or
-/// [`through`](Self::through).
+/// Created by [`JointPath::trajectory`](crate::arm::JointPath::trajectory).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trajectory {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TimedSpline {
     pub(super) joints: usize,
     /// First row, used if there is no motion.
     pub(super) first: Vec<f64>,
-    /// Time of each row, seconds.
-    pub(super) times: Vec<f64>,
     pub(super) motions: Vec<Motion>,
     pub(super) duration: f64,
 }
 
 /// Motion along one curve, from rest to rest.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Motion {
     /// Time at the start, seconds.
     pub(super) time: f64,
@@ -42,25 +43,7 @@ pub(super) struct Motion {
     pub(super) cells: Vec<GridCell>,
 }
 
-impl Trajectory {
-    /// Time of each row of the path, seconds, starting at 0. Consecutive equal rows have equal times.
-    #[must_use]
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// Time of the last row, seconds.
-    #[must_use]
-    pub fn duration(&self) -> f64 {
-        self.duration
-    }
-
-    /// Number of joints.
-    #[must_use]
-    pub fn joint_count(&self) -> usize {
-        self.joints
-    }
-
+impl TimedSpline {
     /// Number of stretches from rest to rest, including reconfigurations.
     #[must_use]
     pub fn stretch_count(&self) -> usize {

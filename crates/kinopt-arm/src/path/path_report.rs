@@ -1,21 +1,7 @@
-//! Solution of a path.
+//! Report of a path: length, deviation, unreached points and possible collisions.
 
+use crate::arm::JointPath;
 use kinopt_solver::search::Collision;
-
-/// Step in which the arm changes to another branch.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Reconfiguration {
-    /// Row of [`q`](PathSolution::q) that the step leads to; 0 for the step that closes a cyclic path.
-    pub index: usize,
-    /// Index in [`Arm::joints`](crate::Arm::joints) of the joint that moves furthest.
-    pub joint: usize,
-    /// Displacement of that joint, radians; that of a prismatic joint is scaled to radians.
-    pub distance: f64,
-    /// Weighted joint length of the step.
-    pub length: f64,
-}
 
 /// Largest deviation of the tool from the path between points, while all joints move at constant rates.
 ///
@@ -39,7 +25,7 @@ pub struct Deviation {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Missed {
-    /// Row of [`q`](PathSolution::q).
+    /// Row of the joint path.
     pub index: usize,
     /// Position error, metres, beyond the goal bounds.
     pub position_error: f64,
@@ -72,31 +58,20 @@ pub enum MissReason {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Blocked {
-    /// Row of [`q`](PathSolution::q) that the step leads to; 0 for the step that closes a cyclic path.
+    /// Row that the step leads to; 0 for the step that closes a cyclic path.
     pub index: usize,
     /// Colliding pair.
     pub by: Collision,
 }
 
-/// Joint path of a whole Cartesian path.
+/// Errors of the joint path of a Cartesian path.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct PathSolution {
-    /// One configuration per point, one after another, radians or metres, in the order of traversal.
-    ///
-    /// A path with [`Traversal::AnyStart`](super::Traversal::AnyStart) repeats its first point at the end.
-    pub q: Vec<f64>,
-    /// Length of a configuration.
-    pub joint_count: usize,
+pub struct PathReport {
     /// Index of the path point of the first row: 0 unless the path has
     /// [`Traversal::AnyStart`](super::Traversal::AnyStart).
     pub entry: usize,
-    /// Steps in which the arm changes to another branch.
-    ///
-    /// In other steps no joint moves further than [the limit](super::PathSolver::with_max_step), or small parts of a
-    /// long tool segment connect both ends.
-    pub reconfigurations: Vec<Reconfiguration>,
     /// Weighted joint length of all steps, including reconfigurations: the sum of the roots of Σ (weight ·
     /// difference)².
     pub length: f64,
@@ -109,15 +84,11 @@ pub struct PathSolution {
     pub blocked: Vec<Blocked>,
 }
 
-impl PathSolution {
-    /// Iterates over the configurations, one per point.
-    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
-        self.q.chunks_exact(self.joint_count.max(1))
-    }
-
-    /// Returns whether all points are reached without reconfigurations, and all steps are collision-free.
+impl JointPath<PathReport> {
+    /// Returns true if all points are reached without reconfigurations, and all steps are collision-free.
     #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.reconfigurations.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
+    pub fn reached(&self) -> bool {
+        let report = &self.report;
+        self.jumps.is_empty() && report.missed.is_empty() && report.blocked.is_empty()
     }
 }

@@ -1,4 +1,4 @@
-//! Solution of a trajectory: configurations, task errors and active limits of each sample.
+//! Report of trajectory optimisation: costs, task errors and active limits of each sample.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,6 +7,7 @@ use super::MotionProblem;
 use super::evaluator::SampleEvaluator;
 use super::interior_point::InteriorPointOutcome;
 use super::stretch::SampleSpan;
+use kinopt_kinematics::Trajectory;
 use kinopt_solver::problem::{ReportNames, TaskSubset};
 use kinopt_solver::solver::Side;
 use kinopt_solver::task::{Quantity, Role};
@@ -95,13 +96,11 @@ struct Missed {
     error: f64,
 }
 
-/// Trajectory with a report.
+/// Errors and active limits of an optimised trajectory.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct MotionSolution {
-    q: Vec<f64>,
-    configuration_len: usize,
+pub struct MotionReport {
     costs: Vec<f64>,
     rates: f64,
     termination: MotionTermination,
@@ -114,19 +113,7 @@ pub struct MotionSolution {
     names: Arc<ReportNames>,
 }
 
-impl MotionSolution {
-    /// Configurations of all samples, one after another, exactly within all limits of position and velocity.
-    #[must_use]
-    pub fn q(&self) -> &[f64] {
-        &self.q
-    }
-
-    /// Number of samples.
-    #[must_use]
-    pub fn frames(&self) -> usize {
-        self.costs.len()
-    }
-
+impl MotionReport {
     /// Cost ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
     #[must_use]
     pub fn cost(&self) -> f64 {
@@ -184,13 +171,6 @@ impl MotionSolution {
         self.costs.get(frame).copied()
     }
 
-    /// Returns the configuration of a sample.
-    #[must_use]
-    pub fn frame(&self, frame: usize) -> Option<&[f64]> {
-        let n = self.configuration_len;
-        self.q.get(frame * n..(frame + 1) * n)
-    }
-
     /// Returns the required tasks with errors beyond their tolerances at a sample.
     pub fn missed(&self, frame: usize) -> impl Iterator<Item = MotionMiss<'_>> {
         let entries = entries_of_frame(&self.missed, frame, |missed| missed.frame);
@@ -228,14 +208,14 @@ fn entries_of_frame<T>(list: &[T], frame: usize, frame_of: impl Fn(&T) -> usize)
 const MIN_RELATIVE_PUSH: f64 = 1e-6;
 
 /// Collects the results of windows.
-pub(super) struct Report<'a> {
+pub(super) struct WindowResults<'a> {
     motion: &'a MotionProblem,
     termination: MotionTermination,
     iterations: usize,
     held: Vec<Held>,
 }
 
-impl<'a> Report<'a> {
+impl<'a> WindowResults<'a> {
     pub(super) fn new(motion: &'a MotionProblem) -> Self {
         Self {
             motion,
@@ -302,7 +282,7 @@ impl<'a> Report<'a> {
         mut self,
         evaluator: &mut SampleEvaluator<'_>,
         x: &[f64],
-    ) -> MotionSolution {
+    ) -> Trajectory<MotionReport> {
         // Bounds of lengths come last within each window.
         self.held.sort_by_key(|held| held.frame);
         let motion = self.motion;
@@ -336,9 +316,7 @@ impl<'a> Report<'a> {
         };
         let rates = evaluator.rates(whole, x);
         let slip = evaluator.contact_springs.slip(whole, x);
-        MotionSolution {
-            q,
-            configuration_len: width,
+        let report = MotionReport {
             costs,
             rates,
             termination: self.termination,
@@ -349,6 +327,13 @@ impl<'a> Report<'a> {
             held: self.held,
             missed,
             names: Arc::clone(problem.names()),
+        };
+        let times = (0..motion.frames).map(|frame| frame as f64 * motion.time_step_s);
+        Trajectory {
+            times: times.collect(),
+            q,
+            nq: width,
+            report,
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Solutions of trajectory optimisation.
+//! Reports of trajectory optimisation.
 
 use kinopt::motion::trajectory::{self, MotionBound, MotionTermination};
 use kinopt_bindings::names;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -83,16 +83,11 @@ impl ActiveMotionLimit {
     }
 }
 
-/// Solution of a trajectory problem, with its errors.
+/// Errors and active limits of an optimised trajectory.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Serialize, Deserialize)]
-pub(crate) struct MotionSolution {
-    q: Vec<f64>,
-    width: usize,
+pub(crate) struct MotionReport {
     costs: Vec<f64>,
-    /// Names of the numbers of a configuration, the columns of `q`.
-    #[pyo3(get)]
-    names: Vec<String>,
     /// ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
     #[pyo3(get)]
     cost: f64,
@@ -120,13 +115,9 @@ pub(crate) struct MotionSolution {
     active_limits: Vec<ActiveMotionLimit>,
 }
 
-impl MotionSolution {
-    pub(super) fn new(
-        solved: &trajectory::MotionSolution,
-        joint_names: Vec<String>,
-        width: usize,
-    ) -> Self {
-        let frames = 0..solved.frames();
+impl MotionReport {
+    pub(super) fn new(solved: &trajectory::MotionReport, frames: usize) -> Self {
+        let frames = 0..frames;
         let missed = frames.clone().flat_map(|frame| {
             solved.missed(frame).map(move |miss| MissedFrame {
                 frame,
@@ -161,9 +152,6 @@ impl MotionSolution {
             costs: frames
                 .filter_map(|frame| solved.frame_cost(frame))
                 .collect(),
-            q: solved.q().to_vec(),
-            width,
-            names: joint_names,
             cost: solved.cost(),
             cost_of_rates: solved.cost_of_rates(),
             termination: termination.to_owned(),
@@ -175,13 +163,7 @@ impl MotionSolution {
 }
 
 #[pymethods]
-impl MotionSolution {
-    /// All configurations, shape (frames, nq), within all position and speed limits.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        arrays::list(py, &self.q).reshape([self.costs.len(), self.width])
-    }
-
+impl MotionReport {
     /// Cost ½ ‖w ∘ r‖² of each sample's tasks, shape (frames,).
     #[getter]
     fn frame_costs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -194,13 +176,9 @@ impl MotionSolution {
         self.missed.is_empty()
     }
 
-    fn __len__(&self) -> usize {
-        self.costs.len()
-    }
-
     fn __repr__(&self) -> String {
         format!(
-            "MotionSolution({} frames, cost {:.6e}, {}, {} missed, {} limits)",
+            "MotionReport({} frames, cost {:.6e}, {}, {} missed, {} limits)",
             self.costs.len(),
             self.cost,
             self.termination,

@@ -1,4 +1,4 @@
-//! Retargeted motion with a report.
+//! Report of a retargeted motion: errors, contacts and collisions.
 
 use kinopt_kinematics::spatial::Vector3;
 use kinopt_solver::problem::Collision;
@@ -6,15 +6,11 @@ use kinopt_solver::problem::Collision;
 /// Distance from its touchdown position at which a contact counts as lost, metres.
 const LOST_CONTACT_DISTANCE: f64 = 1e-3;
 
-/// Retargeted motion.
+/// Errors, contacts and collisions of a retargeted motion.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Retargeted {
-    /// Configurations, sample by sample.
-    pub q: Vec<f64>,
-    /// Length of a configuration.
-    pub configuration_len: usize,
+pub struct RetargetReport {
     /// Samples per second.
     pub frame_rate: f64,
     /// Names of the model's frames that make contact.
@@ -54,16 +50,8 @@ pub struct Touching {
 pub struct LostContact {
     /// First sample with more than 1 mm of foot sliding.
     pub frame: usize,
-    /// Name of the model's frame, as in [`Retargeted::contact_frames`].
+    /// Name of the model's frame, as in [`RetargetReport::contact_frames`].
     pub contact_frame: String,
-}
-
-impl Retargeted {
-    /// Number of samples.
-    #[must_use]
-    pub fn frames(&self) -> usize {
-        self.q.len() / self.configuration_len.max(1)
-    }
 }
 
 /// Accumulates position errors and foot sliding.
