@@ -792,14 +792,15 @@ _Report = TypeVar("_Report", covariant=True)
 class JointPath(Generic[_Report]):
     def times(
         self,
+        *,
         acceleration_limits: ArrayLike | None = None,
         velocity_limits: ArrayLike | None = None,
     ) -> Floats: ...
     def trajectory(
         self,
+        *,
         acceleration_limits: ArrayLike | None = None,
         velocity_limits: ArrayLike | None = None,
-        *,
         jerk_limits: ArrayLike | None = None,
         arm: Arm | None = None,
         tool_linear_limits: tuple[float, float] | None = None,
@@ -832,6 +833,7 @@ class Trajectory(Generic[_Report]):
     def duration(self) -> float: ...
     @property
     def report(self) -> _Report: ...
+    def at(self, time: ArrayLike) -> TrajectoryPoint: ...
     def __len__(self) -> int: ...
 
 @final
