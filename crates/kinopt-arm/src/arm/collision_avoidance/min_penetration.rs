@@ -21,7 +21,7 @@ pub(super) fn move_to_min_penetration(
 ) -> Result<f64, QueryError> {
     let mut best = avoidance.min_distance(arm, checks, &workspace.x)?;
     for rank in 0..workspace.ranking.len().min(MAX_EXACT_CHECKS) {
-        if avoidance.is_late(query, 2) {
+        if avoidance.is_late(query, 1) {
             break;
         }
         let index = workspace.ranking[rank].1;

@@ -39,7 +39,14 @@ pub(in crate::arm) fn solve_collision_free(
         let free = result.reached && avoidance.is_clear(arm, checks, &solution.q)?;
         if result.reached && !free {
             workspace.x.copy_from_slice(&solution.q);
-            search_collision_free(arm, avoidance, workspace, checks, query, &mut result)?;
+            search_collision_free(
+                arm,
+                avoidance,
+                workspace,
+                checks,
+                &checked_query,
+                &mut result,
+            )?;
             let free = result.reached;
             judge(arm, workspace, &mut result);
             result.reached &= free;
@@ -55,7 +62,8 @@ pub(in crate::arm) fn solve_collision_free(
 
 /// Searches attempts for a collision-free one, in the order of the search preference.
 ///
-/// The workspace's x becomes that one, or else the one of least penetration.
+/// The workspace's x becomes that one, or else the one of least penetration. The deadline of `query` leaves the time for
+/// the check of the report.
 fn search_collision_free(
     arm: &Arm,
     avoidance: &CollisionAvoidance,
@@ -70,7 +78,7 @@ fn search_collision_free(
         (result.reached, result.termination) = (false, Termination::Stationary);
         return Ok(());
     }
-    if avoidance.is_late(query, 1) {
+    if query.is_late() {
         (result.reached, result.termination) = (false, Termination::TimeLimit);
         return Ok(());
     }
@@ -142,7 +150,7 @@ fn lowest_collision_free(
         let made_attempts = first_index as u32;
         if made_attempts >= wanted
             || total_iterations(&workspace.outcomes) >= budget
-            || avoidance.is_late(query, 1)
+            || query.is_late()
         {
             break;
         }
@@ -213,7 +221,7 @@ fn run_neighbour_attempts(
             break;
         }
         for first in gathered.clone().step_by(CHECKED) {
-            if avoidance.is_late(query, 2) {
+            if avoidance.is_late(query, 1) {
                 next = None;
                 break;
             }
@@ -228,7 +236,7 @@ fn run_neighbour_attempts(
             }
         }
         seeds.truncate(free * n);
-        if avoidance.is_late(query, 2) {
+        if avoidance.is_late(query, 1) {
             break;
         }
     }
@@ -270,7 +278,7 @@ fn first_collision_free(
     let mut configurations = std::mem::take(&mut checks.group_configurations);
     let mut first = None;
     for group in workspace.ranking[from..].chunks(CHECKED) {
-        if avoidance.is_late(query, 2) {
+        if avoidance.is_late(query, 1) {
             break;
         }
         configurations.clear();
@@ -282,7 +290,7 @@ fn first_collision_free(
             let q = workspace.attempt_end(*index);
             let free = if by_spheres >> lane & 1 != 0 {
                 avoidance.are_close_pairs_free(arm, checks, q)?
-            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query, 2) {
+            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query, 1) {
                 checks.exact_checks_left -= 1;
                 avoidance.is_free_by_shapes(arm, checks, q)?
             } else {
