@@ -16,6 +16,7 @@ use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::number_format::LengthFormat;
 use crate::output;
+use crate::problem::ModelSettings;
 use crate::problem::number_list::{self, Numbers};
 
 const EXAMPLES: &str = "\
@@ -112,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let settings = arguments.model_options.problem()?.model;
     if AnimatedArmature::is_at(&arguments.model) && !settings.makes_figure() {
         settings.refuse(&arguments.model.display().to_string())?;
-        return run_animated(arguments, json);
+        return run_animated(arguments, &settings, json);
     }
     let mut loaded = LoadedModel::read(&arguments.model, &settings)?;
     if !AnimatedArmature::is_at(&arguments.model) {
@@ -136,13 +137,13 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, text)
 }
 
-fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
+fn run_animated(arguments: &Arguments, settings: &ModelSettings, json: bool) -> Outcome<()> {
     let given = [
         ("--q", arguments.q.is_some()),
         ("--q-file", arguments.q_file.is_some()),
         ("--interpolation", arguments.interpolation.is_some()),
     ];
-    let animated = AnimatedArmature::read(&arguments.model)?;
+    let animated = AnimatedArmature::read_for(&arguments.model, settings)?;
     if let Some(option) = first_given(given) {
         let (file, kind) = (&animated.file, animated.kind);
         return Err(usage!(

@@ -122,7 +122,10 @@ impl LoadedModel {
             settings.refuse_of_figures(&file)?;
         }
         if AnimatedArmature::is_at(path) {
-            return settings.figure(Self::of_animated(AnimatedArmature::read(path)?, moment)?);
+            return settings.figure(Self::of_animated(
+                AnimatedArmature::read_for(path, settings)?,
+                moment,
+            )?);
         }
         if moment.is_some() {
             return Err(usage!(

@@ -158,6 +158,7 @@ impl ModelSettings {
         let given = first_given([
             ("`joints`", self.joints.is_some()),
             ("`cones`", self.cones.is_some()),
+            ("`without_scale`", self.without_scale),
         ]);
         let refused = |setting| usage!("{file}: {setting} is for rigs, scenes and motion capture");
         given.map_or(Ok(()), |setting| Err(refused(setting)))

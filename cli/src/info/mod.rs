@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let settings = arguments.model_options.problem()?.model;
     if AnimatedArmature::is_at(model) && !settings.makes_figure() {
         settings.refuse(&model.display().to_string())?;
-        let animated = AnimatedArmature::read(model)?;
+        let animated = AnimatedArmature::read_for(model, &settings)?;
         let document = animation::document(&animated)?;
         return output::result(json, || &document, || animation::text(&document));
     }

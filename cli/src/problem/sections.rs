@@ -39,6 +39,7 @@ pub(crate) struct ModelSettings {
     pub(crate) without_loops: bool,
     pub(crate) joints: Option<BoneJoints>,
     pub(crate) cones: Option<PathBuf>,
+    pub(crate) without_scale: bool,
     pub(crate) srdf: Option<PathBuf>,
     pub(crate) group: Option<String>,
     #[serde(deserialize_with = "texts")]

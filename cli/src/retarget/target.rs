@@ -67,7 +67,11 @@ impl Target {
                 path.display()
             ));
         }
-        let mut loaded = LoadedModel::read(path, &ModelSettings::default())?;
+        let settings = ModelSettings {
+            without_scale: settings.without_scale,
+            ..ModelSettings::default()
+        };
+        let mut loaded = LoadedModel::read(path, &settings)?;
         let lacks = || failure!("{}: the file has no bones", loaded.file);
         let rig = loaded.rig.as_ref().ok_or_else(lacks)?;
         let figure = FigureTarget::new(&rig.skeleton, up_of_file)?;
