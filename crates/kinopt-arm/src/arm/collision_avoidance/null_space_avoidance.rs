@@ -80,6 +80,7 @@ pub(super) fn avoid_in_null_space(
                 let distance = avoidance.min_distance(arm, checks, &q)?;
                 if distance > min_distance {
                     (min_distance, improved) = (distance, true);
+                    checks.contacts = checks.trial_contacts.take();
                     centre.copy_from_slice(&q);
                     workspace.x.copy_from_slice(&q);
                     workspace.errors = Errors::of(&outcome);

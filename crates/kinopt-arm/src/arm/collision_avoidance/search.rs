@@ -3,7 +3,7 @@
 use super::avoidance::CollisionAvoidance;
 use super::checks::MAX_EXACT_CHECKS;
 use super::checks::with_collision_workspace;
-use super::min_penetration::move_to_min_penetration;
+use super::min_penetration::{check_solution, move_to_min_penetration};
 use super::null_space_avoidance::avoid_in_null_space;
 use super::workspace::CollisionWorkspace;
 use crate::arm::QueryError;
@@ -35,7 +35,7 @@ pub(in crate::arm) fn solve_collision_free(
     let checked_query = avoidance.with_time_for_check(query);
     let (mut result, mut errors) = solve_without_avoidance(arm, &checked_query, solution)?;
     with_collision_workspace(arm, avoidance, |workspace, checks| {
-        checks.deadline = checked_query.deadline;
+        (checks.deadline, checks.contacts) = (checked_query.deadline, None);
         let free = result.reached && avoidance.is_clear(arm, checks, &solution.q)?;
         if result.reached && !free {
             workspace.x.copy_from_slice(&solution.q);
@@ -54,7 +54,11 @@ pub(in crate::arm) fn solve_collision_free(
             errors = workspace.errors;
         }
         if !result.reached {
-            solution.set_collisions(avoidance.collisions(arm, checks, &solution.q)?);
+            let contacts = match checks.contacts.take() {
+                Some(contacts) => contacts,
+                None => avoidance.collisions(arm, checks, &solution.q)?,
+            };
+            solution.set_collisions(contacts);
         }
         Ok((result, errors))
     })
@@ -82,6 +86,10 @@ fn search_collision_free(
         (result.reached, result.termination) = (false, Termination::TimeLimit);
         return Ok(());
     }
+    if query.deadline.is_some() {
+        // Now instead of after the deadline.
+        check_solution(arm, avoidance, workspace, checks)?;
+    }
     let previous = (result.iterations, result.attempts);
     checks.exact_checks_left = MAX_EXACT_CHECKS;
     let free = match arm.options.search.compares() {
@@ -96,6 +104,7 @@ fn search_collision_free(
     result.reached = free.is_some();
     if let Some(index) = free {
         workspace.move_to_attempt_end(index);
+        checks.contacts = None;
         result.termination = Termination::Reached;
         // Numbered after the attempts of the plain solution.
         result.number = previous.1 + index;
