@@ -10,11 +10,11 @@ use kinopt::model::UnknownName;
 use kinopt::skeleton::BoneId;
 use kinopt::skinning::SkinningMethod;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt_bindings::problem_file::ModelSettings;
 
 use crate::failure::Outcome;
 use crate::file_access;
 use crate::frame_report::FrameReport;
-use crate::problem::ModelSettings;
 
 /// Armature with the clips of its file.
 #[derive(Debug)]

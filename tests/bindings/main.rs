@@ -4,5 +4,6 @@
 mod jobs;
 mod methods;
 mod options;
+mod problem_texts;
 mod retarget_folders;
 mod tasks;

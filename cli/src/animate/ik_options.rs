@@ -12,12 +12,12 @@ use kinopt::motion::path::{CartesianPath, QuaternionOrder};
 use kinopt::skeleton::{BoneId, Skeleton};
 use kinopt::spatial::Vector3;
 use kinopt::task::Axis;
+use kinopt_bindings::problem_file::number_list;
 
 use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
-use crate::problem::number_list;
 use crate::{numpy_file, world_file};
 
 /// Inverse-kinematics requests for the clip.

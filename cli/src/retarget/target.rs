@@ -5,13 +5,13 @@ use std::path::Path;
 use kinopt::motion::retarget::{FigureTarget, UpAxis};
 use kinopt::robot::Robot;
 use kinopt::skeleton::Skeleton;
+use kinopt_bindings::problem_file::ModelSettings;
 
 use super::source::Up;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::ModelSettings;
 
 /// Robot, or figure on a free base.
 #[derive(Debug)]

@@ -13,7 +13,8 @@
 //! - [`shape`]: kinds and dimensions of the shapes of links
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
-//! - [`json`]: the values and arguments of JSON, for problem files
+//! - [`json`]: the values and arguments of JSON
+//! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - [`error`]: kinds of errors
 
@@ -28,6 +29,8 @@ pub mod option;
 pub mod parameters;
 pub mod placement;
 pub mod problem;
+#[cfg(feature = "problem-files")]
+pub mod problem_file;
 mod quantities;
 pub mod retarget_folder;
 pub mod shape;

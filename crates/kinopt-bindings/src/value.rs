@@ -173,12 +173,20 @@ pub trait Value: Sized {
     /// If the value has no names.
     fn entries(&self, what: &str) -> Result<Vec<(String, Self)>, Self::Error>;
 
-    /// Reads numbers by name; `keys` describes a name in messages.
+    /// Reads numbers by name; `_keys` describes a name in messages.
     ///
     /// # Errors
     ///
     /// If the value has no names, or one of its values is no number.
-    fn numbers_by_name(&self, what: &str, keys: &str) -> Result<Vec<(String, f64)>, Self::Error>;
+    fn numbers_by_name(&self, what: &str, _keys: &str) -> Result<Vec<(String, f64)>, Self::Error> {
+        let entries = self.entries(what)?.into_iter();
+        entries
+            .map(|(key, value)| {
+                let number = value.number(&format!("{what}.{key}"))?;
+                Ok((key, number))
+            })
+            .collect()
+    }
 
     /// Reads lower and upper bounds by name.
     ///

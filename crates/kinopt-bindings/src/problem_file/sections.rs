@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use kinopt::arm::Search;
+use kinopt::collision::MeshUse;
+use kinopt::mesh::TriangleMesh;
 use kinopt::motion::path::QuaternionOrder;
 use kinopt::problem::Derivatives;
 use kinopt::robot::BaseJoint;
-use kinopt::skinning::SkinningMethod;
+use kinopt::skeleton::Skeleton;
+use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningError, SkinningMethod};
 use kinopt::spatial::Placement;
 use kinopt::task::Axis;
 use serde::de::{Deserialize, Deserializer, Error};
@@ -18,60 +21,96 @@ use super::interval::Interval;
 use super::methods;
 use super::number_list::{self, Numbers, above_zero, checked, from_zero, limited};
 use super::start::{self, Start};
-use super::target::{RayTarget, Target, placement};
+use super::target::{FrameTarget, RayTarget, placement};
 use super::text::{text, texts};
+use crate::names::{self, AXES, MIMIC_LIMITS, Names};
 
 /// Reading of a model's file, and its joints.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct ModelSettings {
-    pub(crate) lenient: bool,
-    pub(crate) soft_limits: bool,
-    pub(crate) mimic_limits: Option<MimicLimits>,
-    pub(crate) joint_limits: Option<PathBuf>,
+pub struct ModelSettings {
+    /// True to repair damaged robot and SRDF files where no guess is needed.
+    pub lenient: bool,
+    /// True to apply the soft limits of a robot's file too.
+    pub soft_limits: bool,
+    /// True if mimic joints restrict their source joints.
+    #[serde(deserialize_with = "mimic_limits")]
+    pub mimic_limits: bool,
+    /// File of joint limits, as MoveIt's joint_limits.yaml.
+    pub joint_limits: Option<PathBuf>,
+    /// Kind of the joint between root and world; `None` for a fixed root.
     #[serde(deserialize_with = "base_kind")]
-    pub(crate) base_joint: Option<String>,
+    pub base_joint: Option<String>,
     /// Lower and upper bound by axis, in metres (`yaw`: radians).
-    pub(crate) base_bounds: BTreeMap<String, [f64; 2]>,
-    pub(crate) connect: Vec<ClosedLoop>,
-    pub(crate) weld: Vec<ClosedLoop>,
-    pub(crate) passive: Vec<String>,
-    pub(crate) without_loops: bool,
-    pub(crate) joints: Option<BoneJoints>,
-    pub(crate) cones: Option<PathBuf>,
-    pub(crate) without_scale: bool,
-    pub(crate) srdf: Option<PathBuf>,
-    pub(crate) group: Option<String>,
+    pub base_bounds: BTreeMap<String, [f64; 2]>,
+    /// Closed loops in which two points coincide.
+    pub connect: Vec<ClosedLoop>,
+    /// Closed loops as `connect`, with equal orientation.
+    pub weld: Vec<ClosedLoop>,
+    /// Names of joints that move to close loops.
+    pub passive: Vec<String>,
+    /// True to ignore the loops of the robot's file.
+    pub without_loops: bool,
+    /// Joint type of bones.
+    pub joints: Option<BoneJoints>,
+    /// File of swing and twist limits.
+    pub cones: Option<PathBuf>,
+    /// True to set the rest scales of a scene's bones to 1.
+    pub without_scale: bool,
+    /// SRDF file.
+    pub srdf: Option<PathBuf>,
+    /// Group of the SRDF file with the only free joints.
+    pub group: Option<String>,
+    /// Locked joints.
     #[serde(deserialize_with = "texts")]
-    pub(crate) lock: Vec<Lock>,
-    pub(crate) only: Vec<String>,
-    pub(crate) time: Option<f64>,
-    pub(crate) clip: Option<String>,
+    pub lock: Vec<Lock>,
+    /// Names of the only free joints or bones.
+    pub only: Vec<String>,
+    /// Time of the clip whose pose is the rest pose, seconds.
+    pub time: Option<f64>,
+    /// Name of that clip; `None` for the first.
+    pub clip: Option<String>,
 }
 
-/// Limits of the source joint of mimic joints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum MimicLimits {
-    Source,
-    Both,
+impl ModelSettings {
+    /// True if a setting gives joints to a scene or a capture.
+    #[must_use]
+    pub fn makes_figure(&self) -> bool {
+        self.joints.is_some() || self.cones.is_some()
+    }
+
+    /// True if bones have ball joints.
+    #[must_use]
+    pub fn are_balls(&self) -> bool {
+        self.joints == Some(BoneJoints::Ball) || self.cones.is_some()
+    }
+
+    /// True if a setting locks joints.
+    #[must_use]
+    pub fn locks(&self) -> bool {
+        !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
+    }
 }
 
 /// Joint type of bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum BoneJoints {
+pub enum BoneJoints {
+    /// Three angles.
     TwistBendTwist,
+    /// A ball joint.
     Ball,
 }
 
 /// Two frames of a loop, with placements on them.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ClosedLoop {
-    pub(crate) frames: [String; 2],
+pub struct ClosedLoop {
+    /// Names of the frames.
+    pub frames: [String; 2],
+    /// Placements of the loop in the frames.
     #[serde(default = "origins", deserialize_with = "placements")]
-    pub(crate) placements: [Placement<f64>; 2],
+    pub placements: [Placement<f64>; 2],
 }
 
 fn origins() -> [Placement<f64>; 2] {
@@ -81,117 +120,165 @@ fn origins() -> [Placement<f64>; 2] {
 /// Files that the command may open.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct FileSettings {
-    pub(crate) allow_folder: Vec<PathBuf>,
-    pub(crate) max_file_bytes: Option<u64>,
-    pub(crate) confine: bool,
+pub struct FileSettings {
+    /// Folders with files that others may name.
+    pub allow_folder: Vec<PathBuf>,
+    /// Largest size of a file, bytes.
+    pub max_file_bytes: Option<u64>,
+    /// True to open referenced files only below the robot's folder.
+    pub confine: bool,
 }
 
 /// Obstacles and collision shapes.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct CollisionSettings {
-    pub(crate) world: Option<PathBuf>,
+pub struct CollisionSettings {
+    /// File of obstacles.
+    pub world: Option<PathBuf>,
+    /// Required distance, metres.
     #[serde(deserialize_with = "not_negative")]
-    pub(crate) margin: Option<f64>,
-    pub(crate) allow_collision: Vec<[String; 2]>,
-    pub(crate) package: Vec<PathBuf>,
-    pub(crate) meshes: MeshChoice,
-    pub(crate) leave_out_meshes: bool,
-    pub(crate) sphere_model: Option<PathBuf>,
+    pub margin: Option<f64>,
+    /// Names of pairs whose collision is allowed.
+    pub allow_collision: Vec<[String; 2]>,
+    /// Folders of ROS packages.
+    pub package: Vec<PathBuf>,
+    /// Collision shapes of meshes.
+    #[serde(deserialize_with = "meshes")]
+    pub meshes: MeshUse,
+    /// True to omit meshes that are not found.
+    pub leave_out_meshes: bool,
+    /// File of a sphere model.
+    pub sphere_model: Option<PathBuf>,
 }
 
 /// Collision shapes of meshes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum MeshChoice {
-    #[default]
-    Hull,
-    Parts,
-    Pieces,
-    Triangles,
-}
+const MESHES: Names<MeshUse, 4> = [
+    ("hull", MeshUse::Hull),
+    ("parts", MeshUse::Parts),
+    ("pieces", MeshUse::Pieces(16)),
+    ("triangles", MeshUse::Triangles),
+];
 
 /// Targets of frames.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct GoalSettings {
+pub struct GoalSettings {
+    /// Targets of frames.
     #[serde(deserialize_with = "texts")]
-    pub(crate) target: Vec<Target>,
+    pub target: Vec<FrameTarget>,
+    /// Rays of frames.
     #[serde(deserialize_with = "texts")]
-    pub(crate) ray: Vec<RayTarget>,
-    pub(crate) tip: Option<String>,
-    pub(crate) base: Option<String>,
-    pub(crate) position_only: bool,
+    pub ray: Vec<RayTarget>,
+    /// Frame of targets without a name; `None` for the robot's only tip.
+    pub tip: Option<String>,
+    /// Frame in which targets are given; `None` for the world.
+    pub base: Option<String>,
+    /// True to ignore the orientation of targets.
+    pub position_only: bool,
+    /// Goal bounds along the target's axes.
     #[serde(deserialize_with = "texts")]
-    pub(crate) interval: Vec<Interval>,
+    pub interval: Vec<Interval>,
+    /// Placement of the tool in the frame of the targets.
     #[serde(deserialize_with = "optional_placement")]
-    pub(crate) tool: Option<Placement<f64>>,
+    pub tool: Option<Placement<f64>>,
 }
 
 /// Held frames, centre of mass, weights and priorities.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct BodySettings {
-    pub(crate) hold: Vec<String>,
+pub struct BodySettings {
+    /// Names of frames that keep their poses.
+    pub hold: Vec<String>,
+    /// Target of the centre of mass.
     #[serde(deserialize_with = "text")]
-    pub(crate) center_of_mass: Option<Centre>,
+    pub center_of_mass: Option<Centre>,
+    /// Feet below the centre of mass.
     #[serde(deserialize_with = "texts")]
-    pub(crate) balance: Vec<Foot>,
+    pub balance: Vec<Foot>,
+    /// Distance from the edges of the support polygon, metres.
     #[serde(deserialize_with = "not_negative")]
-    pub(crate) balance_margin: Option<f64>,
+    pub balance_margin: Option<f64>,
+    /// Up axis of the world.
     #[serde(deserialize_with = "axis")]
-    pub(crate) up: Option<Axis>,
+    pub up: Option<Axis>,
+    /// Factors of errors by frame.
     #[serde(deserialize_with = "texts")]
-    pub(crate) weight: Vec<FrameWeight>,
+    pub weight: Vec<FrameWeight>,
+    /// Priority levels by name.
     #[serde(deserialize_with = "texts")]
-    pub(crate) level: Vec<NamedLevel>,
-    pub(crate) no_priorities: bool,
+    pub level: Vec<NamedLevel>,
+    /// True for level 0 of all tasks without their own.
+    pub no_priorities: bool,
+}
+
+impl BodySettings {
+    /// True if there is a task for the centre of mass.
+    #[must_use]
+    pub fn has_centre_of_mass(&self) -> bool {
+        self.center_of_mass.is_some() || !self.balance.is_empty()
+    }
 }
 
 /// Search for a solution.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct SolveSettings {
+pub struct SolveSettings {
+    /// Start configuration.
     #[serde(deserialize_with = "start")]
-    pub(crate) start: Start,
+    pub start: Start,
+    /// Choice among solutions.
     #[serde(deserialize_with = "search")]
-    pub(crate) search: Option<Search>,
-    pub(crate) max_move: Option<Numbers>,
-    pub(crate) posture: Option<Numbers>,
-    pub(crate) joint_weights: Option<Numbers>,
+    pub search: Option<Search>,
+    /// Largest displacement of each joint from the start.
+    pub max_move: Option<Numbers>,
+    /// Nominal posture.
+    pub posture: Option<Numbers>,
+    /// Weight of each joint in distances.
+    pub joint_weights: Option<Numbers>,
+    /// Distance that weighs as much as a radian, metres.
     #[serde(deserialize_with = "positive")]
-    pub(crate) metres_per_radian: Option<f64>,
-    pub(crate) global_search_on_miss: bool,
+    pub metres_per_radian: Option<f64>,
+    /// True to return the closest pose of any branch on a miss.
+    pub global_search_on_miss: bool,
+    /// Method of the general solver.
     #[serde(deserialize_with = "method")]
-    pub(crate) solver: Option<String>,
+    pub solver: Option<String>,
+    /// Derivatives of the general solver.
     #[serde(deserialize_with = "derivatives")]
-    pub(crate) jacobian: Option<Derivatives>,
-    pub(crate) rng_seed: u64,
+    pub jacobian: Option<Derivatives>,
+    /// Seed of the random generator.
+    pub rng_seed: u64,
     /// From a number of milliseconds.
     #[serde(deserialize_with = "milliseconds")]
-    pub(crate) time_limit: Option<Duration>,
+    pub time_limit: Option<Duration>,
+    /// Tolerance, metres and radians.
     #[serde(deserialize_with = "not_negative")]
-    pub(crate) tolerance: Option<f64>,
-    pub(crate) attempts: Option<std::num::NonZeroU32>,
-    pub(crate) max_iterations: Option<u32>,
+    pub tolerance: Option<f64>,
+    /// Largest number of attempts for a target.
+    pub attempts: Option<std::num::NonZeroU32>,
+    /// Largest number of iterations of an attempt of the general solver.
+    pub max_iterations: Option<u32>,
 }
 
 /// Additional content of reports and written files.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct OutputSettings {
-    pub(crate) derivative: bool,
+pub struct OutputSettings {
+    /// True to report the derivative of the solution by each target.
+    pub derivative: bool,
+    /// Skinning method.
     #[serde(deserialize_with = "skinning")]
-    pub(crate) skinning: Option<SkinningMethod>,
-    pub(crate) skin_weights: Option<WeightsChoice>,
-    pub(crate) clip_name: Option<String>,
+    pub skinning: Option<SkinningMethod>,
+    /// Method of a rig's skin weights.
+    pub skin_weights: Option<WeightsChoice>,
+    /// Name of a written clip.
+    pub clip_name: Option<String>,
 }
 
 /// Methods of automatic skin weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum WeightsChoice {
+pub enum WeightsChoice {
     /// Bone heat weighting along the skin.
     #[default]
     Heat,
@@ -199,15 +286,45 @@ pub(crate) enum WeightsChoice {
     Distance,
 }
 
+impl WeightsChoice {
+    /// Skin weights of a mesh by the bones of a skeleton.
+    ///
+    /// # Errors
+    ///
+    /// Those of the method.
+    pub fn weights(
+        self,
+        mesh: &TriangleMesh,
+        skeleton: &Skeleton,
+    ) -> Result<SkinWeights, SkinningError> {
+        match self {
+            Self::Heat => HeatWeights::default().for_skeleton(mesh, skeleton),
+            Self::Distance => AutomaticWeights::default().for_skeleton(mesh, skeleton),
+        }
+    }
+
+    /// Rule of the method, which completes "each vertex follows …".
+    #[must_use]
+    pub fn rule(self) -> &'static str {
+        match self {
+            Self::Heat => "the bones that heat it along the skin",
+            Self::Distance => "the bones nearest to it",
+        }
+    }
+}
+
 /// Cartesian paths.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct PathSettings {
+pub struct PathSettings {
+    /// Order of quaternions in a table without header.
     #[serde(deserialize_with = "order")]
-    pub(crate) order: QuaternionOrder,
-    pub(crate) samples: Option<usize>,
+    pub order: QuaternionOrder,
+    /// Number of samples of a path.
+    pub samples: Option<usize>,
+    /// Placements of further tools in the frame of the path.
     #[serde(deserialize_with = "more_placements")]
-    pub(crate) add_tool: Vec<Placement<f64>>,
+    pub add_tool: Vec<Placement<f64>>,
 }
 
 fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
@@ -244,29 +361,38 @@ fn search<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Search>, 
 }
 
 fn base_kind<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
-    among(deserializer, BaseJoint::KINDS).map(|kind| Some(kind.to_owned()))
+    let kinds = BaseJoint::KINDS.map(|kind| (kind, kind.to_owned()));
+    named(deserializer, "base joint", &kinds).map(Some)
 }
 
 fn method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
-    among(deserializer, methods::names()).map(|name| Some(name.to_owned()))
+    let methods = methods::names().map(|name| (name, name.to_owned()));
+    named(deserializer, "solver", &methods).map(Some)
 }
 
 fn derivatives<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<Derivatives>, D::Error> {
-    named(deserializer, methods::DERIVATIVES).map(Some)
+    named(deserializer, "jacobian", &methods::DERIVATIVES).map(Some)
+}
+
+fn mimic_limits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<bool, D::Error> {
+    named(deserializer, "mimic_limits", &MIMIC_LIMITS)
 }
 
 fn axis<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Axis>, D::Error> {
-    let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-    named(deserializer, axes).map(Some)
+    named(deserializer, "axis", &AXES).map(Some)
+}
+
+fn meshes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<MeshUse, D::Error> {
+    named(deserializer, "use of meshes", &MESHES)
 }
 
 fn skinning<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<SkinningMethod>, D::Error> {
     let methods = SkinningMethod::ALL.map(|method| (method.name(), method));
-    named(deserializer, methods).map(Some)
+    named(deserializer, "skinning", &methods).map(Some)
 }
 
 fn order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<QuaternionOrder, D::Error> {
@@ -274,31 +400,17 @@ fn order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<QuaternionOrder, 
         ("w-first", QuaternionOrder::WFirst),
         ("w-last", QuaternionOrder::WLast),
     ];
-    named(deserializer, orders)
+    named(deserializer, "order", &orders)
 }
 
 /// Reads one of some names, and returns its value.
-fn named<'de, D: Deserializer<'de>, T: Copy, const N: usize>(
+fn named<'de, D: Deserializer<'de>, T: Clone>(
     deserializer: D,
-    values: [(&'static str, T); N],
+    kind: &'static str,
+    values: &[(&'static str, T)],
 ) -> Result<T, D::Error> {
-    let name = among(deserializer, values.map(|(name, _)| name))?;
-    let mut found = values.into_iter().filter(|(other, _)| *other == name);
-    let value = found.next().map(|(_, value)| value);
-    value.ok_or_else(|| Error::custom("unknown name"))
-}
-
-/// Reads one of some names.
-fn among<'de, D: Deserializer<'de>, const N: usize>(
-    deserializer: D,
-    names: [&'static str; N],
-) -> Result<&'static str, D::Error> {
-    let given = String::deserialize(deserializer)?;
-    let found = names.into_iter().find(|name| *name == given);
-    found.ok_or_else(|| {
-        let listed = names.join(", ");
-        Error::custom(format!("unknown name `{given}`; expected one of {listed}"))
-    })
+    let name = String::deserialize(deserializer)?;
+    names::named(kind, &name, values).map_err(Error::custom)
 }
 
 fn optional_placement<'de, D: Deserializer<'de>>(

@@ -1,274 +1,238 @@
-//! Tasks of a problem by name, validated; every error names the file and the position in it.
+//! Tasks of a problem file, as named arguments with their location.
 
-use std::collections::BTreeMap;
+use kinopt::Model;
+use kinopt::model::{FrameId, Masses, UnknownName};
+use kinopt::problem::ProblemBuilder;
+use kinopt::spatial::Placement;
+use kinopt::task::Role;
+use serde_json::{Map, Value as Json, json};
 
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
+use crate::json::JsonError;
+use crate::placement::to_rows;
+use crate::task::{AddTask, COMMON_OPTIONS, KINDS, TaskModel, TaskOptions, residual};
+use crate::value::{Arguments, OrRaise, Value};
 
-use super::task_name::{DefaultLevel, GOALS, TaskName};
-
-const KINDS: [&str; 6] = [
-    "gaze",
-    "look at",
-    "frame velocity",
-    "joint coupling",
-    "manipulability",
-    "posture",
-];
+/// Kinds of tasks in a file.
+const FILE_KINDS: &str = "gaze, look at, frame velocity, joint coupling, manipulability, posture";
+/// Arguments with other names in a file.
+const FILE_NAMES: [(&str, &str); 2] = [("time_step", "time_step_s"), ("reference", "q")];
 
 /// Tasks of a file.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tasks(pub(crate) Vec<Entry>);
+pub struct Tasks(pub Vec<FileTask>);
 
-/// Task with its common settings.
+/// A task of a file.
 #[derive(Clone, Debug)]
-pub(crate) struct Entry {
-    /// File and index of the task, for error messages.
-    pub(crate) location: String,
-    pub(crate) common: Common,
-    pub(crate) kind: Kind,
+pub struct FileTask {
+    /// File and index of the task, for messages.
+    location: String,
+    kind: &'static str,
+    options: TaskOptions,
+    arguments: Map<String, Json>,
 }
 
-/// Settings of every task.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Common {
-    pub(crate) name: Option<String>,
-    /// Factor of the errors.
-    #[serde(default = "one")]
-    pub(crate) weight: f64,
-    pub(crate) tolerance: Option<f64>,
-    pub(crate) role: Option<Role>,
-    pub(crate) level: Option<usize>,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Role {
-    Goal,
-    Preference,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) enum Kind {
-    Gaze(GazeEntry),
-    LookAt(LookAtEntry),
-    FrameVelocity(FrameVelocityEntry),
-    JointCoupling(JointCouplingEntry),
-    Manipulability(ManipulabilityEntry),
-    Posture(PostureEntry),
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct GazeEntry {
-    pub(crate) frame: String,
-    pub(crate) axis: [f64; 3],
-    /// Half angle of the cone, in radians.
-    pub(crate) half_angle: f64,
-    pub(crate) target: Option<[f64; 3]>,
-    pub(crate) direction: Option<[f64; 3]>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct LookAtEntry {
-    pub(crate) frame: String,
-    pub(crate) axis: [f64; 3],
-    pub(crate) target: [f64; 3],
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct FrameVelocityEntry {
-    pub(crate) frame: String,
-    pub(crate) time_step_s: f64,
-    #[serde(default)]
-    pub(crate) linear: [f64; 3],
-    #[serde(default)]
-    pub(crate) angular: [f64; 3],
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct JointCouplingEntry {
-    pub(crate) coefficients: BTreeMap<String, f64>,
-    #[serde(default)]
-    pub(crate) offset: f64,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ManipulabilityEntry {
-    pub(crate) frame: String,
-    pub(crate) least: f64,
-    pub(crate) base: Option<String>,
-    #[serde(default)]
-    pub(crate) of: Motions,
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Motions {
-    #[default]
-    Pose,
-    Position,
-    Orientation,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PostureEntry {
-    /// Configuration; the start if absent.
-    pub(crate) q: Option<Vec<f64>>,
-    pub(crate) joint_weights: Option<JointWeights>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected \"by range\", \"upright\", or a weight by joint"
-)]
-pub(crate) enum JointWeights {
-    Word(Share),
-    Each(BTreeMap<String, f64>),
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub(crate) enum Share {
-    #[serde(rename = "by range")]
-    ByRange,
-    #[serde(rename = "upright")]
-    Upright,
+/// Model and start of a search.
+pub struct TaskStart<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Frame of a name.
+    pub frame: &'a dyn Fn(&str) -> Result<FrameId, UnknownName>,
+    /// Start configuration, the reference of a posture without its own.
+    pub q: &'a [f64],
+    /// Placements of all frames at the start.
+    pub placements: &'a [Placement<f64>],
 }
 
 impl Tasks {
     /// Reads the tasks of a file, with all checks that need no model.
-    ///
-    /// # Errors
-    /// Anything but a list of tasks with known keys.
-    pub(super) fn of_value(value: Value, file: &str) -> Result<Self, String> {
-        let Value::Array(list) = value else {
+    pub(super) fn of_value(value: Json, file: &str) -> Result<Self, String> {
+        let Json::Array(list) = value else {
             return Err("tasks: is not a list of tasks".to_owned());
         };
         if list.is_empty() {
             return Err("tasks: the list has no task".to_owned());
         }
-        let entries = list.into_iter().enumerate().map(|(index, value)| {
-            let entry = Entry::of(value, format!("{file}: tasks[{index}]"));
-            entry.map_err(|problem| format!("tasks[{index}]: {problem}"))
+        let tasks = list.into_iter().enumerate().map(|(index, value)| {
+            let task = FileTask::of(value, format!("{file}: tasks[{index}]"));
+            task.map_err(|problem| format!("tasks[{index}]: {problem}"))
         });
-        entries.collect::<Result<_, _>>().map(Self)
+        tasks.collect::<Result<_, _>>().map(Self)
     }
 
     /// True without tasks.
-    pub(crate) fn is_empty(&self) -> bool {
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// True if a task depends on the start configuration.
-    pub(crate) fn depends_on_start(&self) -> bool {
-        self.0.iter().any(|entry| match &entry.kind {
-            Kind::FrameVelocity(_) => true,
-            Kind::Posture(posture) => posture.q.is_none(),
+    #[must_use]
+    pub fn depends_on_start(&self) -> bool {
+        self.0.iter().any(|task| match task.kind {
+            "frame velocity" => true,
+            "posture" => !task.arguments.contains_key("q"),
             _ => false,
         })
     }
-
-    /// Names of the tasks, in their order.
-    pub(crate) fn names(&self) -> impl Iterator<Item = TaskName> + '_ {
-        self.0.iter().map(|entry| TaskName {
-            frame: entry.name(),
-            held: false,
-        })
-    }
-
-    /// Level of each task: its own, else that of required tasks, and 0 for soft tasks.
-    pub(crate) fn levels(&self) -> impl Iterator<Item = DefaultLevel> + '_ {
-        self.0.iter().map(|entry| match entry.common.level {
-            Some(level) => DefaultLevel::Given(level),
-            None if entry.is_goal() => DefaultLevel::IfPrioritised(GOALS),
-            None => DefaultLevel::Given(0),
-        })
-    }
 }
 
-impl Entry {
-    fn of(value: Value, location: String) -> Result<Self, String> {
-        let Value::Object(mut object) = value else {
+impl FileTask {
+    fn of(value: Json, location: String) -> Result<Self, String> {
+        let Json::Object(mut arguments) = value else {
             return Err("is not an object that describes a task".to_owned());
         };
-        let listed = KINDS.join(", ");
-        let kind = match object.remove("task") {
-            Some(Value::String(kind)) => kind,
-            Some(_) => return Err(format!("`task` is not a name; tasks: {listed}")),
-            None => return Err(format!("has no key `task`; tasks: {listed}")),
+        let given = match arguments.remove("task") {
+            Some(Json::String(kind)) => kind,
+            Some(_) => return Err(format!("`task` is not a name; tasks: {FILE_KINDS}")),
+            None => return Err(format!("has no key `task`; tasks: {FILE_KINDS}")),
         };
-        let common = ["name", "weight", "tolerance", "role", "level"];
-        let common = common.iter().filter_map(|key| object.remove_entry(*key));
-        let common: Common = read(common.collect())?;
-        for (key, number) in [
-            ("weight", Some(common.weight)),
-            ("tolerance", common.tolerance),
-        ] {
-            if number.is_some_and(|number| number < 0.0) {
+        let known = KINDS.into_iter().find(|(kind, _)| *kind == given);
+        let Some((kind, names)) =
+            known.filter(|_| FILE_KINDS.split(", ").any(|kind| kind == given))
+        else {
+            return Err(format!("unknown task `{given}`; tasks: {FILE_KINDS}"));
+        };
+        let names = names.iter().map(|name| file_name(name));
+        let common = COMMON_OPTIONS.into_iter().filter(|name| *name != "scale");
+        let names: Vec<&str> = names.chain(common).collect();
+        for (key, value) in &arguments {
+            if !names.contains(&key.as_str()) {
+                return Err(UnknownName::new("key", key, names).to_string());
+            }
+            let is_negative = value.as_f64().is_some_and(|number| number < 0.0);
+            if is_negative && ["weight", "tolerance"].contains(&key.as_str()) {
                 return Err(format!("`{key}` is below 0"));
             }
         }
-        let kind = match kind.as_str() {
-            "gaze" => Kind::Gaze(read(object)?),
-            "look at" => Kind::LookAt(read(object)?),
-            "frame velocity" => Kind::FrameVelocity(read(object)?),
-            "joint coupling" => Kind::JointCoupling(read(object)?),
-            "manipulability" => Kind::Manipulability(read(object)?),
-            "posture" => Kind::Posture(read(object)?),
-            other => return Err(format!("unknown task `{other}`; tasks: {listed}")),
-        };
-        match &kind {
-            Kind::Gaze(task) if task.target.is_some() == task.direction.is_some() => {
-                Err("expected either `target` or `direction`".to_owned())
-            }
-            Kind::JointCoupling(task) if task.coefficients.is_empty() => {
-                Err("`coefficients` names no joint".to_owned())
-            }
-            _ => Ok(Self {
-                location,
-                common,
-                kind,
-            }),
+        // In a file the weight is a factor of all weights.
+        if let Some(factor) = arguments.remove("weight") {
+            arguments.insert("scale".to_owned(), factor);
         }
+        let options = TaskOptions::of(&arguments).map_err(|error| error.message)?;
+        Ok(Self {
+            location,
+            kind,
+            options,
+            arguments,
+        })
+    }
+
+    /// Name of the task; by default its kind, with its frame.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match (&self.options.name, self.frame_names().next()) {
+            (Some(name), _) => name.clone(),
+            (None, Some(frame)) => format!("{} {frame}", self.kind),
+            (None, None) => self.kind.to_owned(),
+        }
+    }
+
+    /// Priority level of the task, if it has one.
+    #[must_use]
+    pub fn level(&self) -> Option<usize> {
+        self.options.level.and_then(|level| level.try_into().ok())
     }
 
     /// True for a required task, by its role or else by its kind.
-    fn is_goal(&self) -> bool {
-        match (self.common.role, &self.kind) {
-            (Some(role), _) => matches!(role, Role::Goal),
-            (None, Kind::Posture(_) | Kind::Manipulability(_)) => false,
-            (None, _) => true,
+    #[must_use]
+    pub fn is_goal(&self) -> bool {
+        match self.options.role {
+            Some(role) => role == Role::Goal,
+            None => !["posture", "manipulability"].contains(&self.kind),
         }
     }
 
-    pub(crate) fn name(&self) -> String {
-        self.common
-            .name
-            .clone()
-            .unwrap_or_else(|| match &self.kind {
-                Kind::Gaze(task) => format!("gaze {}", task.frame),
-                Kind::LookAt(task) => format!("look at {}", task.frame),
-                Kind::FrameVelocity(task) => format!("frame velocity {}", task.frame),
-                Kind::JointCoupling(_) => "joint coupling".to_owned(),
-                Kind::Manipulability(task) => format!("manipulability {}", task.frame),
-                Kind::Posture(_) => "posture".to_owned(),
-            })
+    /// Names of the frames on which the task depends; none for a task of joints.
+    pub fn frame_names(&self) -> impl Iterator<Item = &str> {
+        let frames = ["frame", "base"].into_iter();
+        frames.filter_map(|key| self.arguments.get(key)?.as_str())
+    }
+
+    /// Error with the location of the task.
+    #[must_use]
+    pub fn located(&self, error: JsonError) -> JsonError {
+        let message = format!("{}: {}", self.location, error.message);
+        JsonError { message, ..error }
+    }
+
+    /// Adds the task with a priority level to the problem of a search.
+    ///
+    /// # Errors
+    ///
+    /// If an argument is missing or has another type, or a frame or joint is unknown; the message has the location.
+    pub fn add(
+        &self,
+        builder: &mut ProblemBuilder<'_>,
+        start: &TaskStart<'_>,
+        level: usize,
+    ) -> Result<(), JsonError> {
+        let masses = || Masses::new(start.model, []).or_raise::<Json>();
+        let on = TaskModel {
+            model: start.model,
+            masses: &masses,
+        };
+        let options = TaskOptions {
+            name: Some(self.name()),
+            level: Some(level as u64),
+            ..self.options.clone()
+        };
+        let add = AddTask { builder, options };
+        let arguments = ArgumentsAtStart { task: self, start };
+        match residual(&arguments, &on, self.kind, add) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(self.located(error)),
+        }
     }
 }
 
-/// Reads an object; an unknown key is an error.
-fn read<T: DeserializeOwned>(object: Map<String, Value>) -> Result<T, String> {
-    serde_json::from_value(Value::Object(object)).map_err(|error| error.to_string())
+/// Name of an argument in a file.
+fn file_name(name: &str) -> &str {
+    let renamed = FILE_NAMES.iter().find(|(known, _)| *known == name);
+    renamed.map_or(name, |(_, file_name)| file_name)
+}
+
+/// Arguments of a task, with the references of a search as defaults.
+struct ArgumentsAtStart<'a> {
+    task: &'a FileTask,
+    start: &'a TaskStart<'a>,
+}
+
+impl ArgumentsAtStart<'_> {
+    fn frame_of(&self, value: &Json, name: &str) -> Result<FrameId, JsonError> {
+        (self.start.frame)(&value.name(name)?).or_raise::<Json>()
+    }
+}
+
+impl Arguments for ArgumentsAtStart<'_> {
+    type Value = Json;
+
+    fn get(&self, name: &str) -> Result<Option<Json>, JsonError> {
+        let given = Arguments::get(&self.task.arguments, file_name(name))?;
+        Ok(match (given, self.task.kind, name) {
+            (Some(given), ..) => Some(given),
+            (None, "frame velocity", "previous") => {
+                let frame = self.frame(self.start.model, "frame")?;
+                let placement = self.start.placements.get(frame.index());
+                placement.map(|placement| to_rows(placement).chunks(4).collect::<Json>())
+            }
+            (None, "posture", "reference") => Some(json!(self.start.q)),
+            _ => None,
+        })
+    }
+
+    fn required(&self, name: &str) -> Result<Json, JsonError> {
+        match self.get(name)? {
+            Some(value) => Ok(value),
+            None => self.task.arguments.required(file_name(name)),
+        }
+    }
+
+    fn frame(&self, _model: &Model, name: &str) -> Result<FrameId, JsonError> {
+        self.frame_of(&self.required(name)?, name)
+    }
+
+    fn optional_frame(&self, _model: &Model, name: &str) -> Result<Option<FrameId>, JsonError> {
+        let value = self.get(name)?;
+        value.map(|value| self.frame_of(&value, name)).transpose()
+    }
 }

@@ -28,7 +28,7 @@ pub const KINDS: [(&str, &[&str]); 18] = [
     ("point", &["frame", "target", "at", "base"]),
     ("pose", &["frame", "target", "tool", "goal", "base"]),
     ("orientation", &["frame", "target", "base"]),
-    ("look-at", &["frame", "axis", "target"]),
+    ("look at", &["frame", "axis", "target"]),
     (
         "gaze",
         &["frame", "axis", "half_angle", "target", "direction"],

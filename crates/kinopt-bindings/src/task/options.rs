@@ -9,12 +9,18 @@ use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 /// Common options of a task; `None` is the default.
 #[derive(Clone, Debug, Default)]
 pub struct TaskOptions {
-    name: Option<String>,
-    weight: Option<QuantityValues>,
-    scale: Option<f64>,
-    tolerance: Option<QuantityValues>,
-    role: Option<Role>,
-    level: Option<u64>,
+    /// Name of the task.
+    pub name: Option<String>,
+    /// Weights of the errors.
+    pub weight: Option<QuantityValues>,
+    /// Factor of all weights.
+    pub scale: Option<f64>,
+    /// Tolerances of the errors.
+    pub tolerance: Option<QuantityValues>,
+    /// Role in the problem.
+    pub role: Option<Role>,
+    /// Priority level.
+    pub level: Option<u64>,
 }
 
 impl TaskOptions {

@@ -53,7 +53,7 @@ pub fn residual<A: Arguments>(
                 None => orientation,
             })
         }
-        "look-at" => {
+        "look at" => {
             let (axis, target) = (
                 arguments.array::<3>("axis")?,
                 arguments.array::<3>("target")?,
