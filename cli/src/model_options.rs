@@ -54,7 +54,7 @@ impl ProblemOptions for JointLimitsArgument {
 }
 
 impl ProblemFile {
-    /// ProblemSettings of the file, or defaults without a file.
+    /// Problem of the file, or defaults without a file.
     pub(crate) fn read(&self) -> Outcome<ProblemSettings> {
         let problem = self.problem.as_deref().map(read_problem).transpose()?;
         let problem = problem.unwrap_or_default();
@@ -63,13 +63,13 @@ impl ProblemFile {
     }
 }
 
-/// ProblemSettings of a JSON file.
+/// Problem of a JSON file.
 fn read_problem(path: &Path) -> Outcome<ProblemSettings> {
     Ok(ProblemSettings::of_value(json_file::read(path)?, path)?)
 }
 
 impl ModelOptions {
-    /// ProblemSettings of the file with these options.
+    /// Problem of the file with these options.
     pub(crate) fn problem(&self) -> Outcome<ProblemSettings> {
         let mut problem = self.file.read()?;
         let model = &mut problem.model;

@@ -78,7 +78,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// ProblemSettings of the file with these arguments.
+    /// Problem of the file with these arguments.
     pub(super) fn problem(&self) -> Outcome<ProblemSettings> {
         self.query.problem(&[&self.tip, &self.joint_limits])
     }

@@ -69,7 +69,7 @@ pub(crate) struct QueryArguments {
 }
 
 impl QueryArguments {
-    /// ProblemSettings of the file with these arguments and further groups of options.
+    /// Problem of the file with these arguments and further groups of options.
     pub(crate) fn problem(&self, options: &[&dyn ProblemOptions]) -> Outcome<ProblemSettings> {
         let mut problem = self.model_options.problem()?;
         set(&mut problem.goal.base, self.base.as_ref());

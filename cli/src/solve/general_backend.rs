@@ -60,7 +60,7 @@ pub(super) struct GeneralWorkspace {
     solver: Workspace,
 }
 
-/// ProblemSettings of one start configuration, with a drag there.
+/// Problem of one start configuration, with a drag there.
 struct DragProblem {
     drag: Drag,
     targets: Vec<TargetTask>,
@@ -151,7 +151,7 @@ impl<'a> GeneralBackend<'a> {
         placements.collect()
     }
 
-    /// ProblemSettings for queries that start at `start`. Held joints keep their values of `start`. Targets and held tips are
+    /// Problem for queries that start at `start`. Held joints keep their values of `start`. Targets and held tips are
     /// set again for every query.
     fn drag_problem(&self, start: &[f64]) -> Outcome<DragProblem> {
         let mut builder = kinopt::Problem::builder(&self.loaded.model);

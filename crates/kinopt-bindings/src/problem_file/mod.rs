@@ -34,7 +34,7 @@ const SECTIONS: &str = "model files collisions goal tasks body solve output path
 /// Key of the path of the schema, which editors write.
 const SCHEMA: &str = "$schema";
 
-/// ProblemSettings of a query.
+/// Problem of a query.
 #[derive(Clone, Debug, Default)]
 pub struct ProblemSettings {
     /// Reading of the model.
@@ -58,7 +58,7 @@ pub struct ProblemSettings {
 }
 
 impl ProblemSettings {
-    /// ProblemSettings of the content of a JSON file. Paths in the file are relative to its folder.
+    /// Problem of the content of a JSON file. Paths in the file are relative to its folder.
     ///
     /// # Errors
     ///
