@@ -61,7 +61,6 @@ impl ProblemSettings {
     /// Problem of the content of a JSON file. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    ///
     /// An unknown key, or a wrong value; the message has the file, the section and the valid keys.
     pub fn of_value(value: Value, path: &Path) -> Result<Self, JsonError> {
         let file = path.display().to_string();

@@ -290,7 +290,6 @@ impl WeightsChoice {
     /// Skin weights of a mesh by the bones of a skeleton.
     ///
     /// # Errors
-    ///
     /// Those of the method.
     pub fn weights(
         self,

@@ -32,7 +32,6 @@ impl TargetsFile {
     /// Targets of the content of a JSON file.
     ///
     /// # Errors
-    ///
     /// A wrong value; the message has the file and the position in it.
     pub fn of_value(value: &Json, path: &Path) -> Result<Self, JsonError> {
         Self::of_document(value).map_err(|problem| of_file(&path.display().to_string(), problem))

@@ -158,7 +158,6 @@ impl FileTask {
     /// Adds the task with a priority level to the problem of a search.
     ///
     /// # Errors
-    ///
     /// If an argument is missing or has another type, or a frame or joint is unknown; the message has the location.
     pub fn add(
         &self,

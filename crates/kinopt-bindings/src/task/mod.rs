@@ -70,7 +70,6 @@ pub trait TaskBuilder<V: Value> {
     /// Adds a task; `residual` is its residual.
     ///
     /// # Errors
-    ///
     /// If the object has invalid values for the task.
     fn add_task<R>(&mut self, task: Task<R>, residual: R) -> Result<BoxedTask<V>, V::Error>
     where
@@ -94,7 +93,6 @@ pub trait Visit<V: Value> {
     /// Calls the function.
     ///
     /// # Errors
-    ///
     /// Those of the function.
     fn visit<R>(self, residual: R) -> Result<BoxedTask<V>, V::Error>
     where

@@ -27,7 +27,6 @@ impl TaskOptions {
     /// Reads the options.
     ///
     /// # Errors
-    ///
     /// If an option has another type, or a role or quantity is unknown.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         let name = arguments.get("name")?.map(|value| value.name("name"));
