@@ -7,6 +7,7 @@
 //! - [`method`]: methods of solvers, with their settings
 //! - [`task`]: tasks by kind, and their targets
 //! - [`problem`]: problems with tasks and targets by name
+//! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
@@ -18,6 +19,7 @@
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - [`error`]: kinds of errors
 
+pub mod clip_ik;
 pub mod cones;
 pub mod coordinate_order;
 pub mod error;
