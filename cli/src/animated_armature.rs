@@ -10,6 +10,7 @@ use kinopt::model::UnknownName;
 use kinopt::skeleton::BoneId;
 use kinopt::skinning::SkinningMethod;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt_bindings::problem_file::ModelSettings;
 
 use crate::failure::Outcome;
 use crate::file_access;
@@ -56,6 +57,18 @@ impl AnimatedArmature {
         Ok(match extension(path).as_str() {
             "bvh" => Self::of_capture(file, bvh::read(path)?),
             _ => Self::of_scene(file, SceneFile::read_with(path, &file_access::allowed())?),
+        })
+    }
+
+    /// Reads an animation file for a model: the settings may drop the rest scales of its bones.
+    pub(crate) fn read_for(path: &Path, settings: &ModelSettings) -> Outcome<Self> {
+        let animated = Self::read(path)?;
+        Ok(match settings.without_scale {
+            true => Self {
+                armature: animated.armature.without_scale(),
+                ..animated
+            },
+            false => animated,
         })
     }
 

@@ -3,44 +3,53 @@
 use kinopt::animation::{Armature, BallPoseMap, EulerPoseMap, LayerError, Pose};
 use kinopt::io::cones;
 use kinopt::skeleton::{BallSkeleton, Cones};
+use kinopt_bindings::problem_file::{BoneJoints, ModelSettings};
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::{BoneJoints, ModelSettings};
+use crate::model_options::{refuse_robot_settings, refuse_settings_of_robots};
+use crate::robot_base::skeleton_root;
 
-impl ModelSettings {
-    /// True if bones have ball joints.
-    pub(crate) fn are_balls(&self) -> bool {
-        self.joints == Some(BoneJoints::Ball) || self.cones.is_some()
+/// Swing and twist limits of the bones.
+///
+/// # Errors
+/// A file that cannot be read, or cones for joints that are not ball joints.
+fn read_cones(settings: &ModelSettings) -> Outcome<Cones> {
+    if settings.cones.is_some() && settings.joints == Some(BoneJoints::TwistBendTwist) {
+        return Err(usage!(
+            "`cones` are for ball joints, not for twist-bend-twist"
+        ));
     }
-
-    /// Swing and twist limits of the bones.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or cones for joints that are not ball joints.
-    fn read_cones(&self) -> Outcome<Cones> {
-        if self.cones.is_some() && self.joints == Some(BoneJoints::TwistBendTwist) {
-            return Err(usage!(
-                "`cones` are for ball joints, not for twist-bend-twist"
-            ));
-        }
-        let cones = self.cones.as_ref().map(cones::read).transpose()?;
-        Ok(cones.unwrap_or_default())
-    }
+    let cones = settings.cones.as_ref().map(cones::read).transpose()?;
+    Ok(cones.unwrap_or_default())
 }
 
 impl LoadedModel {
+    /// Skeleton with the joints of the settings.
+    pub(crate) fn with_joints(self, settings: &ModelSettings) -> Outcome<Self> {
+        match settings.are_balls() {
+            true => {
+                refuse_settings_of_robots(settings, &self.file)?;
+                self.on_balls(settings)
+            }
+            false => {
+                refuse_robot_settings(settings, &self.file)?;
+                Ok(self)
+            }
+        }
+    }
+
     /// The skeleton on ball joints.
-    pub(crate) fn on_balls(mut self, settings: &ModelSettings) -> Outcome<Self> {
+    fn on_balls(mut self, settings: &ModelSettings) -> Outcome<Self> {
         let Some(rig) = &self.rig else {
             return Ok(self);
         };
-        let root = settings.skeleton_root()?;
+        let root = skeleton_root(settings)?;
         let file = match &settings.cones {
             Some(cones) => cones.display().to_string(),
             None => self.file.clone(),
         };
-        let balls = BallSkeleton::new(rig.skeleton.clone(), &settings.read_cones()?, root);
+        let balls = BallSkeleton::new(rig.skeleton.clone(), &read_cones(settings)?, root);
         let balls = balls.map_err(|error| failure!("{file}: {error}"))?;
         self.model = balls.model().clone();
         self.balls = Some(Box::new(balls));

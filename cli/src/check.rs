@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::collision::{Checker, Collision};
+use kinopt_bindings::problem_file::number_list::Numbers;
 use serde::Serialize;
 
 use crate::collision_document::CollisionDocument;
-use crate::collision_options::{CollisionOptions, ObstacleOptions};
+use crate::collision_options::{CollisionOptions, ObstacleOptions, read_world};
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::output;
 use crate::outside_limits::OutsideLimits;
-use crate::problem::number_list::Numbers;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
@@ -89,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         _ => loaded.rest(),
     };
     loaded.close_loops(&mut q)?;
-    let world = problem.collisions.read_world()?;
+    let world = read_world(&problem.collisions)?;
     let model = (arguments.collisions).model(robot, &problem)?;
     let checker = Checker::new(model)
         .with_world(&world)?

@@ -5,17 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 use kinopt::collision::{Checker, CollisionModel, MeshUse, SphereModel, World};
 use kinopt::robot::Robot;
+use kinopt_bindings::problem_file::{CollisionSettings, ProblemSettings, number_list};
 
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
-use crate::problem::{CollisionSettings, MeshChoice, Problem, number_list, set};
+use crate::model_options::read_srdf;
+use crate::problem_options::set;
 use crate::{output, world_file};
 
 /// Number of random configurations that select enabled pairs, without an SRDF file.
 const SAMPLES: u64 = 10_000;
-
-/// Largest number of convex pieces of a mesh.
-const MAX_PIECES: usize = 16;
 
 /// Options of every subcommand that reads a robot's collision shapes.
 #[derive(Args, Debug)]
@@ -48,80 +47,76 @@ impl ObstacleOptions {
     }
 }
 
-impl CollisionSettings {
-    /// World of the file, or an empty one, with the allowed collisions. Notes go to standard error.
-    pub(crate) fn read_world(&self) -> Outcome<World> {
-        let mut world = world_file::read(self.world.as_deref())?;
-        for [one, other] in &self.allow_collision {
-            let allowed = world.allow_collision(one, other);
-            allowed.map_err(|error| usage!("allow_collision: {error}"))?;
-        }
-        Ok(world)
+/// World of the file, or an empty one, with the allowed collisions. Notes go to standard error.
+pub(crate) fn read_world(collisions: &CollisionSettings) -> Outcome<World> {
+    let mut world = world_file::read(collisions.world.as_deref())?;
+    for [one, other] in &collisions.allow_collision {
+        let allowed = world.allow_collision(one, other);
+        allowed.map_err(|error| usage!("allow_collision: {error}"))?;
     }
+    Ok(world)
+}
 
-    /// Checker of a robot's shapes; pairs that random configurations never or always have in contact are disabled.
-    pub(crate) fn checker(&self, model: CollisionModel) -> Outcome<Checker> {
-        let Some(file) = &self.sphere_model else {
-            return Ok(Checker::sampled(model));
-        };
-        let spheres = SphereModel::read(file, &model)?;
-        for note in spheres.notes() {
-            output::message(&format!("note: {}: {note}", file.display()));
-        }
-        if spheres.gap() > 0.0 {
-            let (file, millimetres) = (file.display(), 1e3 * spheres.gap());
-            output::message(&format!(
-                "note: {file}: the spheres leave up to {millimetres:.3} mm of the shapes uncovered; radii grow by that"
-            ));
-        }
-        Ok(Checker::sampled_with_spheres(model, spheres))
+/// Checker of a robot's shapes; pairs that random configurations never or always have in contact are disabled.
+pub(crate) fn checker(collisions: &CollisionSettings, model: CollisionModel) -> Outcome<Checker> {
+    let Some(file) = &collisions.sphere_model else {
+        return Ok(Checker::sampled(model));
+    };
+    let spheres = SphereModel::read(file, &model)?;
+    for note in spheres.notes() {
+        output::message(&format!("note: {}: {note}", file.display()));
     }
+    if spheres.gap() > 0.0 {
+        let (file, millimetres) = (file.display(), 1e3 * spheres.gap());
+        output::message(&format!(
+            "note: {file}: the spheres leave up to {millimetres:.3} mm of the shapes uncovered; radii grow by that"
+        ));
+    }
+    Ok(Checker::sampled_with_spheres(model, spheres))
+}
 
-    /// Shapes in words, or `None` for the defaults.
-    pub(crate) fn unusual_shapes(&self) -> Option<String> {
-        let is_default = self.package.is_empty() && self.meshes == MeshChoice::Hull;
-        (!is_default || self.leave_out_meshes).then(|| {
-            format!(
-                "{:?}, packages {:?}, missing meshes left out: {}",
-                self.meshes, self.package, self.leave_out_meshes
-            )
-        })
-    }
+/// Shapes in words, or `None` for the defaults.
+pub(crate) fn unusual_shapes(collisions: &CollisionSettings) -> Option<String> {
+    let is_default = collisions.package.is_empty() && collisions.meshes == MeshUse::Hull;
+    (!is_default || collisions.leave_out_meshes).then(|| {
+        format!(
+            "{:?}, packages {:?}, missing meshes left out: {}",
+            collisions.meshes, collisions.package, collisions.leave_out_meshes
+        )
+    })
+}
 
-    /// Collision model of a robot; notes go to standard error.
-    pub(crate) fn shapes(&self, robot: &Robot) -> Outcome<CollisionModel> {
-        let meshes = match self.meshes {
-            MeshChoice::Hull => MeshUse::Hull,
-            MeshChoice::Parts => MeshUse::Parts,
-            MeshChoice::Pieces => MeshUse::Pieces(MAX_PIECES),
-            MeshChoice::Triangles => MeshUse::Triangles,
-        };
-        let mut builder = CollisionModel::builder(robot).with_meshes(meshes);
-        for folder in &self.package {
-            builder = builder.with_package_folder(folder);
-        }
-        if self.leave_out_meshes {
-            builder = builder.leaving_out_missing_meshes();
-        }
-        let model = builder.build()?;
-        for note in model.notes() {
-            output::message(&format!("note: {note}"));
-        }
-        if model.objects().is_empty() {
-            let name = robot.name();
-            return Err(failure!("{name} has no collision shapes"));
-        }
-        Ok(model)
+/// Collision model of a robot; notes go to standard error.
+pub(crate) fn shapes(collisions: &CollisionSettings, robot: &Robot) -> Outcome<CollisionModel> {
+    let mut builder = CollisionModel::builder(robot).with_meshes(collisions.meshes);
+    for folder in &collisions.package {
+        builder = builder.with_package_folder(folder);
     }
+    if collisions.leave_out_meshes {
+        builder = builder.leaving_out_missing_meshes();
+    }
+    let model = builder.build()?;
+    for note in model.notes() {
+        output::message(&format!("note: {note}"));
+    }
+    if model.objects().is_empty() {
+        let name = robot.name();
+        return Err(failure!("{name} has no collision shapes"));
+    }
+    Ok(model)
 }
 
 impl CollisionOptions {
     /// Collision model of a robot with its enabled pairs; notes go to standard error.
-    pub(crate) fn model(&self, robot: &Robot, problem: &Problem) -> Outcome<CollisionModel> {
-        let mut model = problem.collisions.shapes(robot)?;
+    pub(crate) fn model(
+        &self,
+        robot: &Robot,
+        problem: &ProblemSettings,
+    ) -> Outcome<CollisionModel> {
+        let mut model = shapes(&problem.collisions, robot)?;
         let mut samples = SAMPLES;
         if let Some(path) = self.srdf.as_ref().or(problem.model.srdf.as_ref()) {
-            model = model.with_srdf(&problem.model.read_srdf(path, robot)?);
+            model = model.with_srdf(&read_srdf(&problem.model, path, robot)?);
             samples = 0;
         }
         Ok(model.with_pairs_sampled(self.samples.unwrap_or(samples), 0)?)

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use kinopt::animation::{EulerClip, Playback};
 use kinopt::model::{Limits, ModelError};
+use kinopt_bindings::problem_file::target::QUATERNION_LENGTH_TOLERANCE;
 use serde::Deserialize;
 
 use crate::failure::Outcome;
 use crate::joint_columns::followed;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;
-use crate::problem::target::QUATERNION_LENGTH_TOLERANCE;
 use crate::{json_file, output};
 
 /// Deviation of a mimic joint, in radians or metres, above which a note is printed.

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use kinopt::io::FileAccess;
+use kinopt_bindings::problem_file::FileSettings;
 
 use crate::failure::Outcome;
-use crate::problem::FileSettings;
 
 /// Access of this run, and true if robots are confined to their folders.
 static ACCESS: OnceLock<(FileAccess, bool)> = OnceLock::new();

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::animation::BallPoseMap;
+use kinopt_bindings::problem_file::ModelSettings;
+use kinopt_bindings::problem_file::number_list::{self, Numbers};
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
@@ -13,10 +15,9 @@ use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
-use crate::model_options::ModelOptions;
+use crate::model_options::{ModelOptions, refuse_robot_settings};
 use crate::number_format::LengthFormat;
 use crate::output;
-use crate::problem::number_list::{self, Numbers};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -111,8 +112,8 @@ struct AnimatedDocument<'a> {
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let settings = arguments.model_options.problem()?.model;
     if AnimatedArmature::is_at(&arguments.model) && !settings.makes_figure() {
-        settings.refuse(&arguments.model.display().to_string())?;
-        return run_animated(arguments, json);
+        refuse_robot_settings(&settings, &arguments.model.display().to_string())?;
+        return run_animated(arguments, &settings, json);
     }
     let mut loaded = LoadedModel::read(&arguments.model, &settings)?;
     if !AnimatedArmature::is_at(&arguments.model) {
@@ -136,13 +137,13 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, text)
 }
 
-fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
+fn run_animated(arguments: &Arguments, settings: &ModelSettings, json: bool) -> Outcome<()> {
     let given = [
         ("--q", arguments.q.is_some()),
         ("--q-file", arguments.q_file.is_some()),
         ("--interpolation", arguments.interpolation.is_some()),
     ];
-    let animated = AnimatedArmature::read(&arguments.model)?;
+    let animated = AnimatedArmature::read_for(&arguments.model, settings)?;
     if let Some(option) = first_given(given) {
         let (file, kind) = (&animated.file, animated.kind);
         return Err(usage!(

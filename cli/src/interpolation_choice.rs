@@ -2,10 +2,10 @@
 
 use kinopt::animation::curve::TensionContinuityBias;
 use kinopt::animation::{EulerInterpolation, EulerTrack, Playback};
+use kinopt_bindings::problem_file::number_list;
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::number_list;
 
 /// Interpolation of all tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Numbers by joint name, such as the columns of a file.
 
 use kinopt::model::{ParameterMap, Source, UnknownName};
+use kinopt_bindings::problem_file::number_list::Numbers;
+use kinopt_bindings::problem_file::targets_file::TargetsFile;
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::number_list::Numbers;
-use crate::problem::targets_file::TargetsFile;
 
 /// Coordinates of a configuration that the columns of a file hold.
 #[derive(Clone, Debug)]
@@ -66,30 +66,28 @@ impl LoadedModel {
             map,
         }
     }
-}
 
-impl TargetsFile {
     /// Start configurations: rows for all moving joints, for the named joints, or for the free joints from base to tip.
-    pub(crate) fn starts(
+    pub(crate) fn starts_of(
         &self,
-        loaded: &LoadedModel,
+        file: &TargetsFile,
         base_to_tip: Option<&JointColumns>,
     ) -> Result<Option<Vec<Vec<f64>>>, String> {
-        let Some(rows) = &self.starts else {
+        let Some(rows) = &file.starts else {
             return Ok(None);
         };
         let width = rows.first().map_or(0, Vec::len);
-        let all = loaded.model.configuration_len();
-        let columns = match (&self.joint_names, base_to_tip) {
+        let all = self.model.configuration_len();
+        let columns = match (&file.joint_names, base_to_tip) {
             (Some(names), _) => {
-                let columns = loaded.joint_columns(names);
+                let columns = self.joint_columns(names);
                 columns.map_err(|problem| format!("joint_names: {problem}"))?
             }
-            (None, _) if width == all => loaded.columns_of((0..all).collect()),
+            (None, _) if width == all => self.columns_of((0..all).collect()),
             (None, Some(columns)) if columns.width() == width => columns.clone(),
             (None, columns) => {
                 let or_arm = columns.map_or_else(String::new, |columns| {
-                    let (count, names) = (columns.width(), columns.names(loaded));
+                    let (count, names) = (columns.width(), columns.names(self));
                     format!(", or {count} from base to tip: {}", names.join(", "))
                 });
                 return Err(format!(

@@ -10,13 +10,14 @@ use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, ParameterMap, Source};
 use kinopt::robot::{Robot, Srdf};
 use kinopt::skeleton::{BallSkeleton, Skeleton};
+use kinopt_bindings::problem_file::ModelSettings;
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
 use crate::file_access;
+use crate::model_options::{read_robot, refuse_skeleton_settings};
 use crate::output;
-use crate::problem::ModelSettings;
 
 /// File types of [`LoadedModel::read`]. A new type also needs a match arm there.
 const SUPPORTED: &str =
@@ -119,10 +120,11 @@ impl LoadedModel {
         let extension = extension(path);
         let is_robot = ROBOTS.contains(&extension.as_str());
         if is_robot {
-            settings.refuse_of_figures(&file)?;
+            refuse_skeleton_settings(settings, &file)?;
         }
         if AnimatedArmature::is_at(path) {
-            return settings.figure(Self::of_animated(AnimatedArmature::read(path)?, moment)?);
+            let animated = AnimatedArmature::read_for(path, settings)?;
+            return Self::of_animated(animated, moment)?.with_joints(settings);
         }
         if moment.is_some() {
             return Err(usage!(
@@ -135,9 +137,9 @@ impl LoadedModel {
                 for note in &rig.notes {
                     output::message(&format!("{file}: {note}"));
                 }
-                settings.figure(Self::of_rig(file, rig))
+                Self::of_rig(file, rig).with_joints(settings)
             }
-            _ if is_robot => Ok(Self::of_robot(file, settings.read(path)?)),
+            _ if is_robot => Ok(Self::of_robot(file, read_robot(settings, path)?)),
             "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"
             )),

@@ -39,7 +39,7 @@ mod output;
 mod outside_limits;
 mod path;
 mod placed_frames;
-mod problem;
+mod problem_options;
 mod progress;
 mod retarget;
 mod robot_base;
@@ -47,7 +47,6 @@ mod scene_output;
 mod solve;
 mod spheres;
 mod table;
-mod weights_choice;
 mod world_file;
 
 use std::process::ExitCode;

@@ -10,13 +10,13 @@ use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::{BallSkeleton, Skeleton};
 use kinopt::skinning::{MeshWeights, SkinWeights, SkinningMethod, single_precision_transform};
+use kinopt_bindings::problem_file::WeightsChoice;
 
 use crate::animated_armature::extension;
 use crate::ball_figure::FigurePosing;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::{LoadedModel, LoadedScene};
 use crate::output;
-use crate::problem::WeightsChoice;
 use crate::scene_output::write_posed;
 
 /// Path and format of `--out`.
@@ -110,14 +110,14 @@ impl LoadedModel {
             (Some(weights), None) => (weights.clone(), None),
             (given, choice) => {
                 let choice = choice.unwrap_or_default();
-                let weights = choice.made(mesh, &rig.skeleton).map_err(|error| {
+                let weights = choice.weights(mesh, &rig.skeleton).map_err(|error| {
                     failure!("{file}: skin weights cannot be computed: {error}")
                 })?;
                 let why = match given {
                     Some(_) => "the skin weights of the file are ignored",
                     None => "there are no skin weights",
                 };
-                let note = format!("{why}: each vertex follows {}", choice.follows());
+                let note = format!("{why}: each vertex follows {}", choice.rule());
                 output::message(&format!("{file}: {note}"));
                 (weights, Some(note))
             }

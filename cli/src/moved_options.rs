@@ -1,6 +1,9 @@
 //! Hints for options that another subcommand or the file of `--problem` has.
 
-use crate::problem::place_of;
+use serde_json::Value;
+
+/// Schema of problem files, as in docs/reference/problem.schema.json.
+const SCHEMA: &str = include_str!("problem.schema.json");
 
 /// Options with the subcommand that has them, or with the option that replaces them.
 const MOVED: [(&str, &str); 27] = [
@@ -50,5 +53,23 @@ pub(crate) fn hint(option: &str) -> Option<String> {
         (Some((_, place)), _) => Some(format!("{option}: see {place}")),
         (None, Some(place)) => Some(format!("{option}: see {place} in the file of --problem")),
         (None, None) => None,
+    }
+}
+
+/// Place of the key of an option such as `--rng-seed`, in JSON; `None` without such a key.
+fn place_of(option: &str) -> Option<String> {
+    let key = option.strip_prefix("--")?.replace('-', "_");
+    let schema: Value = serde_json::from_str(SCHEMA).ok()?;
+    let sections = schema.get("properties")?.as_object()?;
+    let has_key = |section: &Value| {
+        section
+            .get("properties")
+            .is_some_and(|p| p.get(&key).is_some())
+    };
+    let section = sections.iter().find(|(_, section)| has_key(section));
+    match section {
+        Some((section, _)) => Some(format!("{{\"{section}\": {{\"{key}\": …}}}}")),
+        None if sections.contains_key(&key) => Some(format!("{{\"{key}\": …}}")),
+        None => None,
     }
 }

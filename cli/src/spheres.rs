@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 use kinopt::counted;
+use kinopt_bindings::problem_file::number_list;
 use serde::Serialize;
 
 use crate::animated_armature::extension;
@@ -15,7 +16,6 @@ use crate::help_headings::OUTPUT;
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::output;
-use crate::problem::number_list;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\

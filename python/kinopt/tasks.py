@@ -236,7 +236,7 @@ class LookAt(Task):
     axis: ArrayLike
     target: ArrayLike
 
-    _kind: ClassVar[str] = "look-at"
+    _kind: ClassVar[str] = "look at"
     _frames = ("frame",)
     _vectors = {"axis": 3, "target": 3}
 

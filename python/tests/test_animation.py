@@ -337,6 +337,18 @@ def test_morph_targets_are_added_and_mixed():
         MorphTarget("a", [4, 1], np.zeros((2, 3)))
 
 
+def test_without_scale_drops_the_rest_scales():
+    translations = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]
+    scaled = Armature(["hips", "chest", "head"], [-1, 0, 1], translations=translations, scales=[[2, 1, 1], [1, 1, 1], [1, 1, 1]])
+    plain = scaled.without_scale()
+    assert len(scaled.scale_notes) == 1 and plain.scale_notes == []
+    for armature, x in ((scaled, 4.0), (plain, 2.0)):
+        placed = armature.local_to_model(armature.rest)
+        assert np.allclose(placed[2, :3, 3], [x, 0, 0])
+        assert np.allclose(armature.rest_from_model @ placed, np.eye(4))
+    assert np.array_equal(plain.rest.translations, scaled.rest.translations)
+
+
 def test_sample_uses_seconds_of_the_file():
     armature = Armature(["a"], [-1])
     builder = Clip.builder("late", armature)

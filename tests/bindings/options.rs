@@ -1,12 +1,15 @@
 //! Options by name.
 
 use kinopt::Arm;
+use kinopt::motion::retarget::RetargetOptions;
 use kinopt_bindings::option::arm::{OBJECTS, apply, options};
 use kinopt_bindings::option::path::PathOptions;
 use kinopt_bindings::option::robot::RobotOptions;
 use kinopt_bindings::option::servo::ServoOptions;
 use kinopt_bindings::option::solver::SolverOptions;
-use kinopt_bindings::option::{OptionSpec, Setter, check_name, names, path, robot, servo, solver};
+use kinopt_bindings::option::{
+    self, OptionSpec, Setter, check_name, names, path, retarget, robot, servo, solver,
+};
 use serde_json::{Map, Value, json};
 use support::arms;
 
@@ -165,4 +168,24 @@ fn robot_options_have_a_valid_value_each() {
     let (robot, ..) = arms::panda();
     let based = read.base.of::<Value>(robot);
     assert!(based.is_ok_and(|robot| robot.model().free_joints().len() == 1));
+}
+
+#[test]
+fn retarget_options_replace_their_defaults() {
+    assert_documented(&retarget::options());
+    let defaults = RetargetOptions::default();
+    let apply = |values: Value| {
+        let defaults = RetargetOptions::default();
+        option::apply(&object(values), &retarget::options(), defaults)
+    };
+    assert_eq!(apply(json!({})), Ok(defaults));
+    let given = json!({"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3});
+    let options = apply(given).unwrap();
+    assert_eq!(
+        (options.contacts.speed, options.contacts.height),
+        (0.3, 0.2)
+    );
+    assert_eq!(options.acceleration, 1e-3);
+    let error = apply(json!({"acceleration": "slow"})).unwrap_err();
+    assert!(error.message.contains("acceleration"), "{error}");
 }

@@ -39,7 +39,7 @@ fn tasks(robot: &Robot, tip: &str) -> Vec<(&'static str, Value)> {
             json!({"frame": tip, "target": IDENTITY, "base": base}),
         ),
         (
-            "look-at",
+            "look at",
             json!({"frame": tip, "axis": [0.0, 0.0, 1.0], "target": [1.0, 0.0, 0.0]}),
         ),
         (

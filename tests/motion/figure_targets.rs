@@ -105,6 +105,39 @@ fn up_axis_of_a_figure_is_found_from_its_feet() {
     }
 }
 
+/// The joints have no limits, so limb lengths of the figure are those at rest.
+#[test]
+fn figure_on_its_own_motion_has_the_subject_lengths() {
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
+    let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
+    let turning = read.turning_bones();
+    let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
+    let map = BodyMap::guess(&capture, figure.robot().model())
+        .unwrap()
+        .map;
+    let options = RetargetOptions::default().with_up(UpAxis::Y);
+    let fitted = Retargeting::new(figure.robot(), &map, &capture, options).unwrap();
+    let driving = fitted.driving();
+    let index = |name: &str| capture.names().iter().position(|other| other == name);
+    for limb in [
+        ["Hips", "Spine1"],
+        ["Spine1", "LeftArm"],
+        ["LeftUpLeg", "LeftLeg"],
+    ] {
+        let joints = limb.map(|name| index(name).unwrap());
+        let [from, to] = joints.map(|joint| driving.iter().position(|other| *other == joint));
+        let (mut target, mut subject) = (0.0, 0.0);
+        for frame in 0..capture.frames() {
+            let (targets, captured) = (fitted.targets(frame), capture.frame(frame));
+            let (targets, captured) = (targets.unwrap(), captured.unwrap());
+            target += (targets[from.unwrap()] - targets[to.unwrap()]).norm();
+            subject += (captured[joints[0]] - captured[joints[1]]).norm();
+        }
+        let ratio: f64 = target / subject;
+        assert!((ratio - 1.0).abs() < 1e-3, "{limb:?}: {ratio}");
+    }
+}
+
 #[test]
 fn clip_of_another_armature_is_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();

@@ -64,3 +64,23 @@ fn reachable_target_takes_no_gradients() {
     assert!(solution.reached);
     assert_eq!(solution.counts.gradients, 0);
 }
+
+/// Random starts cannot be better than an attempt at the proven lower bound of the cost.
+#[test]
+fn attempts_end_at_the_largest_reach() {
+    let skeleton = chain(60);
+    let tip = skeleton.bone("59").unwrap();
+    let mut problem = Problem::builder(skeleton.model());
+    problem.add(Point::new(skeleton.tip(tip), [3.0, 4.0, 0.0]));
+    let problem = problem.build().unwrap();
+    let start = skeleton.model().neutral();
+    let solve = |attempts: usize| {
+        let restarts = Restarts::default().with_attempts(attempts);
+        let solver = Solver::default().with_restarts(restarts);
+        solver.solve_once(&problem, &start).unwrap()
+    };
+    let [few, many] = [8, 64].map(solve);
+    assert_eq!(few.q, many.q);
+    assert!((many.cost - 8.0).abs() < 1e-9 && !many.reached);
+    assert!(many.attempts <= 8, "{}", many.attempts);
+}

@@ -123,7 +123,10 @@ fn interruption_of_a_later_attempt_is_reported() {
         (false, Termination::TimeLimit),
     ] {
         let mut workspace = Workspace::new();
+        // With a number of agreeing attempts, the first attempt does not end the search.
+        let restarts = Restarts::default().with_agreeing(3);
         let solver = Solver::default().with_stopping(stopping);
+        let solver = solver.with_restarts(restarts);
         let solution = solver
             .solve_observed(
                 &unreachable_problem,
@@ -137,6 +140,7 @@ fn interruption_of_a_later_attempt_is_reported() {
         assert_eq!(solution.q, start);
 
         let swept = Ccd::default().with_stopping(stopping);
+        let swept = swept.with_restarts(restarts);
         let solution = swept
             .solve_observed(&unreachable_problem, &start, &mut interrupt(cancels))
             .unwrap();

@@ -3,11 +3,11 @@
 use std::rc::Rc;
 
 use js_sys::Array;
-use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature as Bones, Clip as Motion};
 use kinopt::glam::{DVec3, Vec3};
 use kinopt::motion::clip_ik::{ClipIk, EditReport as Report, Reach, ground_speed};
 use kinopt::skeleton::BoneId;
+use kinopt_bindings::clip_ik::reach_curve;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::{self, NamedArguments};
@@ -177,13 +177,9 @@ fn reach(
     let mut reach = match points[..] {
         [point] => Reach::to(bone, point).map_err(raise)?,
         _ => {
-            let [from, to] = span.unwrap_or_else(|| clip.span().map(f64::from));
-            let steps = points.len().saturating_sub(1).max(1) as f64;
-            let evenly = || (0..points.len()).map(|k| from + (to - from) * k as f64 / steps);
-            let times = options
-                .numbers("times")?
-                .unwrap_or_else(|| evenly().collect());
-            Reach::along(bone, KeyedCurve::catmull_rom(times, points).map_err(raise)?)
+            let span = span.unwrap_or_else(|| clip.span().map(f64::from));
+            let curve = reach_curve(points, options.numbers("times")?, span);
+            Reach::along(bone, curve.map_err(raise)?)
         }
     };
     if let Some([from, to]) = span {

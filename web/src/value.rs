@@ -136,16 +136,6 @@ impl kinopt_bindings::Value for Value {
         Ok(entries.map(|(key, value)| (key, Self(value))).collect())
     }
 
-    fn numbers_by_name(&self, what: &str, _keys: &str) -> Result<Vec<(String, f64)>, JsError> {
-        let entries = self.entries(what)?.into_iter();
-        entries
-            .map(|(key, value)| {
-                let number = value.number(&format!("{what}.{key}"))?;
-                Ok((key, number))
-            })
-            .collect()
-    }
-
     fn quantity_values(&self, what: &str) -> Result<QuantityValues, JsError> {
         self.number(what).map(QuantityValues::All)
     }

@@ -155,6 +155,21 @@ test("a scene is played, and dragged from its clip's pose", () => {
     assert.throws(() => Scene.fromBytes(file, "strip.gltf"), /strip\.gltf.*strip\.bin/s);
 });
 
+test("an armature without scale has the joints of its translations", () => {
+    const nodes = [
+        { name: "low", scale: [2, 1, 1], children: [1] },
+        { name: "high", translation: [1, 0, 0], children: [2] },
+        { name: "end", translation: [1, 0, 0] },
+    ];
+    const file = { asset: { version: "2.0" }, nodes, scenes: [{ nodes: [0] }], scene: 0 };
+    const { armature: scaled } = Scene.fromBytes(new TextEncoder().encode(JSON.stringify(file)), "scaled.gltf");
+    const plain = scaled.withoutScale();
+    assert.deepEqual([scaled.scaleNotes.length, plain.scaleNotes.length], [1, 0]);
+    const at = scaled.names.indexOf("end");
+    const positions = [scaled, plain].map((armature) => [...armature.localToModel(armature.rest).slice(16 * at + 12, 16 * at + 15)]);
+    assert.deepEqual(positions, [[4, 0, 0], [2, 0, 0]]);
+});
+
 test("solved poses become a clip of a scene or a capture", () => {
     const [gltf, buffer] = strip();
     const open = () => buffer;

@@ -8,6 +8,7 @@ use kinopt::counted;
 use kinopt::glam::Vec3;
 use kinopt::io::gltf::{self, Scene, SceneFile, WriteOptions};
 use kinopt::skeleton::Skeleton;
+use kinopt_bindings::problem_file::number_list;
 use serde::Serialize;
 
 use super::frames::Frames;
@@ -18,7 +19,6 @@ use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::Skin;
-use crate::problem::number_list;
 use crate::{output, scene_output};
 
 /// Up axis of glTF (section 3.4).

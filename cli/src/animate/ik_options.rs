@@ -12,12 +12,13 @@ use kinopt::motion::path::{CartesianPath, QuaternionOrder};
 use kinopt::skeleton::{BoneId, Skeleton};
 use kinopt::spatial::Vector3;
 use kinopt::task::Axis;
+use kinopt_bindings::clip_ik::reach_curve;
+use kinopt_bindings::problem_file::number_list;
 
 use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
-use crate::problem::number_list;
 use crate::{numpy_file, world_file};
 
 /// Inverse-kinematics requests for the clip.
@@ -232,8 +233,8 @@ impl IkOptions {
     }
 }
 
-/// Curve through the points of a file, at the file's times or evenly over the span `[from, to]`, in seconds.
-fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
+/// Curve through the points of a file, at the file's times or evenly over the span, in seconds.
+fn curve(file: &Path, span: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
     let named = |problem: String| failure!("{}: {problem}", file.display());
     let (times, points): (Option<Vec<f64>>, Vec<DVec3>) = match extension(file).as_str() {
         "npy" => {
@@ -259,12 +260,5 @@ fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
             (path.times().map(<[f64]>::to_vec), points.collect())
         }
     };
-    let times = times.unwrap_or_else(|| {
-        let steps = points.len().saturating_sub(1).max(1) as f64;
-        let moments = 0..points.len();
-        moments
-            .map(|k| from + (to - from) * k as f64 / steps)
-            .collect()
-    });
-    KeyedCurve::catmull_rom(times, points).map_err(|error| named(error.to_string()))
+    reach_curve(points, times, span).map_err(|error| named(error.to_string()))
 }

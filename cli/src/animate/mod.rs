@@ -12,6 +12,7 @@ use kinopt::animation::{Clip, Playback};
 use kinopt::counted;
 use kinopt::io::gltf::{SceneFile, ScenePosing};
 use kinopt::skinning::SkinningMethod;
+use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use serde::Serialize;
 
 use self::clip_file::{ClipOptions, is_gltf};
@@ -22,7 +23,6 @@ use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::{self, MeshFile, MeshFormat};
 use crate::model_options::ProblemFile;
-use crate::problem::{ModelSettings, number_list};
 use crate::progress::Countdown;
 use crate::{output, scene_output};
 

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use kinopt_bindings::problem_file::number_list;
 use kinopt_harness::{Budget, contenders};
 
 use crate::model_options::ModelOptions;
-use crate::problem::number_list;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use kinopt::model::{FrameId, Model};
 use kinopt::robot::Robot;
+use kinopt_bindings::problem_file::targets_file::TargetsFile;
 use kinopt_harness::{Case, ProblemSet, ProblemSetBuilder};
 
 use super::arguments::{Arguments, StartAt};
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
+use crate::json_file;
 use crate::loaded_model::LoadedModel;
-use crate::problem::targets_file::TargetsFile;
 use crate::solve::base::Base;
 
 /// Number of random problems.
@@ -42,7 +43,7 @@ fn at_random(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet>
 
 fn of_file(loaded: &LoadedModel, arguments: &Arguments, path: &Path) -> Outcome<ProblemSet> {
     let fail = |problem: String| failure!("{}: {problem}", path.display());
-    let file = TargetsFile::read(path)?;
+    let file = TargetsFile::of_value(&json_file::read(path)?, path)?;
     let frame = match arguments.tip.as_ref().or(file.tip_link.as_ref()) {
         Some(name) => loaded.frame(name, BareName::Tip)?,
         None => match default_tips(loaded)?.as_slice() {
@@ -109,7 +110,7 @@ fn file_starts(
     set: &ProblemSet,
 ) -> Result<Vec<Vec<f64>>, String> {
     if arguments.start.is_none() {
-        if let Some(starts) = file.starts(loaded, None)? {
+        if let Some(starts) = loaded.starts_of(file, None)? {
             return Ok(starts);
         }
     }

@@ -13,7 +13,7 @@ use clap::Args;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::model_options::ModelOptions;
+use crate::model_options::{ModelOptions, refuse_robot_settings};
 use crate::output;
 
 const EXAMPLES: &str = "\
@@ -41,8 +41,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let model = &arguments.model;
     let settings = arguments.model_options.problem()?.model;
     if AnimatedArmature::is_at(model) && !settings.makes_figure() {
-        settings.refuse(&model.display().to_string())?;
-        let animated = AnimatedArmature::read(model)?;
+        refuse_robot_settings(&settings, &model.display().to_string())?;
+        let animated = AnimatedArmature::read_for(model, &settings)?;
         let document = animation::document(&animated)?;
         return output::result(json, || &document, || animation::text(&document));
     }

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use kinopt::motion::path::Traversal;
 use kinopt::spatial::Placement;
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::number_list::{self, Numbers};
+use kinopt_bindings::problem_file::target;
 
 use crate::choices::among;
 use crate::failure::Outcome;
 use crate::help_headings::{LIMITS, OUTPUT, TARGETS};
 use crate::model_options::JointLimitsArgument;
-use crate::problem::Problem;
-use crate::problem::number_list::{self, Numbers};
-use crate::problem::target;
 use crate::solve::arguments::{QueryArguments, TipArguments, with_problem_note};
 
 const EXAMPLES: &str = "\
@@ -79,7 +79,7 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     /// Problem of the file with these arguments.
-    pub(super) fn problem(&self) -> Outcome<Problem> {
+    pub(super) fn problem(&self) -> Outcome<ProblemSettings> {
         self.query.problem(&[&self.tip, &self.joint_limits])
     }
 

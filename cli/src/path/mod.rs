@@ -12,6 +12,8 @@ use kinopt::motion::path::{CartesianPath, PathReport, PathSolver, TimingLimits};
 use kinopt::spatial::Placement;
 
 pub(crate) use arguments::Arguments;
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::number_list::Numbers;
 use report::Report;
 
 use crate::failure::{Failure, Outcome};
@@ -19,10 +21,10 @@ use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::Problem;
-use crate::problem::number_list::Numbers;
 use crate::solve::axis_intervals::GoalBounds;
 use crate::solve::held;
+use crate::solve::locked_joints::held_joints;
+use crate::solve::obstacles::keep_clear;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let problem = arguments.problem()?;
@@ -30,10 +32,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if loaded.robot.is_none() {
         return Err(usage!("{}: path is for robots", loaded.file));
     }
-    problem.read_srdf(&mut loaded)?;
+    loaded.read_srdf(&problem.model)?;
     if problem.model.locks() {
         let rest = loaded.rest();
-        let held = problem.model.held(&loaded, &rest)?;
+        let held = held_joints(&problem.model, &loaded, &rest)?;
         loaded.held = Some(Box::new(held));
     }
     let loaded = &loaded;
@@ -135,7 +137,7 @@ fn times(
 
 /// Arm from the base to the tip, and the columns of its joints.
 fn arm(
-    problem: &Problem,
+    problem: &ProblemSettings,
     loaded: &LoadedModel,
     bounds: GoalBounds,
 ) -> Outcome<(Arm, JointColumns)> {
@@ -166,7 +168,7 @@ fn arm(
     let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
     let columns = loaded.columns_of(coordinates.collect());
     let arm = builder.build()?;
-    let arm = (problem.collisions).keep_clear(arm, loaded, &loaded.rest())?;
+    let arm = keep_clear(&problem.collisions, arm, loaded, &loaded.rest())?;
     Ok((arm, columns))
 }
 

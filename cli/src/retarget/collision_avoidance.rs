@@ -5,14 +5,15 @@ use kinopt::collision::{Checker, World};
 use kinopt::counted;
 use kinopt::motion::Trajectory;
 use kinopt::motion::retarget::RetargetReport;
+use kinopt_bindings::problem_file::CollisionSettings;
 use kinopt_bindings::retarget_folder::FolderSettings;
 
 use super::target::Target;
-use crate::collision_options::ObstacleOptions;
+use crate::collision_options::{ObstacleOptions, checker, read_world, shapes};
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
 use crate::output;
-use crate::problem::CollisionSettings;
+use crate::solve::obstacles::given;
 
 /// Scale factor of the obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +88,8 @@ impl AvoidanceOptions {
     ) -> Outcome<Option<CollisionAvoidance>> {
         let mut collisions = collisions.clone();
         self.obstacles.add_to(&mut collisions);
-        let Some(option) = collisions.given() else {
+        let collisions = &collisions;
+        let Some(option) = given(collisions) else {
             return Ok(None);
         };
         if target.loaded.robot.is_none() {
@@ -97,11 +99,11 @@ impl AvoidanceOptions {
                 target.loaded.kind()
             ));
         }
-        let mut world = collisions.read_world()?;
+        let mut world = read_world(collisions)?;
         if let Some(WorldScale::Times(times)) = self.world_scale {
             world = world.scaled(times)?;
         }
-        let checker = collisions.checker(collisions.shapes(&target.robot)?)?;
+        let checker = checker(collisions, shapes(collisions, &target.robot)?)?;
         let margin = collisions.margin.unwrap_or(0.0);
         Ok(Some(CollisionAvoidance {
             checker: checker.with_world(&world)?.with_margin(margin)?,

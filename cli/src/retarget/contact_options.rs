@@ -2,8 +2,7 @@
 
 use clap::Args;
 use kinopt::motion::retarget::ContactDetection;
-
-use crate::problem::number_list::not_negative;
+use kinopt_bindings::problem_file::number_list::not_negative;
 
 /// Thresholds of foot contacts.
 #[derive(Args, Clone, Debug)]

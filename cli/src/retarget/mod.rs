@@ -28,7 +28,7 @@ use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::help_headings::OUTPUT;
 use crate::model_options::ModelOptions;
-use crate::output;
+use crate::{collision_options, output};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -177,7 +177,7 @@ impl<'a> Job<'a> {
             target,
             map,
             format,
-            unusual_shapes: problem.collisions.unusual_shapes(),
+            unusual_shapes: collision_options::unusual_shapes(&problem.collisions),
         })
     }
 

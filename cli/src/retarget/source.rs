@@ -5,12 +5,12 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
 use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
+use kinopt_bindings::problem_file::{ModelSettings, number_list};
 use kinopt_bindings::retarget_folder::FolderSettings;
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::{ModelSettings, number_list};
 use crate::{numpy_file, output};
 
 /// Default frame rate of arrays, per second.

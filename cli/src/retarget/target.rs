@@ -5,13 +5,13 @@ use std::path::Path;
 use kinopt::motion::retarget::{FigureTarget, UpAxis};
 use kinopt::robot::Robot;
 use kinopt::skeleton::Skeleton;
+use kinopt_bindings::problem_file::ModelSettings;
 
 use super::source::Up;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::ModelSettings;
 
 /// Robot, or figure on a free base.
 #[derive(Debug)]
@@ -67,7 +67,11 @@ impl Target {
                 path.display()
             ));
         }
-        let mut loaded = LoadedModel::read(path, &ModelSettings::default())?;
+        let settings = ModelSettings {
+            without_scale: settings.without_scale,
+            ..ModelSettings::default()
+        };
+        let mut loaded = LoadedModel::read(path, &settings)?;
         let lacks = || failure!("{}: the file has no bones", loaded.file);
         let rig = loaded.rig.as_ref().ok_or_else(lacks)?;
         let figure = FigureTarget::new(&rig.skeleton, up_of_file)?;

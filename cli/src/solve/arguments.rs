@@ -6,17 +6,18 @@ use std::time::Duration;
 use clap::Args;
 use kinopt::arm::Search;
 use kinopt::spatial::Placement;
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::body::Lock;
+use kinopt_bindings::problem_file::interval::Interval;
+use kinopt_bindings::problem_file::number_list::{self, Numbers};
+use kinopt_bindings::problem_file::start::{self, Start};
+use kinopt_bindings::problem_file::target::{FrameTarget, parse_placement};
 
 use crate::collision_options::ObstacleOptions;
 use crate::failure::Outcome;
 use crate::help_headings::{LIMITS, MODEL, OUTPUT, SEARCH, TARGETS};
 use crate::model_options::ModelOptions;
-use crate::problem::body::Lock;
-use crate::problem::interval::Interval;
-use crate::problem::number_list::{self, Numbers};
-use crate::problem::start::{self, Start};
-use crate::problem::target::{Target, parse_placement};
-use crate::problem::{Problem, ProblemOptions, set, set_list};
+use crate::problem_options::{ProblemOptions, set, set_list};
 
 /// Note on the files of `--problem`, at the end of a help page.
 const PROBLEM_NOTE: &str = "\
@@ -69,7 +70,7 @@ pub(crate) struct QueryArguments {
 
 impl QueryArguments {
     /// Problem of the file with these arguments and further groups of options.
-    pub(crate) fn problem(&self, options: &[&dyn ProblemOptions]) -> Outcome<Problem> {
+    pub(crate) fn problem(&self, options: &[&dyn ProblemOptions]) -> Outcome<ProblemSettings> {
         let mut problem = self.model_options.problem()?;
         set(&mut problem.goal.base, self.base.as_ref());
         problem.goal.position_only |= self.position_only;
@@ -93,7 +94,7 @@ pub(super) struct StartArgument {
 }
 
 impl ProblemOptions for StartArgument {
-    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, degrees: bool) {
         if let Some(start) = &self.start {
             problem.solve.start = start.typed(degrees);
         }
@@ -105,11 +106,11 @@ impl ProblemOptions for StartArgument {
 pub(super) struct TargetArguments {
     /// Target [FRAME=]x,y,z[,qw,qx,qy,qz], in metres. Repeatable.
     #[arg(long, value_name = "TARGET", allow_hyphen_values = true, help_heading = TARGETS)]
-    target: Vec<Target>,
+    target: Vec<FrameTarget>,
 }
 
 impl ProblemOptions for TargetArguments {
-    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, _degrees: bool) {
         set_list(&mut problem.goal.target, self.target.iter().cloned());
     }
 }
@@ -133,7 +134,7 @@ pub(crate) struct TipArguments {
 }
 
 impl ProblemOptions for TipArguments {
-    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, degrees: bool) {
         let goal = &mut problem.goal;
         set(&mut goal.tip, self.tip.as_ref());
         let intervals = self.interval.iter().map(|interval| interval.typed(degrees));
@@ -151,7 +152,7 @@ pub(super) struct SearchArgument {
 }
 
 impl ProblemOptions for SearchArgument {
-    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, _degrees: bool) {
         set(&mut problem.solve.search, self.search.as_ref());
     }
 }
@@ -165,7 +166,7 @@ pub(super) struct PostureArgument {
 }
 
 impl ProblemOptions for PostureArgument {
-    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, degrees: bool) {
         let posture = self.posture.as_ref().map(|posture| posture.typed(degrees));
         set(&mut problem.solve.posture, posture.as_ref());
     }
@@ -180,7 +181,7 @@ pub(super) struct MaxMoveArgument {
 }
 
 impl ProblemOptions for MaxMoveArgument {
-    fn add_to(&self, problem: &mut Problem, degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, degrees: bool) {
         let max_move = self.max_move.as_ref().map(|moves| moves.typed(degrees));
         set(&mut problem.solve.max_move, max_move.as_ref());
     }
@@ -199,7 +200,7 @@ pub(super) struct SearchLimits {
 }
 
 impl ProblemOptions for SearchLimits {
-    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, _degrees: bool) {
         set_list(&mut problem.body.hold, self.hold.iter().cloned());
         set(&mut problem.solve.time_limit, self.time_limit.as_ref());
     }

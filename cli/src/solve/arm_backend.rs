@@ -7,22 +7,23 @@ use kinopt::arm::{Arm, ArmBuilder, Base, Search, Servo};
 use kinopt::robot::Robot;
 use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
+use kinopt_bindings::problem_file::number_list::Numbers;
+use kinopt_bindings::problem_file::{ProblemSettings, SolveSettings};
 
 use super::arguments::ServoOptions;
 use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
+use super::obstacles::keep_clear;
 use super::query::{Answer, Path, Query};
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::number_list::Numbers;
-use crate::problem::task_name::TaskName;
-use crate::problem::{Problem, SolveSettings};
 
 /// Arm with the model in which its solutions are given.
 pub(super) struct ArmBackend<'a> {
@@ -49,7 +50,7 @@ impl<'a> ArmBackend<'a> {
     pub(super) fn new(
         loaded: &'a LoadedModel,
         robot: &Robot,
-        problem: &Problem,
+        problem: &ProblemSettings,
         goals: &Goals,
     ) -> Outcome<Self> {
         let [target] = goals.targets.as_slice() else {
@@ -61,7 +62,7 @@ impl<'a> ArmBackend<'a> {
         let tip = frame(&target.name)?;
         let goal_bounds = GoalBounds::new(&problem.goal.interval, (target.turns, target.turns))?;
         let (options, tool) = (&problem.solve, problem.goal.tool);
-        let (length, angle) = problem.tolerances(loaded);
+        let (length, angle) = loaded.tolerances(options);
         let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
             .with_tool(tool.unwrap_or_else(Placement::identity))
             .with_goal(goal_bounds.goal)
@@ -71,7 +72,7 @@ impl<'a> ArmBackend<'a> {
             .with_position_tolerance(length)
             .with_orientation_tolerance(angle)
             .with_metres_per_radian(options.metres_per_radian)
-            .with_attempts(problem.attempts())
+            .with_attempts(options.attempts())
             .with_time_limit(options.time_limit);
         let builder = held(builder, loaded);
         let joints = builder.joints()?;
@@ -83,7 +84,7 @@ impl<'a> ArmBackend<'a> {
         if let Some(srdf) = &loaded.srdf {
             arm = arm.with_srdf(srdf);
         }
-        let arm = (problem.collisions).keep_clear(arm, loaded, &rest)?;
+        let arm = keep_clear(&problem.collisions, arm, loaded, &rest)?;
         Ok(Self {
             loaded,
             arm,

@@ -2,11 +2,11 @@
 
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::PoseBounds;
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::interval::Interval;
 
 use super::goals::Goals;
 use crate::failure::Outcome;
-use crate::problem::Problem;
-use crate::problem::interval::Interval;
 
 /// Goal bounds of a target.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,10 @@ pub(crate) struct GoalBounds {
 
 impl GoalBounds {
     /// Bounds of every target, or `None` without intervals; bounds of rotations apply if the orientation counts.
-    pub(super) fn of_targets(problem: &Problem, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
+    pub(super) fn of_targets(
+        problem: &ProblemSettings,
+        goals: &Goals,
+    ) -> Outcome<Vec<Option<Self>>> {
         let intervals = problem.goal.interval.as_slice();
         let targets = goals.targets.iter();
         if intervals.is_empty() {

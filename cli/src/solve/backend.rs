@@ -6,9 +6,9 @@ use kinopt::solver::{Observer, Silent};
 use rayon::prelude::*;
 
 use super::query::{Answer, Path, Query};
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
-use crate::problem::task_name::TaskName;
 
 /// Solver of queries, with a workspace for each thread.
 pub(super) trait QueryBackend: Sync {

@@ -4,30 +4,23 @@ use kinopt::model::{FrameId, Masses};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
+use kinopt_bindings::problem_file::BodySettings;
+use kinopt_bindings::problem_file::body::{Centre, Foot};
 
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
-use crate::problem::BodySettings;
-use crate::problem::body::{Centre, Foot};
-use crate::problem::task_name::TaskName;
 
 /// Density of the bones of skeletons, kilograms per cubic unit; the centre of mass does not depend on it.
 const DENSITY: f64 = 1000.0;
 
-impl BodySettings {
-    /// Index of the world axis that points up.
-    pub(super) fn up_axis(&self, loaded: &LoadedModel) -> usize {
-        match self.up {
-            Some(up) => up as usize,
-            None if loaded.is_bare_figure() => 1,
-            None => 2,
-        }
-    }
-
-    /// True if there is a task for the centre of mass.
-    pub(super) fn has_centre_of_mass(&self) -> bool {
-        self.center_of_mass.is_some() || !self.balance.is_empty()
+/// Index of the world axis that points up.
+pub(super) fn up_axis(body: &BodySettings, loaded: &LoadedModel) -> usize {
+    match body.up {
+        Some(up) => up as usize,
+        None if loaded.is_bare_figure() => 1,
+        None => 2,
     }
 }
 
@@ -54,9 +47,9 @@ impl Balance {
             (None, None) => Masses::new(&loaded.model, []),
         };
         let masses = masses.map_err(|error| failure!("{}: {error}", loaded.file))?;
-        let up = body.up_axis(loaded);
+        let up = up_axis(body, loaded);
         let centre = body.center_of_mass.as_ref();
-        let centre = centre.map(|centre| centre.task(&masses, up));
+        let centre = centre.map(|centre| centre_of_mass(centre, &masses, up));
         let polygon = match body.balance.as_slice() {
             [] => None,
             feet => {
@@ -66,7 +59,7 @@ impl Balance {
                     .with_margin(margin);
                 for foot in feet {
                     let frame = loaded.frame(&foot.frame, BareName::Tip)?;
-                    polygon = polygon.with_points_on(frame, foot.points(loaded, frame));
+                    polygon = polygon.with_points_on(frame, contact_points(foot, loaded, frame));
                 }
                 Some(polygon)
             }
@@ -117,34 +110,30 @@ impl Balance {
     }
 }
 
-impl Centre {
-    fn task(&self, masses: &Masses, up: usize) -> CentreOfMass {
-        let mut position = [None; 3];
-        match *self {
-            Self::At(at) => position = at,
-            Self::Above(at) => {
-                let across = (0..3).filter(|&axis| axis != up);
-                for (axis, value) in across.zip(at) {
-                    position[axis] = Some(value);
-                }
+fn centre_of_mass(centre: &Centre, masses: &Masses, up: usize) -> CentreOfMass {
+    let mut position = [None; 3];
+    match *centre {
+        Centre::At(at) => position = at,
+        Centre::Above(at) => {
+            let across = (0..3).filter(|&axis| axis != up);
+            for (axis, value) in across.zip(at) {
+                position[axis] = Some(value);
             }
         }
-        let task = CentreOfMass::new(masses, position.map(Option::unwrap_or_default));
-        let axes = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(position);
-        axes.fold(task, |task, (axis, position)| match position {
-            None => task.free_along(axis),
-            Some(_) => task,
-        })
     }
+    let task = CentreOfMass::new(masses, position.map(Option::unwrap_or_default));
+    let axes = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(position);
+    axes.fold(task, |task, (axis, position)| match position {
+        None => task.free_along(axis),
+        Some(_) => task,
+    })
 }
 
-impl Foot {
-    /// Contact points of the foot, in its frame.
-    fn points(&self, loaded: &LoadedModel, frame: FrameId) -> Vec<Vector3<f64>> {
-        if let Some(at) = self.at {
-            return vec![at.into()];
-        }
-        let sole = loaded.robot.as_ref().map(|robot| robot.sole(frame));
-        sole.unwrap_or_else(|| vec![Vector3::zero()])
+/// Contact points of a foot, in its frame.
+fn contact_points(foot: &Foot, loaded: &LoadedModel, frame: FrameId) -> Vec<Vector3<f64>> {
+    if let Some(at) = foot.at {
+        return vec![at.into()];
     }
+    let sole = loaded.robot.as_ref().map(|robot| robot.sole(frame));
+    sole.unwrap_or_else(|| vec![Vector3::zero()])
 }

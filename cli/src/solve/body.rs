@@ -1,6 +1,10 @@
 //! `kinopt body`: whole-body inverse kinematics with several tasks.
 
 use clap::Args;
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::body::{Centre, Foot, FrameWeight, NamedLevel};
+use kinopt_bindings::problem_file::number_list::not_negative;
+use kinopt_bindings::problem_file::target::RayTarget;
 
 use super::arguments::{
     QueryArguments, SearchLimits, StartArgument, TargetArguments, with_problem_note,
@@ -9,10 +13,7 @@ use super::job::{Job, Mode};
 use super::out_file::OutputFiles;
 use crate::failure::Outcome;
 use crate::help_headings::{BALANCE, TARGETS};
-use crate::problem::body::{Centre, Foot, FrameWeight, NamedLevel};
-use crate::problem::number_list::not_negative;
-use crate::problem::target::RayTarget;
-use crate::problem::{Problem, ProblemOptions, set, set_list};
+use crate::problem_options::{ProblemOptions, set, set_list};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,7 +76,7 @@ struct BodyTasks {
 }
 
 impl ProblemOptions for BodyTasks {
-    fn add_to(&self, problem: &mut Problem, _degrees: bool) {
+    fn add_to(&self, problem: &mut ProblemSettings, _degrees: bool) {
         set_list(&mut problem.goal.ray, self.ray.iter().cloned());
         let body = &mut problem.body;
         set(&mut body.center_of_mass, self.center_of_mass.as_ref());

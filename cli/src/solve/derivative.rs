@@ -9,10 +9,10 @@ use kinopt::nalgebra::DMatrix;
 use kinopt::problem::ProblemInstance;
 use serde::Serialize;
 
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;
-use crate::problem::task_name::TaskName;
 use crate::table::Table;
 
 /// Derivative of a solution by its targets.

@@ -9,6 +9,7 @@ use kinopt::model::FrameId;
 use kinopt::solver::Observer;
 use kinopt::spatial::{Placement, Quaternion};
 use kinopt::task::{Quantity, Ray, Task};
+use kinopt_bindings::problem_file::ProblemSettings;
 
 use super::axis_intervals::GoalBounds;
 use super::backend::{QueryBackend, microseconds};
@@ -18,21 +19,22 @@ use super::derivative;
 use super::goals::Goals;
 use super::held_frames::Held;
 use super::levels::{BALANCE, HELD, levels};
+use super::obstacles::checker_of;
 use super::pose_finder::{PoseFinder, TargetMotion};
 use super::query::{Answer, Path, Query, drag_jump};
+use super::task_builder;
+use super::task_name::TaskName;
+use super::task_name::{DefaultLevel, GOALS};
 use super::weights::Weights;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
-use crate::problem::Problem;
-use crate::problem::task_name::TaskName;
-use crate::problem::task_name::{DefaultLevel, GOALS};
 
 /// General solver with the problem of all queries.
 pub(super) struct GeneralBackend<'a> {
     loaded: &'a LoadedModel,
-    problem: &'a Problem,
+    problem: &'a ProblemSettings,
     goals: &'a Goals<'a>,
     finder: PoseFinder,
     base: Base,
@@ -70,7 +72,7 @@ struct DragProblem {
 impl<'a> GeneralBackend<'a> {
     pub(super) fn new(
         loaded: &'a LoadedModel,
-        problem: &'a Problem,
+        problem: &'a ProblemSettings,
         goals: &'a Goals<'a>,
     ) -> Outcome<Self> {
         let base = Base::named(loaded, goals.base.as_deref())?;
@@ -87,7 +89,7 @@ impl<'a> GeneralBackend<'a> {
         let balance_tasks = balance.iter();
         let tasks: Vec<_> = tasks
             .chain(balance_tasks.clone().flat_map(Balance::names))
-            .chain(problem.tasks.names())
+            .chain(task_builder::names(&problem.tasks))
             .collect();
         let mut default_levels = vec![DefaultLevel::IfPrioritised(GOALS); named_frames.len()];
         default_levels.resize(
@@ -99,14 +101,14 @@ impl<'a> GeneralBackend<'a> {
             default_levels.len() + balance_count,
             DefaultLevel::IfPrioritised(BALANCE),
         );
-        default_levels.extend(problem.tasks.levels());
+        default_levels.extend(task_builder::levels(&problem.tasks));
         let holds_frames = !problem.body.hold.is_empty() && !held.tips.is_empty();
         let uses_priorities = holds_frames || balance.is_some();
         let levels = levels(&problem.body, &tasks, &default_levels, uses_priorities)?;
         let moved = frames.iter().copied().chain(base.moving_frame());
         let moved = moved.chain(held.tips.iter().map(|(_, frame)| *frame));
         let moved = moved.chain(balance_tasks.flat_map(Balance::frames));
-        let moved = moved.chain(problem.tasks.frames(loaded)?);
+        let moved = moved.chain(task_builder::frames(&problem.tasks, loaded)?);
         let idle = loaded.idle_coordinates(moved);
         Ok(Self {
             loaded,
@@ -119,7 +121,7 @@ impl<'a> GeneralBackend<'a> {
             held,
             weights,
             balance,
-            checker: (problem.collisions).checker_of(loaded)?,
+            checker: checker_of(&problem.collisions, loaded)?,
             tasks,
             levels,
             idle,
@@ -154,7 +156,7 @@ impl<'a> GeneralBackend<'a> {
     /// set again for every query.
     fn drag_problem(&self, start: &[f64]) -> Outcome<DragProblem> {
         let mut builder = kinopt::Problem::builder(&self.loaded.model);
-        let (length, angle) = self.problem.tolerances(self.loaded);
+        let (length, angle) = self.loaded.tolerances(&self.problem.solve);
         builder
             .parameters(self.held.parameters(self.loaded, start)?)
             .derivatives(self.problem.solve.jacobian.unwrap_or_default())
@@ -203,7 +205,7 @@ impl<'a> GeneralBackend<'a> {
             balance.add(&mut builder, levels.by_ref());
         }
         let tasks = &self.problem.tasks;
-        tasks.add(&mut builder, (self.loaded, start), levels)?;
+        task_builder::add(tasks, &mut builder, (self.loaded, start), levels)?;
         // After the requested tasks, whose order is that of the report.
         for posture in self.held.posture(self.loaded, start)? {
             builder.add(posture);

@@ -3,17 +3,18 @@
 use std::path::Path;
 
 use kinopt::model::{FrameId, JointId};
+use kinopt_bindings::problem_file::ProblemSettings;
+use kinopt_bindings::problem_file::targets_file::TargetsFile;
 
 use super::backend::QueryBackend;
 use super::query::Query;
 use crate::failure::Outcome;
+use crate::json_file;
 use crate::loaded_model::LoadedModel;
-use crate::problem::Problem;
-use crate::problem::targets_file::TargetsFile;
 
 /// Targets of a problem, or of a file of many targets.
 pub(super) struct Goals<'a> {
-    problem: &'a Problem,
+    problem: &'a ProblemSettings,
     /// File of many targets.
     file: Option<(&'a Path, TargetsFile)>,
     /// One for each target of a query, as typed.
@@ -33,7 +34,7 @@ pub(super) struct TargetFrame {
 impl<'a> Goals<'a> {
     pub(super) fn read(
         loaded: &LoadedModel,
-        problem: &'a Problem,
+        problem: &'a ProblemSettings,
         path: Option<&'a Path>,
     ) -> Outcome<Self> {
         let goal = &problem.goal;
@@ -59,7 +60,7 @@ impl<'a> Goals<'a> {
                 base: goal.base.clone(),
             });
         };
-        let file = TargetsFile::read(path)?;
+        let file = TargetsFile::of_value(&json_file::read(path)?, path)?;
         let named = goal.tip.as_deref().or(file.tip_link.as_deref());
         let without_tip = format!(
             "{}: has no key `tip_link`, so --tip must name the frame of the targets",
@@ -143,13 +144,13 @@ impl<'a> Goals<'a> {
             let targets = problem.goal.target.iter().map(|target| target.placement);
             return Ok(vec![Query {
                 targets: targets.collect(),
-                start: problem.start(loaded, columns, &default)?,
+                start: loaded.start(problem, columns, &default)?,
             }]);
         };
         let fail = |problem| failure!("{}: {problem}", path.display());
-        let starts = match file.starts(loaded, columns.as_ref()).map_err(fail)? {
+        let starts = match loaded.starts_of(file, columns.as_ref()).map_err(fail)? {
             Some(starts) => starts.iter().map(|q| loaded.within_limits(q)).collect(),
-            None => vec![problem.start(loaded, columns, &default)?; file.targets.len()],
+            None => vec![loaded.start(problem, columns, &default)?; file.targets.len()],
         };
         let targets = file.targets.iter().zip(starts);
         let queries = targets.map(|(&target, start)| Query {

@@ -2,19 +2,22 @@
 
 use std::path::Path;
 
+use kinopt_bindings::problem_file::ProblemSettings;
+
 use super::arguments::{BatchOptions, QueryArguments, ServoOptions};
 use super::arm_backend::ArmBackend;
 use super::backend::QueryBackend;
 use super::general_backend::GeneralBackend;
 use super::goals::Goals;
 use super::many;
+use super::obstacles;
 use super::out_file::{self, OutputFiles};
 use super::query::Query;
 use super::report::Report;
+use super::settings::moment;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::output;
-use crate::problem::Problem;
 use crate::progress::Progress;
 
 /// Kind of a query, with the options of its subcommand.
@@ -34,7 +37,7 @@ pub(super) enum Mode<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Job<'a> {
     model: &'a Path,
-    pub(super) problem: &'a Problem,
+    pub(super) problem: &'a ProblemSettings,
     pub(super) mode: Mode<'a>,
     /// True if angles of the command line are in degrees.
     degrees: bool,
@@ -42,7 +45,11 @@ pub(super) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    pub(super) fn new(query: &'a QueryArguments, problem: &'a Problem, mode: Mode<'a>) -> Self {
+    pub(super) fn new(
+        query: &'a QueryArguments,
+        problem: &'a ProblemSettings,
+        mode: Mode<'a>,
+    ) -> Self {
         Self {
             model: &query.model,
             problem,
@@ -64,9 +71,9 @@ impl<'a> Job<'a> {
     pub(super) fn run(&self, json: bool) -> Outcome<()> {
         self.check_settings()?;
         let problem = self.problem;
-        let mut loaded = LoadedModel::read_at(self.model, &problem.model, problem.moment())?;
-        problem.read_srdf(&mut loaded)?;
-        problem.lock_joints(&mut loaded)?;
+        let mut loaded = LoadedModel::read_at(self.model, &problem.model, moment(&problem.model))?;
+        loaded.read_srdf(&problem.model)?;
+        loaded.lock_joints(problem)?;
         let goals = Goals::read(&loaded, problem, self.targets_file())?;
         goals.put_tool(&mut loaded)?;
         let loaded = &loaded;
@@ -128,7 +135,7 @@ impl<'a> Job<'a> {
             answer: &answer,
             tasks: backend.tasks(),
             idle: backend.idle_coordinates(),
-            keeps_clear: self.problem.collisions.given().is_some(),
+            keeps_clear: obstacles::given(&self.problem.collisions).is_some(),
         };
         let text = || report.text(self.degrees);
         output::result(json, || report.whole_document(notes), text)?;

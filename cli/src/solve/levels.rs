@@ -1,11 +1,11 @@
 //! Priority levels of tasks.
 
 use kinopt::model::UnknownName;
+use kinopt_bindings::problem_file::BodySettings;
+use kinopt_bindings::problem_file::body::NamedLevel;
 
+use super::task_name::{DefaultLevel, TaskName};
 use crate::failure::Outcome;
-use crate::problem::BodySettings;
-use crate::problem::body::NamedLevel;
-use crate::problem::task_name::{DefaultLevel, TaskName};
 
 /// Level of held frames, if frames are held or balanced by name.
 pub(super) const HELD: usize = 0;

@@ -1,8 +1,9 @@
 //! Largest displacement of joints from the start, in the general solver.
 
+use kinopt_bindings::problem_file::number_list::Numbers;
+
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::number_list::Numbers;
 
 /// Largest displacement of every coordinate, in radians and metres, or `None` without the option.
 ///

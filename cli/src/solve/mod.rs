@@ -13,7 +13,7 @@ mod goals;
 mod held_frames;
 mod job;
 mod levels;
-mod locked_joints;
+pub(crate) mod locked_joints;
 pub(crate) mod many;
 mod max_move;
 pub(crate) mod obstacles;
@@ -24,6 +24,7 @@ mod query;
 mod report;
 mod settings;
 mod task_builder;
+mod task_name;
 mod weights;
 
 pub(crate) use arm_backend::held;

@@ -6,6 +6,7 @@ use clap::Args;
 use kinopt::animation::Clip;
 use kinopt::io::bvh::{self, BvhFormat};
 use kinopt::skinning::SkinningMethod;
+use kinopt_bindings::problem_file::WeightsChoice;
 
 use crate::animated_armature::extension;
 use crate::ball_figure::FigurePosing;
@@ -13,7 +14,6 @@ use crate::failure::Outcome;
 use crate::help_headings::OUTPUT;
 use crate::loaded_model::{Capture, LoadedModel, LoadedScene};
 use crate::mesh_output::{MeshFile, Skin};
-use crate::problem::WeightsChoice;
 use crate::scene_output;
 
 /// Output file of a solution.

@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 use kinopt::ik::{Drag, MoveLimits};
 use kinopt::solver::{Observer, Silent, Stopping};
 use kinopt::{Solution, Solver, Workspace};
+use kinopt_bindings::problem_file::ProblemSettings;
 
 use super::backend::microseconds;
 use super::max_move;
 use super::query::{Answer, PoseOrigin, Settled};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::Problem;
 
 /// Largest number of frames until a skeleton converges. In a path, at 0.15 rad each, several full rotations.
 const MAX_FRAMES: usize = 200;
@@ -47,15 +47,15 @@ impl PoseFinder {
     /// A wrong number of displacement limits.
     pub(super) fn new(
         loaded: &LoadedModel,
-        problem: &Problem,
+        problem: &ProblemSettings,
         has_held_feet: bool,
     ) -> Outcome<Self> {
         Ok(Self {
             max_moves: max_move::max_moves(loaded, problem.solve.max_move.as_ref())?,
-            solver: problem.general_solver(),
-            stopping: problem.stopping(),
-            converges_first: (loaded.rig.is_some() || has_held_feet) && problem.settles(),
-            searches: problem.attempts() != Some(1),
+            solver: problem.solve.general_solver(),
+            stopping: problem.solve.stopping(),
+            converges_first: (loaded.rig.is_some() || has_held_feet) && problem.solve.settles(),
+            searches: problem.solve.attempts() != Some(1),
             accepts_closest: problem.solve.global_search_on_miss,
             time_limit: problem.solve.time_limit,
         })

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
 use super::query::{Answer, PoseOrigin, Settled};
+use super::task_name::TaskName;
 use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
-use crate::problem::task_name::TaskName;
 use crate::table::Table;
 
 /// Answer with its query.

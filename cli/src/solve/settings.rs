@@ -1,141 +1,87 @@
 //! Settings of solvers and models, from a problem.
 
-use std::num::NonZeroU32;
-
-use kinopt::Solver;
 use kinopt::arm::Search;
-use kinopt::ik::{Restarts, crouched_configuration};
+use kinopt::ik::crouched_configuration;
 use kinopt::robot::Robot;
-use kinopt::solver::Stopping;
 use kinopt::spatial::Vector3;
+use kinopt_bindings::problem_file::start::Start;
+use kinopt_bindings::problem_file::{BodySettings, ModelSettings, ProblemSettings, SolveSettings};
 
+use super::balance::up_axis;
 use super::goals::Goals;
 use super::held_frames;
 use super::job::{Job, Mode};
+use super::locked_joints::held_joints;
 use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::{LoadedModel, Moment};
-use crate::problem::start::Start;
-use crate::problem::{Problem, methods};
+use crate::model_options::read_srdf;
 
-fn count(count: u32) -> usize {
-    usize::try_from(count).unwrap_or(usize::MAX)
+/// Time of a clip at which a skeleton is at rest.
+pub(super) fn moment(model: &ModelSettings) -> Option<Moment<'_>> {
+    let clip = model.clip.as_deref();
+    model.time.map(|time| Moment { time, clip })
 }
 
-impl Problem {
-    /// Time of a clip at which a skeleton is at rest.
-    pub(super) fn moment(&self) -> Option<Moment<'_>> {
-        let clip = self.model.clip.as_deref();
-        self.model.time.map(|time| Moment { time, clip })
-    }
-
-    /// Largest number of attempts, if given.
-    pub(super) fn attempts(&self) -> Option<u32> {
-        self.solve.attempts.map(NonZeroU32::get)
-    }
-
-    /// True if a setting selects the general solver.
-    fn selects_general_solver(&self) -> bool {
-        let solve = &self.solve;
-        solve.solver.is_some() || solve.jacobian.is_some() || solve.max_iterations.is_some()
-    }
-
-    /// True if a skeleton converges from its start before any search.
-    pub(super) fn settles(&self) -> bool {
-        let solve = &self.solve;
-        let plain =
-            solve.solver.is_none() && solve.max_iterations.is_none() && solve.max_move.is_none();
-        plain && solve.search != Some(Search::First)
-    }
-
+impl LoadedModel {
     /// Tolerances: a length in metres (skeletons: the file's unit), and an angle in radians.
-    pub(super) fn tolerances(&self, loaded: &LoadedModel) -> (f64, f64) {
-        match self.solve.tolerance {
+    pub(super) fn tolerances(&self, solve: &SolveSettings) -> (f64, f64) {
+        match solve.tolerance {
             Some(tolerance) => (tolerance, tolerance),
-            None => loaded.default_tolerances(),
+            None => self.default_tolerances(),
         }
-    }
-
-    /// Limits of the general solver's attempts.
-    pub(super) fn stopping(&self) -> Stopping {
-        let mut stopping = Stopping::default();
-        if let Some(iterations) = self.solve.max_iterations {
-            stopping = stopping.with_max_iterations(count(iterations));
-        }
-        match self.solve.time_limit {
-            Some(limit) => stopping.with_time_limit(limit),
-            None => stopping,
-        }
-    }
-
-    /// General solver with its limits.
-    pub(super) fn general_solver(&self) -> Solver {
-        let mut restarts = Restarts::default().with_seed(self.solve.rng_seed);
-        if let Some(attempts) = self.attempts() {
-            restarts = restarts.with_attempts(count(attempts));
-        }
-        let solver = match &self.solve.solver {
-            Some(name) => methods::solver(name),
-            None => Solver::default(),
-        };
-        solver
-            .with_stopping(self.stopping())
-            .with_restarts(restarts)
     }
 
     /// Locks joints as the model settings say.
-    pub(super) fn lock_joints(&self, loaded: &mut LoadedModel) -> Outcome<()> {
-        if !self.model.locks() {
+    pub(super) fn lock_joints(&mut self, problem: &ProblemSettings) -> Outcome<()> {
+        if !problem.model.locks() {
             return Ok(());
         }
-        let all = loaded.model.configuration_len();
-        let start = match &self.solve.start {
+        let all = self.model.configuration_len();
+        let start = match &problem.solve.start {
             // Numbers for the joints of an arm do not define the others.
-            Start::Numbers(numbers) if loaded.robot.is_some() && numbers.values.len() != all => {
-                loaded.rest()
+            Start::Numbers(numbers) if self.robot.is_some() && numbers.values.len() != all => {
+                self.rest()
             }
-            _ => self.start(loaded, None, &loaded.rest())?,
+            _ => self.start(problem, None, &self.rest())?,
         };
-        let held = self.model.held(loaded, &start)?;
-        loaded.held = Some(Box::new(held));
+        let held = held_joints(&problem.model, self, &start)?;
+        self.held = Some(Box::new(held));
         Ok(())
     }
 
     /// Reads the SRDF file, if one is given.
-    pub(crate) fn read_srdf(&self, loaded: &mut LoadedModel) -> Outcome<()> {
-        let Some(file) = &self.model.srdf else {
-            return match &self.model.group {
+    pub(crate) fn read_srdf(&mut self, settings: &ModelSettings) -> Outcome<()> {
+        let Some(file) = &settings.srdf else {
+            return match &settings.group {
                 Some(_) => Err(usage!("`group` needs `srdf`")),
                 None => Ok(()),
             };
         };
-        let Some(robot) = &loaded.robot else {
-            return Err(usage!("{}: `srdf` is for robots", loaded.file));
+        let Some(robot) = &self.robot else {
+            return Err(usage!("{}: `srdf` is for robots", self.file));
         };
-        loaded.srdf = Some(Box::new(self.model.read_srdf(file, robot)?));
+        self.srdf = Some(Box::new(read_srdf(settings, file, robot)?));
         Ok(())
     }
 
     /// Rest configuration with slightly bent knees above the held frames.
-    fn bent(&self, loaded: &LoadedModel) -> Outcome<Vec<f64>> {
-        if loaded.model.free_joints().is_empty() {
+    fn bent(&self, body: &BodySettings) -> Outcome<Vec<f64>> {
+        if self.model.free_joints().is_empty() {
             return Err(usage!(
                 "--start bent needs a free base (--base-joint free) and feet named by --hold"
             ));
         }
-        let hold = self.body.hold.iter();
+        let hold = body.hold.iter();
         let named = hold.filter(|name| *name != held_frames::NOTHING);
-        let feet = named.map(|name| loaded.frame(name, BareName::Tip));
+        let feet = named.map(|name| self.frame(name, BareName::Tip));
         let feet = feet.collect::<Result<Vec<_>, _>>()?;
-        let (parameters, up) = (
-            loaded.parameters(),
-            Vector3::UNITS[self.body.up_axis(loaded)],
-        );
-        let rest = loaded.rest();
+        let (parameters, up) = (self.parameters(), Vector3::UNITS[up_axis(body, self)]);
+        let rest = self.rest();
         Ok(crouched_configuration(
-            &loaded.model,
+            &self.model,
             &parameters,
             &feet,
             &rest,
@@ -147,40 +93,40 @@ impl Problem {
     /// `default` is the start without --start.
     pub(super) fn start(
         &self,
-        loaded: &LoadedModel,
+        problem: &ProblemSettings,
         arm: Option<JointColumns>,
         default: &[f64],
     ) -> Outcome<Vec<f64>> {
-        let start = match &self.solve.start {
+        let start = match &problem.solve.start {
             Start::Default => return Ok(default.to_vec()),
-            Start::Rest => return Ok(loaded.rest()),
-            Start::Bent => return self.bent(loaded),
-            Start::Random => loaded.model.random_configuration(self.solve.rng_seed),
+            Start::Rest => return Ok(self.rest()),
+            Start::Bent => return self.bent(&problem.body),
+            Start::Random => self.model.random_configuration(problem.solve.rng_seed),
             Start::Numbers(numbers) => {
                 let (values, degrees) = (numbers.values.as_slice(), numbers.degrees);
                 let columns = arm.filter(|columns| {
                     values.len() == columns.width()
-                        && values.len() != loaded.model.configuration_len()
+                        && values.len() != self.model.configuration_len()
                 });
                 let typed = match columns {
                     Some(columns) => columns.typed(values, degrees),
-                    None => loaded.typed_configuration(values, degrees, "--start")?,
+                    None => self.typed_configuration(values, degrees, "--start")?,
                 };
-                loaded.note_outside_limits(
+                self.note_outside_limits(
                     &typed,
                     "the search starts at the nearest values within them",
                 );
                 typed
             }
         };
-        Ok(loaded.within_limits(&start))
+        Ok(self.within_limits(&start))
     }
 }
 
 impl Job<'_> {
     /// Checks settings that depend on each other or on the subcommand.
     pub(super) fn check_settings(&self) -> Outcome<()> {
-        let Problem { goal, solve, .. } = self.problem;
+        let ProblemSettings { goal, solve, .. } = self.problem;
         if self.problem.model.clip.is_some() && self.problem.model.time.is_none() {
             return Err(usage!("`clip` needs `time`"));
         }
@@ -235,7 +181,7 @@ impl Job<'_> {
         goals: &Goals<'_>,
     ) -> Outcome<Option<&'l Robot>> {
         let problem = self.problem;
-        let general = problem.selects_general_solver()
+        let general = problem.solve.selects_general_solver()
             || problem.body.has_centre_of_mass()
             || !problem.body.level.is_empty()
             || !problem.tasks.is_empty()

@@ -1,10 +1,10 @@
 //! Relative weights of frames.
 
 use kinopt::model::{FrameId, UnknownName};
+use kinopt_bindings::problem_file::body::FrameWeight;
 
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
-use crate::problem::body::FrameWeight;
 
 /// Given weights, by frame.
 #[derive(Clone, Debug, Default)]

@@ -239,7 +239,7 @@ hello => is not JSON | line 1
 {"tip_link": "tool", "targets": [POSE], "starts": [[1]], "joint_names": ["joint1", "joint2"]} => starts[0] | 1 numbers | 2 joint_names
 {"targets": [POSE], "joint_names": [1]} => joint_names[0]
 {"targets": [POSE], "tip_link": "claw"} => `claw` | no link named
-{"targets": [POSE], "tip_link": 4} => tip_link | not a name
+{"targets": [POSE], "tip_link": 4} => tip_link | a name
 {"targets": [POSE]} => tip_link | --tip | finger_left
 {"targets": [POSE], "tip_link": "tool", "base_link": "flange"} => no free joint
 "#;

@@ -177,6 +177,43 @@ fn rig_mesh_may_be_written_as_a_scene() {
     );
 }
 
+/// The pole is twice as long as it is wide; below it, the hinge is at (1, 0, 0) without scale.
+#[test]
+fn without_scale_drops_the_scales_of_bones() {
+    let folder = Folder::new("scene-scale");
+    let bone = |name: &str, parent, translation: Vec3A, scale: Vec3A| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation,
+            scale,
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("pole", None, Vec3A::ZERO, Vec3A::new(2.0, 1.0, 1.0)),
+        bone("hinge", Some(0), Vec3A::X, Vec3A::ONE),
+        bone("end", Some(1), Vec3A::X, Vec3A::ONE),
+    ];
+    let armature = Armature::new(bones, Vec::new()).unwrap();
+    let file = folder.scene("scaled.glb", &scene(armature, Vec::new(), Vec::new()));
+    let dropped = "@model.without_scale=true";
+    for (options, x) in [("", 4.0), (dropped, 2.0)] {
+        let placed = answer!("fk {file} {options} --frame end");
+        assert_eq!(placed["frames"]["end"]["position"], json!([x, 0.0, 0.0]));
+        let info = answer!("info {file} {options}");
+        assert_eq!(info["bones"][2]["rest_position"], json!([x, 0.0, 0.0]));
+        let target = format!("--target end={x},0,0");
+        let solved = answer!("solve {file} {options} {target}");
+        assert_eq!(solved["reached"], true);
+    }
+    // The target is beyond the reach of the bones without scale.
+    let solved = answer!("solve {file} {dropped} --target end=4,0,0");
+    assert_eq!(solved["reached"], false);
+    let panda = "../models/franka_panda.urdf";
+    refused!("info {panda} {dropped}" => 2, "`without_scale` | scenes");
+}
+
 #[test]
 fn conflicting_options_are_rejected() {
     let folder = Folder::new("scene-refused");

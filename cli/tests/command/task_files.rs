@@ -91,6 +91,18 @@ fn posture_weights_distribute_the_null_space() {
     moved(&json!("by range"));
 }
 
+/// An arm with five joints misses a velocity of six components, so the weights decide how.
+#[test]
+fn weight_is_a_factor_of_the_default_weights() {
+    let moved = |weight: &str| {
+        let task = format!(
+            "[{{\"task\": \"frame velocity\", \"frame\": \"left_hand\", \"time_step_s\": 0.5, \"linear\": [0.1, 0.2, 0.3]{weight}}}]"
+        );
+        answer!("body {NAO} '@tasks={task}'")["q"].clone()
+    };
+    assert_eq!(moved(", \"weight\": 1"), moved(""));
+}
+
 #[test]
 fn invalid_task_files_are_rejected_by_location() {
     for (tasks, words) in [
@@ -117,7 +129,7 @@ fn invalid_task_files_are_rejected_by_location() {
         ),
         (
             json!([{"task": "joint coupling", "coefficients": {}}]),
-            "[0] | names no joint",
+            "joint coupling | couples no joints",
         ),
         (
             json!([{"task": "joint coupling", "coefficients": {"elbow": 1}}]),

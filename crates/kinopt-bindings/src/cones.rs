@@ -16,7 +16,6 @@ const KEYS: [&str; 5] = ["swing", "twist", "angle", "axis", "about"];
 /// bound; `angle`, `axis` and `about`. All angles are radians.
 ///
 /// # Errors
-///
 /// If a part is unknown, or has another type or range.
 pub fn cones<V: Value>(by_bone: Vec<(String, V)>) -> Result<Cones, V::Error> {
     let by_bone = by_bone.into_iter();

@@ -67,7 +67,6 @@ impl<T: Send, E: Send> Jobs<T, E> {
 /// thread calls `poll` with the number of finished jobs every `interval`; its error stops the jobs.
 ///
 /// # Errors
-///
 /// The error of the lowest job, or of `poll`.
 pub fn run<T: Send, E: Send>(
     total: usize,

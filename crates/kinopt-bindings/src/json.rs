@@ -29,6 +29,12 @@ impl std::fmt::Display for JsonError {
 
 impl std::error::Error for JsonError {}
 
+impl From<JsonError> for String {
+    fn from(error: JsonError) -> Self {
+        error.message
+    }
+}
+
 fn expected(what: &str, value: &Json, content: &str) -> JsonError {
     Json::error(
         ErrorKind::InvalidValue,
@@ -103,7 +109,9 @@ impl Value for Json {
 
     fn names(&self, what: &str) -> Result<Vec<String>, JsonError> {
         let list = items(self, what)?;
-        list.iter().map(|item| item.name(what)).collect()
+        let items = list.iter().enumerate();
+        let name = |(index, item): (usize, &Self)| item.name(&format!("{what}[{index}]"));
+        items.map(name).collect()
     }
 
     fn numbers(&self, what: &str) -> Result<Vec<f64>, JsonError> {
@@ -113,9 +121,12 @@ impl Value for Json {
 
     fn vector(&self, what: &str, length: usize) -> Result<Vec<f64>, JsonError> {
         let numbers = self.numbers(what)?;
-        match numbers.len() == length {
-            true => Ok(numbers),
-            false => Err(expected(what, self, &format!("{length} numbers"))),
+        match numbers.len() {
+            given if given == length => Ok(numbers),
+            given => Err(Self::error(
+                ErrorKind::InvalidValue,
+                format!("{what} has {given} numbers, expected {length}"),
+            )),
         }
     }
 
@@ -187,16 +198,6 @@ impl Value for Json {
         Ok(entries
             .map(|(key, value)| (key.clone(), value.clone()))
             .collect())
-    }
-
-    fn numbers_by_name(&self, what: &str, _keys: &str) -> Result<Vec<(String, f64)>, JsonError> {
-        let entries = self.entries(what)?.into_iter();
-        entries
-            .map(|(key, value)| {
-                let number = value.number(&format!("{what}.{key}"))?;
-                Ok((key, number))
-            })
-            .collect()
     }
 
     fn quantity_values(&self, what: &str) -> Result<QuantityValues, JsonError> {

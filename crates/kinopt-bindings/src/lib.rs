@@ -7,16 +7,19 @@
 //! - [`method`]: methods of solvers, with their settings
 //! - [`task`]: tasks by kind, and their targets
 //! - [`problem`]: problems with tasks and targets by name
+//! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
 //! - [`shape`]: kinds and dimensions of the shapes of links
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
-//! - [`json`]: the values and arguments of JSON, for problem files
+//! - [`json`]: the values and arguments of JSON
+//! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
 //! - [`error`]: kinds of errors
 
+pub mod clip_ik;
 pub mod cones;
 pub mod coordinate_order;
 pub mod error;
@@ -28,6 +31,8 @@ pub mod option;
 pub mod parameters;
 pub mod placement;
 pub mod problem;
+#[cfg(feature = "problem-files")]
+pub mod problem_file;
 mod quantities;
 pub mod retarget_folder;
 pub mod shape;

@@ -34,7 +34,6 @@ impl SolverMethod {
     /// Reads the method of a name from its settings; `None` for an unknown name.
     ///
     /// # Errors
-    ///
     /// If a setting has another type or is out of range, or the method does not support the limits.
     pub fn of<A: Arguments>(
         name: &str,
@@ -90,7 +89,6 @@ impl SolverMethod {
     /// Solves one query.
     ///
     /// # Errors
-    ///
     /// If the start has another length or is not finite, or the method does not support the problem.
     pub fn solve<V: Value>(
         &self,

@@ -66,7 +66,6 @@ const QUANTITIES: [Quantity; 8] = [
 /// Returns a value by its name; `kind` describes it in the message.
 ///
 /// # Errors
-///
 /// If no value has this name.
 pub fn named<T: Clone>(
     kind: &'static str,
@@ -83,7 +82,6 @@ pub fn named<T: Clone>(
 /// Returns a quantity by its name.
 ///
 /// # Errors
-///
 /// If no quantity has this name.
 pub fn quantity(name: &str) -> Result<Quantity, UnknownName> {
     let known = QUANTITIES.into_iter().find(|q| q.to_string() == name);

@@ -10,7 +10,6 @@ use crate::value::{Value, joint_of};
 /// messages.
 ///
 /// # Errors
-///
 /// If the model has no joint of a name, or a value is no number.
 pub fn lock<'m, V: Value>(
     mut builder: ParameterMapBuilder<'m>,
@@ -31,7 +30,6 @@ pub fn lock<'m, V: Value>(
 /// Narrows limits of joints.
 ///
 /// # Errors
-///
 /// If the model has no joint of a name.
 pub fn narrow<'m, V: Value>(
     mut builder: ParameterMapBuilder<'m>,
@@ -48,7 +46,6 @@ pub fn narrow<'m, V: Value>(
 /// is the name of that option.
 ///
 /// # Errors
-///
 /// If the model has no joint of a name, or a configuration is given without names.
 pub fn only<'m, V: Value>(
     builder: ParameterMapBuilder<'m>,

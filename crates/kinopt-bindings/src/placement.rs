@@ -8,7 +8,6 @@ const LAST_ROW_TOLERANCE: f64 = 1e-9;
 /// Reads sixteen numbers, row-major.
 ///
 /// # Errors
-///
 /// Returns the last row of the matrix if it is not 0 0 0 1.
 pub fn of_rows(m: &[f64; 16]) -> Result<Placement<f64>, [f64; 4]> {
     let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
@@ -18,7 +17,6 @@ pub fn of_rows(m: &[f64; 16]) -> Result<Placement<f64>, [f64; 4]> {
 /// Reads sixteen numbers, column-major.
 ///
 /// # Errors
-///
 /// Returns the last row of the matrix if it is not 0 0 0 1.
 pub fn of_columns(m: &[f64; 16]) -> Result<Placement<f64>, [f64; 4]> {
     let column = |j: usize| Vector3::new(m[4 * j], m[4 * j + 1], m[4 * j + 2]);

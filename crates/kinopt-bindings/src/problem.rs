@@ -33,7 +33,6 @@ impl<V: Value> NamedProblem<V> {
     /// Checks the index of a task.
     ///
     /// # Errors
-    ///
     /// If the problem has fewer tasks.
     pub fn task_at(&self, index: usize) -> Result<usize, V::Error> {
         match index < self.tasks.len() {
@@ -51,7 +50,6 @@ impl<V: Value> NamedProblem<V> {
     /// Index of the task of a name.
     ///
     /// # Errors
-    ///
     /// If no task has this name, or several have it.
     pub fn task_named(&self, name: &str) -> Result<usize, V::Error> {
         let names: Vec<&str> = self.task_names().collect();
@@ -72,7 +70,6 @@ impl<V: Value> NamedProblem<V> {
     /// Converts a target of a task.
     ///
     /// # Errors
-    ///
     /// If the value is no target of the task.
     pub fn read(&self, task: usize, value: &V) -> Result<Move<V>, V::Error> {
         let name = self.inner.task_name(task).unwrap_or_default();
@@ -82,7 +79,6 @@ impl<V: Value> NamedProblem<V> {
     /// Targets of the problem with some of them moved.
     ///
     /// # Errors
-    ///
     /// If a target is invalid.
     pub fn targets_with<'a>(
         &self,
@@ -101,7 +97,6 @@ impl<V: Value> NamedProblem<V> {
     /// Problem instance with these targets.
     ///
     /// # Errors
-    ///
     /// If the targets are those of another problem.
     pub fn instance<'a>(&'a self, targets: &'a Targets) -> Result<ProblemInstance<'a>, V::Error> {
         self.inner.with_targets(targets).or_raise::<V>()
@@ -110,7 +105,6 @@ impl<V: Value> NamedProblem<V> {
     /// Variables of a configuration of `model`, the model of the problem.
     ///
     /// # Errors
-    ///
     /// If the problem does not allow the configuration.
     pub fn variables_of(&self, model: &Model, q: &[f64]) -> Result<Vec<f64>, V::Error> {
         let map = self.inner.parameters();

@@ -44,42 +44,36 @@ pub trait Value: Sized {
     /// Reads a number.
     ///
     /// # Errors
-    ///
     /// If the value is no number.
     fn number(&self, what: &str) -> Result<f64, Self::Error>;
 
     /// Reads a whole number from 0 to `max`.
     ///
     /// # Errors
-    ///
     /// If the value is no whole number within the range.
     fn whole(&self, what: &str, max: u64) -> Result<u64, Self::Error>;
 
     /// Reads a boolean.
     ///
     /// # Errors
-    ///
     /// If the value is no boolean.
     fn switch(&self, what: &str) -> Result<bool, Self::Error>;
 
     /// Reads a time limit in seconds.
     ///
     /// # Errors
-    ///
     /// If the value is no finite number of at least 0.
     fn time_limit(&self, what: &str) -> Result<Duration, Self::Error>;
 
     /// Reads the name of an object or of an enum variant.
     ///
     /// # Errors
-    ///
     /// If the value is no string.
     fn name(&self, what: &str) -> Result<String, Self::Error>;
 
     /// Reads a name of a value, such as a search; any other value is converted to text.
     ///
     /// # Errors
-    ///
     /// If the value has no text.
     fn word(&self, what: &str) -> Result<String, Self::Error> {
         self.name(what)
@@ -88,28 +82,24 @@ pub trait Value: Sized {
     /// Reads a list of names.
     ///
     /// # Errors
-    ///
     /// If the value is no list of strings.
     fn names(&self, what: &str) -> Result<Vec<String>, Self::Error>;
 
     /// Reads a list of numbers.
     ///
     /// # Errors
-    ///
     /// If the value is no list of numbers.
     fn numbers(&self, what: &str) -> Result<Vec<f64>, Self::Error>;
 
     /// Reads a list of `length` numbers.
     ///
     /// # Errors
-    ///
     /// If the value is no list of numbers, or has another length.
     fn vector(&self, what: &str, length: usize) -> Result<Vec<f64>, Self::Error>;
 
     /// Reads `N` numbers.
     ///
     /// # Errors
-    ///
     /// As [`vector`](Self::vector).
     fn array<const N: usize>(&self, what: &str) -> Result<[f64; N], Self::Error> {
         let mut array = [0.0; N];
@@ -120,70 +110,68 @@ pub trait Value: Sized {
     /// Reads two positions: a table of shape (2, 3), or six numbers.
     ///
     /// # Errors
-    ///
     /// If the value is not two positions.
     fn two_points(&self, what: &str) -> Result<[[f64; 3]; 2], Self::Error>;
 
     /// Reads a list of positions.
     ///
     /// # Errors
-    ///
     /// If the value is no list of positions.
     fn points(&self, what: &str) -> Result<Vec<Vector3<f64>>, Self::Error>;
 
     /// Reads a placement.
     ///
     /// # Errors
-    ///
     /// If the value is no placement.
     fn placement(&self, what: &str) -> Result<Placement<f64>, Self::Error>;
 
     /// Reads a rotation, or that of a placement.
     ///
     /// # Errors
-    ///
     /// If the value is no rotation.
     fn rotation(&self, what: &str) -> Result<Matrix3<f64>, Self::Error>;
 
     /// Reads goal bounds.
     ///
     /// # Errors
-    ///
     /// If the value is no goal bounds.
     fn pose_bounds(&self, what: &str) -> Result<PoseBounds, Self::Error>;
 
     /// Reads a camera.
     ///
     /// # Errors
-    ///
     /// If the value is no camera.
     fn camera(&self, what: &str) -> Result<Camera, Self::Error>;
 
     /// Reads a mass in kilograms, with an optional position in metres in its frame.
     ///
     /// # Errors
-    ///
     /// If the value is no mass.
     fn mass(&self, what: &str) -> Result<(f64, [f64; 3]), Self::Error>;
 
     /// Reads values by name.
     ///
     /// # Errors
-    ///
     /// If the value has no names.
     fn entries(&self, what: &str) -> Result<Vec<(String, Self)>, Self::Error>;
 
-    /// Reads numbers by name; `keys` describes a name in messages.
+    /// Reads numbers by name; `_keys` describes a name in messages.
     ///
     /// # Errors
-    ///
     /// If the value has no names, or one of its values is no number.
-    fn numbers_by_name(&self, what: &str, keys: &str) -> Result<Vec<(String, f64)>, Self::Error>;
+    fn numbers_by_name(&self, what: &str, _keys: &str) -> Result<Vec<(String, f64)>, Self::Error> {
+        let entries = self.entries(what)?.into_iter();
+        entries
+            .map(|(key, value)| {
+                let number = value.number(&format!("{what}.{key}"))?;
+                Ok((key, number))
+            })
+            .collect()
+    }
 
     /// Reads lower and upper bounds by name.
     ///
     /// # Errors
-    ///
     /// If the value has no names, or one of its values is not two numbers.
     fn ranges(&self, what: &str) -> Result<Ranges, Self::Error> {
         let entries = self.entries(what)?.into_iter();
@@ -198,7 +186,6 @@ pub trait Value: Sized {
     /// Reads a number for all quantities, or numbers by quantity.
     ///
     /// # Errors
-    ///
     /// If the value has other content.
     fn quantity_values(&self, what: &str) -> Result<QuantityValues, Self::Error>;
 }
@@ -211,21 +198,18 @@ pub trait Arguments {
     /// The argument, or `None` if it is missing. Names are in snake case.
     ///
     /// # Errors
-    ///
     /// If the language cannot read the argument.
     fn get(&self, name: &str) -> Result<Option<Self::Value>, ErrorOf<Self>>;
 
     /// The argument.
     ///
     /// # Errors
-    ///
     /// If the argument is missing.
     fn required(&self, name: &str) -> Result<Self::Value, ErrorOf<Self>>;
 
     /// The frame that an argument names.
     ///
     /// # Errors
-    ///
     /// If the argument is missing, or names no frame of the model.
     fn frame(&self, model: &Model, name: &str) -> Result<FrameId, ErrorOf<Self>> {
         frame_of(&self.required(name)?, model, name)
@@ -234,7 +218,6 @@ pub trait Arguments {
     /// The frame that an argument names, if it is given.
     ///
     /// # Errors
-    ///
     /// If the argument names no frame of the model.
     fn optional_frame(&self, model: &Model, name: &str) -> Result<Option<FrameId>, ErrorOf<Self>> {
         let value = self.get(name)?;
@@ -244,7 +227,6 @@ pub trait Arguments {
     /// The number of an argument.
     ///
     /// # Errors
-    ///
     /// If the argument is missing, or no number.
     fn number(&self, name: &str) -> Result<f64, ErrorOf<Self>> {
         self.required(name)?.number(&label(self, name))
@@ -253,7 +235,6 @@ pub trait Arguments {
     /// The number of an argument, or a default.
     ///
     /// # Errors
-    ///
     /// If the argument is no number.
     fn number_or(&self, name: &str, default: f64) -> Result<f64, ErrorOf<Self>> {
         let value = self.get(name)?;
@@ -263,7 +244,6 @@ pub trait Arguments {
     /// The `N` numbers of an argument.
     ///
     /// # Errors
-    ///
     /// If the argument is missing, or has other content.
     fn array<const N: usize>(&self, name: &str) -> Result<[f64; N], ErrorOf<Self>> {
         self.required(name)?.array(&label(self, name))
@@ -272,7 +252,6 @@ pub trait Arguments {
     /// The `N` numbers of an argument, if it is given.
     ///
     /// # Errors
-    ///
     /// If the argument has other content.
     fn optional_array<const N: usize>(
         &self,
@@ -287,7 +266,6 @@ pub trait Arguments {
     /// The placement of an argument.
     ///
     /// # Errors
-    ///
     /// If the argument is missing, or no placement.
     fn placement(&self, name: &str) -> Result<Placement<f64>, ErrorOf<Self>> {
         self.required(name)?.placement(&label(self, name))
@@ -296,7 +274,6 @@ pub trait Arguments {
     /// The entries of an argument by name; none if it is missing.
     ///
     /// # Errors
-    ///
     /// If the argument has no names.
     fn entries(&self, name: &str) -> Result<Vec<(String, Self::Value)>, ErrorOf<Self>> {
         let value = self.get(name)?;
@@ -327,7 +304,6 @@ pub trait OrRaise<T> {
     /// Returns the value, or an error of the language with the library's message.
     ///
     /// # Errors
-    ///
     /// If the result is an error.
     fn or_raise<V: Value>(self) -> Result<T, V::Error>;
 }

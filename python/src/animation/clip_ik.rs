@@ -3,12 +3,12 @@
 use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature as Bones, Clip as Motion};
 use kinopt::glam::{DVec3, Vec3};
 use kinopt::motion::clip_ik::{ClipIk, EditedClip as Edited, Reach, ground_speed};
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::Vector3;
+use kinopt_bindings::clip_ik::reach_curve;
 use pyo3::prelude::*;
 
 use super::clip::Clip;
@@ -225,20 +225,14 @@ fn reach(object: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult
             let rows = arrays::rows(&target, "the target of a reach", 3)?;
             let points: Vec<DVec3> = rows.chunks_exact(3).map(DVec3::from_slice).collect();
             let times = match times.is_none() {
-                false => arrays::vector_of(&times, "the times of a reach", points.len())?.to_vec(),
-                true => {
-                    let (from, to) = span.unwrap_or_else(|| {
-                        let [from, to] = clip.span().map(f64::from);
-                        (from, to)
-                    });
-                    let steps = points.len().saturating_sub(1).max(1) as f64;
-                    let moments = 0..points.len();
-                    moments
-                        .map(|k| from + (to - from) * k as f64 / steps)
-                        .collect()
+                true => None,
+                false => {
+                    let times = arrays::vector_of(&times, "the times of a reach", points.len())?;
+                    Some(times.to_vec())
                 }
             };
-            Reach::along(bone, KeyedCurve::catmull_rom(times, points).or_raise()?)
+            let span = span.map_or_else(|| clip.span().map(f64::from), <[f64; 2]>::from);
+            Reach::along(bone, reach_curve(points, times, span).or_raise()?)
         }
     };
     if let Some((from, to)) = span {

@@ -6,10 +6,12 @@ use std::path::PathBuf;
 use kinopt_bindings::Classify;
 use kinopt_bindings::retarget_folder::{FolderError, FolderSettings, MotionFolder};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use super::request::{Options, foot_shapes_of, read_map, target_of};
+use super::request::{foot_shapes_of, margin, read_map, retarget_options, target_of, world};
 use super::up_axis::up_axis;
 use crate::error::{OrRaise, raise};
+use crate::object::Options;
 
 /// Options of reading files and of solving trajectories as a whole.
 #[derive(FromPyObject)]
@@ -33,15 +35,16 @@ pub(super) fn folder_begun(
     map: Option<&str>,
     skeleton: Option<&str>,
     reading: ReadOptions,
-    options: Options,
+    options: &Bound<'_, PyDict>,
     overwrite: bool,
 ) -> PyResult<Vec<BegunFile>> {
     let robot = target_of(target)?;
     let up = reading.up.as_deref().map(up_axis).transpose()?;
-    let mut retarget_options = options.read(up.unwrap_or_default());
+    let options = Options(options);
+    let mut retarget_options = retarget_options(&options, up.unwrap_or_default())?;
     retarget_options.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
-    let world = options.world(target.py())?;
+    let world = world(&options)?;
     let request = FolderSettings::new(&robot, retarget_options)
         .with_map(map.as_ref())
         .with_skeleton(skeleton)
@@ -50,7 +53,7 @@ pub(super) fn folder_begun(
         .with_up(up)
         .with_clip(reading.clip.as_deref())
         .with_whole(reading.whole)
-        .with_keep_clear(options.margin()?)
+        .with_keep_clear(margin(&options)?)
         .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
     let movements = MotionFolder::find(&source, &into, "npz").or_raise()?;

@@ -6,9 +6,10 @@ use kinopt::motion::retarget::LiveFollower;
 use kinopt::spatial::Vector3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::capture::Capture;
-use super::request::{Options, RetargetRequest, raised};
+use super::request::{RetargetRequest, raised};
 use crate::arrays;
 use crate::error::OrRaise;
 
@@ -29,9 +30,9 @@ impl Live {
         capture: &Bound<'_, Capture>,
         target: &Bound<'_, PyAny>,
         map: &str,
-        options: Options,
+        options: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let request = RetargetRequest::read(capture, target, map, &options)?;
+        let request = RetargetRequest::read(capture, target, map, options)?;
         let follower = py.detach(|| request.fitted()?.live());
         Ok(Self {
             follower: Mutex::new(follower.map_err(raised)?),

@@ -10,9 +10,10 @@ use kinopt::motion::trajectory::MotionBound;
 use kinopt::solver::Side;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::capture::Capture;
-use super::request::{Options, RetargetRequest, raised};
+use super::request::{RetargetRequest, raised};
 use crate::arrays;
 use crate::error::invalid;
 
@@ -100,10 +101,10 @@ pub(super) fn capture_retargeted<'py>(
     target: &Bound<'py, PyAny>,
     map: &str,
     whole: bool,
-    options: Options,
+    options: &Bound<'py, PyDict>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<MovementParts<'py>> {
-    let request = RetargetRequest::read(capture, target, map, &options)?;
+    let request = RetargetRequest::read(capture, target, map, options)?;
     let retargeted = while_listening(py, progress, |cancelled, done| {
         let retargeting = request.fitted()?.with_cancellation(cancelled);
         let frames = retargeting.frames();

@@ -7,14 +7,16 @@ use kinopt::motion::retarget::{
     self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
 use kinopt::robot::Robot;
-use kinopt_bindings::Classify;
+use kinopt_bindings::{Arguments, Classify, Value, option};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::capture::Capture;
 use super::figure_target::FigureTarget;
 use crate::error::{OrRaise, invalid, raise};
 use crate::has_model::model_of;
 use crate::model::Model;
+use crate::object::Options;
 use crate::world::World;
 
 /// Target of retargeting as a robot: a skeleton is put on a free base.
@@ -33,64 +35,52 @@ pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     Ok(Arc::new(robot))
 }
 
-/// Options of retargeting.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(super) struct Options {
-    contact_speed: Option<f64>,
-    contact_height: Option<f64>,
-    acceleration: Option<f64>,
-    keep_clear: Option<f64>,
-    world: Option<Py<PyAny>>,
-    margin: Option<f64>,
+/// Margin of collision avoidance, metres; `None` disables it. `keep_clear` is another name of `margin`.
+pub(super) fn margin(options: &Options<'_, '_>) -> PyResult<Option<f64>> {
+    let number = |name: &str| {
+        let value = options.get(name)?;
+        value.map(|value| value.number(name)).transpose()
+    };
+    match (number("keep_clear")?, number("margin")?) {
+        (Some(_), Some(_)) => Err(invalid(
+            "keep_clear and margin are both the smallest distance of links: give one of them",
+        )),
+        (keep_clear, margin) => {
+            let default = options.get("world")?.map(|_| 0.0);
+            Ok(keep_clear.or(margin).or(default))
+        }
+    }
 }
 
-impl Options {
-    /// Margin of collision avoidance, metres; `None` disables it. `keep_clear` is another name of `margin`.
-    pub(super) fn margin(&self) -> PyResult<Option<f64>> {
-        match (self.keep_clear, self.margin) {
-            (Some(_), Some(_)) => Err(invalid(
-                "keep_clear and margin are both the smallest distance of links: give one of them",
-            )),
-            (keep_clear, margin) => Ok(keep_clear
-                .or(margin)
-                .or(self.world.is_some().then_some(0.0))),
-        }
+/// Obstacles, copied at this moment.
+pub(super) fn world(options: &Options<'_, '_>) -> PyResult<Option<collision::World>> {
+    let value = options.0.get_item("world")?;
+    let Some(value) = value.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    match value.cast::<World>() {
+        Ok(world) => Ok(Some(world.get().snapshot())),
+        Err(_) => Err(invalid(format!(
+            "world must be a kinopt.World, not {value}"
+        ))),
     }
+}
 
-    /// Obstacles, copied at this moment.
-    pub(super) fn world(&self, py: Python<'_>) -> PyResult<Option<collision::World>> {
-        let Some(value) = &self.world else {
-            return Ok(None);
-        };
-        let value = value.bind(py);
-        match value.cast::<World>() {
-            Ok(world) => Ok(Some(world.get().snapshot())),
-            Err(_) => Err(invalid(format!(
-                "world must be a kinopt.World, not {value}"
-            ))),
-        }
-    }
-
-    pub(super) fn read(&self, up: UpAxis) -> RetargetOptions {
-        let mut options = RetargetOptions::default().with_up(up);
-        let contacts = &mut options.contacts;
-        contacts.speed = self.contact_speed.unwrap_or(contacts.speed);
-        contacts.height = self.contact_height.unwrap_or(contacts.height);
-        options.acceleration = self.acceleration.unwrap_or(options.acceleration);
-        options
-    }
+/// Reads the options of the library.
+pub(super) fn retarget_options(options: &Options<'_, '_>, up: UpAxis) -> PyResult<RetargetOptions> {
+    let defaults = RetargetOptions::default().with_up(up);
+    option::apply(options, &option::retarget::options(), defaults)
 }
 
 /// Collision checker of a robot with the given margin; `None` without collision avoidance.
-fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<Checker>> {
-    let Some(margin) = options.margin()? else {
+fn checker_of(target: &Bound<'_, PyAny>, options: &Options<'_, '_>) -> PyResult<Option<Checker>> {
+    let Some(margin) = margin(options)? else {
         return Ok(None);
     };
     let robot = target.cast::<crate::robot::Robot>();
     let robot = robot
         .map_err(|_| invalid("keep_clear, world and margin need a Robot with collision shapes"))?;
-    let world = options.world(target.py())?.unwrap_or_default();
+    let world = world(options)?.unwrap_or_default();
     let checker = robot.get().checker()?.with_world(&world).or_raise()?;
     Ok(Some(checker.with_margin(margin).or_raise()?))
 }
@@ -135,15 +125,16 @@ impl RetargetRequest {
         capture: &Bound<'_, Capture>,
         target: &Bound<'_, PyAny>,
         map: &str,
-        requested: &Options,
+        requested: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let robot = target_of(target)?;
-        let mut options = requested.read(capture.get().up);
+        let requested = Options(requested);
+        let mut options = retarget_options(&requested, capture.get().up)?;
         options.shapes = foot_shapes_of(target);
         Ok(Self {
             capture: Arc::clone(&capture.get().inner),
             map: read_map(map, &robot)?,
-            checker: checker_of(target, requested)?,
+            checker: checker_of(target, &requested)?,
             robot,
             options,
         })

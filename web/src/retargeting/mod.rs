@@ -6,6 +6,7 @@ mod movement;
 use kinopt::collision::Checker;
 use kinopt::model::UnknownName;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
+use kinopt_bindings::option;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
@@ -105,10 +106,8 @@ impl Mapped {
         };
         let guess = guess.map_err(raise)?;
         let up = given_up_axis.or(capture.up_axis()).unwrap_or(UpAxis::Y);
-        let mut retarget_options = RetargetOptions::default().with_up(up);
-        let contacts = &mut retarget_options.contacts;
-        contacts.speed = options.number("contactSpeed")?.unwrap_or(contacts.speed);
-        contacts.height = options.number("contactHeight")?.unwrap_or(contacts.height);
+        let defaults = RetargetOptions::default().with_up(up);
+        let retarget_options = option::apply(options, &option::retarget::options(), defaults)?;
         Ok(Self {
             capture,
             map: guess.map,

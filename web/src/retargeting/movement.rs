@@ -93,9 +93,6 @@ fn solve(
     if let Some((shapes, world)) = obstacles {
         mapped.clear = Some(shapes.checker(world, options.number("margin")?)?);
     }
-    if let Some(acceleration) = options.number("acceleration")? {
-        mapped.options.acceleration = acceleration;
-    }
     let progress = match options.get("progress") {
         None => None,
         Some(progress) => {

@@ -9,6 +9,7 @@ pub(crate) mod track;
 use self::summary::Outcomes;
 use super::backend::QueryBackend;
 use super::job::{Job, Mode};
+use super::obstacles::given;
 use super::query::Query;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -72,7 +73,7 @@ fn answer<'b>(
         answers,
         jumps,
         tasks: backend.tasks(),
-        keeps_clear: job.problem.collisions.given().is_some(),
+        keeps_clear: given(&job.problem.collisions).is_some(),
         batch_micros,
     })
 }

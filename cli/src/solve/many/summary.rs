@@ -7,7 +7,7 @@ use super::super::report::{self, Report};
 use crate::jump_document::JumpDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
-use crate::problem::task_name::TaskName;
+use crate::solve::task_name::TaskName;
 
 /// Largest number of unreached targets and jumps that the text explains.
 const MAX_EXPLAINED: usize = 3;

@@ -171,7 +171,6 @@ pub fn options<'m>() -> [OptionSpec<ArmBuilder<'m>>; 23] {
 /// of `held`.
 ///
 /// # Errors
-///
 /// If an option has another type, or names an unknown value.
 pub fn apply<'m, A: Arguments>(
     builder: ArmBuilder<'m>,

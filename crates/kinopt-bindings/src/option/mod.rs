@@ -1,10 +1,11 @@
 //! Options by name, with type, range, default and documentation.
 //!
-//! An option is one row of a table: [`arm`], [`path`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
+//! An option is one row of a table: [`arm`], [`path`], [`retarget`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
 //! that row.
 
 pub mod arm;
 pub mod path;
+pub mod retarget;
 pub mod robot;
 pub mod servo;
 pub mod solver;
@@ -68,7 +69,6 @@ impl<B> OptionSpec<B> {
 /// Applies all given options of a table to `target`.
 ///
 /// # Errors
-///
 /// If an option has another type, or names an unknown value.
 pub fn apply<A: Arguments, B>(
     arguments: &A,
@@ -123,7 +123,6 @@ pub fn documentation<B>(options: &[OptionSpec<B>]) -> String {
 /// Checks the name of an option; `kind` describes it in the message.
 ///
 /// # Errors
-///
 /// If the table has no option of this name.
 pub fn check_name<B>(
     kind: &'static str,

@@ -153,7 +153,6 @@ impl PathOptions {
     /// Reads the options except tools.
     ///
     /// # Errors
-    ///
     /// If an option has another type, or names an unknown value.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         super::apply(arguments, &options(), Self::default())
@@ -162,7 +161,6 @@ impl PathOptions {
     /// The path with the times, tools and traversal of the options.
     ///
     /// # Errors
-    ///
     /// If the path has another number of points, or times do not ascend.
     pub fn path<V: Value>(&self, mut path: CartesianPath) -> Result<CartesianPath, V::Error> {
         if let Some(times) = &self.times {
@@ -177,7 +175,6 @@ impl PathOptions {
     /// Solves a path of [`path`](Self::path) with the tools of further arms.
     ///
     /// # Errors
-    ///
     /// If an option is out of range.
     pub fn solve<'a>(
         &self,

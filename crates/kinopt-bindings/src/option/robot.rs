@@ -96,7 +96,6 @@ impl RobotOptions {
     /// Reads the options.
     ///
     /// # Errors
-    ///
     /// If an option has another type, or names an unknown value.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         super::apply(arguments, &options(), Self::default())
@@ -105,7 +104,6 @@ impl RobotOptions {
     /// Reads a robot from the text of its file, without its base joint; `file` is its name in messages.
     ///
     /// # Errors
-    ///
     /// If the file is malformed.
     pub fn parse<V: Value>(&self, text: &str, file: &str) -> Result<Robot, V::Error> {
         let mut reader = Robot::reader();
@@ -121,7 +119,6 @@ impl RobotOptions {
     /// The robot with the limits of the options.
     ///
     /// # Errors
-    ///
     /// If a joint has no value within all its limits.
     pub fn limited<V: Value>(&self, mut robot: Robot) -> Result<Robot, V::Error> {
         if self.soft_limits {
@@ -138,7 +135,6 @@ impl BaseSettings {
     /// The robot on this base.
     ///
     /// # Errors
-    ///
     /// If the kind or an axis is unknown, or bounds are empty.
     pub fn of<V: Value>(&self, robot: Robot) -> Result<Robot, V::Error> {
         let kind = self.joint.as_deref().unwrap_or("fixed");

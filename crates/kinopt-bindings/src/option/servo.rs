@@ -101,7 +101,6 @@ impl ServoOptions {
     /// Reads the options.
     ///
     /// # Errors
-    ///
     /// If an option has another type.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         super::apply(arguments, &options(), Self::default())
@@ -110,7 +109,6 @@ impl ServoOptions {
     /// Applies the options to a servo.
     ///
     /// # Errors
-    ///
     /// If an option is out of range.
     pub fn apply<'a, V: Value>(&self, servo: Servo<'a>) -> Result<Servo<'a>, V::Error> {
         let mut servo = servo;

@@ -120,7 +120,6 @@ impl SolverOptions {
     /// Reads the options except `patience`.
     ///
     /// # Errors
-    ///
     /// If an option has another type.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         super::apply(arguments, &options(), Self::default())

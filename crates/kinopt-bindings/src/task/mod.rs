@@ -28,7 +28,7 @@ pub const KINDS: [(&str, &[&str]); 18] = [
     ("point", &["frame", "target", "at", "base"]),
     ("pose", &["frame", "target", "tool", "goal", "base"]),
     ("orientation", &["frame", "target", "base"]),
-    ("look-at", &["frame", "axis", "target"]),
+    ("look at", &["frame", "axis", "target"]),
     (
         "gaze",
         &["frame", "axis", "half_angle", "target", "direction"],
@@ -70,7 +70,6 @@ pub trait TaskBuilder<V: Value> {
     /// Adds a task; `residual` is its residual.
     ///
     /// # Errors
-    ///
     /// If the object has invalid values for the task.
     fn add_task<R>(&mut self, task: Task<R>, residual: R) -> Result<BoxedTask<V>, V::Error>
     where
@@ -94,7 +93,6 @@ pub trait Visit<V: Value> {
     /// Calls the function.
     ///
     /// # Errors
-    ///
     /// Those of the function.
     fn visit<R>(self, residual: R) -> Result<BoxedTask<V>, V::Error>
     where

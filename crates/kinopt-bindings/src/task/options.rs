@@ -9,19 +9,24 @@ use crate::value::{Arguments, ErrorOf, OrRaise, Value};
 /// Common options of a task; `None` is the default.
 #[derive(Clone, Debug, Default)]
 pub struct TaskOptions {
-    name: Option<String>,
-    weight: Option<QuantityValues>,
-    scale: Option<f64>,
-    tolerance: Option<QuantityValues>,
-    role: Option<Role>,
-    level: Option<u64>,
+    /// Name of the task.
+    pub name: Option<String>,
+    /// Weights of the errors.
+    pub weight: Option<QuantityValues>,
+    /// Factor of all weights.
+    pub scale: Option<f64>,
+    /// Tolerances of the errors.
+    pub tolerance: Option<QuantityValues>,
+    /// Role in the problem.
+    pub role: Option<Role>,
+    /// Priority level.
+    pub level: Option<u64>,
 }
 
 impl TaskOptions {
     /// Reads the options.
     ///
     /// # Errors
-    ///
     /// If an option has another type, or a role or quantity is unknown.
     pub fn of<A: Arguments>(arguments: &A) -> Result<Self, ErrorOf<A>> {
         let name = arguments.get("name")?.map(|value| value.name("name"));

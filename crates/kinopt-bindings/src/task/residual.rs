@@ -11,7 +11,6 @@ use crate::value::{Arguments, ErrorOf, Value};
 /// Converts the residual of a task of a kind of [`KINDS`](super::KINDS), except `bounded`.
 ///
 /// # Errors
-///
 /// If an argument is missing or has another type, a frame or joint is unknown, or the kind is unknown.
 pub fn residual<A: Arguments>(
     arguments: &A,
@@ -53,7 +52,7 @@ pub fn residual<A: Arguments>(
                 None => orientation,
             })
         }
-        "look-at" => {
+        "look at" => {
             let (axis, target) = (
                 arguments.array::<3>("axis")?,
                 arguments.array::<3>("target")?,

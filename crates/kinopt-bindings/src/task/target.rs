@@ -23,7 +23,6 @@ pub trait Goal<V: Value>: Sized + Send + Sync + 'static {
     /// Converts a target; `what` names it in messages.
     ///
     /// # Errors
-    ///
     /// If the value is no target of this type.
     fn read(value: &V, what: &str) -> Result<Self, V::Error>;
 }
@@ -36,7 +35,6 @@ pub trait Target: Residual {
     /// Sets the target.
     ///
     /// # Errors
-    ///
     /// If the target has another number of elements.
     fn aim(&mut self, goal: &Self::Goal) -> Result<(), SizeMismatch>;
 }
@@ -85,7 +83,6 @@ pub trait AnyTask<V: Value>: Send + Sync {
     /// invalid one leaves the task unchanged.
     ///
     /// # Errors
-    ///
     /// If the value is no target of the task.
     fn read(&self, value: &V, what: &str) -> Result<Move<V>, V::Error>;
 }
@@ -108,7 +105,6 @@ where
 /// The residual with another target, validated. `what` and `separator` precede a message.
 ///
 /// # Errors
-///
 /// If the target is invalid.
 pub fn moved<V: Value, R: Target>(
     residual: &R,

@@ -3,6 +3,7 @@
 use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
 use super::independent_limbs::IndependentLimbs;
+use super::out_of_reach::min_cost as min_cost_of;
 use super::schedule::{Schedule, Trial};
 use super::search_result::SearchResult;
 use crate::problem::{ProblemInstance, TaskSubset};
@@ -75,9 +76,16 @@ pub fn run(
     } = search;
     keeper.begin(schedule);
     hops.begin();
+    let mut min_cost = None;
     for trial in schedule.trials() {
         if !keeper.is_useful(trial, schedule) {
             continue;
+        }
+        if keeper.result.attempts > 0 && schedule.may_end_at_optimum(trial) {
+            let min_cost = *min_cost.get_or_insert_with(|| min_cost_of(instance, subset));
+            if min_cost > 0.0 && keeper.is_optimal(min_cost) {
+                continue;
+            }
         }
         if keeper.result.attempts > 0 && is_late() {
             keeper.cut(Termination::TimeLimit);

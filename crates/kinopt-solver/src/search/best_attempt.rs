@@ -70,6 +70,11 @@ impl Keeper {
         }
     }
 
+    /// Reports whether no other attempt can replace the best one, because no cost is below `min_cost`.
+    pub(super) fn is_optimal(&self, min_cost: f64) -> bool {
+        self.result.cost * (1.0 - MIN_COST_REDUCTION) <= min_cost
+    }
+
     /// Reports whether `count` attempts agree with the lowest cost.
     fn enough_agree(&self, count: usize) -> bool {
         let max_agreeing_cost = self.result.cost * (1.0 + AGREEMENT_TOLERANCE);

@@ -1,7 +1,7 @@
 //! Detection of targets that are provably out of reach.
 
 use super::Solution;
-use crate::problem::{CompiledTask, ProblemInstance};
+use crate::problem::{CompiledTask, ProblemInstance, TaskSubset};
 use crate::task::{FrameGoal, Quantity, Role};
 
 /// A required task whose target is farther from the start of its chain than the chain is long.
@@ -30,6 +30,28 @@ impl Solution {
     }
 }
 
+/// Lower bound of the cost of some tasks, from required targets that are provably unreachable; 0 without one.
+pub(super) fn min_cost(instance: ProblemInstance<'_>, subset: TaskSubset) -> f64 {
+    let tasks = instance.problem.tasks_of(subset);
+    let goals = tasks.filter(|(_, task, _)| task.role == Role::Goal);
+    let costs = goals.filter_map(|(index, task, _)| {
+        let OutOfReach {
+            distance, reach, ..
+        } = out_of_reach(instance, index, task)?;
+        let (weight, _) = weight_and_tolerance(task)?;
+        let error = weight * (distance - reach);
+        Some(0.5 * error * error)
+    });
+    costs.sum()
+}
+
+/// Weight and tolerance of the position of a task.
+fn weight_and_tolerance(task: &CompiledTask) -> Option<(f64, f64)> {
+    let mut blocks = task.blocks().filter(|block| block.can_be_unreached());
+    let block = blocks.find(|block| block.measure.quantity == Quantity::Metres)?;
+    Some((block.weight, block.tolerance))
+}
+
 fn out_of_reach(
     instance: ProblemInstance<'_>,
     index: usize,
@@ -42,10 +64,9 @@ fn out_of_reach(
         position, offset, ..
     } = FrameGoal::of_residual(residual)?;
     let target = position?;
-    let mut checked_blocks = task.blocks().filter(|block| block.can_be_unreached());
-    let position_block = checked_blocks.find(|block| block.measure.quantity == Quantity::Metres)?;
+    let (_, tolerance) = weight_and_tolerance(task)?;
     let anchor = problem.anchor(index)?;
-    let (distance, reach) = anchor.falls_short_of(target, offset, position_block.tolerance)?;
+    let (distance, reach) = anchor.falls_short_of(target, offset, tolerance)?;
     Some(OutOfReach {
         task: index,
         distance,

@@ -178,6 +178,12 @@ impl Schedule {
             })
     }
 
+    /// Reports whether a trial is useless after an attempt at the proven lower bound of the cost: another start, unless
+    /// the caller set a number of agreeing attempts.
+    pub(super) fn may_end_at_optimum(&self, trial: Trial) -> bool {
+        self.restarts.agreeing.is_none() && matches!(trial, Trial::Quick(_) | Trial::Full(_))
+    }
+
     /// Number of agreeing attempts that end the search.
     pub(super) fn agreement_limit(&self) -> usize {
         let default_limit = match self.kind {

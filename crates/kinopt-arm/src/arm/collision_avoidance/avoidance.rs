@@ -42,6 +42,8 @@ impl CollisionAvoidance {
             seeds: Vec::new(),
             targets: Vec::new(),
             exact_checks_left: 0,
+            contacts: None,
+            trial_contacts: None,
             deadline: None,
         }
     }

@@ -9,7 +9,7 @@ use kinopt_kinematics::clock::Instant;
 const RESERVED_LIMIT_DIVISOR: u128 = 3;
 
 /// After as many checks a duration that was not reached again has shrunk to a third.
-const DECAY_CHECKS: u64 = 64;
+const DECAY_CHECKS: u64 = 256;
 
 /// Longest duration of recent checks of all pairs, nanoseconds.
 #[derive(Debug, Default)]

@@ -29,7 +29,7 @@ impl CollisionAvoidance {
     }
 
     /// Returns the distance of the nearest pair at a configuration of the arm, metres. It is infinite if all pairs are free,
-    /// and negative infinity if the check was cut short.
+    /// and negative infinity if the check was cut short. The workspace's trial contacts are those of the check.
     pub(super) fn min_distance(
         &self,
         arm: &Arm,
@@ -41,10 +41,11 @@ impl CollisionAvoidance {
             self.checker
                 .collisions_with(&mut checks.exact, &checks.q_model)
         };
-        let Some(pairs) = until(checks.deadline, check) else {
-            return Ok(f64::NEG_INFINITY);
-        };
-        Ok(pairs?.first().map_or(f64::INFINITY, |pair| pair.distance))
+        checks.trial_contacts = until(checks.deadline, check).transpose()?;
+        Ok(match &checks.trial_contacts {
+            Some(pairs) => pairs.first().map_or(f64::INFINITY, |pair| pair.distance),
+            None => f64::NEG_INFINITY,
+        })
     }
 
     /// Returns true if all pairs are far enough apart, by the exact check.

@@ -3,7 +3,7 @@
 use super::avoidance::CollisionAvoidance;
 use super::checks::MAX_EXACT_CHECKS;
 use super::checks::with_collision_workspace;
-use super::min_penetration::move_to_min_penetration;
+use super::min_penetration::{check_solution, move_to_min_penetration};
 use super::null_space_avoidance::avoid_in_null_space;
 use super::workspace::CollisionWorkspace;
 use crate::arm::QueryError;
@@ -35,11 +35,18 @@ pub(in crate::arm) fn solve_collision_free(
     let checked_query = avoidance.with_time_for_check(query);
     let (mut result, mut errors) = solve_without_avoidance(arm, &checked_query, solution)?;
     with_collision_workspace(arm, avoidance, |workspace, checks| {
-        checks.deadline = checked_query.deadline;
+        (checks.deadline, checks.contacts) = (checked_query.deadline, None);
         let free = result.reached && avoidance.is_clear(arm, checks, &solution.q)?;
         if result.reached && !free {
             workspace.x.copy_from_slice(&solution.q);
-            search_collision_free(arm, avoidance, workspace, checks, query, &mut result)?;
+            search_collision_free(
+                arm,
+                avoidance,
+                workspace,
+                checks,
+                &checked_query,
+                &mut result,
+            )?;
             let free = result.reached;
             judge(arm, workspace, &mut result);
             result.reached &= free;
@@ -47,7 +54,11 @@ pub(in crate::arm) fn solve_collision_free(
             errors = workspace.errors;
         }
         if !result.reached {
-            solution.set_collisions(avoidance.collisions(arm, checks, &solution.q)?);
+            let contacts = match checks.contacts.take() {
+                Some(contacts) => contacts,
+                None => avoidance.collisions(arm, checks, &solution.q)?,
+            };
+            solution.set_collisions(contacts);
         }
         Ok((result, errors))
     })
@@ -55,7 +66,8 @@ pub(in crate::arm) fn solve_collision_free(
 
 /// Searches attempts for a collision-free one, in the order of the search preference.
 ///
-/// The workspace's x becomes that one, or else the one of least penetration.
+/// The workspace's x becomes that one, or else the one of least penetration. The deadline of `query` leaves the time for
+/// the check of the report.
 fn search_collision_free(
     arm: &Arm,
     avoidance: &CollisionAvoidance,
@@ -70,9 +82,13 @@ fn search_collision_free(
         (result.reached, result.termination) = (false, Termination::Stationary);
         return Ok(());
     }
-    if avoidance.is_late(query, 1) {
+    if query.is_late() {
         (result.reached, result.termination) = (false, Termination::TimeLimit);
         return Ok(());
+    }
+    if query.deadline.is_some() {
+        // Now instead of after the deadline.
+        check_solution(arm, avoidance, workspace, checks)?;
     }
     let previous = (result.iterations, result.attempts);
     checks.exact_checks_left = MAX_EXACT_CHECKS;
@@ -88,6 +104,7 @@ fn search_collision_free(
     result.reached = free.is_some();
     if let Some(index) = free {
         workspace.move_to_attempt_end(index);
+        checks.contacts = None;
         result.termination = Termination::Reached;
         // Numbered after the attempts of the plain solution.
         result.number = previous.1 + index;
@@ -142,7 +159,7 @@ fn lowest_collision_free(
         let made_attempts = first_index as u32;
         if made_attempts >= wanted
             || total_iterations(&workspace.outcomes) >= budget
-            || avoidance.is_late(query, 1)
+            || query.is_late()
         {
             break;
         }
@@ -213,7 +230,7 @@ fn run_neighbour_attempts(
             break;
         }
         for first in gathered.clone().step_by(CHECKED) {
-            if avoidance.is_late(query, 2) {
+            if avoidance.is_late(query, 1) {
                 next = None;
                 break;
             }
@@ -228,7 +245,7 @@ fn run_neighbour_attempts(
             }
         }
         seeds.truncate(free * n);
-        if avoidance.is_late(query, 2) {
+        if avoidance.is_late(query, 1) {
             break;
         }
     }
@@ -270,7 +287,7 @@ fn first_collision_free(
     let mut configurations = std::mem::take(&mut checks.group_configurations);
     let mut first = None;
     for group in workspace.ranking[from..].chunks(CHECKED) {
-        if avoidance.is_late(query, 2) {
+        if avoidance.is_late(query, 1) {
             break;
         }
         configurations.clear();
@@ -282,7 +299,7 @@ fn first_collision_free(
             let q = workspace.attempt_end(*index);
             let free = if by_spheres >> lane & 1 != 0 {
                 avoidance.are_close_pairs_free(arm, checks, q)?
-            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query, 2) {
+            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query, 1) {
                 checks.exact_checks_left -= 1;
                 avoidance.is_free_by_shapes(arm, checks, q)?
             } else {

@@ -16,33 +16,20 @@ fn solvers() -> [Solver; 5] {
 }
 
 /// Names of the methods.
-pub(crate) fn names() -> [&'static str; 5] {
+pub fn names() -> [&'static str; 5] {
     solvers().each_ref().map(Solver::method)
 }
 
 /// Solver of a name of [`names`].
-pub(crate) fn solver(name: &str) -> Solver {
+pub fn solver(name: &str) -> Solver {
     let selected = solvers().into_iter().find(|solver| solver.method() == name);
     selected.unwrap_or_default()
 }
 
 /// Routes of derivatives.
-pub(crate) const DERIVATIVES: [(&str, Derivatives); 4] = [
+pub const DERIVATIVES: [(&str, Derivatives); 4] = [
     ("analytic", Derivatives::Analytic),
     ("dual", Derivatives::Dual),
     ("fd", Derivatives::ForwardDifference),
     ("central", Derivatives::CentralDifference),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn default_method_is_the_library_default() {
-        assert_eq!(solvers()[0].method(), Solver::default().method());
-        for known in solvers() {
-            assert_eq!(solver(known.method()).method(), known.method());
-        }
-    }
-}

@@ -3,74 +3,72 @@
 //! Nothing in this folder depends on the parser of the command line. A problem holds angles in radians and lengths in
 //! metres, unless a value has its own unit.
 
-pub(crate) mod body;
-pub(crate) mod interval;
-pub(crate) mod methods;
-pub(crate) mod number_list;
-mod schema;
+pub mod body;
+pub mod interval;
+pub mod methods;
+pub mod number_list;
 mod sections;
-pub(crate) mod start;
-pub(crate) mod target;
-pub(crate) mod targets_file;
-pub(crate) mod task_name;
-pub(crate) mod tasks;
+mod solver;
+pub mod start;
+pub mod target;
+pub mod targets_file;
+pub mod tasks;
 mod text;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use kinopt::model::UnknownName;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-pub(crate) use schema::place_of;
-pub(crate) use sections::*;
+pub use sections::*;
 use tasks::Tasks;
 
-use crate::failure::Outcome;
-use crate::json_file;
+use crate::error::ErrorKind;
+use crate::json::JsonError;
 
 /// Sections of a file.
-const SECTIONS: [&str; 9] = [
-    "model",
-    "files",
-    "collisions",
-    "goal",
-    "tasks",
-    "body",
-    "solve",
-    "output",
-    "path",
-];
+const SECTIONS: &str = "model files collisions goal tasks body solve output path";
 
 /// Key of the path of the schema, which editors write.
 const SCHEMA: &str = "$schema";
 
 /// Problem of a query.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Problem {
-    pub(crate) model: ModelSettings,
-    pub(crate) files: FileSettings,
-    pub(crate) collisions: CollisionSettings,
-    pub(crate) goal: GoalSettings,
-    pub(crate) tasks: Tasks,
-    pub(crate) body: BodySettings,
-    pub(crate) solve: SolveSettings,
-    pub(crate) output: OutputSettings,
-    pub(crate) path: PathSettings,
+pub struct ProblemSettings {
+    /// Reading of the model.
+    pub model: ModelSettings,
+    /// Files that may be opened.
+    pub files: FileSettings,
+    /// Obstacles and collision shapes.
+    pub collisions: CollisionSettings,
+    /// Targets of frames.
+    pub goal: GoalSettings,
+    /// Further tasks.
+    pub tasks: Tasks,
+    /// Held frames, balance, weights and priorities.
+    pub body: BodySettings,
+    /// Search for a solution.
+    pub solve: SolveSettings,
+    /// Additional content of reports and files.
+    pub output: OutputSettings,
+    /// Cartesian paths.
+    pub path: PathSettings,
 }
 
-impl Problem {
-    /// Problem of a JSON file. Paths in the file are relative to its folder.
+impl ProblemSettings {
+    /// Problem of the content of a JSON file. Paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// A missing or damaged file, an unknown key, or a wrong value; the message has the section and the valid keys.
-    pub(crate) fn read(path: &Path) -> Outcome<Self> {
-        let file = path.display();
-        let Value::Object(sections) = json_file::read(path)? else {
-            return Err(failure!("{file}: is not an object of sections"));
+    /// An unknown key, or a wrong value; the message has the file, the section and the valid keys.
+    pub fn of_value(value: Value, path: &Path) -> Result<Self, JsonError> {
+        let file = path.display().to_string();
+        let problem = match value {
+            Value::Object(sections) => Self::of_sections(sections, &file),
+            _ => Err("is not an object of sections".to_owned()),
         };
-        let problem = Self::of_sections(sections, &file.to_string());
-        let mut problem = problem.map_err(|problem| failure!("{file}: {problem}"))?;
+        let mut problem = problem.map_err(|problem| of_file(&file, problem))?;
         problem.resolve_paths(path.parent().unwrap_or(Path::new("")));
         Ok(problem)
     }
@@ -94,7 +92,7 @@ impl Problem {
         };
         match sections.keys().next() {
             None => Ok(problem),
-            Some(key) => Err(UnknownName::new("section", key, SECTIONS).to_string()),
+            Some(key) => Err(UnknownName::new("section", key, SECTIONS.split(' ')).to_string()),
         }
     }
 
@@ -127,22 +125,10 @@ fn section<T: DeserializeOwned + Default>(
         .unwrap_or_default())
 }
 
-/// Group of options that changes a problem.
-pub(crate) trait ProblemOptions {
-    /// Replaces values of the problem by those given; `degrees` is the unit of typed angles.
-    fn add_to(&self, problem: &mut Problem, degrees: bool);
-}
-
-/// Replaces a value by a given one.
-pub(crate) fn set<T: Clone>(value: &mut Option<T>, given: Option<&T>) {
-    if given.is_some() {
-        *value = given.cloned();
-    }
-}
-
-/// Replaces a list by a given one that is not empty.
-pub(crate) fn set_list<T>(list: &mut Vec<T>, given: impl ExactSizeIterator<Item = T>) {
-    if given.len() > 0 {
-        *list = given.collect();
+/// Error about the content of a file.
+fn of_file(file: &str, problem: impl Display) -> JsonError {
+    JsonError {
+        kind: ErrorKind::InvalidFile,
+        message: format!("{file}: {problem}"),
     }
 }

@@ -10,11 +10,13 @@ const SHAPE: &str = "expected AXIS=WIDTH, AXIS=LOW..HIGH or AXIS=free, \
 
 /// Goal bounds of one component of the tip's pose: offset from the target, in metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval {
+pub struct Interval {
     /// Index of the component: x, y, z, then the rotations about them.
-    pub(crate) axis: usize,
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+    pub axis: usize,
+    /// Lower end of the offset, metres or radians.
+    pub low: f64,
+    /// Upper end of the offset, metres or radians.
+    pub high: f64,
 }
 
 impl FromStr for Interval {
@@ -49,42 +51,15 @@ impl FromStr for Interval {
 
 impl Interval {
     /// True for a rotation.
-    pub(crate) fn turns(&self) -> bool {
+    pub fn turns(&self) -> bool {
         self.axis >= 3
     }
 
     /// Interval of an option, with its unit of angles.
-    pub(crate) fn typed(mut self, degrees: bool) -> Self {
+    pub fn typed(mut self, degrees: bool) -> Self {
         if degrees && self.turns() {
             (self.low, self.high) = (self.low.to_radians(), self.high.to_radians());
         }
         self
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn interval_widths_and_ends_parse() {
-        let at = |axis, low, high| Ok(Interval { axis, low, high });
-        assert_eq!(Interval::from_str("x=0.01"), at(0, -0.01, 0.01));
-        assert_eq!(Interval::from_str("z=-0.01..0.03"), at(2, -0.01, 0.03));
-        assert_eq!(Interval::from_str("ry=0.5"), at(4, -0.5, 0.5));
-        let free = at(5, f64::NEG_INFINITY, f64::INFINITY);
-        assert_eq!(Interval::from_str("rz=free"), free);
-        for (bad, reason) in [
-            ("x", "AXIS=WIDTH"),
-            ("w=1", "rx, ry, rz"),
-            ("x=-1", "below 0"),
-            ("x=2..1", "above the upper end"),
-            ("rx=0..1", "symmetric"),
-            ("x=wide", "not a number"),
-        ] {
-            let error = Interval::from_str(bad).unwrap_err();
-            assert!(error.contains(reason), "{bad}: {error}");
-        }
     }
 }

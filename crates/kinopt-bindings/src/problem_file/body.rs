@@ -7,7 +7,7 @@ use super::text::named;
 
 /// Target of a centre of mass.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Centre {
+pub enum Centre {
     /// The two horizontal coordinates.
     Above([f64; 2]),
     /// All coordinates; `None` for a free one.
@@ -39,9 +39,11 @@ impl FromStr for Centre {
 
 /// Frame in contact with the ground, with a point of the frame.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Foot {
-    pub(crate) frame: String,
-    pub(crate) at: Option<[f64; 3]>,
+pub struct Foot {
+    /// Name of the frame.
+    pub frame: String,
+    /// Point in the frame, metres; `None` for the frame's own.
+    pub at: Option<[f64; 3]>,
 }
 
 impl FromStr for Foot {
@@ -64,9 +66,11 @@ impl FromStr for Foot {
 
 /// Factor of a frame's errors: `FRAME=WEIGHT`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FrameWeight {
-    pub(crate) frame: String,
-    pub(crate) weight: f64,
+pub struct FrameWeight {
+    /// Name of the frame.
+    pub frame: String,
+    /// Factor, above 0.
+    pub weight: f64,
 }
 
 impl FromStr for FrameWeight {
@@ -81,9 +85,11 @@ impl FromStr for FrameWeight {
 
 /// Priority level of a named task: `NAME=LEVEL`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct NamedLevel {
-    pub(crate) name: String,
-    pub(crate) level: usize,
+pub struct NamedLevel {
+    /// Name of a target, held frame or task.
+    pub name: String,
+    /// Level, from 0.
+    pub level: usize,
 }
 
 impl FromStr for NamedLevel {
@@ -100,11 +106,13 @@ impl FromStr for NamedLevel {
 
 /// Joint to lock, at a value in radians or metres, or at its start value.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Lock {
-    pub(crate) joint: String,
-    pub(crate) value: Option<f64>,
+pub struct Lock {
+    /// Name of the joint or bone.
+    pub joint: String,
+    /// Value, radians or metres; `None` for that of the start.
+    pub value: Option<f64>,
     /// True if the value of a revolute joint is in degrees.
-    pub(crate) degrees: bool,
+    pub degrees: bool,
 }
 
 impl FromStr for Lock {
@@ -128,48 +136,8 @@ impl FromStr for Lock {
 
 impl Lock {
     /// Lock of an option, with its unit of angles.
-    pub(crate) fn typed(&self, degrees: bool) -> Self {
+    pub fn typed(&self, degrees: bool) -> Self {
         let lock = self.clone();
         Self { degrees, ..lock }
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn centres_and_feet_parse() {
-        let centre = |text: &str| text.parse::<Centre>();
-        assert_eq!(centre("1,-2"), Ok(Centre::Above([1.0, -2.0])));
-        let at = [Some(0.5), None, Some(2.0)];
-        assert_eq!(centre("0.5, free,2"), Ok(Centre::At(at)));
-        for bad in ["1", "1,2,3,4", "free,free,free", "a,b", "free,1"] {
-            assert!(centre(bad).is_err(), "{bad}");
-        }
-        let foot = |at| Foot {
-            frame: "foot".to_owned(),
-            at,
-        };
-        assert_eq!("foot".parse(), Ok(foot(None)));
-        assert_eq!("foot=1,2,3".parse(), Ok(foot(Some([1.0, 2.0, 3.0]))));
-        for bad in ["", "=1,2,3", "foot=1,2"] {
-            assert!(bad.parse::<Foot>().is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn locks_parse() {
-        let lock = |joint: &str, value| Lock {
-            joint: joint.to_owned(),
-            value,
-            degrees: false,
-        };
-        assert_eq!("elbow".parse(), Ok(lock("elbow", None)));
-        assert_eq!("a=b=-1.5".parse(), Ok(lock("a=b", Some(-1.5))));
-        for bad in ["", "=1", "a=", "a=x", "a=nan"] {
-            assert!(bad.parse::<Lock>().is_err(), "{bad}");
-        }
     }
 }

@@ -6,25 +6,26 @@ use std::time::Duration;
 use serde::de::{Deserialize, Deserializer, Error};
 
 /// Largest accepted number; its square is finite, so that results of the solvers are finite.
-pub(crate) const MAX_NUMBER: f64 = 1e150;
+pub const MAX_NUMBER: f64 = 1e150;
 
 /// Parses finite numbers.
-pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
+pub fn parse(text: &str) -> Result<Vec<f64>, String> {
     let words = text.split(|c: char| c == ',' || c.is_whitespace());
     words.filter(|word| !word.is_empty()).map(number).collect()
 }
 
 /// One or more numbers of joints: lengths in metres, angles in radians or degrees.
 #[derive(Clone, Debug)]
-pub(crate) struct Numbers {
-    pub(crate) values: Vec<f64>,
+pub struct Numbers {
+    /// The numbers.
+    pub values: Vec<f64>,
     /// True if angles are in degrees, otherwise radians.
-    pub(crate) degrees: bool,
+    pub degrees: bool,
 }
 
 impl Numbers {
     /// Numbers of an option, with its unit of angles.
-    pub(crate) fn typed(&self, degrees: bool) -> Self {
+    pub fn typed(&self, degrees: bool) -> Self {
         let values = self.values.clone();
         Self { values, degrees }
     }
@@ -77,7 +78,7 @@ pub(super) fn checked<'de, D: Deserializer<'de>>(
 }
 
 /// Parses exactly N numbers between N − 1 commas.
-pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
+pub fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
     let numbers = between_commas(text)?;
     let given = numbers.len();
     let wrong = |_| format!("{what} takes {N} numbers separated by commas, not {given}");
@@ -85,12 +86,12 @@ pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f
 }
 
 /// Parses numbers between commas, none omitted.
-pub(crate) fn between_commas(text: &str) -> Result<Vec<f64>, String> {
+pub fn between_commas(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(|word| number(word.trim())).collect()
 }
 
 /// Parses one finite number, at most [`MAX_NUMBER`].
-pub(crate) fn number(word: &str) -> Result<f64, String> {
+pub fn number(word: &str) -> Result<f64, String> {
     let number = word.parse();
     accepted(
         number.map_err(|_| format!("`{word}` is not a number"))?,
@@ -99,17 +100,17 @@ pub(crate) fn number(word: &str) -> Result<f64, String> {
 }
 
 /// Parses one number above zero.
-pub(crate) fn positive(word: &str) -> Result<f64, String> {
+pub fn positive(word: &str) -> Result<f64, String> {
     above_zero(number(word)?)
 }
 
 /// Parses one number that is not negative.
-pub(crate) fn not_negative(word: &str) -> Result<f64, String> {
+pub fn not_negative(word: &str) -> Result<f64, String> {
     from_zero(number(word)?)
 }
 
 /// Parses a time limit in milliseconds: above zero, at most 1e12, about 30 years.
-pub(crate) fn milliseconds(text: &str) -> Result<Duration, String> {
+pub fn milliseconds(text: &str) -> Result<Duration, String> {
     duration(number(text)?)
 }
 
@@ -150,31 +151,4 @@ pub(super) fn duration(milliseconds: f64) -> Result<Duration, String> {
         return Err(format!("`{milliseconds:e}` is above 1e12 ms"));
     }
     Duration::try_from_secs_f64(milliseconds * 1e-3).map_err(|error| error.to_string())
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn separators_mix() {
-        let mixed = parse("1,2 3, -4e-1\n,5").unwrap();
-        assert_eq!(mixed, [1.0, 2.0, 3.0, -0.4, 5.0]);
-        assert!(parse("").unwrap().is_empty());
-        assert_eq!(parse_exactly::<2>("1, 2", "a pair").unwrap(), [1.0, 2.0]);
-    }
-
-    #[test]
-    fn number_invalid_text_is_named() {
-        for bad in ["x", "1,nan", "1,inf", "--json"] {
-            let word = bad.rsplit(',').next().unwrap_or(bad);
-            assert!(parse(bad).unwrap_err().contains(word), "{bad}");
-        }
-        let two = parse_exactly::<3>("1,2", "a point").unwrap_err();
-        assert!(two.contains("3 numbers"));
-        assert!(parse_exactly::<3>("1,,2", "a point").is_err());
-        assert!(positive("0").is_err() && positive("-1").is_err() && positive("2").is_ok());
-        assert!(not_negative("0").is_ok() && not_negative("-1").is_err());
-    }
 }

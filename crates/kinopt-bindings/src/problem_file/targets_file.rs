@@ -3,36 +3,42 @@
 use std::path::Path;
 
 use kinopt::spatial::Placement;
-use serde_json::{Map, Value};
+use serde_json::Value as Json;
 
 use super::number_list::MAX_NUMBER;
+use super::of_file;
 use super::target::placement;
-use crate::failure::Outcome;
-use crate::json_file;
+use crate::json::JsonError;
+use crate::value::Value;
 
 /// Content of a file of targets.
 #[derive(Debug)]
-pub(crate) struct TargetsFile {
+pub struct TargetsFile {
     /// base_from_tip of each target; the rotation is the identity if only positions are given.
-    pub(crate) targets: Vec<Placement<f64>>,
+    pub targets: Vec<Placement<f64>>,
     /// True if the targets have orientations.
-    pub(crate) turns: bool,
+    pub turns: bool,
     /// One row for each target, all of one length.
-    pub(crate) starts: Option<Vec<Vec<f64>>>,
-    pub(crate) joint_names: Option<Vec<String>>,
-    pub(crate) tip_link: Option<String>,
-    pub(crate) base_link: Option<String>,
+    pub starts: Option<Vec<Vec<f64>>>,
+    /// Names of the columns of the starts.
+    pub joint_names: Option<Vec<String>>,
+    /// Frame of the targets.
+    pub tip_link: Option<String>,
+    /// Frame in which the targets are given.
+    pub base_link: Option<String>,
 }
 
 impl TargetsFile {
-    pub(crate) fn read(path: &Path) -> Outcome<Self> {
-        let value = json_file::read(path)?;
-        let file = Self::of_value(&value);
-        file.map_err(|problem| failure!("{}: {problem}", path.display()))
+    /// Targets of the content of a JSON file.
+    ///
+    /// # Errors
+    /// A wrong value; the message has the file and the position in it.
+    pub fn of_value(value: &Json, path: &Path) -> Result<Self, JsonError> {
+        Self::of_document(value).map_err(|problem| of_file(&path.display().to_string(), problem))
     }
 
-    fn of_value(value: &Value) -> Result<Self, String> {
-        let Value::Object(document) = value else {
+    fn of_document(value: &Json) -> Result<Self, String> {
+        let Json::Object(document) = value else {
             return Err(format!("is {}, not an object", a(value)));
         };
         let Some(targets) = document.get("targets") else {
@@ -53,8 +59,12 @@ impl TargetsFile {
             target.map(|(target, _)| target)
         });
         let targets = targets.collect::<Result<Vec<_>, _>>()?;
-        let joint_names = optional(document, "joint_names", names)?;
-        let starts = optional(document, "starts", self::rows)?;
+        let given = |key: &str| document.get(key).filter(|value| !value.is_null());
+        let text = |key: &str| given(key).map(|value| value.name(key)).transpose();
+        let joint_names = given("joint_names").map(|names| names.names("joint_names"));
+        let joint_names = joint_names.transpose()?;
+        let starts = given("starts").map(|starts| self::rows(starts, "starts"));
+        let starts = starts.transpose()?;
         if let Some(starts) = &starts {
             if starts.len() != targets.len() {
                 let (given, targets) = (starts.len(), targets.len());
@@ -72,26 +82,14 @@ impl TargetsFile {
             turns: width == 7,
             starts,
             joint_names,
-            tip_link: optional(document, "tip_link", text)?,
-            base_link: optional(document, "base_link", text)?,
+            tip_link: text("tip_link")?,
+            base_link: text("base_link")?,
         })
     }
 }
 
-/// Value of a key that may be missing or null.
-fn optional<T>(
-    document: &Map<String, Value>,
-    key: &str,
-    read: impl Fn(&Value, &str) -> Result<T, String>,
-) -> Result<Option<T>, String> {
-    match document.get(key) {
-        None | Some(Value::Null) => Ok(None),
-        Some(value) => read(value, key).map(Some),
-    }
-}
-
 /// Rows of finite numbers, all as long as the first.
-fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
+fn rows(value: &Json, at: &str) -> Result<Vec<Vec<f64>>, String> {
     let rows = list(value, at)?.iter().enumerate();
     let rows = rows.map(|(index, row)| {
         let at = format!("{at}[{index}]");
@@ -120,30 +118,19 @@ fn width_of(rows: &[Vec<f64>]) -> usize {
     rows.first().map_or(0, Vec::len)
 }
 
-fn names(value: &Value, at: &str) -> Result<Vec<String>, String> {
-    let names = list(value, at)?.iter().enumerate();
-    let read = |(index, name): (usize, &Value)| text(name, &format!("{at}[{index}]"));
-    names.map(read).collect()
-}
-
-fn list<'v>(value: &'v Value, at: &str) -> Result<&'v Vec<Value>, String> {
+fn list<'v>(value: &'v Json, at: &str) -> Result<&'v Vec<Json>, String> {
     let list = value.as_array();
     list.ok_or_else(|| format!("{at}: is {}, not a list", a(value)))
 }
 
-fn text(value: &Value, at: &str) -> Result<String, String> {
-    let text = value.as_str().map(str::to_owned);
-    text.ok_or_else(|| format!("{at}: is {}, not a name", a(value)))
-}
-
 /// Type of a value in words, with an article.
-fn a(value: &Value) -> &'static str {
+fn a(value: &Json) -> &'static str {
     match value {
-        Value::Null => "null",
-        Value::Bool(_) => "true or false",
-        Value::Number(_) => "a number",
-        Value::String(_) => "a string",
-        Value::Array(_) => "a list",
-        Value::Object(_) => "an object",
+        Json::Null => "null",
+        Json::Bool(_) => "true or false",
+        Json::Number(_) => "a number",
+        Json::String(_) => "a string",
+        Json::Array(_) => "a list",
+        Json::Object(_) => "an object",
     }
 }

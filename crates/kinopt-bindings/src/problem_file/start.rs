@@ -11,12 +11,17 @@ const DISTINCT_DISTANCE: f64 = 0.5;
 
 /// Start configuration of a search.
 #[derive(Clone, Debug, Default)]
-pub(crate) enum Start {
+pub enum Start {
+    /// Start of the arm or model.
     #[default]
     Default,
+    /// Rest configuration.
     Rest,
+    /// Crouched configuration above held frames.
     Bent,
+    /// Random configuration.
     Random,
+    /// Configuration.
     Numbers(Numbers),
 }
 
@@ -43,7 +48,7 @@ impl FromStr for Start {
 
 impl Start {
     /// Start of an option, with its unit of angles.
-    pub(crate) fn typed(&self, degrees: bool) -> Self {
+    pub fn typed(&self, degrees: bool) -> Self {
         match self {
             Self::Numbers(numbers) => Self::Numbers(numbers.typed(degrees)),
             word => word.clone(),
@@ -57,7 +62,7 @@ fn begins_with_number(text: &str) -> bool {
 }
 
 /// Parses a choice among solutions: `start`, `first`, `nearest`, `distinct:K` or `distinct:K,D`.
-pub(crate) fn search(text: &str) -> Result<Search, String> {
+pub fn search(text: &str) -> Result<Search, String> {
     match text {
         "start" => return Ok(Search::Start),
         "first" => return Ok(Search::First),
@@ -76,41 +81,5 @@ pub(crate) fn search(text: &str) -> Result<Search, String> {
         _ => Err(format!(
             "`{k}` is not a number of solutions; expected 1 or more"
         )),
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn starts_parse() {
-        let start = |text: &str| text.parse::<Start>();
-        assert!(matches!(start("rest"), Ok(Start::Rest)));
-        assert!(matches!(start(" random "), Ok(Start::Random)));
-        let is_pair =
-            |start| matches!(start, Start::Numbers(numbers) if numbers.values == [1.0, -2.0]);
-        assert!(start("1, -2").is_ok_and(is_pair));
-        assert!(start("1, x").unwrap_err().contains("`x`"));
-        assert!(start("home").unwrap_err().contains("`random`"));
-    }
-
-    #[test]
-    fn searches_by_name() {
-        let distinct = |k, distance| Ok(Search::Distinct { k, distance });
-        assert_eq!(search("start"), Ok(Search::Start));
-        assert_eq!(search("distinct:4"), distinct(4, DISTINCT_DISTANCE));
-        assert_eq!(search("distinct:4,0.25"), distinct(4, 0.25));
-        for bad in [
-            "",
-            "distinct",
-            "distinct:",
-            "distinct:0",
-            "distinct:2,-1",
-            "best",
-        ] {
-            assert!(search(bad).is_err(), "{bad}");
-        }
     }
 }
