@@ -87,7 +87,7 @@ def compare_smooth_paths(count=100):
             continue
         velocity = np.minimum(np.asarray(arm.velocity_limits), 10.0)
         acceleration = random.uniform(2.0, 15.0, len(start))
-        duration = solved.trajectory(acceleration, velocity).duration
+        duration = solved.trajectory(acceleration_limits=acceleration, velocity_limits=velocity).duration
         for parameter, values in ratios.items():
             values.append(duration / toppra_duration(solved.q, velocity, acceleration, parameter))
     print(f"{count} smooth paths ({tried} tried), duration over toppra's:")
@@ -120,7 +120,7 @@ def compare_row_distances():
         acceleration = np.full(len(start), 5.0)
         for tolerance in (0.0, 1e-3):
             solutions = [kinopt.solve_path(arm, pick_and_place(begin, distance), start=start) for distance in (0.05, 0.01, 0.001)]
-            durations = [solved.trajectory(acceleration, corner_tolerance=tolerance).duration for solved in solutions]
+            durations = [solved.trajectory(acceleration_limits=acceleration, corner_tolerance=tolerance).duration for solved in solutions]
             velocity = np.asarray(arm.velocity_limits)
             theirs = [toppra_duration(solved.q, velocity, acceleration, "joint length") for solved in solutions]
             text = ", ".join(f"{duration:.4f}" for duration in durations)
@@ -146,10 +146,10 @@ def time_of_1000_rows(repeats=200):
                 times.append(1e3 * (time.perf_counter() - started))
             return np.median(times)
 
-        ours = timed(lambda: solved.trajectory(acceleration, velocity), repeats)
+        ours = timed(lambda: solved.trajectory(acceleration_limits=acceleration, velocity_limits=velocity), repeats)
         with_jerk = timed(lambda: solved.trajectory(acceleration, velocity, jerk_limits=50.0), 3)
         theirs = timed(lambda: toppra_duration(solved.q, velocity, acceleration, "row number"), 5)
-        plain = solved.trajectory(acceleration, velocity).duration
+        plain = solved.trajectory(acceleration_limits=acceleration, velocity_limits=velocity).duration
         bounded = solved.trajectory(acceleration, velocity, jerk_limits=50.0).duration
         print(
             f"{file}, 1 000 rows, median ms: {ours:.3f}, with jerk limits {with_jerk:.0f}, toppra {theirs:.1f}; "

@@ -68,7 +68,7 @@ impl JointPath {
     ///
     /// Raises `InvalidValueError` for limits that are not above 0, and if no moving joint has a finite acceleration
     /// limit.
-    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None))]
+    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None))]
     fn times<'py>(
         &self,
         py: Python<'py>,
@@ -91,7 +91,7 @@ impl JointPath {
     ///
     /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError` with the
     /// option and joint.
-    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None, *, jerk_limits = None, arm = None,
+    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None, jerk_limits = None, arm = None,
         tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn trajectory(

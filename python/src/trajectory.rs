@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::arrays;
+use crate::error::invalid;
 use crate::pickling;
 
 /// Configurations over time, with a report.
@@ -83,6 +84,20 @@ impl Trajectory {
         self.inner.duration()
     }
 
+    /// Joint state at one time, or at several, seconds: `TrajectoryPoint`. Times before the start or after the end count
+    /// as these.
+    ///
+    /// Only a trajectory of a path has joint states between its rows; others raise `InvalidValueError`.
+    fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let spline = self.report.bind(py);
+        if !spline.is_instance_of::<TimedSpline>() {
+            return Err(invalid(
+                "only a trajectory of a path has joint states between its rows; interpolate `q` over `times`",
+            ));
+        }
+        spline.call_method1("at", (time,))
+    }
+
     fn __len__(&self) -> usize {
         self.inner.times.len()
     }
@@ -142,7 +157,8 @@ impl TimedSpline {
         let mut rows: [Vec<f64>; 3] = Default::default();
         let mut point = path::TrajectoryPoint::default();
         for time in times.all() {
-            self.inner.write_at(*time, &mut point);
+            self.inner
+                .write_at(arrays::finite(*time, "time")?, &mut point);
             for (rows, row) in rows
                 .iter_mut()
                 .zip([&point.q, &point.velocity, &point.acceleration])

@@ -123,12 +123,12 @@ def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> Non
         speeds = np.abs(np.diff(solution.q, axis=0)) / np.diff(times)[:, None]
         assert speeds.max() <= 0.8 + 1e-9
     # Slower joints take longer; a single number applies to all.
-    assert solved.times(0.1)[-1] > solved.times()[-1]
+    assert solved.times(acceleration_limits=0.1)[-1] > solved.times()[-1]
     assert solved.times(velocity_limits=0.01)[-1] > 10 * solved.times()[-1]
     with pytest.raises(InvalidValueError, match="acceleration_limits"):
         kinopt.solve_path(arm, sideways(arm)).times()
     with pytest.raises(InvalidValueError, match="acceleration_limits"):
-        solved.times(np.ones(6))
+        solved.times(acceleration_limits=np.ones(6))
     file.write_text("joint_limits:\n  elbow: {max_velocity: 1}")
     with pytest.raises(InvalidFileError, match="elbow"):
         robot.with_joint_limits(file)
@@ -136,36 +136,38 @@ def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> Non
 
 def test_trajectories_keep_limits(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, sideways(arm))
-    limited = solved.trajectory(5.0, 1.0)
-    assert np.array_equal(limited.times, solved.times(5.0, 1.0))
+    limited = solved.trajectory(acceleration_limits=5.0, velocity_limits=1.0)
+    assert np.array_equal(limited.times, solved.times(acceleration_limits=5.0, velocity_limits=1.0))
     assert limited.times[-1] == limited.duration and limited.names == solved.joint_names
-    bounded = solved.trajectory(5.0, 1.0, jerk_limits=50.0, corner_tolerance=0.0)
-    slow = solved.trajectory(5.0, 1.0, arm=arm, tool_linear_limits=(0.1, 1.0), tool_angular_limits=(0.5, np.inf))
+    bounded = solved.trajectory(acceleration_limits=5.0, velocity_limits=1.0, jerk_limits=50.0, corner_tolerance=0.0)
+    slow = solved.trajectory(acceleration_limits=5.0, velocity_limits=1.0, arm=arm, tool_linear_limits=(0.1, 1.0), tool_angular_limits=(0.5, np.inf))
     assert bounded.duration > limited.duration and slow.duration > limited.duration
     for trajectory in (limited, bounded, slow):
         times = np.linspace(0.0, trajectory.duration, 4001)
-        points = trajectory.report.at(times)
+        points = trajectory.at(times)
         assert points.q.shape == points.velocity.shape == points.acceleration.shape == (4001, 7)
         assert np.abs(points.velocity).max() <= 1.0 + 1e-9
         assert np.abs(points.acceleration).max() <= 5.0 + 1e-8
         velocities = np.gradient(points.q, times, axis=0)
         assert np.abs(velocities - points.velocity)[1:-1].max() < 5.0 * times[1]
-        assert np.abs(trajectory.report.at(trajectory.times).q - solved.q).max() < 1.1e-5
-    one = limited.report.at(0.5)
-    assert one.q.shape == (7,) and np.array_equal(one.q, limited.report.at([0.5]).q[0])
-    jerks = np.diff(bounded.report.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
+        assert np.abs(trajectory.at(trajectory.times).q - solved.q).max() < 1.1e-5
+    with pytest.raises(InvalidValueError, match="time is nan"):
+        limited.at(np.nan)
+    one = limited.at(0.5)
+    assert one.q.shape == (7,) and np.array_equal(one.q, limited.at([0.5]).q[0])
+    jerks = np.diff(bounded.at(np.linspace(0, bounded.duration, 4001)).acceleration, axis=0) * 4000 / bounded.duration
     assert np.abs(jerks).max() <= 50.0 * 1.001
-    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.report.at(np.linspace(0, slow.duration, 1001)).q])
+    tool = np.array([np.asarray(arm.base_from_tool(q))[:3, 3] for q in slow.at(np.linspace(0, slow.duration, 1001)).q])
     speeds = np.linalg.norm(np.diff(tool, axis=0), axis=1) * 1000 / slow.duration
     assert 0.099 < speeds.max() <= 0.1001
 
 
 def test_trajectories_are_pickled(arm: kinopt.Arm) -> None:
     solved = kinopt.solve_path(arm, sideways(arm))
-    trajectory = solved.trajectory(5.0, jerk_limits=np.full(7, 50.0), arm=arm, tool_linear_limits=(0.3, 2.0))
+    trajectory = solved.trajectory(acceleration_limits=5.0, jerk_limits=np.full(7, 50.0), arm=arm, tool_linear_limits=(0.3, 2.0))
     twin = pickle.loads(pickle.dumps(trajectory))
     assert np.array_equal(twin.times, trajectory.times)
-    point = trajectory.report.at(0.3)
+    point = trajectory.at(0.3)
     assert np.array_equal(pickle.loads(pickle.dumps(point)).velocity, point.velocity)
 
 
@@ -182,7 +184,7 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
         with pytest.raises(kinopt.InvalidValueError, match=r"tool_linear_limits is .*: \(speed, acceleration\) in m/s"):
             solved.trajectory(1.0, arm=arm, tool_linear_limits=wrong)
     with pytest.raises(InvalidValueError, match="corner_tolerance"):
-        solved.trajectory(1.0, corner_tolerance=-1.0)
+        solved.trajectory(acceleration_limits=1.0, corner_tolerance=-1.0)
 
 
 def test_invalid_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:

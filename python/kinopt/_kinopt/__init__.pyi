@@ -794,14 +794,15 @@ class JointPath(Generic[_Report]):
     def __class_getitem__(cls, key: Any) -> GenericAlias: ...
     def times(
         self,
+        *,
         acceleration_limits: ArrayLike | None = None,
         velocity_limits: ArrayLike | None = None,
     ) -> Floats: ...
     def trajectory(
         self,
+        *,
         acceleration_limits: ArrayLike | None = None,
         velocity_limits: ArrayLike | None = None,
-        *,
         jerk_limits: ArrayLike | None = None,
         arm: Arm | None = None,
         tool_linear_limits: tuple[float, float] | None = None,
@@ -835,6 +836,7 @@ class Trajectory(Generic[_Report]):
     def duration(self) -> float: ...
     @property
     def report(self) -> _Report: ...
+    def at(self, time: ArrayLike) -> TrajectoryPoint: ...
     def __len__(self) -> int: ...
 
 @final

@@ -95,13 +95,13 @@ class RetargetReport:
 
     def __repr__(self) -> str:
         return (
-            f"RetargetReport({self.fps:g} fps, mean_error={self.mean_error:.4g} m, slip={self.slip:.2g} m, "
+            f"RetargetReport({self.fps:g} fps, mean_error={self.mean_error:.4g}, slip={self.slip:.2g}, "
             f"{len(self.notes)} notes)"
         )
 
-    def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
-        """Frames in which a driven point is farther than ``tolerance`` (metres) from its target, by its driving
-        joint."""
+    def missed(self, tolerance: float) -> dict[str, NDArray[np.intp]]:
+        """Frames in which a driven point is farther than ``tolerance`` from its target, by its driving joint. The unit
+        is the model's: metres for a robot."""
         is_missed = self.errors > tolerance
         return {name: np.flatnonzero(is_missed[:, k]) for k, name in enumerate(self.driven) if is_missed[:, k].any()}
 

@@ -178,6 +178,15 @@ fn errors_name_the_line() {
             "joint2",
         ),
         ("joint_limits:\n  joint1: {max_velocity: 1", "limits.yaml"),
+        (
+            "joint_limits:\n  joint1: {max_velocty: 1}",
+            "no joint limit named `max_velocty`; did you mean `max_velocity`?",
+        ),
+        ("joint_limits:\n  joint1:\n    max_velocty: 1", "line 3"),
+        (
+            "joint_limits:\n  joint1: {max_velocity: 1}\n  joint1: {max_velocity: 2}",
+            "line 3: joint `joint1` is listed twice",
+        ),
     ];
     for (text, expected) in cases {
         let error = with_limits(text).unwrap_err();

@@ -139,8 +139,8 @@ pub enum QueryError {
     /// The arm has no [checker](super::Arm::with_checker), so its collisions are unknown.
     #[error("collisions are unknown: the arm was built without a world or a margin")]
     NothingToKeepClearOf,
-    /// The time step of a servo is not a positive number of seconds.
-    #[error("the time step is {0} s, expected a positive finite number")]
+    /// The time step of a servo is out of range; a rate in hertz is a common mistake.
+    #[error("the time step is {0} s, expected a number above 0 and at most 1 (0.001 for 1 kHz)")]
     TimeStep(f64),
     /// The start state of a servo exceeds a velocity or acceleration limit.
     #[error("joint `{joint}`: {rate} {value} exceeds its limit {limit}")]

@@ -84,7 +84,7 @@ impl Arm {
     /// that starts outside its position limits returns at its velocity limit.
     ///
     /// # Errors
-    /// Returns an error for a start of the wrong length or not finite, or a time step that is not a positive number.
+    /// Returns an error for a start of the wrong length or not finite, or a time step that is not above 0 and at most 1 s.
     pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &Placement::identity(), start)?;

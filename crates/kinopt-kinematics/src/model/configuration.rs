@@ -4,8 +4,8 @@
 //! the moved frame, so q ⊕ v is M exp(v) for each, as in Pinocchio. Source: Solà, Deray & Atchuthan 2018, "A micro Lie
 //! theory for state estimation in robotics", eq. 25, 172 and 179 on SO(3) and SE(3).
 
+use super::ball_joint::sample_rotation;
 use super::parameter_map::{check_configuration, check_length, check_numbers};
-use super::rotation_chart::sample_rotation;
 use super::segment::{Segment, SegmentKind, quaternion_at, write_quaternion};
 use super::{JointId, Model, ModelError, RotationChart};
 use crate::random::RandomStream;

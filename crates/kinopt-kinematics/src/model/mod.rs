@@ -1,7 +1,6 @@
 //! Kinematic models: joints, frames and limits, immutable once built.
 
-mod ball;
-mod ball_variables;
+mod ball_joint;
 mod builder;
 mod closed_loop;
 mod configuration;
@@ -16,7 +15,6 @@ mod parameter_map;
 mod parameter_map_builder;
 mod path;
 mod reference;
-mod rotation_chart;
 mod scaled;
 mod segment;
 #[cfg(feature = "serde")]
@@ -25,9 +23,8 @@ mod unknown_name;
 
 use std::collections::HashMap;
 
-pub use ball::BallLimits;
+pub use ball_joint::{BallLimits, BallVariables, RotationChart};
 #[doc(hidden)]
-pub use ball_variables::BallVariables;
 pub use builder::ModelBuilder;
 pub use closed_loop::{Loop, LoopKind};
 pub use error::ModelError;
@@ -44,7 +41,6 @@ pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;
 pub use reference::{FrameRef, JointRef, Reference};
 #[doc(hidden)]
-pub use rotation_chart::RotationChart;
 #[doc(hidden)]
 pub use segment::{Segment, SegmentKind, quaternion_at};
 pub use unknown_name::UnknownName;

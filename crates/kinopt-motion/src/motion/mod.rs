@@ -1,12 +1,12 @@
 //! Trajectories and paths: Cartesian paths, clips, retargeting and contact detection.
 
 pub mod clip_ik;
-mod contact_detection;
+mod contact;
 pub mod retarget;
 #[cfg(feature = "collision")]
 mod skin_capsules;
 pub mod trajectory;
 
-pub use contact_detection::ContactDetection;
+pub use contact::ContactDetection;
 #[cfg(feature = "collision")]
 pub use skin_capsules::{ball_skin_capsules, skin_capsules};

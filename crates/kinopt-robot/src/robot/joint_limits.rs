@@ -6,17 +6,41 @@ use super::Robot;
 use super::drive::DriveLimits;
 use crate::yaml::{self, Node, Value};
 use kinopt_kinematics::file::{FileLocation, ReadError, ReadProblem, read_with};
-use kinopt_kinematics::model::{JointId, JointRef, Limits};
+use kinopt_kinematics::model::{JointId, JointRef, Limits, UnknownName};
 
 /// Largest file size that is read, bytes.
 const LENGTH_LIMIT: u64 = 16 << 20;
+
+/// Keys of a joint, in MoveIt's files and ros2_control's.
+const KEYS: [&str; 19] = [
+    "has_position_limits",
+    "min_position",
+    "max_position",
+    "has_velocity_limits",
+    "max_velocity",
+    "has_acceleration_limits",
+    "max_acceleration",
+    "has_deceleration_limits",
+    "max_deceleration",
+    "has_jerk_limits",
+    "max_jerk",
+    "has_effort_limits",
+    "max_effort",
+    "has_soft_limits",
+    "soft_lower_limit",
+    "soft_upper_limit",
+    "k_position",
+    "k_velocity",
+    "angle_wraparound",
+];
 
 impl Robot {
     /// Adds the limits of a `joint_limits.yaml`, as in a MoveIt configuration.
     ///
     /// The map `joint_limits` holds `max_velocity`, `max_acceleration` and `max_jerk` of each joint.
     /// `has_velocity_limits: false` and the like remove a limit. `min_position` and `max_position` narrow the limits of
-    /// the robot's file. Units are radians, metres and seconds. Other keys are ignored.
+    /// the robot's file. Units are radians, metres and seconds. Limits of deceleration and effort and soft limits are
+    /// not read.
     ///
     /// ```
     /// # std::env::set_current_dir("../..")?;
@@ -30,8 +54,8 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A file that cannot be read or has another format, an unknown joint, or a rate limit that is not above 0. Also a
-    /// position that is not finite, or positions that leave a joint no value.
+    /// A file that cannot be read or has another format, an unknown joint or key, or a rate limit that is not above 0.
+    /// Also a position that is not finite, or positions that leave a joint no value.
     pub fn with_joint_limits(self, path: impl AsRef<Path>) -> Result<Self, ReadError> {
         read_with(path.as_ref(), LENGTH_LIMIT, |bytes, file| {
             self.with_joint_limits_of(bytes, file)
@@ -71,9 +95,18 @@ impl Robot {
             }
         };
         let mut narrowed = Vec::new();
-        for (name, limits) in joints {
+        for (k, (name, limits)) in joints.iter().enumerate() {
             let joint = JointEntry { file, name, limits };
+            if joints[..k]
+                .iter()
+                .any(|(other, _)| other.text() == name.text())
+            {
+                let name_text = name.text().unwrap_or_default();
+                let problem = format!("joint `{name_text}` is listed twice");
+                return Err(fail(file, name, &problem));
+            }
             let id = joint.id(&self)?;
+            joint.check_keys()?;
             if self.drives.len() <= id.index() {
                 self.drives.resize(id.index() + 1, DriveLimits::default());
             }
@@ -105,6 +138,21 @@ impl JointEntry<'_, '_> {
         JointRef::from(name)
             .resolve(robot.model())
             .map_err(|unknown| fail(self.file, self.name, &unknown.to_string()))
+    }
+
+    /// Rejects keys that MoveIt and ros2_control do not know: a mistyped key would leave a joint without its limit.
+    fn check_keys(&self) -> Result<(), ReadError> {
+        let Value::Map(entries) = &self.limits.value else {
+            return Ok(());
+        };
+        for (key, _) in entries {
+            let name = key.text().unwrap_or_default();
+            if !KEYS.contains(&name) {
+                let unknown = UnknownName::new("joint limit", name, KEYS);
+                return Err(fail(self.file, key, &unknown.to_string()));
+            }
+        }
+        Ok(())
     }
 
     /// Value of `has_…_limits`, if the file has it.

@@ -98,6 +98,13 @@ const MAX_STOP_CYCLES: usize = 100_000;
 /// Longest stop, in cycles, that is simulated exactly if an estimate suffices.
 const MAX_SIMULATED_CYCLES: f64 = 24.0;
 
+/// The integer part of a number of at least 0, below 2⁶³.
+///
+/// [`f64::floor`] is a call on processors that are not known to have SSE4.1, and takes a tenth of a stop.
+fn integer_part(number: f64) -> f64 {
+    number as i64 as f64
+}
+
 /// Largest first decrement x of a sequence with a total of `total` that decreases by at most `rate` to zero.
 ///
 /// It is the root of x + Σ max(x − k·rate, 0) = total. Zero for a total below zero.
@@ -109,7 +116,7 @@ fn first_decrement(total: f64, rate: f64) -> f64 {
         return total;
     }
     // Number of decrements after the first.
-    let count = (0.5 * ((1.0 + 8.0 * total / rate).sqrt() - 1.0)).floor();
+    let count = integer_part(0.5 * ((1.0 + 8.0 * total / rate).sqrt() - 1.0));
     (total + 0.5 * rate * count * (count + 1.0)) / (count + 1.0)
 }
 
@@ -118,8 +125,22 @@ fn later_decrements(first: f64, rate: f64) -> f64 {
     if first <= rate {
         return 0.0;
     }
-    let count = (first / rate).ceil() - 1.0;
+    let quotient = first / rate;
+    let whole = integer_part(quotient);
+    let count = if whole < quotient { whole } else { whole - 1.0 };
     count * first - 0.5 * rate * count * (count + 1.0)
+}
+
+/// Distance of a release: the sum of the steps that remain after each of the decrements from `first` to zero.
+///
+/// Step k is Σ max(first − j·rate, 0) over j > k, so the sum is Σ j·max(first − j·rate, 0).
+fn release_distance(first: f64, rate: f64) -> f64 {
+    if first <= rate {
+        return 0.0;
+    }
+    let count = integer_part(first / rate);
+    let pairs = 0.5 * count * (count + 1.0);
+    pairs * (first - rate * (2.0 * count + 1.0) / 3.0)
 }
 
 impl JointMotion {
@@ -197,6 +218,11 @@ impl JointMotion {
         // Smaller steps are rounding.
         let negligible = 1e-12 * rate;
         for _ in 0..MAX_STOP_CYCLES {
+            let release = first_decrement(state.step.abs(), rate);
+            if release <= change && (state.change + release.copysign(state.step)).abs() <= rate {
+                state.q += release_distance(release, rate).copysign(state.step);
+                break;
+            }
             let next = state.braking_change(limits);
             // Skip cycles at constant full deceleration.
             if next == state.change && next.abs() == change {
@@ -215,6 +241,8 @@ impl JointMotion {
                 break;
             }
         }
+        stop.lowest = stop.lowest.min(state.q);
+        stop.highest = stop.highest.max(state.q);
         stop.end = state.q;
         stop
     }

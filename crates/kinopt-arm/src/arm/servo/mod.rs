@@ -30,6 +30,8 @@ use kinopt_solver::solver::Termination;
 
 pub use report::{HeldBy, ServoStatus, ServoStep};
 
+/// Longest time step, seconds.
+const MAX_TIME_STEP: f64 = 1.0;
 /// Steps of one cycle towards the goal configuration; the next cycle continues from there.
 const GOAL_STEPS: usize = 8;
 /// Largest step of a joint without a velocity limit in a cycle, radians.
@@ -115,7 +117,7 @@ pub struct Servo<'a> {
 impl<'a> Servo<'a> {
     /// Servo of an arm at rest at a validated start.
     pub(super) fn new(arm: &'a Arm, start: &[f64], time_step: f64) -> Result<Self, QueryError> {
-        if !(time_step > 0.0 && time_step.is_finite()) {
+        if !(time_step > 0.0 && time_step <= MAX_TIME_STEP) {
             return Err(QueryError::TimeStep(time_step));
         }
         let n = arm.joint_count();

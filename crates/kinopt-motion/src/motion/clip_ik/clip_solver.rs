@@ -9,7 +9,7 @@ use super::posed_bones::Hinges;
 use super::root_bone::{ancestors, branching_above};
 use super::{ClipIkError, Reach};
 use crate::motion::ContactDetection;
-use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
+use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
 use kinopt_animation::animation::{Armature, Clip, ClipError};
 use kinopt_kinematics::SizeMismatch;
 use kinopt_kinematics::skeleton::{BoneId, Skeleton};

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::ClipIkError;
-use crate::motion::contact_detection::smooth;
+use crate::motion::contact::smooth;
 use kinopt_kinematics::curve::KeyedCurve;
 use kinopt_kinematics::skeleton::BoneId;
 use kinopt_kinematics::spatial::Vector3;

@@ -14,7 +14,6 @@ mod frame_solver;
 mod ground_speed;
 mod keyframes;
 mod plan;
-mod planting;
 mod posed_bones;
 mod root;
 mod root_bone;

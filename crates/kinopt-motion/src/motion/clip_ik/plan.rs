@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::clip_solver::{ClipIk, ClipRequest};
-use super::planting::PlantedFoot;
 use super::sampling::LimbMotion;
+use crate::motion::contact::PlantedFoot;
 use kinopt_kinematics::skeleton::BoneId;
 use kinopt_kinematics::spatial::Vector3;
 

@@ -9,12 +9,12 @@ use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditReport, EditedClip, FootPlant, ReachResult};
 use super::foot_drift::FootDrift;
 use super::plan::{EffectorTarget, Plan, SampleTime, dvec, travelled};
-use super::planting::{Ground, PlantedFoot, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, RootDemand};
 use super::sampling::{LimbMotion, limb_motions, sample_times};
 use super::solved_samples::SolvedSamples;
 use super::splice::spliced;
+use crate::motion::contact::{Ground, PlantedFoot, plant};
 use kinopt_animation::animation::Clip;
 use kinopt_kinematics::spatial::Vector3;
 

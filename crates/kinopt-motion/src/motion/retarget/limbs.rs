@@ -7,7 +7,7 @@ use super::pelvis_heading::HipLine;
 use super::sole::{Sole, ends_on_ground, soles};
 use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
-use crate::motion::contact_detection::mean_position;
+use crate::motion::contact::mean_position;
 use kinopt_kinematics::kinematics::{ForwardKinematics, KinematicsError};
 use kinopt_kinematics::model::{Model, UnknownName};
 use kinopt_kinematics::spatial::{Placement, Vector3};

@@ -203,7 +203,7 @@ impl InequalityResidual for OverGround {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::OverGround;
-    use crate::motion::retarget::foot_shapes::FootBall;
+    use crate::motion::contact::FootBall;
     use crate::motion::retarget::sole::Sole;
     use kinopt_kinematics::model::Model;
     use kinopt_kinematics::spatial::{Placement, Vector3};

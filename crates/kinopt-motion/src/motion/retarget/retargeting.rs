@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::collision_free_frames::CollisionFreeFrames;
-use super::contacts::LimbContact;
+use super::contacts::{LimbContact, plant_limbs};
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::retarget_report::{LostContact, Measures};
@@ -15,7 +15,7 @@ use super::{
     BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, RetargetReport,
     Touching, UpAxis,
 };
-use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
+use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
 use crate::motion::trajectory::{MotionError, Windows};
 use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
@@ -178,7 +178,7 @@ impl<'r> Retargeting<'r> {
             limbs.write_targets(captured, &mut positions);
             targets.extend_from_slice(&positions);
         }
-        let limb_contacts = options.contacts.plant(&limbs, frame_rate, &mut targets);
+        let limb_contacts = plant_limbs(&options.contacts, &limbs, frame_rate, &mut targets);
         let targets: Arc<[Vector3<f64>]> = targets.into();
         let model_targets = match unit.is_identity() {
             true => Arc::clone(&targets),

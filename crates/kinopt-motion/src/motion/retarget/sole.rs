@@ -1,8 +1,8 @@
 //! Soles of feet: the points of their shapes that reach the ground first.
 
-use super::foot_shapes::{FootBall, FootShapes};
 use super::limb::DrivenLimb;
 use super::limb_tree::{joints_above, moving_joint};
+use crate::motion::contact::{FootBall, FootShapes};
 use kinopt_kinematics::model::{FrameId, Model};
 use kinopt_kinematics::scalar::elementary;
 use kinopt_kinematics::spatial::{Placement, Vector3};

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use super::limbs::Limbs;
 use super::{BodyMap, FootShapes, RetargetError};
-use crate::motion::contact_detection::NOMINAL_LEG_LENGTH_M;
+use crate::motion::contact::NOMINAL_LEG_LENGTH_M;
 use kinopt_kinematics::model::{LengthUnit, Model};
 use kinopt_kinematics::scalar::Scalar;
 use kinopt_kinematics::spatial::Placement;

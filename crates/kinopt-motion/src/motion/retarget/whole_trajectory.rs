@@ -8,7 +8,7 @@ use super::follower::posture;
 use super::footholds::Footholds;
 use super::retargeting::as_map_error;
 use super::{RetargetError, RetargetReport, Retargeting};
-use crate::motion::contact_detection::smooth;
+use crate::motion::contact::smooth;
 use crate::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt_kinematics::Trajectory;
 use kinopt_kinematics::kinematics::ForwardKinematics;

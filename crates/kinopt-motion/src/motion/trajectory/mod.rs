@@ -7,7 +7,6 @@ mod barrier;
 mod block_banded;
 mod bounds;
 mod builder;
-mod contact;
 mod contact_springs;
 mod error;
 mod evaluator;
@@ -26,8 +25,8 @@ mod space;
 mod step_limits;
 mod stretch;
 
+pub use super::contact::Contact;
 pub use builder::MotionProblemBuilder;
-pub use contact::Contact;
 pub use error::MotionError;
 pub use motion_problem::MotionProblem;
 pub use motion_report::{

@@ -4,8 +4,8 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::Contact;
 use super::bounds::FrameBounds;
-use super::contact::Contact;
 use super::rate_cost::CompiledRateCost;
 use super::space::FrameSpace;
 use kinopt_solver::problem::{Problem, ProblemError, Targets, TaskSubset};

@@ -10,9 +10,9 @@ use kinopt_kinematics::spatial::Vector3;
 /// The solver finds their position. Use a task to prescribe it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    pub(super) frame: FrameId,
-    pub(super) points: Vec<Vector3<f64>>,
-    pub(super) span: Range<usize>,
+    pub(in crate::motion) frame: FrameId,
+    pub(in crate::motion) points: Vec<Vector3<f64>>,
+    pub(in crate::motion) span: Range<usize>,
 }
 
 impl Contact {
@@ -53,7 +53,7 @@ impl Contact {
     }
 
     /// Returns whether the contact is active at a sample and the next.
-    pub(super) fn is_active_over_step(&self, frame: usize) -> bool {
+    pub(in crate::motion) fn is_active_over_step(&self, frame: usize) -> bool {
         self.span.contains(&frame) && self.span.contains(&(frame + 1))
     }
 }

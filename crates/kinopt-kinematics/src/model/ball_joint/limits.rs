@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::Limits;
+use crate::model::Limits;
 use crate::spatial::Vector3;
 
 /// Limits of a ball joint, on its rotation split into a twist about the joint axis and then a swing.
@@ -74,13 +74,13 @@ impl BallLimits {
     }
 
     /// True if swing or twist is limited.
-    pub(super) fn has_cone(&self) -> bool {
+    pub(in crate::model) fn has_cone(&self) -> bool {
         let Limits { lower, upper } = self.twist;
         self.swing.iter().any(|&half| half < PI) || lower > -PI || upper < PI
     }
 
     /// The reason why the limits are invalid for a joint with this unit axis; `None` if they are valid.
-    pub(super) fn fault(&self, axis: Vector3<f64>) -> Option<&'static str> {
+    pub(in crate::model) fn fault(&self, axis: Vector3<f64>) -> Option<&'static str> {
         let angle = |swing: f64| swing > 0.0 && swing <= PI;
         let is_valid_end = |end: f64| end.abs() <= PI || end.is_infinite();
         let ends = [self.twist.lower, self.twist.upper];

@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use crate::motion::ContactDetection;
-use crate::motion::contact_detection::{mean_position, smooth};
+use super::detection::{ContactDetection, smooth};
 use kinopt_kinematics::spatial::Vector3;
 
 /// Height of the ground at a position, relative to the ground of the clip.
-pub(super) type Ground<'a> = &'a dyn Fn(Vector3<f64>) -> f64;
+pub(in crate::motion) type Ground<'a> = &'a dyn Fn(Vector3<f64>) -> f64;
 
 /// Largest extra height of a swinging foot above the straight path, in heights of the step.
 const MAX_ARC_RATIO: f64 = 1.5;
@@ -15,20 +14,28 @@ const MAX_ARC_RATIO: f64 = 1.5;
 /// Fraction of a swing over which a foot moves up or down a step.
 const STEP_FRACTION: f64 = 0.7;
 
-/// Motion of a planted foot over a clip.
+/// Contact of a foot before its plant: frames, position on level ground, and height of the ground there.
 #[derive(Clone, Debug)]
-pub(super) struct PlantedFoot {
+pub(in crate::motion) struct FootContact {
+    pub(in crate::motion) span: Range<usize>,
+    pub(in crate::motion) position: Vector3<f64>,
+    pub(in crate::motion) ground: f64,
+}
+
+/// Motion of a planted foot.
+#[derive(Clone, Debug)]
+pub(in crate::motion) struct PlantedFoot {
     /// Frames and position of each contact.
-    pub(super) stances: Vec<(Range<usize>, Vector3<f64>)>,
+    pub(in crate::motion) stances: Vec<(Range<usize>, Vector3<f64>)>,
     /// Position by frame.
-    pub(super) positions: Vec<Vector3<f64>>,
+    pub(in crate::motion) positions: Vec<Vector3<f64>>,
     /// Height of the ground by frame: at the contact position, and interpolated between contacts.
-    pub(super) ground: Vec<f64>,
+    pub(in crate::motion) ground: Vec<f64>,
 }
 
 impl PlantedFoot {
     /// Returns the contact position if the foot is in contact in `frame` and in the next frame.
-    pub(super) fn contact_position_from(&self, frame: usize) -> Option<Vector3<f64>> {
+    pub(in crate::motion) fn contact_position_from(&self, frame: usize) -> Option<Vector3<f64>> {
         let mut stances = self.stances.iter();
         let contact =
             stances.find(|(span, _)| span.contains(&frame) && span.contains(&(frame + 1)));
@@ -36,42 +43,61 @@ impl PlantedFoot {
     }
 }
 
-/// Plants a foot that moves along `positions` in the clip. Its position in each contact is the mean of its positions in
+/// Plants a foot that moves along `positions` in a clip. Its position in each contact is the mean of its positions in
 /// the clip, raised to the ground.
-///
-/// Between contacts the foot blends to and from the clip over `detection.lead_s`. If the ground rises or falls, the
-/// change of height covers the whole swing. The swing is raised above edges of the ground.
-pub(super) fn plant(
+pub(in crate::motion) fn plant(
     detection: &ContactDetection,
     positions: &[Vector3<f64>],
     up: Vector3<f64>,
     ground: Option<Ground<'_>>,
     rate: f64,
 ) -> PlantedFoot {
-    let lowest = positions
-        .iter()
-        .map(|position| position.dot(up))
-        .fold(f64::INFINITY, f64::min);
+    let heights = positions.iter().map(|position| position.dot(up));
+    let lowest = heights.fold(f64::INFINITY, f64::min);
     let spans = detection.spans(positions, |frame| positions[frame].dot(up) - lowest, rate);
+    let contacts = spans.into_iter().map(|span| {
+        let position = mean_position(&positions[span.clone()]);
+        FootContact {
+            ground: ground.map_or(0.0, |ground| ground(position)),
+            position,
+            span,
+        }
+    });
+    let contacts: Vec<FootContact> = contacts.collect();
+    plant_at(
+        &contacts,
+        positions,
+        up,
+        ground,
+        detection.lead_frames(rate),
+    )
+}
+
+/// Moves a foot along `positions` into its contacts.
+///
+/// Between contacts the foot blends to and from `positions` over `lead` frames. If the ground rises or falls, the
+/// change of height covers the whole swing. The swing is raised above edges of the ground.
+pub(in crate::motion) fn plant_at(
+    contacts: &[FootContact],
+    positions: &[Vector3<f64>],
+    up: Vector3<f64>,
+    ground: Option<Ground<'_>>,
+    lead: usize,
+) -> PlantedFoot {
+    let lead = lead.max(1);
+    let heights = positions.iter().map(|position| position.dot(up));
+    let lowest = heights.fold(f64::INFINITY, f64::min);
     let height = |position: Vector3<f64>| ground.map_or(0.0, |ground| ground(position));
-    let contacts: Vec<(Vector3<f64>, f64)> = spans
-        .iter()
-        .map(|span| {
-            let position = mean_position(&positions[span.clone()]);
-            (position, height(position))
-        })
-        .collect();
     let (mut planted, mut lifts) = (positions.to_vec(), vec![0.0; positions.len()]);
-    for (span, (position, lift)) in spans.iter().zip(&contacts) {
-        planted[span.clone()].fill(*position);
-        lifts[span.clone()].fill(*lift);
+    for contact in contacts {
+        planted[contact.span.clone()].fill(contact.position);
+        lifts[contact.span.clone()].fill(contact.ground);
     }
     let mut ground_heights = lifts.clone();
-    let lead = detection.lead_frames(rate).max(1);
-    for swing in swings(&spans, positions.len()) {
+    for swing in swings(contacts, positions.len()) {
         let offset_at = |k: Option<usize>, frame: usize| {
-            let (position, lift) = k.and_then(|k| contacts.get(k))?;
-            Some((*position - *positions.get(frame)?, *lift))
+            let contact = k.and_then(|k| contacts.get(k))?;
+            Some((contact.position - *positions.get(frame)?, contact.ground))
         };
         let from = offset_at(swing.after, swing.frames.start.wrapping_sub(1));
         let to = offset_at(swing.before, swing.frames.end);
@@ -97,7 +123,9 @@ pub(super) fn plant(
         }
         ground_heights[swing.frames.clone()].copy_from_slice(&lifts[swing.frames.clone()]);
         let neighbours = [swing.after, swing.before].into_iter().flatten();
-        let foot_height = neighbours.map(|k| contacts[k].0.dot(up)).reduce(f64::min);
+        let foot_height = neighbours
+            .map(|k| contacts[k].position.dot(up))
+            .reduce(f64::min);
         let foot_height = foot_height.unwrap_or(lowest);
         // 1 in the middle of the swing, with zero slope at both ends.
         let arc = |frame: usize| {
@@ -122,14 +150,23 @@ pub(super) fn plant(
     for (position, lift) in planted.iter_mut().zip(&lifts) {
         *position += up * *lift;
     }
-    let contact_positions = contacts
-        .iter()
-        .map(|(position, lift)| *position + up * *lift);
+    let stances = contacts.iter().map(|contact| {
+        let position = contact.position + up * contact.ground;
+        (contact.span.clone(), position)
+    });
     PlantedFoot {
-        stances: spans.into_iter().zip(contact_positions).collect(),
+        stances: stances.collect(),
         positions: planted,
         ground: ground_heights,
     }
+}
+
+/// Returns the mean position over some capture frames. Needs at least one.
+pub(in crate::motion) fn mean_position(positions: &[Vector3<f64>]) -> Vector3<f64> {
+    let sum = positions
+        .iter()
+        .fold(Vector3::zero(), |sum, position| sum + *position);
+    sum * (1.0 / positions.len().max(1) as f64)
 }
 
 /// Returns the fraction of a step's height change after a fraction of the swing. A foot rises early and descends late.
@@ -145,12 +182,12 @@ struct SwingPhase {
     before: Option<usize>,
 }
 
-fn swings(spans: &[Range<usize>], frames: usize) -> impl Iterator<Item = SwingPhase> + '_ {
-    (0..=spans.len()).filter_map(move |k| {
+fn swings(contacts: &[FootContact], frames: usize) -> impl Iterator<Item = SwingPhase> + '_ {
+    (0..=contacts.len()).filter_map(move |k| {
         let after = k.checked_sub(1);
-        let before = (k < spans.len()).then_some(k);
-        let start = after.map_or(0, |k| spans[k].end);
-        let end = before.map_or(frames, |k| spans[k].start);
+        let before = (k < contacts.len()).then_some(k);
+        let start = after.map_or(0, |k| contacts[k].span.end);
+        let end = before.map_or(frames, |k| contacts[k].span.start);
         (start < end).then_some(SwingPhase {
             frames: start..end,
             after,

@@ -6,7 +6,7 @@ use kinopt_kinematics::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use kinopt_kinematics::spatial::Vector3;
 
 /// Leg length for which the default speed limit is meant, metres.
-pub(super) const NOMINAL_LEG_LENGTH_M: f64 = 0.9;
+pub(in crate::motion) const NOMINAL_LEG_LENGTH_M: f64 = 0.9;
 
 /// Criteria of contact of a point: speed and height, for a character of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,7 @@ impl ContactDetection {
     }
 
     /// Checks the ranges of all options.
-    pub(super) fn check(&self) -> Result<(), BadOption> {
+    pub(in crate::motion) fn check(&self) -> Result<(), BadOption> {
         BadOption::check("contact speed", self.speed, AT_LEAST_0)?;
         BadOption::check("contact height", self.height, AT_LEAST_0)?;
         BadOption::check("shortest_s", self.shortest_s, NOT_NEGATIVE)?;
@@ -77,7 +77,7 @@ impl ContactDetection {
     ///
     /// `positions` has the position of the point in each capture frame, metres. `height` returns its height above the
     /// ground, metres. `rate` is in capture frames per second.
-    pub(super) fn spans(
+    pub(in crate::motion) fn spans(
         &self,
         positions: &[Vector3<f64>],
         height: impl Fn(usize) -> f64,
@@ -103,21 +103,13 @@ impl ContactDetection {
     }
 
     /// Returns the duration of the blend in capture frames.
-    pub(super) fn lead_frames(&self, rate: f64) -> usize {
+    pub(in crate::motion) fn lead_frames(&self, rate: f64) -> usize {
         (self.lead_s * rate).ceil() as usize
     }
 }
 
-/// Returns the mean position over some capture frames. Needs at least one.
-pub(super) fn mean_position(positions: &[Vector3<f64>]) -> Vector3<f64> {
-    let sum = positions
-        .iter()
-        .fold(Vector3::zero(), |sum, position| sum + *position);
-    sum * (1.0 / positions.len().max(1) as f64)
-}
-
 /// Smoothstep from 0 to 1, with zero slope at both ends.
-pub(super) fn smooth(fraction: f64) -> f64 {
+pub(in crate::motion) fn smooth(fraction: f64) -> f64 {
     fraction * fraction * (3.0 - 2.0 * fraction)
 }
 

@@ -1,6 +1,7 @@
 //! The three solver variables of a ball joint: derivatives of its quaternion and bounds.
 
-use super::{BallLimits, Limits, RotationChart};
+use super::{BallLimits, RotationChart};
+use crate::model::Limits;
 use crate::spatial::{Quaternion, Vector3};
 
 /// The three variables of a ball joint.
@@ -34,7 +35,7 @@ const MAX_SWING: f64 = std::f64::consts::PI - 1e-7;
 
 impl BallVariables {
     /// The variables of a joint whose quaternion starts at `coordinate` and whose variables start at `variable`.
-    pub(super) fn new(
+    pub(in crate::model) fn new(
         coordinate: usize,
         variable: usize,
         axis: Vector3<f64>,
@@ -67,7 +68,7 @@ impl BallVariables {
     }
 
     /// Derivatives of w, x, y and z by each variable: ½ ω q with the angular velocity ω of a unit rate.
-    pub(super) fn slopes(&self, x: [f64; 3]) -> [[f64; 3]; 4] {
+    pub(in crate::model) fn slopes(&self, x: [f64; 3]) -> [[f64; 3]; 4] {
         let rotation = self.chart.rotation(x);
         let mut slopes = [[0.0; 3]; 4];
         for (k, omega) in self.chart.axes(x).into_iter().enumerate() {
@@ -84,7 +85,7 @@ impl BallVariables {
     }
 
     /// Bounds of the three variables, radians.
-    pub(super) fn bounds(&self, limits: Option<&BallLimits>) -> [Limits; 3] {
+    pub(in crate::model) fn bounds(&self, limits: Option<&BallLimits>) -> [Limits; 3] {
         match (self.swing, limits) {
             (Some([a, b]), Some(limits)) => [Limits::new(-a, a), Limits::new(-b, b), limits.twist],
             _ => [Limits::UNBOUNDED; 3],

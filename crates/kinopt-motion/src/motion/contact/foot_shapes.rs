@@ -15,22 +15,22 @@ const CIRCLE_VERTICES: usize = 16;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FootShapes {
-    pub(super) balls: Vec<FootBall>,
+    pub(in crate::motion) balls: Vec<FootBall>,
 }
 
 /// Ball that is fixed to a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct FootBall {
-    pub(super) frame: FrameId,
+pub(in crate::motion) struct FootBall {
+    pub(in crate::motion) frame: FrameId,
     /// Centre in the frame's coordinates, metres.
-    pub(super) at: Vector3<f64>,
-    pub(super) radius: f64,
+    pub(in crate::motion) at: Vector3<f64>,
+    pub(in crate::motion) radius: f64,
 }
 
 impl FootBall {
     /// Returns the height of its lowest point, given the pose of its frame, metres.
-    pub(super) fn height(&self, placed: &Placement<f64>) -> f64 {
+    pub(in crate::motion) fn height(&self, placed: &Placement<f64>) -> f64 {
         placed.apply(self.at).z - self.radius
     }
 }

@@ -6,7 +6,8 @@
 
 use std::f64::consts::PI;
 
-use super::{BallLimits, Limits, quaternion_at};
+use super::BallLimits;
+use crate::model::{Limits, quaternion_at};
 use crate::random::RandomStream;
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3, rotation_exp_jacobian};
@@ -34,7 +35,7 @@ pub struct SwingFrame {
 
 impl RotationChart {
     /// The chart of a ball joint with this unit axis.
-    pub(super) fn new(axis: Vector3<f64>, limits: Option<&BallLimits>) -> Self {
+    pub(in crate::model) fn new(axis: Vector3<f64>, limits: Option<&BallLimits>) -> Self {
         let cone = limits.filter(|limits| limits.has_cone());
         cone.map_or(Self::Exponential, |limits| {
             Self::SwingTwist(SwingFrame::new(axis, limits.about))
@@ -63,7 +64,7 @@ impl RotationChart {
     }
 
     /// True if a rotation is within the limits, up to `rounding` in radians and relative to the cone.
-    pub(super) fn is_within(
+    pub(in crate::model) fn is_within(
         &self,
         rotation: Quaternion<f64>,
         limits: &BallLimits,
@@ -88,7 +89,11 @@ impl RotationChart {
     }
 
     /// A sampled rotation within a cone and a range of twist, or within the angle of a joint without a cone.
-    pub(super) fn sample(&self, limits: &BallLimits, random: &mut RandomStream) -> Quaternion<f64> {
+    pub(in crate::model) fn sample(
+        &self,
+        limits: &BallLimits,
+        random: &mut RandomStream,
+    ) -> Quaternion<f64> {
         match self {
             Self::Exponential => {
                 let max_angle = limits.angle.unwrap_or(PI).min(PI);
@@ -182,7 +187,7 @@ impl SwingFrame {
 }
 
 /// A rotation sampled uniformly over all rotations: a normalised point of the four-dimensional unit ball.
-pub(super) fn sample_rotation(random: &mut RandomStream) -> Quaternion<f64> {
+pub(in crate::model) fn sample_rotation(random: &mut RandomStream) -> Quaternion<f64> {
     let components: [f64; 4] = sample_in_ball(random);
     quaternion_at(&components).unwrap_or(Quaternion::exp(Vector3::zero()))
 }
