@@ -83,7 +83,7 @@ def compare_smooth_paths(count=100):
         tried += 1
         begin = np.asarray(arm.base_from_tool(start))
         solved = kinopt.solve_path(arm, smooth_path(begin, random, int(random.integers(60, 400))), start=start)
-        if not solved.is_whole:
+        if not solved.reached:
             continue
         velocity = np.minimum(np.asarray(arm.velocity_limits), 10.0)
         acceleration = random.uniform(2.0, 15.0, len(start))

@@ -198,4 +198,4 @@ def test_two_hands_hold_a_box_in_all_frames() -> None:
         one = kinopt.frame_placement(robot, "left_tool", q) @ left
         other = kinopt.frame_placement(robot, "right_tool", q) @ right
         np.testing.assert_allclose(one, other, atol=3e-9)
-    assert pickle.loads(pickle.dumps(solved)).loop_gap == solved.report.loop_gap
+    assert pickle.loads(pickle.dumps(solved)).report.loop_gap == solved.report.loop_gap

@@ -81,7 +81,8 @@ def test_track_contains_solutions_and_jumps(arm, targets):
     back = pickle.loads(pickle.dumps(track))
     assert type(back) is kinopt.JointPath and np.array_equal(back.q, track.q)
     assert [repr(jump) for jump in back.jumps] == [repr(jump) for jump in track.jumps]
-    assert repr(track) == f"JointPath(3 rows, {"reached" if track.reached else "not reached"}, {len(track.jumps)} jumps)"
+    reached = "reached" if track.reached else "not reached"
+    assert repr(track) == f"JointPath(3 rows, {reached}, {len(track.jumps)} jumps)"
 
 
 def test_arm_has_robot_base_and_tip(robot, arm):

@@ -117,7 +117,7 @@ def test_sources_of_every_kind_are_equal(nao: kinopt.Robot, tmp_path: Path) -> N
     assert np.allclose(kinopt.retarget(sway(), NAO, MAP).q[0], expected[0])
     upright = sway()[:, :, [0, 2, 1]] * [1, 1, -1]
     assert np.array_equal(kinopt.retarget(upright, nao, MAP, up="y").q, expected)
-    assert kinopt.retarget(sway(), nao, {**MAP, "drives": {NAO.name: MAP["drives"], "g1.urdf": {}}}, fps=60).fps == 60
+    assert kinopt.retarget(sway(), nao, {**MAP, "drives": {NAO.name: MAP["drives"], "g1.urdf": {}}}, fps=60).report.fps == 60
 
 
 BVH = """HIERARCHY
@@ -185,7 +185,7 @@ def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
     assert "left_toe: `left_foot` is where `left_ankle` is, so it is left out" in guess.notes
     assert any(note.startswith("chest") for note in guess.notes)
     by_name = kinopt.retarget(positions, nao, "smpl", fps=30)
-    assert by_name.map == guess.map and by_name.notes == guess.notes
+    assert by_name.report.map == guess.map and by_name.report.notes == guess.notes
     lying = kinopt.guess_map(Capture(positions, names, 30, "y"), nao)
     assert "the body is upright along z, but the upward axis is y" in lying.notes
     guess.save(tmp_path / "map.json")
@@ -407,7 +407,7 @@ def test_map_of_other_robot_is_completed_by_names(nao: kinopt.Robot) -> None:
     other = {"drives": {"g1.urdf": {"Hips": "pelvis_link"}}}
     found = kinopt.retarget(STEPS, nao, other, fps=30)
     guessed = kinopt.retarget(STEPS, nao, fps=30)
-    assert np.array_equal(found.q, guessed.q) and found.report.map["drives"] == guessed.map["drives"]
+    assert np.array_equal(found.q, guessed.q) and found.report.map["drives"] == guessed.report.map["drives"]
     assert "guessed from names" in found.report.notes[0]
 
 
@@ -428,7 +428,7 @@ def test_fixed_base_of_a_humanoid_is_noted() -> None:
     fixed = kinopt.Robot.from_urdf(NAO)
 
     def named(robot: kinopt.Robot) -> list[str]:
-        return [note for note in kinopt.retarget(sway(4), robot, MAP).notes if 'base_joint="free"' in note]
+        return [note for note in kinopt.retarget(sway(4), robot, MAP).report.notes if 'base_joint="free"' in note]
 
     assert len(named(fixed)) == 1 and not named(free)
 
@@ -484,13 +484,13 @@ def test_up_axis_is_detected(tmp_path: Path) -> None:
     positions[:, 0, 1] = 0.02 * np.sin(np.arange(12))
     positions[:, 1, 1], positions[:, 2, 1] = 0.1, -0.1
     upright = kinopt.retarget(positions, nao, joints=joints, fps=30)
-    assert upright.capture.up == "z" and not any("upward" in note for note in upright.notes)
+    assert upright.report.capture.up == "z" and not any("upward" in note for note in upright.report.notes)
     # The same motion with y upward.
     turned = np.stack([positions[..., 0], positions[..., 2], -positions[..., 1]], axis=-1)
     detected = kinopt.retarget(turned, nao, joints=joints, fps=30)
-    assert detected.capture.up == "y"
-    assert "the body is upright along y, which is used as the upward axis: up= sets it" in detected.notes
+    assert detected.report.capture.up == "y"
+    assert "the body is upright along y, which is used as the upward axis: up= sets it" in detected.report.notes
     assert np.abs(detected.q - upright.q).max() < 1e-9
     given = kinopt.retarget(turned, nao, joints=joints, fps=30, up="z")
-    assert given.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
-    assert "the body is upright along y, but the upward axis is z" in given.notes
+    assert given.report.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
+    assert "the body is upright along y, but the upward axis is z" in given.report.notes

@@ -1,5 +1,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
+from types import GenericAlias
 from typing import Any, Generic, Literal, SupportsIndex, TypedDict, TypeVar, final, overload
 
 import numpy as np
@@ -790,6 +791,7 @@ _Report = TypeVar("_Report", covariant=True)
 
 @final
 class JointPath(Generic[_Report]):
+    def __class_getitem__(cls, key: Any) -> GenericAlias: ...
     def times(
         self,
         *,
@@ -822,6 +824,7 @@ class JointPath(Generic[_Report]):
 
 @final
 class Trajectory(Generic[_Report]):
+    def __class_getitem__(cls, key: Any) -> GenericAlias: ...
     def __new__(cls, times: ArrayLike, q: ArrayLike, names: list[str], report: _Report) -> Trajectory[_Report]: ...
     @property
     def times(self) -> Floats: ...

@@ -349,7 +349,7 @@ impl World {
     }
 
     /// A new world with the obstacles scaled by the factor `times`, together with their distance from the world's
-    /// origin. Example: the surroundings of a person, for a robot with another step length (`Retargeted.stride`).
+    /// origin. Example: the surroundings of a person, for a robot with another step length (`RetargetReport.stride`).
     /// Attached obstacles scale about the origin of their frame.
     ///
     /// Raises `InvalidValueError` for a factor that is not positive and finite, and if an obstacle becomes too small or

@@ -3,8 +3,6 @@
 use super::cell::{CurveState, GridCell};
 use super::cubic_curve::CubicCurve;
 use super::easing::SmoothstepEasing;
-#[cfg(doc)]
-use kinopt_kinematics::Trajectory;
 
 /// Joint values and their derivatives at one time of a [`TimedSpline`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +16,7 @@ pub struct TrajectoryPoint {
     pub acceleration: Vec<f64>,
 }
 
-/// Joint values over time between the rows of a path: the report of a path's [`Trajectory`].
+/// Joint values over time between the rows of a path: the report of a path's [`Trajectory`](kinopt_kinematics::Trajectory).
 ///
 /// Created by [`JointPath::trajectory`](crate::arm::JointPath::trajectory).
 #[derive(Clone, Debug, PartialEq)]

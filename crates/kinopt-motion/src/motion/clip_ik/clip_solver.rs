@@ -48,7 +48,7 @@ pub(super) fn single(vector: impl Into<Vector3<f64>>) -> Vec3 {
 ///     .with_planted(armature.bone("foot.r")?)
 ///     .with_reach(hand)
 ///     .solve(scene.clip("Walk")?)?;
-/// assert!(edited.stances.iter().all(|stance| stance.slide < 1e-3));
+/// assert!(edited.report.stances.iter().all(|stance| stance.slide < 1e-3));
 /// # Ok(())
 /// # }
 /// ```
