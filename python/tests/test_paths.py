@@ -151,7 +151,7 @@ def test_trajectories_keep_limits(arm: kinopt.Arm) -> None:
         velocities = np.gradient(points.q, times, axis=0)
         assert np.abs(velocities - points.velocity)[1:-1].max() < 5.0 * times[1]
         assert np.abs(trajectory.at(trajectory.times).q - solved.q).max() < 1.1e-5
-    with pytest.raises(InvalidValueError, match="time is nan"):
+    with pytest.raises(InvalidValueError, match="time is NaN"):
         limited.at(np.nan)
     one = limited.at(0.5)
     assert one.q.shape == (7,) and np.array_equal(one.q, limited.at([0.5]).q[0])
@@ -179,10 +179,10 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
         with pytest.raises(InvalidValueError, match=f"{option}.*{solved.joint_names[3]}"):
             solved.trajectory(**{"acceleration_limits": 1.0, option: limits})  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="arm"):
-        solved.trajectory(1.0, tool_linear_limits=(0.1, 1.0))
+        solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0))
     for wrong in (0.5, (0.1,), "fast", (0.1, None)):
         with pytest.raises(kinopt.InvalidValueError, match=r"tool_linear_limits is .*: \(speed, acceleration\) in m/s"):
-            solved.trajectory(1.0, arm=arm, tool_linear_limits=wrong)
+            solved.trajectory(acceleration_limits=1.0, arm=arm, tool_linear_limits=wrong)
     with pytest.raises(InvalidValueError, match="corner_tolerance"):
         solved.trajectory(acceleration_limits=1.0, corner_tolerance=-1.0)
 

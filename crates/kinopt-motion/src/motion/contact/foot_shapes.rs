@@ -11,7 +11,7 @@ const CIRCLE_VERTICES: usize = 16;
 /// Shapes of a model as balls fixed to its frames: each shape is the convex hull of its balls, approximately for round
 /// ones.
 ///
-/// [`Retargeting`](super::Retargeting) uses those of the feet for the ground height and to avoid ground penetration.
+/// [`Retargeting`](crate::motion::retarget::Retargeting) uses those of the feet for the ground height and to avoid ground penetration.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FootShapes {
