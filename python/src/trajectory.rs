@@ -88,14 +88,13 @@ impl Trajectory {
     /// as these.
     ///
     /// Only a trajectory of a path has joint states between its rows; others raise `InvalidValueError`.
-    fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let spline = self.report.bind(py);
-        if !spline.is_instance_of::<TimedSpline>() {
-            return Err(invalid(
+    fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {
+        match self.report.bind(py).cast::<TimedSpline>() {
+            Ok(spline) => spline.get().at(py, time),
+            Err(_) => Err(invalid(
                 "only a trajectory of a path has joint states between its rows; interpolate `q` over `times`",
-            ));
+            )),
         }
-        spline.call_method1("at", (time,))
     }
 
     fn __len__(&self) -> usize {

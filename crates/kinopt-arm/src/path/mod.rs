@@ -43,7 +43,7 @@ mod linear_segment;
 mod neighbour_index;
 mod option_checks;
 mod path_report;
-mod report;
+mod recording;
 mod revolutions;
 mod shorten;
 mod solver;

@@ -1,7 +1,7 @@
 //! Options by name, with type, range, default and documentation.
 //!
-//! An option is one row of a table: [`arm`], [`path`], [`retarget`], [`robot`], [`servo`], [`solver`]. Every interface accepts, reads and documents it by
-//! that row.
+//! An option is one row of a table: [`arm`], [`path`], [`retarget`], [`robot`], [`servo`], [`solver`]. Every interface
+//! accepts, reads and documents it by that row.
 
 pub mod arm;
 pub mod path;

@@ -184,13 +184,18 @@ impl JointMotion {
     /// The change of the policy with the earliest stop.
     #[doc(hidden)]
     pub fn braking_change(&self, limits: &CycleLimits) -> f64 {
+        let release = first_decrement(self.step.abs(), limits.change_rate);
+        self.change_towards_release(release, limits)
+    }
+
+    /// The change within the limits that is nearest to the first decrement of a release.
+    fn change_towards_release(&self, release: f64, limits: &CycleLimits) -> f64 {
         let CycleLimits {
             change: max_change,
             change_rate: rate,
             ..
         } = *limits;
-        let release = first_decrement(self.step.abs(), rate).min(max_change);
-        let target_change = -release.copysign(self.step);
+        let target_change = -release.min(max_change).copysign(self.step);
         if rate.is_infinite() {
             return target_change;
         }
@@ -223,7 +228,7 @@ impl JointMotion {
                 state.q += release_distance(release, rate).copysign(state.step);
                 break;
             }
-            let next = state.braking_change(limits);
+            let next = state.change_towards_release(release, limits);
             // Skip cycles at constant full deceleration.
             if next == state.change && next.abs() == change {
                 let constant_part = state.step.abs() - later_decrements(change, rate);

@@ -24,7 +24,7 @@ pub(super) fn move_to_min_penetration(
         None => check_solution(arm, avoidance, workspace, checks)?,
     };
     for rank in 0..workspace.ranking.len().min(MAX_EXACT_CHECKS) {
-        if avoidance.is_late(query, 1) {
+        if avoidance.is_late(query) {
             break;
         }
         let index = workspace.ranking[rank].1;

@@ -49,7 +49,7 @@ pub(super) fn avoid_in_null_space(
         let mut improved = false;
         'directions: for joint in 0..n {
             for displacement in [step, -step] {
-                if avoidance.is_late(query, 1) || steps.attempts >= max_attempts.min(MAX_ATTEMPTS) {
+                if avoidance.is_late(query) || steps.attempts >= max_attempts.min(MAX_ATTEMPTS) {
                     return Ok((false, steps));
                 }
                 if !perturb_in_null_space(arm, workspace, &centre, joint, displacement)

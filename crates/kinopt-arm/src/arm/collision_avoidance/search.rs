@@ -230,7 +230,7 @@ fn run_neighbour_attempts(
             break;
         }
         for first in gathered.clone().step_by(CHECKED) {
-            if avoidance.is_late(query, 1) {
+            if avoidance.is_late(query) {
                 next = None;
                 break;
             }
@@ -245,7 +245,7 @@ fn run_neighbour_attempts(
             }
         }
         seeds.truncate(free * n);
-        if avoidance.is_late(query, 1) {
+        if avoidance.is_late(query) {
             break;
         }
     }
@@ -287,7 +287,7 @@ fn first_collision_free(
     let mut configurations = std::mem::take(&mut checks.group_configurations);
     let mut first = None;
     for group in workspace.ranking[from..].chunks(CHECKED) {
-        if avoidance.is_late(query, 1) {
+        if avoidance.is_late(query) {
             break;
         }
         configurations.clear();
@@ -299,7 +299,7 @@ fn first_collision_free(
             let q = workspace.attempt_end(*index);
             let free = if by_spheres >> lane & 1 != 0 {
                 avoidance.are_close_pairs_free(arm, checks, q)?
-            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query, 1) {
+            } else if checks.exact_checks_left > 0 && !avoidance.is_late(query) {
                 checks.exact_checks_left -= 1;
                 avoidance.is_free_by_shapes(arm, checks, q)?
             } else {

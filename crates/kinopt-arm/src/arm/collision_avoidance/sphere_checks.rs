@@ -63,7 +63,7 @@ pub(in crate::arm) fn drop_colliding(
     let mut free = Vec::with_capacity(ranking.len());
     let mut all_checked = true;
     for (distance, index) in ranking.drain(..) {
-        if avoidance.is_late(query, 1) {
+        if avoidance.is_late(query) {
             all_checked = false;
             break;
         }

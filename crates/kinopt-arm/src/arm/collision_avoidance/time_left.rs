@@ -5,9 +5,9 @@ use crate::arm::query::Query;
 use kinopt_kinematics::clock::Instant;
 
 impl CollisionAvoidance {
-    /// Returns true if a query has no time for this many more checks.
-    pub(super) fn is_late(&self, query: &Query<'_>, checks: u32) -> bool {
-        query.is_late_by(self.check_time.get() * checks)
+    /// Returns true if a query has no time for another check.
+    pub(super) fn is_late(&self, query: &Query<'_>) -> bool {
+        query.is_late_by(self.check_time.get())
     }
 
     /// The query with its deadline earlier by one check.

@@ -52,8 +52,7 @@ pub(in crate::motion) fn plant(
     ground: Option<Ground<'_>>,
     rate: f64,
 ) -> PlantedFoot {
-    let heights = positions.iter().map(|position| position.dot(up));
-    let lowest = heights.fold(f64::INFINITY, f64::min);
+    let lowest = lowest_height(positions, up);
     let spans = detection.spans(positions, |frame| positions[frame].dot(up) - lowest, rate);
     let contacts = spans.into_iter().map(|span| {
         let position = mean_position(&positions[span.clone()]);
@@ -85,8 +84,7 @@ pub(in crate::motion) fn plant_at(
     lead: usize,
 ) -> PlantedFoot {
     let lead = lead.max(1);
-    let heights = positions.iter().map(|position| position.dot(up));
-    let lowest = heights.fold(f64::INFINITY, f64::min);
+    let lowest = lowest_height(positions, up);
     let height = |position: Vector3<f64>| ground.map_or(0.0, |ground| ground(position));
     let (mut planted, mut lifts) = (positions.to_vec(), vec![0.0; positions.len()]);
     for contact in contacts {
@@ -159,6 +157,12 @@ pub(in crate::motion) fn plant_at(
         positions: planted,
         ground: ground_heights,
     }
+}
+
+/// Returns the smallest height of some positions.
+fn lowest_height(positions: &[Vector3<f64>], up: Vector3<f64>) -> f64 {
+    let heights = positions.iter().map(|position| position.dot(up));
+    heights.fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the mean position over some capture frames. Needs at least one.

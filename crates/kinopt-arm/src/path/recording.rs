@@ -1,4 +1,4 @@
-//! Report on a joint path: length, reconfigurations, unreached points, collisions and deviation.
+//! Recording of a joint path and its report: length, reconfigurations, unreached points, collisions and deviation.
 
 use super::cartesian_path::CartesianPath;
 use super::deviation::{self, PathStep};
