@@ -102,7 +102,7 @@ function ofStub(file, words) {
     const entries = [];
     let currentClass;
     let property = false;
-    for (const statement of file ? statements(source(`python/kinopt/_kinopt/${file}.pyi`)) : []) {
+    for (const statement of file ? statements(source(`python/stubs/${file}.pyi`)) : []) {
         const kind = statement.match(/^class (\w+)/);
         if (kind) entries.push((currentClass = { name: kind[1], doc: words.get(kind[1]), members: [] }));
         else if (/^def /.test(statement)) {
