@@ -53,7 +53,7 @@ class Begun:
     def __init__(self, movements: list[tuple[str, str, bool]]) -> None:
         self._pairs = [(source, out) for source, out, _ in movements]
         self._reports = {(source, out): ClipReport(source, out, done_before=True) for source, out, done in movements if done}
-        self.left = [pair for pair in self._pairs if pair not in self._reports]
+        self.left: list[tuple[str, str]] = [pair for pair in self._pairs if pair not in self._reports]
 
     def note(self, pair: Pair, report: ClipReport) -> None:
         """Records the report of a remaining file."""

@@ -83,11 +83,13 @@ def retarget(
 ) -> Trajectory[RetargetReport]:
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
-    ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
-    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A robot that
-    walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the report. A
-    skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene, a
-    ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
+    Returns a trajectory whose ``q`` has shape (T, configuration_len): metres (else the model's unit) and radians.
+
+    ``source`` is as in ``read_capture``: positions of shape (T, J, 3) in any unit, a ``MotionCapture``, a clip or a
+    file; so are ``joints``, ``fps``, ``up`` and ``clip``. ``target``: a ``Robot``, a ``BallSkeleton``, or a skeleton. A
+    robot that walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the
+    report. A skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene,
+    a ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
     .xml, .glb, .gltf, .bvh or rig's .json file. ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",

@@ -56,7 +56,7 @@ class Body(ABC):
         #: Parts that are not drawn as in the file, one line each.
         self.missing: list[str] = []
         #: Joints, limits and frames.
-        self.model = getattr(thing, "model", thing)
+        self.model: Any = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
         neutral = self.model.neutral()

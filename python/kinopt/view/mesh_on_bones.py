@@ -37,7 +37,9 @@ class MeshOnBones:
         morphs: tuple[Any, int] | None = None,
     ) -> None:
         """`joints` are bone indices of the armature, `moments` model_from_bone at several times, (N, bones, 4, 4)."""
-        self.name, self.skin, self.color = name, skin, color
+        self.name: str = name
+        self.skin: Skin = skin
+        self.color: Color = color
         self._joints, self._joint_from_mesh, self._morphs = joints, joint_from_mesh, morphs
         self._drawn = body.scene.drawn
         #: Differences of the drawing from the file, one line each.

@@ -40,7 +40,7 @@ class Person:
         self.name = name
         #: Positions of its joints, shape (T, J, 3).
         self.positions = positions
-        self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
+        self.bones: NDArray[np.intp] = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
         first = positions[0]
         self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT_SIZE * stage.DRAWN / scene.drawn)
         self._lines: Any = scene.server.scene.add_line_segments(
@@ -68,8 +68,10 @@ class Movement:
         #: Name of the clip.
         self.name = name
         #: Start and end time, seconds.
-        self.span = (0.0, movement.duration)
-        self.movement, self.body, self.person = movement, body, person
+        self.span: tuple[float, float] = (0.0, movement.duration)
+        self.movement: kinopt.Trajectory[kinopt.RetargetReport] = movement
+        self.body: Body = body
+        self.person: Person | None = person
         self._at = body.at.copy()
         self._base = movement.q.shape[1] - len(body.q)
         if self._base not in (0, 7):

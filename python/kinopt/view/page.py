@@ -38,7 +38,7 @@ class Page(Dragging):
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
         #: Repairs, and parts that are not drawn, one line each.
-        self.notes = [*notes, *body.missing]
+        self.notes: list[str] = [*notes, *body.missing]
         self._hold = list(hold)
         #: Clips before the body's own clips; with any, gizmos are selected from the list.
         self._played = list(clips)
@@ -46,18 +46,18 @@ class Page(Dragging):
 
     def _furnish(self) -> None:
         """Creates the panel, and gizmos on the tips."""
-        self.status = StatusPanel(self)
-        self.targets_panel = TargetsPanel(self)
+        self.status: StatusPanel = StatusPanel(self)
+        self.targets_panel: TargetsPanel = TargetsPanel(self)
         clips = [*self._played, *self.body.clips]
-        self.time = TimePanel(self, clips) if clips else None
-        self.solver_panel = SolverPanel(self)
-        self.joints = JointsPanel(self)
-        self.saving = SavePanel(self)
+        self.time: TimePanel | None = TimePanel(self, clips) if clips else None
+        self.solver_panel: SolverPanel = SolverPanel(self)
+        self.joints: JointsPanel = JointsPanel(self)
+        self.saving: SavePanel = SavePanel(self)
         if self.notes:
             with self.scene.server.gui.add_folder("Notes", expand_by_default=False):
                 self.scene.server.gui.add_markdown("\n".join(f"- {plain(note)}" for note in self.notes))
         self.on_targets.append(self.targets_panel.show)
-        self.on_change += [self.status.show, self.joints.show]
+        self.on_change.extend((self.status.show, self.joints.show))
         if self.time is not None:
             self.on_change.append(self.time.follow)
             self.on_grab.append(self.time.pause)

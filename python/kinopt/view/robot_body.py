@@ -60,7 +60,7 @@ class RobotBody(Body):
         if not self._pieces:
             self._pieces = self._of_capsules(color)
         #: Meshes that could not be drawn, one line each; capsules replace them.
-        self.missing = files.missing
+        self.missing: list[str] = files.missing
         self._of_frames = np.array([self._index[piece.name] for piece in self._pieces], dtype=int)
         self._handles = [
             scene.server.scene.add_mesh_simple(

@@ -21,8 +21,8 @@ class TimePanel:
         self._clips = {clip.name: clip for clip in clips}
         self._clip = next(iter(self._clips.values()))
         #: Time in the clip, seconds.
-        self.now = self._clip.span[0]
-        self.playing = False
+        self.now: float = self._clip.span[0]
+        self.playing: bool = False
         self._last = 0.0
         gui = page.scene.server.gui
         self._panel = gui.add_panel()

@@ -332,7 +332,7 @@ impl Arm {
         Ok(to_arrays(py, &placements.or_raise()?)?.into_any())
     }
 
-    /// Solves for one target from one start: a `Solution`, reached or not.
+    /// Solves for one target from one start: a `Solution`, reached or not, whose `q` has shape (dof,), radians or metres.
     ///
     /// `target` is base_from_tool (4 x 4, metres). `start` is a configuration of shape (dof,), inside or outside the
     /// limits; None is `default_start`.

@@ -33,6 +33,8 @@ pub(crate) use task::{add, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
+/// Its unknowns are a configuration of shape (configuration_len,), radians and metres. Targets are in metres and radians.
+///
 /// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` appends more.
 /// Arguments are validated immediately. Several threads can solve one problem, each with its own targets
 /// (`Solver.solve(problem, start, targets={"name": target})`). Running solves and drags keep the tasks from their
