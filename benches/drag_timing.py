@@ -1,6 +1,6 @@
 """Latency of the viewer from a mouse position to transforms sent to the page.
 
-    python examples/drag_timing.py [MODEL] [MOVES]
+    python benches/drag_timing.py [MODEL] [MOVES]
 
 A hand of the model is moved back and forth as by a page. It is the shipped humanoid's left hand with four other tips
 pinned, or the first tip of another model. There is no browser, which would use the same processor.
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kinopt.view.opening import open_page
 
-HUMANOID = Path(__file__).parents[2] / "models" / "humanoid" / "humanoid.json"
+HUMANOID = Path(__file__).parents[1] / "models" / "humanoid" / "humanoid.json"
 
 
 def main(model: str, moves: int) -> None:

@@ -1,6 +1,6 @@
 //! Lines out of the reach and back at 1 kHz, on every shipped robot, by a servo and by a follower.
 //!
-//! `cargo run --release --features urdf --example servoing [LINES] [FOLDER]` counts the cycles with a jump or a
+//! `cargo run --release -p kinopt-benches --example servoing [LINES] [FOLDER]` counts the cycles with a jump or a
 //! violated velocity limit. It also measures the difference between the paths out and back, and the chatter at rest.
 //! With a folder, the targets and the servo's commands are written there, one JSON file per robot, for
 //! benches/rivals/helpers/pink_servo.py.

@@ -1,4 +1,4 @@
-//! URDF in, joint angles out: `cargo run --features urdf --example arm`.
+//! URDF in, joint angles out: `cargo run --example arm`.
 #![allow(clippy::print_stdout)]
 
 use kinopt::arm::Arm;

@@ -1,6 +1,6 @@
 //! Times the SIMD solver on random reachable poses of two arms, and along a smooth path.
 //!
-//! `cargo run --release --example lane_timing` times single queries one by one; the fastest of five rounds counts.
+//! `cargo run --release -p kinopt-benches --example lane_timing` times single queries one by one; the fastest of five rounds counts.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::Instant;
