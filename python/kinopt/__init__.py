@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from . import animation, io, methods, retargeting, skinning, tasks
+from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
@@ -177,6 +177,7 @@ __all__ = [
     "solve_path",
     "io",
     "methods",
+    "models",
     "placement",
     "skinning",
     "tasks",
