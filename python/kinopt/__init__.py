@@ -100,7 +100,7 @@ del _method, from_description, from_xacro
 
 def __getattr__(name: str) -> ModuleType:
     # Imported on demand, because their optional dependencies may be missing.
-    if name in ("jax", "ray", "torch", "view"):
+    if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
 
