@@ -94,7 +94,8 @@ class RobotKinematics:
             raise InvalidValueError(
                 f"joint positions must have shape ({len(self.joint_names)},) or longer, not {positions.shape}"
             )
-        return np.deg2rad(positions[self._places].astype(float))
+        radians: Floats = np.deg2rad(positions[self._places].astype(float))
+        return radians
 
     def _weighted(self, position: float, orientation: float) -> Arm:
         if not (0.0 <= position < np.inf and 0.0 <= orientation < np.inf and position + orientation > 0.0):
