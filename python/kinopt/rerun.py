@@ -47,8 +47,8 @@ def log(
     arm move; the others stay at the neutral configuration. The timeline of a trajectory is ``time``, in seconds; of
     other motions ``step``, from 0. ``timeline`` is another name.
 
-    Entities: ``robot/links/LINK`` has the transform of the link to the world, in metres, and ``robot/joints/JOINT`` a
-    scalar, in radians or metres. ``entity`` replaces "robot". A link is drawn by its visual meshes if they are in
+    Entities: ``robot/links/LINK`` has the transform of the link to the world, in metres, and ``robot/joints`` a curve
+    for each coordinate, in radians or metres. ``entity`` replaces "robot". A link is drawn by its visual meshes if they are in
     ``folder``, the folder of the robot's file, or in ``packages``, folders by package or folders that contain packages.
     Other links are drawn by their collision shapes. ``recording`` is the recording, by default Rerun's current one.
 
@@ -67,9 +67,11 @@ def log(
     for link, placements in zip(kinematics.frame_names, np.moveaxis(kinematics.place(q), 1, 0), strict=True):
         columns = rerun.Transform3D.columns(translation=placements[:, :3, 3], mat3x3=placements[:, :3, :3])
         rerun.send_columns(_path(entity, "links", link), [times], columns, recording=recording)
-    for name, values in zip(robot.coordinate_names, q.T, strict=True):
-        columns = rerun.Scalars.columns(scalars=values)
-        rerun.send_columns(_path(entity, "joints", name), [times], columns, recording=recording)
+    names = robot.coordinate_names
+    if names:
+        curves = rerun.Scalars.columns(scalars=q.ravel()).partition(lengths=[len(names)] * len(q))
+        rerun.send_columns(_path(entity, "joints"), [times], curves, recording=recording)
+        rerun.log(_path(entity, "joints"), rerun.SeriesLines(names=names), static=True, recording=recording)
     for number, (link, solid, color) in enumerate(_drawn(robot, folder, packages)):
         mesh = rerun.Mesh3D(
             vertex_positions=solid.vertices,
