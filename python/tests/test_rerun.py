@@ -1,5 +1,8 @@
 """Robots and motions logged to Rerun, read back from the recording."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -60,6 +63,20 @@ def test_trajectory_is_read_back_with_times(recorded):
     np.testing.assert_array_equal(curves[:, :7], trajectory.q)
     assert (curves[:, 7:] == robot.neutral()[7:]).all()
     assert column(chunks["/robot/joints static"], "SeriesLines:names") == [robot.joint_names]
+
+
+def test_page_logs_a_path(recorded, monkeypatch):
+    root = Path(__file__).parents[2]
+    page = (root / "docs" / "guide" / "interoperation.md").read_text()
+    (block,) = re.findall(r"^<!-- with Rerun -->\n```python\n(.*?)^```", page, re.S | re.M)
+    monkeypatch.chdir(root)
+    logged, opened = [], []
+    monkeypatch.setattr(rr, "init", lambda name, spawn: opened.append((name, spawn)))
+    monkeypatch.setattr(kinopt.rerun, "log", lambda *arguments: logged.append(arguments))
+    exec(block, {})  # noqa: S102
+    assert opened == [("panda", True)]
+    monkeypatch.undo()
+    assert "/robot/links/tool" in recorded(*logged[0])
 
 
 def test_shapes_are_in_the_frames_of_their_links(recorded):

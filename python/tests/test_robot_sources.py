@@ -1,6 +1,8 @@
 """Robots from xacro files and from the package robot_descriptions, without network."""
 
+import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -40,6 +42,7 @@ MORE = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
   </xacro:macro>
 </robot>
 """
+PAGE = (Path(__file__).parents[2] / "docs" / "guide" / "interoperation.md").read_text()
 STL = b"\0" * 80 + (4).to_bytes(4, "little")
 
 
@@ -90,6 +93,17 @@ def test_xacro_packages_can_be_folders_of_any_name(tmp_path):
     assert robot.joint_names == ["joint2", "joint1"]
 
 
+def test_page_reads_a_xacro_file(tmp_path, monkeypatch, capsys):
+    joint = '<joint name="$(arg prefix)pan" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    arm = f'<xacro:arg name="prefix" default=""/><xacro:include filename="$(find arm_description)/b.xacro"/><link name="a"/>{joint}'
+    write(tmp_path / "arm.urdf.xacro", f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{arm.replace("fixed", "continuous")}</robot>')
+    write(tmp_path / "arm" / "b.xacro", '<robot><link name="b"/></robot>')
+    monkeypatch.chdir(tmp_path)
+    (block,) = re.findall(r"^<!-- with xacrodoc -->\n```python\n(.*?)^```", PAGE, re.S | re.M)
+    exec(block, {})  # noqa: S102
+    assert capsys.readouterr().out == "['left_pan']\n"
+
+
 def test_xacro_errors_name_the_file(tmp_path):
     with pytest.raises(kinopt.FileError, match="nowhere.xacro"):
         kinopt.Robot.from_xacro(tmp_path / "nowhere.xacro")
@@ -122,7 +136,7 @@ def cache(tmp_path, monkeypatch):
     return lambda repository: tmp_path / f"{repository}-tested" / repository, commit
 
 
-def test_descriptions_are_read_in_each_format(cache):
+def test_descriptions_are_read_in_each_format(cache, capsys):
     folder, commit = cache
     panda = folder("example-robot-data") / "robots" / "panda_description"
     write(panda / "urdf" / "panda.urdf", f'<robot name="p">{LINK.format(name="hand", package="example-robot-data")}</robot>')
@@ -131,6 +145,10 @@ def test_descriptions_are_read_in_each_format(cache):
     robot = kinopt.Robot.from_description("panda_description", base_joint="planar")
     assert robot.frame_names == ["hand"] and robot.configuration_len == 3
     assert [shape.kind for shape in robot.collision_model().shapes] == ["convex"]
+    capsys.readouterr()
+    (block,) = re.findall(r"^<!-- with robot_descriptions -->\n```python\n(.*?)^```", PAGE, re.S | re.M)
+    exec(block, {})  # noqa: S102
+    assert capsys.readouterr().out == "['hand'] []\n"
 
     write(folder("mujoco_menagerie") / "franka_emika_panda" / "panda.xml", "<mujoco><worldbody><body name='b'><joint/><geom size='1'/></body></worldbody></mujoco>")
     commit("mujoco_menagerie")
