@@ -139,6 +139,10 @@ impl LoadedModel {
                 }
                 Self::of_rig(file, rig).with_joints(settings)
             }
+            "xacro" => Err(failure!(
+                "{file}: xacro files are not supported: expand it first with `xacro {file} > OUT.urdf` \
+                 (`pip install xacro`)"
+            )),
             _ if is_robot => Ok(Self::of_robot(file, read_robot(settings, path)?)),
             "" => Err(failure!(
                 "{file}: a model file needs an extension; supported: {SUPPORTED}"

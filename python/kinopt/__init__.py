@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from . import animation, io, methods, retargeting, skinning, tasks
+from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
@@ -76,6 +76,7 @@ from ._kinopt import (
     frame_placement,
     solve_path,
 )
+from ._robot_sources import from_description, from_xacro
 from .errors import (
     FileError,
     InvalidFileError,
@@ -91,10 +92,15 @@ from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
 if TYPE_CHECKING:
     from types import ModuleType
 
+# Their packages are optional and of Python, so the methods are not in the extension module.
+for _method in (from_description, from_xacro):
+    setattr(Robot, _method.__name__, classmethod(_method))
+del _method, from_description, from_xacro
+
 
 def __getattr__(name: str) -> ModuleType:
     # Imported on demand, because their optional dependencies may be missing.
-    if name in ("jax", "ray", "torch", "view"):
+    if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
 
@@ -177,6 +183,7 @@ __all__ = [
     "solve_path",
     "io",
     "methods",
+    "models",
     "placement",
     "skinning",
     "tasks",

@@ -208,6 +208,30 @@ class Robot:
         mimic_limits: Literal["source", "both"] = "source",
         confine: bool = False,
     ) -> Robot: ...
+    @classmethod
+    def from_xacro(
+        cls,
+        path: str | PathLike[str],
+        arguments: Mapping[str, object] | None = None,
+        *,
+        packages: Mapping[str, str | PathLike[str]] | None = None,
+        base_joint: BaseJoint | None = None,
+        base_bounds: Mapping[str, tuple[float, float]] | None = None,
+        lenient: bool = False,
+        soft_limits: bool = False,
+        mimic_limits: Literal["source", "both"] = "source",
+    ) -> Robot: ...
+    @classmethod
+    def from_description(
+        cls,
+        name: str,
+        arguments: Mapping[str, object] | None = None,
+        *,
+        base_joint: BaseJoint | None = None,
+        base_bounds: Mapping[str, tuple[float, float]] | None = None,
+        lenient: bool = False,
+        mimic_limits: Literal["source", "both"] = "source",
+    ) -> Robot: ...
     @property
     def confined(self) -> bool: ...
     def with_joint_limits(self, path: str | PathLike[str]) -> Robot: ...

@@ -1,0 +1,118 @@
+"""Class methods of ``Robot`` for xacro files and for the package robot_descriptions."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Literal
+from xml.parsers.expat import ExpatError
+
+from ._kinopt import Robot
+from .errors import FileError, InvalidFileError, InvalidValueError, UnknownNameError
+from .types import BaseJoint
+
+
+def from_xacro(
+    cls: type[Robot],
+    path: str | os.PathLike[str],
+    arguments: Mapping[str, object] | None = None,
+    *,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    base_joint: BaseJoint | None = None,
+    base_bounds: Mapping[str, tuple[float, float]] | None = None,
+    lenient: bool = False,
+    soft_limits: bool = False,
+    mimic_limits: Literal["source", "both"] = "source",
+) -> Robot:
+    """Reads a xacro file through the package xacrodoc, without ROS: ``pip install 'kinopt[xacro]'``.
+
+    ``arguments`` are the values of ``<xacro:arg>`` by name. A package of ``$(find NAME)`` is a folder in ``packages``,
+    a folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion evaluates
+    Python expressions of the file, so the file must be trusted. Other arguments are as in ``from_urdf``.
+
+    Raises ``FileError`` if a file cannot be read, ``InvalidFileError`` if its content is invalid.
+    """
+    try:
+        from xacrodoc import packages as package_finder
+        import xacro
+    except ImportError as error:
+        raise ImportError("Robot.from_xacro needs xacrodoc: pip install 'kinopt[xacro]'") from error
+    file = os.fspath(path)
+    package_finder.walk_up_from(file)
+    package_finder.update_package_cache(packages or {})
+    values = {name: str(value) for name, value in (arguments or {}).items()}
+    try:
+        document = xacro.process_file(file, mappings=values, verbosity=0)
+    except (package_finder.PackageNotFoundError, xacro.XacroException, ExpatError) as error:
+        unreadable = isinstance(getattr(error, "exc", None), OSError)
+        raise (FileError if unreadable else InvalidFileError)(f"{file}: xacro: {error}") from error
+    return cls.from_urdf_text(
+        document.toxml(),
+        file,
+        base_joint=base_joint,
+        base_bounds=base_bounds,
+        lenient=lenient,
+        soft_limits=soft_limits,
+        mimic_limits=mimic_limits,
+    )
+
+
+def from_description(
+    cls: type[Robot],
+    name: str,
+    arguments: Mapping[str, object] | None = None,
+    *,
+    base_joint: BaseJoint | None = None,
+    base_bounds: Mapping[str, tuple[float, float]] | None = None,
+    lenient: bool = False,
+    mimic_limits: Literal["source", "both"] = "source",
+) -> Robot:
+    """Reads a robot of the package robot_descriptions, such as "panda_description": ``pip install
+    'kinopt[descriptions]'``.
+
+    The first use of a description clones its git repository into ``~/.cache/robot_descriptions`` or the folder
+    ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, xacro with ``arguments``, or MJCF. Its meshes are found there.
+    ``lenient`` is for URDF and xacro. Other arguments are as in ``from_urdf``.
+
+    Raises ``UnknownNameError`` for an unknown name, ``FileError`` if the repository cannot be cloned,
+    ``InvalidFileError`` if the content is invalid.
+    """
+    try:
+        from robot_descriptions import DESCRIPTIONS
+    except ImportError as error:
+        raise ImportError(
+            "Robot.from_description needs robot_descriptions: pip install 'kinopt[descriptions]'"
+        ) from error
+    if name not in DESCRIPTIONS:
+        similar = difflib.get_close_matches(name, DESCRIPTIONS, n=5, cutoff=0.4)
+        raise UnknownNameError(f"no description named `{name}`; similar: {', '.join(similar) or 'none'}")
+    try:
+        description = import_module(f"robot_descriptions.{name}")
+    except Exception as error:  # git's errors, whose package is a dependency of robot_descriptions
+        raise FileError(f"{name}: its repository cannot be cloned: {error}") from error
+    if hasattr(description, "XACRO_PATH") and not hasattr(description, "URDF_PATH"):
+        return from_xacro(
+            cls,
+            description.XACRO_PATH,
+            {**getattr(description, "XACRO_ARGS", {}), **(arguments or {})},
+            packages=getattr(description, "XACRO_PACKAGE_PATHS", None),
+            base_joint=base_joint,
+            base_bounds=base_bounds,
+            lenient=lenient,
+            mimic_limits=mimic_limits,
+        )
+    if arguments:
+        raise InvalidValueError(f"{name}: its file is not xacro, so `arguments` must be empty")
+    if hasattr(description, "URDF_PATH"):
+        return cls.from_urdf(
+            description.URDF_PATH,
+            base_joint=base_joint,
+            base_bounds=base_bounds,
+            lenient=lenient,
+            mimic_limits=mimic_limits,
+        )
+    return cls.from_mjcf(
+        description.MJCF_PATH, base_joint=base_joint, base_bounds=base_bounds, mimic_limits=mimic_limits
+    )
