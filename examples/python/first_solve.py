@@ -1,6 +1,10 @@
+# /// script
+# dependencies = ["kinopt"]
+# tool.uv.sources.kinopt = { path = "../../python" }
+# ///
 """First steps: a robot from its file, one pose, a thousand poses.
 
-Run it as ``python first_solve.py ROBOT.urdf [BASE TIP]``.
+Run it as ``python first_solve.py [ROBOT.urdf BASE TIP]``.
 """
 
 import sys
@@ -9,7 +13,7 @@ import numpy as np
 
 import kinopt
 
-path, base, tip = (sys.argv[1:] + ["base", "flange"])[:3]
+path, base, tip = [*sys.argv[1:], *[kinopt.models.path("panda"), "base", "flange"][len(sys.argv) - 1 :]]
 robot = kinopt.Robot.from_urdf(path)
 arm = kinopt.Arm(robot, base, tip)
 
