@@ -14,10 +14,12 @@ mod capture;
 mod collision;
 mod configuration;
 mod contents;
+mod coordinates;
 mod error;
 mod file_access;
 mod goal;
 mod has_model;
+mod in_python;
 mod io;
 mod items;
 mod joint_jump;
@@ -63,6 +65,8 @@ mod _kinopt {
     use super::capture::MotionCapture;
     #[pymodule_export]
     use super::collision::{CollisionModel, SphereModel};
+    #[pymodule_export]
+    use super::coordinates::Coordinates;
     #[pymodule_export]
     use super::goal::PoseBounds;
     #[pymodule_export]

@@ -158,7 +158,7 @@ pub(crate) fn solve_path(
     let reached = solution.reached();
     let (solution, report) = solution.split_report();
     let report = Py::new(py, path_report(report, read_as))?.into_any();
-    Ok(JointPath::new(&inner_arm, solution, reached, report))
+    Ok(JointPath::new(arm, solution, reached, report))
 }
 
 fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport {

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..types import Floats, HasModel
-from . import Model, MotionCapture, Rig, Scene, Skeleton
+from . import Model, MotionCapture, Rig, Scene, SceneFile, Skeleton
 from .animation import Armature, Clip
 
-_Target: TypeAlias = Union[Model, HasModel, Scene, MotionCapture]
+_Target: TypeAlias = Union[Model, HasModel, Scene, SceneFile, MotionCapture]
 
 @final
 class Capture:
@@ -40,7 +40,7 @@ class Capture:
 class FigureTarget:
     def __new__(
         cls,
-        of: Rig | Skeleton | Scene | MotionCapture | Model | HasModel,
+        of: Rig | Skeleton | Scene | SceneFile | MotionCapture | Model | HasModel,
         up: Literal["y", "z"] | None = None,
     ) -> FigureTarget: ...
     @property

@@ -11,8 +11,8 @@ from typing import Any, Literal
 import numpy as np
 
 from .. import progress as bars
-from .._kinopt import Trajectory, World
-from .._kinopt.retargeting import Capture, capture_retargeted
+from .._kinopt import SceneFile, Trajectory, World
+from .._kinopt.retargeting import Capture, FigureTarget, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import LostContact, LimitMet, RetargetReport, Touching
 from .sources import Source, read_capture
@@ -90,7 +90,8 @@ def retarget(
     robot that walks needs ``base_joint="free"``; on a fixed base it stays in place, with a note in the ``notes`` of the
     report. A skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene,
     a ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
-    .xml, .glb, .gltf, .bvh or rig's .json file. ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
+    .xml, .glb, .gltf, .bvh or rig's .json file. ``save`` of the result writes files,
+    ``retargeting.to_clip`` converts the motion of a skeleton to a clip.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",
     "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``. The result contains the map. One file may hold
@@ -161,7 +162,9 @@ def retarget(
         notes=notes,
         capture=request.capture,
     )
-    return Trajectory(np.arange(len(q)) / request.capture.fps, q, names, report)
+    # A file cannot be pickled, its figure can.
+    model = FigureTarget(request.target) if isinstance(request.target, SceneFile) else request.target
+    return Trajectory(np.arange(len(q)) / request.capture.fps, q, names, report, model)
 
 
 __all__ = ["retarget"]

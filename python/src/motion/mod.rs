@@ -14,6 +14,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use self::by_frame::{ByFrame, of_tasks};
 pub(crate) use self::report::{ActiveMotionLimit, MissedFrame, MotionReport};
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
@@ -39,7 +40,6 @@ use crate::trajectory::Trajectory;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionProblem {
     inner: Arc<trajectory::MotionProblem>,
-    joint_names: Vec<String>,
     arguments: (Py<PyAny>, usize, f64, Py<PyList>),
     options: Py<PyDict>,
 }
@@ -91,11 +91,8 @@ impl MotionProblem {
         ];
         let options = pickling::kept(py, &keywords)?;
         let inner = build(model, frames, time_step, &tasks, &options)?;
-        let inner_model = model_of(model)?;
-        let names = crate::model::Model { inner: inner_model }.coordinate_names();
         Ok(Self {
             inner: Arc::new(inner),
-            joint_names: names,
             arguments: (
                 model.clone().unbind(),
                 frames,
@@ -178,7 +175,11 @@ impl MotionProblem {
         let (solved, report) = solved.split_report();
         let report = MotionReport::new(&report, solved.times.len());
         let report = Py::new(py, report)?.into_any();
-        Ok(Trajectory::of(solved, self.joint_names.clone(), report))
+        let model = self.arguments.0.bind(py);
+        let coordinates = Coordinates::of_model(&*model_of(model)?);
+        let coordinates = Py::new(py, coordinates)?;
+        let model = Some(model.clone().unbind());
+        Ok(Trajectory::of(solved, coordinates, report, model))
     }
 
     fn __repr__(&self) -> String {

@@ -75,7 +75,7 @@ impl Drag {
             on(&mut drag);
             raised().map(|()| drag.solution().clone())
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, self.compiled.coordinates(py)?))
     }
 }
 
@@ -220,9 +220,13 @@ impl Drag {
 
     /// Solution of the last frame; None before the first.
     #[getter]
-    fn solution(&self, py: Python<'_>) -> Option<Solution> {
+    fn solution(&self, py: Python<'_>) -> PyResult<Option<Solution>> {
         let solution = self.look(py, |drag| drag.solution().clone());
-        (!solution.q.is_empty()).then(|| solution.into())
+        if solution.q.is_empty() {
+            return Ok(None);
+        }
+        let coordinates = self.compiled.coordinates(py)?;
+        Ok(Some(Solution::new(solution, coordinates)))
     }
 
     /// True if a joint moved by its limit for a frame; the next frames continue.

@@ -170,7 +170,7 @@ impl Solver {
                 raised().and(solution)
             })
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, problem.coordinates(py)?))
     }
 
     /// Solves `problem` from each of `starts`, shape (N, nq), or N times from one, shape (nq,).
