@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 .acceleration
                 .iter()
                 .fold(acceleration, |a, b| a.max(b.abs()));
-            if step.reached {
+            if step.reached() {
                 break;
             }
         }

@@ -48,9 +48,9 @@ pub(crate) struct MotionProblem {
 impl MotionProblem {
     #[new]
     #[pyo3(signature = (
-        model, frames, time_step, tasks, *, parameters = None, bounds = None, tolerance = None, targets = None,
-        weights = None, velocity = None, acceleration = None, jerk = None, max_speeds = None, contacts = None,
-        first = None, last = None
+        model, frames, time_step, tasks, *, targets = None, velocity = None, acceleration = None, jerk = None,
+        contacts = None, first = None, last = None, bounds = None, max_speeds = None, tolerance = None, weights = None,
+        parameters = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
@@ -58,18 +58,18 @@ impl MotionProblem {
         frames: usize,
         time_step: f64,
         tasks: &Bound<'_, PyAny>,
-        parameters: Option<&Bound<'_, ParameterMap>>,
-        bounds: Option<&Bound<'_, PyAny>>,
-        tolerance: Option<&Bound<'_, PyAny>>,
         targets: Option<&Bound<'_, PyAny>>,
-        weights: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         acceleration: Option<&Bound<'_, PyAny>>,
         jerk: Option<&Bound<'_, PyAny>>,
-        max_speeds: Option<&Bound<'_, PyAny>>,
         contacts: Option<&Bound<'_, PyAny>>,
         first: Option<&Bound<'_, PyAny>>,
         last: Option<&Bound<'_, PyAny>>,
+        bounds: Option<&Bound<'_, PyAny>>,
+        max_speeds: Option<&Bound<'_, PyAny>>,
+        tolerance: Option<&Bound<'_, PyAny>>,
+        weights: Option<&Bound<'_, PyAny>>,
+        parameters: Option<&Bound<'_, ParameterMap>>,
     ) -> PyResult<Self> {
         let py = model.py();
         let tasks = tasks.try_iter();

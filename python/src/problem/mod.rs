@@ -80,24 +80,24 @@ struct Current {
 impl Problem {
     #[new]
     #[pyo3(signature = (
-        model, tasks = None, *, parameters = None, bounds = None, tolerance = None,
-        derivatives = "analytic", preferences = "within_goals", world = None, margin = None,
-        collision_model = None, weights = None, joint_origins = None
+        model, tasks = None, *, tolerance = None, bounds = None, world = None, margin = None,
+        collision_model = None, parameters = None, preferences = "within_goals", weights = None,
+        joint_origins = None, derivatives = "analytic"
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         model: &Bound<'_, PyAny>,
         tasks: Option<&Bound<'_, PyAny>>,
-        parameters: Option<&Bound<'_, ParameterMap>>,
-        bounds: Option<&Bound<'_, PyAny>>,
         tolerance: Option<&Bound<'_, PyAny>>,
-        derivatives: &str,
-        preferences: &str,
+        bounds: Option<&Bound<'_, PyAny>>,
         world: Option<&Bound<'_, PyAny>>,
         margin: Option<&Bound<'_, PyAny>>,
         collision_model: Option<&Bound<'_, PyAny>>,
+        parameters: Option<&Bound<'_, ParameterMap>>,
+        preferences: &str,
         weights: Option<&Bound<'_, PyAny>>,
         joint_origins: Option<&Bound<'_, PyAny>>,
+        derivatives: &str,
     ) -> PyResult<Self> {
         let py = model.py();
         let keywords = [
