@@ -18,7 +18,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let at = ForwardKinematics::new(model).place(&stance)?.to_vec();
     let hand = model.frame("left_hand")?;
     let start = at[hand.index()].translation;
-
     let mut tasks = Problem::builder(model);
     tasks.parameters(map.clone());
     let dragged = tasks.add(Point::new(hand, start));

@@ -1,6 +1,6 @@
 //! A hand of a character follows a target while head, other hand and feet stay in place. The posed mesh is saved.
 //!
-//! `cargo run --features animation --example character_drag [FILE]`
+//! `cargo run --features animation --example character_drag`
 #![allow(clippy::print_stdout)]
 
 use kinopt::Problem;
@@ -32,12 +32,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solution = drag.settle(100);
     println!("{}", solution.explain());
     assert!(solution.reached);
-    let file = std::env::args().nth(1);
-    let file = file.unwrap_or_else(|| "target/reaching.obj".to_owned());
-    obj::write(
-        &rig.posed_mesh(&solution.q, SkinningMethod::DualQuaternion)?,
-        &file,
-    )?;
-    println!("saved: {file}");
+    let posed = rig.posed_mesh(&solution.q, SkinningMethod::DualQuaternion)?;
+    let out = std::env::temp_dir().join("reaching.obj");
+    obj::write(&posed, &out)?;
+    println!("saved: {}", out.display());
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! A motion capture on a humanoid robot: retargeted within its limits and saved as a table.
 //!
-//! `cargo run --features motion --example retargeting [FILE]`
+//! `cargo run --features motion --example retargeting`
 #![allow(clippy::print_stdout)]
 
 use kinopt::io::bvh;
@@ -21,14 +21,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     assert!(motion.rows().all(|q| robot.model().is_within_limits(q)));
 
-    let out = std::env::args().nth(1);
-    let out = out.unwrap_or_else(|| "target/steps.csv".to_owned());
+    let out = std::env::temp_dir().join("steps.csv");
     let mut table = String::new();
     for q in motion.rows() {
         let numbers: Vec<String> = q.iter().map(f64::to_string).collect();
         table += &(numbers.join(",") + "\n");
     }
     std::fs::write(&out, table)?;
-    println!("saved: {out}");
+    println!("saved: {}", out.display());
     Ok(())
 }
