@@ -36,6 +36,6 @@ def test_example_runs(program, tmp_path):
     if missing:
         pytest.skip(f"pip install {' '.join(missing)}")
     arguments = ["-c", VIEWER.format(str(program))] if program.stem == "viewer" else [str(program)]
-    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    environment = {**os.environ, "BROWSER": "true", "MPLBACKEND": "Agg"}
     result = subprocess.run([sys.executable, *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
