@@ -41,7 +41,7 @@ def test_scene_plays_as_the_library_poses(humanoid, opened, tmp_path):
     scene = kinopt.Scene.read(tmp_path / "humanoid.glb")
     posing = scene.posing()
     for seconds in (0.0, 0.7, 2.2):
-        page.call(lambda seconds=seconds: page.time.show(seconds))
+        page.call(lambda seconds=seconds: page.play_bar.show(seconds))
         expected = np.asarray(posing.positions(scene.clips[0].sample(seconds)))
         vertices = np.concatenate([piece.solid.vertices for piece in page.body.pieces()])
         # The page merges vertices of one position.
@@ -53,7 +53,7 @@ def test_scene_plays_as_the_library_poses(humanoid, opened, tmp_path):
 def test_scene_is_dragged_from_its_clip_pose(humanoid, opened, tmp_path):
     made.write_scene(humanoid, "humanoid", tmp_path / "humanoid.glb")
     page = opened("humanoid.glb")
-    page.call(lambda: page.time.show(1.3))
+    page.call(lambda: page.play_bar.show(1.3))
     hand, foot = "left_hand", "right_toes"
     page.call(lambda: page.add_target(hand))
     before = {frame: page.body.frame(frame) for frame in (hand, foot)}
@@ -63,7 +63,7 @@ def test_scene_is_dragged_from_its_clip_pose(humanoid, opened, tmp_path):
     assert page.answer.solution.reached and target_distance(page, hand) < 1e-4
     assert np.abs(page.body.frame(foot) - before[foot]).max() < 1e-4
     # Playback resets it.
-    page.call(lambda: page.time.show(1.3))
+    page.call(lambda: page.play_bar.show(1.3))
     assert np.abs(page.body.frame(hand) - before[hand]).max() < 1e-6
     assert not page.body.q.any()
 
@@ -72,8 +72,8 @@ def test_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     made.write_capture(humanoid, tmp_path / "waving.bvh")
     page = opened("waving.bvh")
     capture = kinopt.MotionCapture.read(tmp_path / "waving.bvh")
-    assert page.time._clip.span[1] == pytest.approx((capture.frames - 1) * capture.frame_time, abs=1e-5)
-    page.call(lambda: page.time.show(0.5))
+    assert page.play_bar.clip.span[1] == pytest.approx((capture.frames - 1) * capture.frame_time, abs=1e-5)
+    page.call(lambda: page.play_bar.show(0.5))
     bones = np.asarray(capture.armature.local_to_model(capture.clip.sample(0.5)))
     head = list(capture.armature.names).index("head")
     assert np.abs(page.body.frame("head")[:3, 3] - bones[head, :3, 3]).max() < 1e-6
@@ -81,11 +81,11 @@ def test_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     drag(page, hand, [0.0, 0.05, 0.0])
     assert page.answer.solution.reached
     # It starts again after its end; slow, for machines with other load.
-    page.time._speed.value = "0.1"
-    page.call(page.time.play)
-    wait_until(lambda: page.time.now != 0.5)
-    page.call(page.time.pause)
-    assert page.scene.loop.failure is None and page.time.now > 0.5
+    page.play_bar._speed.value = "0.1"
+    page.call(page.play_bar.play)
+    wait_until(lambda: page.play_bar.now != 0.5)
+    page.call(page.play_bar.pause)
+    assert page.scene.loop.failure is None and page.play_bar.now > 0.5
 
 
 def test_scaled_bones_send_mesh_vertices(tmp_path, opened):
@@ -99,6 +99,6 @@ def test_scaled_bones_send_mesh_vertices(tmp_path, opened):
     kinopt.Scene(armature, [mesh], [clip.build()]).write(tmp_path / "grow.glb")
     page = opened("grow.glb")
     assert any("its vertices are sent" in note for note in page.notes)
-    page.call(lambda: page.time.show(1.0))
+    page.call(lambda: page.play_bar.show(1.0))
     (piece,) = page.body.pieces()
     assert piece.solid.vertices.max(axis=0) == pytest.approx([1.0, 4.0, 1.0])

@@ -175,7 +175,7 @@ def test_robot_starts_in_a_movable_configuration(opened):
 
 def test_several_tips_stay_pinned_while_another_is_dragged(opened):
     page = opened(HUMANOID)
-    assert page.pinned == set(page.targets) and len(page.pinned) == 5
+    assert page.pinned == set(page.targets) - {"pelvis"} and len(page.pinned) == 5
     hand = "left_hand/tip"
     positions = {frame: page.body.frame(frame)[:3, 3] for frame in page.pinned - {hand}}
     drag(page, hand, [0.1, 0.0, 0.4])
@@ -245,19 +245,19 @@ def test_any_frame_gets_and_loses_a_gizmo(opened):
 
 def test_keyframes_play_and_pause(opened):
     page = opened(HUMANOID)
-    assert page.time._clip.span == (0.0, 3.0)
-    page.call(lambda: page.time.show(1.0))
+    assert page.play_bar.clip.span == (0.0, 3.0)
+    page.call(lambda: page.play_bar.show(1.0))
     # Pinned targets follow the clip, and hold their frames there during a drag.
     assert all(target_distance(page, frame) == 0.0 for frame in page.pinned)
     rig = page.body.thing
     expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
     assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
     # It starts again after its end; slow, for machines with other load.
-    page.time._speed.value = "0.1"
-    page.call(page.time.play)
-    wait_until(lambda: page.time.now != 1.0)
-    page.call(page.time.pause)
-    assert 1.0 < page.time.now < 3.0 and page.scene.loop.failure is None
+    page.play_bar._speed.value = "0.1"
+    page.call(page.play_bar.play)
+    wait_until(lambda: page.play_bar.now != 1.0)
+    page.call(page.play_bar.pause)
+    assert 1.0 < page.play_bar.now < 3.0 and page.scene.loop.failure is None
     drag(page, "left_hand/tip", [0.0, 0.0, 0.05])
     assert page.answer.solution.reached
 

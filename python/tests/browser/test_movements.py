@@ -25,12 +25,12 @@ def test_source_and_target_play_together(tmp_path, open_tab):
     page = open_page(MODELS / "aldebaran_nao.urdf", port=8340, retarget=tmp_path / "waving.bvh", fps=30.0)
     try:
         shown = open_tab(page)
-        movement = page.time._clip
+        movement = page.play_bar.clip
         assert movement.name == "waving" and movement.span[1] > 1.0
         orange = _orange(shown)
         assert orange.sum() > 50, "the person is not drawn"
         before = shown.colors()
-        page.call(lambda: page.time.show(1.2))
+        page.call(lambda: page.play_bar.show(1.2))
         shown.come_to_rest()
         # The robot has the solved configuration, and the subject the captured positions.
         frame = round(1.2 * movement.movement.report.fps)
@@ -42,8 +42,8 @@ def test_source_and_target_play_together(tmp_path, open_tab):
         assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.001
         # After a click on its button, time passes.
         shown.tab.get_by_role("button", name="Play").click()
-        shown.until(lambda: page.time.now != 1.2)
-        assert page.time.now != 1.2
+        shown.until(lambda: page.play_bar.now != 1.2)
+        assert page.play_bar.now != 1.2
         assert page.scene.loop.failure is None and unexpected(shown.console) == []
     finally:
         page.scene.close()

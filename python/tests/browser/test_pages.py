@@ -178,14 +178,14 @@ def test_panel_controls_joints_pins_options_and_time(opened, open_tab):
     assert "head/tip" not in page.pinned
     # Play, and pause.
     tab.get_by_role("button", name="Play").click()
-    shown.until(lambda: page.time.playing)
-    assert page.time.playing
+    shown.until(lambda: page.play_bar.playing)
+    assert page.play_bar.playing
     q = page.body.q
     shown.until(lambda: not np.array_equal(page.body.q, q))
     assert not np.array_equal(page.body.q, q)
     tab.get_by_role("button", name="Pause").click()
-    shown.until(lambda: not page.time.playing)
-    assert not page.time.playing
+    shown.until(lambda: not page.play_bar.playing)
+    assert not page.play_bar.playing
     # Save.
     for kind in ("JSON", "OBJ", "GLB"):
         with tab.expect_download() as download:

@@ -69,7 +69,7 @@ def test_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
         before = shown.colors()
         frame, displacement, seconds = SCENES[kind]
         if seconds is not None:
-            page.call(lambda: page.time.show(seconds))
+            page.call(lambda: page.play_bar.show(seconds))
         frame = frame or next(iter(page.targets))
         target = page.targets[frame]
         start = page.call(lambda: page._place(frame))
