@@ -88,6 +88,53 @@ def test_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     assert page.scene.loop.failure is None and page.play_bar.now > 0.5
 
 
+def test_camera_views_a_whole_capture(humanoid, opened, tmp_path):
+    rig_armature, clip = made.keyframes(humanoid, "walk")
+    poses = clip.sample(np.linspace(0.0, 1.0, 5))
+    translations = np.array(poses.translations)
+    # From twenty to thirty metres away from the origin.
+    translations[:, 0] += np.linspace([20.0, 0.0, -20.0], [30.0, 0.0, -20.0], 5)
+    moved = kinopt.animation.Poses(rig_armature, translations=translations, rotations_xyzw=poses.rotations_xyzw)
+    walk = kinopt.animation.Clip.through_poses("walk", rig_armature, np.linspace(0.0, 1.0, 5), moved)
+    kinopt.io.bvh_write(rig_armature, walk, 4.0, tmp_path / "walk.bvh")
+    page = opened("walk.bvh")
+    camera = page.scene.server.initial_camera
+    forward = (camera.look_at - camera.position) / np.linalg.norm(camera.look_at - camera.position)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    shares = []
+    for seconds in np.linspace(*page.play_bar.clip.span, 9):
+        page.call(lambda seconds=seconds: page.play_bar.show(seconds))
+        for frame in page.body.frame_names:
+            position = page.body.frame(frame)[:3, 3] * page.scene.drawn - camera.position
+            height = position @ forward * np.tan(camera.fov / 2)
+            shares.append([abs(position @ right) / height, abs(position @ np.cross(right, forward)) / height])
+    # Within a picture that is a little wider than high, and not lost in it.
+    assert (np.max(shares, axis=0) < [1.15, 1.0]).all() and np.max(shares) > 0.6
+
+
+def test_textures_color_the_triangles(tmp_path, opened):
+    import trimesh
+    from PIL import Image
+
+    image = Image.new("RGB", (2, 1))
+    image.putdata([(200, 40, 30), (20, 90, 210)])
+    # The upper half of the triangles is at the left of the image, the other at its right.
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    mesh = mesh.submesh([np.arange(len(mesh.faces))], append=True)
+    mesh.unmerge_vertices()
+    upper = mesh.vertices[mesh.faces].mean(axis=1)[:, 1] > 0.0
+    uv = np.zeros((len(mesh.vertices), 2))
+    uv[mesh.faces] = np.where(upper, 0.25, 0.75)[:, None, None] * [1.0, 0.0] + [0.0, 0.5]
+    material = trimesh.visual.material.PBRMaterial(baseColorTexture=image)
+    mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    mesh.export(tmp_path / "ball.glb")
+    pieces = opened("ball.glb").body.pieces()
+    centres = {piece.color: piece.solid.vertices[piece.solid.triangles].mean(axis=1) for piece in pieces}
+    assert set(centres) == {(200, 40, 30), (20, 90, 210)}
+    assert (centres[200, 40, 30][:, 1] > 0.0).all() and (centres[20, 90, 210][:, 1] <= 0.0).all()
+
+
 def test_scaled_bones_send_mesh_vertices(tmp_path, opened):
     armature = kinopt.animation.Armature(["root", "tip"], [-1, 0], translations=[[0, 0, 0], [0, 1, 0]])
     clip = kinopt.animation.Clip.builder("grow", armature)

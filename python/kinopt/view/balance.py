@@ -25,6 +25,9 @@ PINNED, BALANCE, DRAGGED = 0, 1, 2
 MAX_FOOT_HEIGHT = 0.15
 #: Height of a sole above the lowest one up to which it carries the body, relative to the body's size.
 MAX_SOLE_HEIGHT = 0.02
+#: Distance of the centre of mass outside the support polygon that counts as balance, relative to the body's size: a
+#: solved pose may be on an edge, within the tolerance of its tasks.
+TOLERANCE = 1e-4
 #: Colours of a body in balance, and of one that tips over.
 BALANCED: Color = (47, 158, 96)
 UNBALANCED: Color = (214, 58, 58)
@@ -79,7 +82,7 @@ class Balance:
         ground = min((float(sole[up].min()) for sole in soles), default=0.0)
         carrying = [sole[:3].T for sole in soles if sole[up].min() < ground + MAX_SOLE_HEIGHT * self._size]
         corners = np.concatenate(carrying) if carrying else np.zeros((0, 3))
-        order, inside = hull_2d(corners[:, level], centre[level])
+        order, inside = hull_2d(corners[:, level], centre[level], TOLERANCE * self._size)
         polygon = corners[order]
         polygon[:, up] = below = ground + 1e-3 * self._size
         foot = centre.copy()

@@ -105,8 +105,11 @@ def between(first: Array, second: Array, share: float) -> Array:
     return matrix_of(turned, position)
 
 
-def hull_2d(points: Array, inner: Array) -> tuple[list[int], bool]:
-    """Indices of the convex hull of points, shape (N, 2), counter-clockwise, and whether it contains `inner`."""
+def hull_2d(points: Array, inner: Array, tolerance: float = 0.0) -> tuple[list[int], bool]:
+    """Indices of the convex hull of points, shape (N, 2), counter-clockwise; true if `inner` is in it.
+
+    A point that is at most `tolerance` outside an edge counts as inside.
+    """
 
     def turn(a: Array, b: Array, c: Array) -> float:
         return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
@@ -120,5 +123,6 @@ def hull_2d(points: Array, inner: Array) -> tuple[list[int], bool]:
                 hull.pop()
             hull.append(i)
         del hull[-1:]
-    inside = len(hull) > 2 and all(turn(points[a], points[b], inner) >= 0.0 for a, b in zip(hull, hull[1:] + hull[:1]))
-    return hull, inside
+    edges = [(points[a], points[b]) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
+    inside = all(turn(a, b, inner) >= -tolerance * float(np.linalg.norm(b - a)) for a, b in edges)
+    return hull, len(hull) > 2 and inside

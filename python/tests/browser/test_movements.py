@@ -44,6 +44,15 @@ def test_source_and_target_play_together(tmp_path, open_tab):
         shown.tab.get_by_role("button", name="Play").click()
         shown.until(lambda: page.play_bar.now != 1.2)
         assert page.play_bar.now != 1.2
+        shown.tab.get_by_role("button", name="Pause").click()
+        shown.until(lambda: not page.play_bar.playing)
+        # Keys on the slider scrub to its ends.
+        thumb = shown.tab.get_by_role("slider").first
+        for key, seconds in (("Home", 0.0), ("End", movement.span[1])):
+            thumb.press(key)
+            shown.until(lambda seconds=seconds: page.play_bar.now == pytest.approx(seconds, abs=1e-3))
+            assert page.play_bar.now == pytest.approx(seconds, abs=1e-3) and not page.play_bar.playing
+        assert np.array_equal(page.body.q, movement.movement.q[-1])
         assert page.scene.loop.failure is None and unexpected(shown.console) == []
     finally:
         page.scene.close()

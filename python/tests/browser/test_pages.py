@@ -107,6 +107,7 @@ def test_panda_tool_is_dragged(opened, open_tab):
     sent = len(shown.received)
     before = shown.colors()
     start = page.body.frame("tool")
+    height = shown.tab.locator(".kinopt-status").bounding_box()["height"]
     inwards = -0.2 * start[:3, 3] / np.linalg.norm(start[:2, 3]) * [1.0, 1.0, 0.0]
     drag(shown, "tool", along_an_axis(start, inwards))
     moved = page.body.frame("tool")
@@ -115,6 +116,8 @@ def test_panda_tool_is_dragged(opened, open_tab):
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
     assert page.status.text.startswith("Reached")
     assert shown.status().startswith("Reached")
+    # The controls below the text do not move.
+    assert shown.tab.locator(".kinopt-status").bounding_box()["height"] == height
     # The picture follows, and only transforms are sent: nothing near the size of a mesh.
     assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.01
     assert max(shown.received[sent:]) < 20_000 < max(shown.received[:sent])
