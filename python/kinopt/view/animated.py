@@ -169,7 +169,7 @@ class AnimatedBody(Figure):
         for bone in sorted(self._turning - leads_on):
             carried = [other for other, parent in enumerate(parents) if parent == bone]
             ends.append(self.skeleton.tail(names[carried[0] if carried else bone]))
-        return [*ends, *self._pelvis]
+        return ends
 
     @property
     def clips(self) -> list[Clip]:

@@ -14,7 +14,6 @@ from kinopt import tasks
 from .body import Body
 from .canvas import Canvas
 from .balance import Holding
-from .humanoid import humanoid
 
 
 Array = NDArray[np.float64]
@@ -34,14 +33,12 @@ class Figure(Body):
         super().__init__(scene, thing, name, at)
         #: Skeleton of the bones.
         self.skeleton: Any = getattr(thing, "skeleton", thing)
-        found = humanoid(self.skeleton)
-        self._pelvis = [] if found is None else found.trunk[:1]
         self._bone_of = {j: bone for bone in self.skeleton.bone_names for j in self.skeleton.joints(bone)}
 
     @property
     def tips(self) -> list[str]:
-        """Tips of its limbs, and the pelvis of a humanoid."""
-        return [*self.skeleton.tips, *self._pelvis]
+        """Tips of its limbs."""
+        return list(self.skeleton.tips)
 
     def group(self, joint: str) -> str:
         """Bone of a joint."""

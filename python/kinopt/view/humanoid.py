@@ -16,8 +16,6 @@ from .body import moved_by
 #: Skeleton whose joints name the parts of a body.
 SKELETON, JOINTS = "smpl", 24
 HANDS, FEET = ("left_wrist", "right_wrist"), ("left_foot", "right_foot")
-#: Words of frames that are preferred to the frame of the map if the same joint moves them.
-WORDS = {"left_wrist": "hand", "right_wrist": "hand", "left_foot": "sole", "right_foot": "sole"}
 
 
 @dataclass(frozen=True)
@@ -25,41 +23,33 @@ class Humanoid:
     """Frames of a humanoid body."""
 
     feet: list[str]
-    hands: list[str]
-    #: The pelvis and the head.
-    trunk: list[str]
-
-    @property
-    def frames(self) -> list[str]:
-        """Frames of hands, feet and trunk."""
-        return [*self.feet, *self.hands, *self.trunk]
+    #: Feet, hands, pelvis and head.
+    frames: list[str]
 
 
-def humanoid(thing: Any) -> Humanoid | None:
-    """Frames of a robot, skeleton or scene with two arms and two legs, by their names; None for other bodies."""
+def humanoid(robot: kinopt.Robot) -> Humanoid | None:
+    """Frames of a robot with two arms and two legs, by their names; None for other bodies."""
     joints = skeleton_joints(SKELETON, JOINTS) or []
     # The guess uses names; positions only serve its notes.
     positions = np.random.default_rng(0).uniform(0.0, 1.0, (1, JOINTS, 3))
     try:
-        text, *_ = map_guessed(Capture(positions, joints, 30.0, "z"), thing)
-    except (kinopt.KinoptError, TypeError):
+        text, *_ = map_guessed(Capture(positions, joints, 30.0, "z"), robot)
+    except kinopt.KinoptError:
         return None
     drives = {part: drive if isinstance(drive, str) else drive["frame"] for part, drive in json.loads(text)["drives"].items()}
     if not {"pelvis", *HANDS, *FEET} <= drives.keys():
         return None
-    model = getattr(thing, "model", thing)
-    carriers = moved_by(model)
+    carriers = moved_by(robot.model)
 
-    def best(part: str) -> str:
-        frame = drives[part]
-        word = WORDS.get(part)
-        named = [
-            other for other, carrier in carriers.items() if word and word in other.lower() and carrier == carriers.get(frame)
-        ]
-        return min(named, key=len, default=frame)
+    def best(part: str, word: str) -> str:
+        """Frame of a part; of the frames that the same joint moves, the one named by this word."""
+        carrier = carriers.get(drives[part])
+        named = [frame for frame in carriers if word in frame.lower() and carriers[frame] == carrier]
+        return min(named, key=len, default=str(drives[part]))
 
-    trunk = [best("pelvis"), best("head") if "head" in drives else highest_frame(model)]
-    return Humanoid([best(foot) for foot in FEET], [best(hand) for hand in HANDS], trunk)
+    feet, hands = [best(foot, "sole") for foot in FEET], [best(hand, "hand") for hand in HANDS]
+    head = drives["head"] if "head" in drives else highest_frame(robot.model)
+    return Humanoid(feet, [*feet, *hands, drives["pelvis"], head])
 
 
 def highest_frame(model: Any) -> str:
