@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from . import look
 from .body import Body, Clip, Piece
 from .canvas import Canvas
+from .curves import MAX_SAMPLES, Curves, curves_of
 from .figure import Figure
 from .look import Color
 from .skin import Skin, SkinOnPage, bone_skin, nearest_bones
@@ -93,3 +94,9 @@ class Keyframes:
         """Sets the pose of the keyframes at that time."""
         q = np.asarray(self._clip.sample(seconds), dtype=float).reshape(-1)
         self._body.q = np.clip(q, self._body.model.lower, self._body.model.upper)
+
+    @property
+    def curves(self) -> Curves:
+        """Joints of the rig over time."""
+        times = np.linspace(*self.span, MAX_SAMPLES)
+        return curves_of(self._body, times, np.asarray(self._clip.sample(times), dtype=float))

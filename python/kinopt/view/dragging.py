@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import kinopt
 
-from .body import Body
+from .body import Body, moved_by
 from .obstacles import Obstacles
 from .posing import Answer, Goal, Posing
 from .scene import Scene
@@ -134,7 +134,7 @@ class Dragging:
         for frame in frames:
             position = self.body.frame(frame)[:3, 3]
             is_near_target = any(np.linalg.norm(position - other) <= min_distance for other in positions)
-            if not is_near_target and carriers[frame] not in taken:
+            if not is_near_target and carriers[frame] not in {None, *taken}:
                 positions.append(position)
                 taken.add(carriers[frame])
                 chosen.append(frame)
@@ -188,8 +188,6 @@ class Dragging:
     def set_configuration(self, q: Array) -> None:
         """Sets the configuration of the body; pinned targets follow."""
         self.body.q = q
-        if self.obstacles is not None:
-            self.obstacles.follow()
         self.stands_elsewhere()
 
     def stands_elsewhere(self) -> None:
@@ -259,18 +257,6 @@ class Dragging:
     def call(self, work: Callable[[], Any]) -> Any:
         """Runs `work` between two frames and waits for it: for scripts that control a page."""
         return self.scene.loop.call(work)
-
-
-def moved_by(model: Any) -> dict[str, str | None]:
-    """Joint that moves each frame of a model; None for a frame fixed in the world."""
-    joints = {joint.name: joint for joint in model.joints}
-    carriers = {}
-    for frame in model.frames:
-        joint = joints.get(frame.joint or "")
-        while joint is not None and joint.kind == "fixed":
-            joint = joints.get(joint.parent or "")
-        carriers[frame.name] = None if joint is None else joint.name
-    return carriers
 
 
 def _tell(listeners: list[Callable[[], Any]]) -> None:

@@ -41,6 +41,8 @@ class Obstacles:
         self._revision = -1
         self._marked: frozenset[str] = frozenset()
         self.refresh()
+        if body is not None:
+            body.on_move.append(self.follow)
 
     def refresh(self) -> None:
         """Draws added, moved and attached obstacles, and removes removed ones."""
@@ -79,6 +81,8 @@ class Obstacles:
 
     def remove(self) -> None:
         """Removes it from the scene."""
+        if self._body is not None:
+            self._body.on_move.remove(self.follow)
         for handle in self._handles.values():
             handle.remove()
         self._handles = {}

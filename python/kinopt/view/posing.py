@@ -14,7 +14,7 @@ import kinopt
 from kinopt import tasks
 
 from .body import Body
-from .holding import DRAGGED, PINNED
+from .balance import DRAGGED, PINNED
 from .closing import closed
 from .transforms import inverse
 

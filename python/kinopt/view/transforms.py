@@ -103,3 +103,26 @@ def between(first: Array, second: Array, share: float) -> Array:
         turned = np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b
     position = (1.0 - share) * first[:3, 3] + share * second[:3, 3]
     return matrix_of(turned, position)
+
+
+def hull_2d(points: Array, inner: Array, tolerance: float = 0.0) -> tuple[list[int], bool]:
+    """Indices of the convex hull of points, shape (N, 2), counter-clockwise; true if `inner` is in it.
+
+    A point that is at most `tolerance` outside an edge counts as inside.
+    """
+
+    def turn(a: Array, b: Array, c: Array) -> float:
+        return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+    order = np.lexsort((points[:, 1], points[:, 0])).tolist()
+    hull: list[int] = []
+    for half in (order, order[::-1]):
+        start = len(hull)
+        for i in half:
+            while len(hull) > start + 1 and turn(points[hull[-2]], points[hull[-1]], points[i]) <= 0.0:
+                hull.pop()
+            hull.append(i)
+        del hull[-1:]
+    edges = [(points[a], points[b]) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
+    inside = all(turn(a, b, inner) >= -tolerance * float(np.linalg.norm(b - a)) for a, b in edges)
+    return hull, len(hull) > 2 and inside
