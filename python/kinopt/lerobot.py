@@ -43,7 +43,7 @@ class RobotKinematics:
         unknown = [name for name in joint_names if name not in robot.joint_names]
         if unknown:
             raise UnknownNameError(f"no joint named `{unknown[0]}`; joints: {', '.join(robot.joint_names)}")
-        self.joint_names = list(joint_names)
+        self.joint_names: list[str] = list(joint_names)
         self.target_frame_name = target_frame_name
         self._robot = robot
         self._options: dict[str, Any] = {

@@ -9,7 +9,7 @@ from ..extras import load
 #: Colours of Okabe and Ito, which colour-blind readers can distinguish.
 BLUE, ORANGE, GREEN, RED, BLACK = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#222222"
 #: Ranges beyond limits.
-FORBIDDEN = {"facecolor": "#D55E00", "alpha": 0.16, "edgecolor": "none"}
+FORBIDDEN: dict[str, Any] = {"facecolor": "#D55E00", "alpha": 0.16, "edgecolor": "none"}
 #: Colour map of times, with monotone lightness.
 TIMES = "viridis"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import kinopt
 
-from .balance import feet as lowest
+from .balance import Balance, feet as lowest
 from .body import Body, Clip
 from .dragging import Dragging
 from .joints_panel import JointsPanel
@@ -76,7 +76,7 @@ class Page(Dragging):
         if not (self.body.stands and self.body.can_hold and feet):
             return
         #: The drawn centre of mass and support polygon.
-        self.balance = self.scene.add_balance(self.body, feet)
+        self.balance: Balance = self.scene.add_balance(self.body, feet)
         shown = self.scene.server.gui.add_checkbox("Centre of mass", True, hint="with the support polygon of the feet")
 
         @shown.on_update

@@ -17,7 +17,7 @@ from . import balance, look, solids
 from .body import Body, Piece, joints_to, moved_by
 from .canvas import Canvas
 from .balance import BALANCE, Holding
-from .humanoid import humanoid
+from .humanoid import Humanoid, humanoid
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
@@ -61,7 +61,7 @@ class RobotBody(Body):
         if not self._pieces:
             self._pieces = self._of_capsules(color)
         #: Frames of a humanoid body, by the names of the robot's frames.
-        self.humanoid = humanoid(thing) if isinstance(thing, kinopt.Robot) else None
+        self.humanoid: Humanoid | None = humanoid(thing) if isinstance(thing, kinopt.Robot) else None
         #: Tip of the limb of each joint.
         bases = tuple(f"{base}/" for base in self.model.free_joints)
         chains = {tip: joints_to(self.model, tip) for tip in reversed(self.tips)}
