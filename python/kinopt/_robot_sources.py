@@ -42,12 +42,18 @@ def from_xacro(
     file = os.fspath(path)
     package_finder.walk_up_from(file)
     package_finder.update_package_cache(packages or {})
-    values = {name: str(value) for name, value in (arguments or {}).items()}
+    # As on xacro's command line: "true", not "True".
+    values = {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (arguments or {}).items()}
     try:
         document = xacro.process_file(file, mappings=values, verbosity=0)
     except (package_finder.PackageNotFoundError, xacro.XacroException, ExpatError) as error:
-        unreadable = isinstance(getattr(error, "exc", None), OSError)
-        raise (FileError if unreadable else InvalidFileError)(f"{file}: xacro: {error}") from error
+        cause = getattr(error, "exc", None) or error
+        if isinstance(cause, OSError):
+            raise FileError(f"{file}: xacro: {error}") from error
+        if isinstance(cause, package_finder.PackageNotFoundError):
+            package = cause.args[0]
+            raise InvalidFileError(f"{file}: no ROS package `{package}`: add its folder to `packages`") from error
+        raise InvalidFileError(f"{file}: xacro: {error}") from error
     return cls.from_urdf_text(
         document.toxml(),
         file,
