@@ -70,6 +70,7 @@ def from_description(
     name: str,
     arguments: Mapping[str, object] | None = None,
     *,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
     base_joint: BaseJoint | None = None,
     base_bounds: Mapping[str, tuple[float, float]] | None = None,
     lenient: bool = False,
@@ -79,7 +80,8 @@ def from_description(
     'kinopt[descriptions]'``.
 
     The first use of a description clones its git repository into ``~/.cache/robot_descriptions`` or the folder
-    ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, xacro with ``arguments``, or MJCF. Its meshes are found there.
+    ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, MJCF, or xacro with ``arguments`` and ``packages`` as in
+    ``from_xacro``. Its meshes are found there.
     ``lenient`` is for URDF and xacro. Other arguments are as in ``from_urdf``.
 
     Raises ``UnknownNameError`` for an unknown name, ``FileError`` if the repository cannot be cloned,
@@ -103,7 +105,7 @@ def from_description(
             cls,
             description.XACRO_PATH,
             {**getattr(description, "XACRO_ARGS", {}), **(arguments or {})},
-            packages=getattr(description, "XACRO_PACKAGE_PATHS", None),
+            packages={**getattr(description, "XACRO_PACKAGE_PATHS", {}), **(packages or {})},
             base_joint=base_joint,
             base_bounds=base_bounds,
             lenient=lenient,
