@@ -93,7 +93,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> ModuleType:
-    # Imported on demand, because their optional dependencies may be missing.
+    # Imported on demand: their optional dependencies may be missing, or few programs need them.
     if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
