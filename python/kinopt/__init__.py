@@ -77,7 +77,6 @@ from ._kinopt import (
     frame_placement,
     solve_path,
 )
-from ._robot_sources import from_description, from_xacro
 from .errors import (
     FileError,
     InvalidFileError,
@@ -93,14 +92,9 @@ from .retargeting import RetargetFollower, RetargetReport, guess_map, retarget
 if TYPE_CHECKING:
     from types import ModuleType
 
-# Their packages are optional and of Python, so the methods are not in the extension module.
-for _method in (from_description, from_xacro):
-    setattr(Robot, _method.__name__, classmethod(_method))
-del _method, from_description, from_xacro
-
 
 def __getattr__(name: str) -> ModuleType:
-    # Imported on demand, because their optional dependencies may be missing.
+    # Imported on demand: their optional dependencies may be missing, or few programs need them.
     if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")

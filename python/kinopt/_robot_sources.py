@@ -1,4 +1,4 @@
-"""Class methods of ``Robot`` for xacro files and for the package robot_descriptions."""
+"""Robots from xacro files and from the package robot_descriptions: class methods of ``Robot``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from .types import BaseJoint
 
 
 def from_xacro(
-    cls: type[Robot],
     path: str | os.PathLike[str],
     arguments: Mapping[str, object] | None = None,
     *,
@@ -26,14 +25,7 @@ def from_xacro(
     soft_limits: bool = False,
     mimic_limits: Literal["source", "both"] = "source",
 ) -> Robot:
-    """Reads a xacro file through the package xacrodoc, without ROS: ``pip install 'kinopt[xacro]'``.
-
-    ``arguments`` are the values of ``<xacro:arg>`` by name. A package of ``$(find NAME)`` is a folder in ``packages``,
-    a folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion evaluates
-    Python expressions of the file, so the file must be trusted. Other arguments are as in ``from_urdf``.
-
-    Raises ``FileError`` if a file cannot be read, ``InvalidFileError`` if its content is invalid.
-    """
+    """Reads a xacro file: see ``Robot.from_xacro``."""
     try:
         from xacrodoc import packages as package_finder
         import xacro
@@ -42,13 +34,19 @@ def from_xacro(
     file = os.fspath(path)
     package_finder.walk_up_from(file)
     package_finder.update_package_cache(packages or {})
-    values = {name: str(value) for name, value in (arguments or {}).items()}
+    # As on xacro's command line: "true", not "True".
+    values = {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (arguments or {}).items()}
     try:
         document = xacro.process_file(file, mappings=values, verbosity=0)
     except (package_finder.PackageNotFoundError, xacro.XacroException, ExpatError) as error:
-        unreadable = isinstance(getattr(error, "exc", None), OSError)
-        raise (FileError if unreadable else InvalidFileError)(f"{file}: xacro: {error}") from error
-    return cls.from_urdf_text(
+        cause = getattr(error, "exc", None) or error
+        if isinstance(cause, OSError):
+            raise FileError(f"{file}: xacro: {error}") from error
+        if isinstance(cause, package_finder.PackageNotFoundError):
+            package = cause.args[0]
+            raise InvalidFileError(f"{file}: no ROS package `{package}`: add its folder to `packages`") from error
+        raise InvalidFileError(f"{file}: xacro: {error}") from error
+    return Robot.from_urdf_text(
         document.toxml(),
         file,
         base_joint=base_joint,
@@ -60,25 +58,16 @@ def from_xacro(
 
 
 def from_description(
-    cls: type[Robot],
     name: str,
     arguments: Mapping[str, object] | None = None,
     *,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
     base_joint: BaseJoint | None = None,
     base_bounds: Mapping[str, tuple[float, float]] | None = None,
     lenient: bool = False,
     mimic_limits: Literal["source", "both"] = "source",
 ) -> Robot:
-    """Reads a robot of the package robot_descriptions, such as "panda_description": ``pip install
-    'kinopt[descriptions]'``.
-
-    The first use of a description clones its git repository into ``~/.cache/robot_descriptions`` or the folder
-    ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, xacro with ``arguments``, or MJCF. Its meshes are found there.
-    ``lenient`` is for URDF and xacro. Other arguments are as in ``from_urdf``.
-
-    Raises ``UnknownNameError`` for an unknown name, ``FileError`` if the repository cannot be cloned,
-    ``InvalidFileError`` if the content is invalid.
-    """
+    """Reads a robot of robot_descriptions: see ``Robot.from_description``."""
     try:
         from robot_descriptions import DESCRIPTIONS
     except ImportError as error:
@@ -94,10 +83,9 @@ def from_description(
         raise FileError(f"{name}: its repository cannot be cloned: {error}") from error
     if hasattr(description, "XACRO_PATH") and not hasattr(description, "URDF_PATH"):
         return from_xacro(
-            cls,
             description.XACRO_PATH,
             {**getattr(description, "XACRO_ARGS", {}), **(arguments or {})},
-            packages=getattr(description, "XACRO_PACKAGE_PATHS", None),
+            packages={**getattr(description, "XACRO_PACKAGE_PATHS", {}), **(packages or {})},
             base_joint=base_joint,
             base_bounds=base_bounds,
             lenient=lenient,
@@ -106,13 +94,13 @@ def from_description(
     if arguments:
         raise InvalidValueError(f"{name}: its file is not xacro, so `arguments` must be empty")
     if hasattr(description, "URDF_PATH"):
-        return cls.from_urdf(
+        return Robot.from_urdf(
             description.URDF_PATH,
             base_joint=base_joint,
             base_bounds=base_bounds,
             lenient=lenient,
             mimic_limits=mimic_limits,
         )
-    return cls.from_mjcf(
+    return Robot.from_mjcf(
         description.MJCF_PATH, base_joint=base_joint, base_bounds=base_bounds, mimic_limits=mimic_limits
     )

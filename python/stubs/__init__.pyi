@@ -247,6 +247,7 @@ class Robot:
         name: str,
         arguments: Mapping[str, object] | None = None,
         *,
+        packages: Mapping[str, str | PathLike[str]] | None = None,
         base_joint: BaseJoint | None = None,
         base_bounds: Mapping[str, tuple[float, float]] | None = None,
         lenient: bool = False,

@@ -1,5 +1,7 @@
 """Kinematics with the interface of LeRobot."""
 
+import inspect
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,19 @@ def tilted(pose, angle):
     turned = pose.copy()
     turned[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]] @ pose[:3, :3]
     return turned
+
+
+def test_arguments_are_those_of_lerobot():
+    def arguments(function):
+        parameters = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.KEYWORD_ONLY]
+        return {p.name: p.default for p in parameters if p.name != "self"}
+
+    required = inspect.Parameter.empty
+    assert arguments(RobotKinematics) == {"urdf_path": required, "target_frame_name": "gripper_frame_link", "joint_names": None}
+    assert arguments(RobotKinematics.forward_kinematics) == {"joint_pos_deg": required}
+    assert arguments(RobotKinematics.inverse_kinematics) == {
+        "current_joint_pos": required, "desired_ee_pose": required, "position_weight": 1.0, "orientation_weight": 0.01
+    }
 
 
 def test_default_joint_names_begin_with_the_chain(so101):
