@@ -1,5 +1,5 @@
 # /// script
-# dependencies = ["kinopt", "pyarrow"]
+# dependencies = ["kinopt[tables]"]
 # tool.uv.sources.kinopt = { path = "../../python" }
 # ///
 """A hundred thousand poses on all cores, written to a Parquet file."""
@@ -7,7 +7,6 @@
 import sys
 import time
 
-import pyarrow as pa
 import pyarrow.parquet as pq
 
 import kinopt
@@ -19,6 +18,5 @@ targets = arm.base_from_tool(robot.random_configuration(1, 100_000)[:, :7])
 begun = time.perf_counter()
 batch = arm.solve_batch(targets, threads=None)
 print(f"{batch.reached.mean():.2%} reached in {time.perf_counter() - begun:.2f} s")
-columns = dict(zip(arm.joint_names, batch.q.T))
-pq.write_table(pa.table({**columns, "reached": batch.reached, "position_error": batch.position_error}), out)
+pq.write_table(batch.to_arrow(), out)
 print(pq.read_schema(out).names)

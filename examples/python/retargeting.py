@@ -15,5 +15,5 @@ report = motion.report
 print(f"{motion.q.shape[0]} frames of {motion.q.shape[1]} numbers, contacts of {report.contact_frames}")
 print(f"mean error {1000 * report.mean_error:.0f} mm, foot sliding {1000 * report.slip:.2f} mm")
 assert all(robot.is_within_limits(q) for q in motion.q)
-kinopt.retargeting.save(motion, out)
+motion.save(out)  # or .csv, .json
 print(f"saved: {out}")

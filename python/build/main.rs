@@ -3,6 +3,8 @@
 //! `stubs/` has the types, written by hand. The docstrings come from the doc comments of `src/`. maturin packs the result
 //! from `OUT_DIR` into the wheel.
 
+#![allow(clippy::print_stdout, reason = "cargo reads it")]
+
 mod docstrings;
 mod stub;
 

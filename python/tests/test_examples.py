@@ -12,7 +12,7 @@ import pytest
 FOLDER = Path(__file__).parents[2] / "examples" / "python"
 # A job for a cluster, which test_ray.py runs.
 PROGRAMS = sorted(path for path in FOLDER.glob("*.py") if path.name != "reachability.py")
-MODULES = {"kinopt[torch]": "torch", "kinopt[view]": "viser"}
+MODULES = {"kinopt[plot]": "matplotlib", "kinopt[tables]": "pyarrow", "kinopt[torch]": "torch", "kinopt[view]": "viser"}
 # The window of the viewer closes at once.
 VIEWER = "import runpy, kinopt.view as view; view.Scene.wait = view.Scene.close; runpy.run_path({!r})"
 
