@@ -160,8 +160,9 @@ pub(crate) unsafe fn optional_text<'a>(
     }
 }
 
-/// Writes a text with its final zero byte to a buffer, shortened if the buffer is too small, and its whole length without
-/// the zero byte to `length`, unless that is null.
+/// Writes a text with its final zero byte to a buffer, shortened if the buffer is too small.
+///
+/// The whole length of the text, without the zero byte, is written to `length`, unless that is null.
 pub(crate) unsafe fn write_text(
     text: &str,
     buffer: *mut c_char,
