@@ -55,6 +55,7 @@ class CurvesPanel:
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle) -> None:
         self._gui, self._tab = gui, tab
         self._curves: Curves | None = None
+        self._now = 0.0
         with tab:
             self._choice: Any = gui.add_dropdown("Joints of", (NONE,))
         self._plot: Any = None
@@ -69,12 +70,12 @@ class CurvesPanel:
     def _joints(self) -> dict[str, Array]:
         return {} if self._curves is None else self._curves.groups.get(self._choice.value, {})
 
-    def _data(self, seconds: float) -> tuple[Array, ...]:
+    def _data(self) -> tuple[Array, ...]:
         assert self._curves is not None
         times, values = self._curves.times, list(self._joints().values())
         # Two samples next to each other, from the bottom to the top.
         line = np.full(len(times), np.nan)
-        after = int(np.searchsorted(times, seconds).clip(1, len(times) - 1))
+        after = int(np.searchsorted(times, self._now).clip(1, len(times) - 1))
         line[[after - 1, after]] = self._range(values)
         return (times, *values, line)
 
@@ -96,9 +97,10 @@ class CurvesPanel:
         series += [{"label": "now", "stroke": "#9aa5b1", "width": 1}]
         with self._tab:
             scales: Any = {"x": {"time": False}, "y": {"range": self._range(list(joints.values()))}}
-            self._plot = self._gui.add_uplot(self._data(self._curves.times[0]), tuple(series), scales=scales, height=180)
+            self._plot = self._gui.add_uplot(self._data(), tuple(series), scales=scales, height=150)
 
     def mark(self, seconds: float) -> None:
         """Moves the line to a time."""
+        self._now = seconds
         if self._plot is not None:
-            self._plot.data = self._data(seconds)
+            self._plot.data = self._data()
