@@ -67,11 +67,9 @@ class AnimatedBody(Figure):
 
     def _sampled(self, clips: list[Any]) -> list[Array]:
         """model_from_bone of the first pose, and at several times of each clip, (N, bones, 4, 4)."""
-        poses = [np.asarray(self.armature.local_to_model(self._pose))[None]]
-        poses += [
-            np.asarray(self.armature.local_to_model(clip.sample(np.linspace(clip.span[0], clip.span[1], CLIP_SAMPLES)))) for clip in clips
-        ]
-        return [pose.astype(float) for pose in poses]
+        times = [np.linspace(clip.span[0], clip.span[1], CLIP_SAMPLES) for clip in clips]
+        moving = [self.armature.local_to_model(clip.sample(moments)) for clip, moments in zip(clips, times, strict=True)]
+        return [np.asarray(pose, dtype=float) for pose in [self.armature.local_to_model(self._pose)[None], *moving]]
 
     def _build_meshes(
         self, thing: Any, color: Color | None, opacity: float | None, file: Path | None

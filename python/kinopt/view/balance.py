@@ -47,7 +47,10 @@ class Holding:
 
 
 class Balance:
-    """Drawn centre of mass, its projection onto the ground, and the support polygon of a robot: green in balance, red otherwise."""
+    """Drawn centre of mass of a robot, its projection onto the ground, and the support polygon of its feet.
+
+    They are green in balance, red otherwise. They follow the robot.
+    """
 
     def __init__(self, body: Body, feet: Sequence[str], name: str) -> None:
         self.scene, self.body = body.scene, body

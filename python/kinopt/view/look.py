@@ -119,7 +119,8 @@ def capsules(model: Any, size: float) -> Iterator[JointBody]:
         mast = _apart(frames[owner] if joints and owner is not None else [], [np.zeros(3), *ends], MIN_MAST * thick)
         if mast:
             top = max(mast, key=lambda point: float(np.linalg.norm(point)))
-            solids += [capsule_between(np.mean([np.zeros(3), *ends], axis=0), top, 0.6 * thick), capsule_between(top, top, 1.2 * thick)]
+            middle = np.mean([np.zeros(3), *ends], axis=0)
+            solids += [capsule_between(middle, top, 0.6 * thick), capsule_between(top, top, 1.2 * thick)]
         if solids:
             length = max((float(np.linalg.norm(end)) for end in ends), default=0.0)
             yield JointBody(owner, joined(solids), LIGHT if length > MIN_LIGHT * thick or len(ends) > 1 else DARK)

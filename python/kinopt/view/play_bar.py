@@ -64,10 +64,15 @@ class PlayBar:
                 post(lambda: self.choose(name))
 
         def wanted(event: Any) -> None:
-            kind = str(self._record.value).lower()
-            self.pause()
-            data = recorded(self.scene, self.clip, kind, speed=self.speed, client=event.client)
-            event.client.send_file_download(f"{self.clip.name}.{kind}", data, save_immediately=True)
+            kind, now = str(self._record.value).lower(), self.now
+            self.scene.loop.call(self.pause)
+            try:
+                data = recorded(self.scene, self.clip, kind, speed=self.speed, client=event.client)
+            except ImportError as error:
+                event.client.add_notification("Not recorded", str(error))
+            else:
+                event.client.send_file_download(f"{self.clip.name}.{kind}", data, save_immediately=True)
+            post(lambda: self.scrub(now))
 
         self._play.on_click(clicked)
         self._slider.on_update(moved)
