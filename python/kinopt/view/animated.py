@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import look
 from .body import Clip, Piece
 from .canvas import Canvas
+from .curves import MAX_SAMPLES, Curves, curves_in
 from .figure import Figure
 from .look import Color
 from .mesh_on_bones import MeshOnBones
@@ -170,6 +171,21 @@ class AnimatedBody(Figure):
         return ends
 
     @property
+    def limbs(self) -> dict[str, dict[str, int]]:
+        """Rotating bones from the root to each tip, by their indices in the armature; each is in one limb."""
+        names, parents = self.armature.names, self.armature.parents.tolist()
+        limbs: dict[str, dict[str, int]] = {}
+        taken: set[int] = set()
+        for tip in self.tips:
+            bone, chain = self._bone_of_frame[tip], []
+            while bone >= 0 and bone not in taken:
+                chain.append(bone)
+                bone = parents[bone]
+            taken.update(chain)
+            limbs[tip] = {names[bone]: bone for bone in reversed(chain) if bone in self._turning}
+        return {tip: limb for tip, limb in limbs.items() if limb}
+
+    @property
     def clips(self) -> list[Clip]:
         """Clips of the file."""
         return self._clips
@@ -187,6 +203,14 @@ class Played:
     def show(self, seconds: float) -> None:
         """Sets the pose of the clip at that time."""
         self._body.show_pose(self._clip.sample(seconds))
+
+    @property
+    def curves(self) -> Curves:
+        """Rotation of each bone from its first orientation over time, radians, by limb."""
+        times = np.linspace(self.span[0], self.span[1], MAX_SAMPLES)
+        wxyz = np.asarray(self._clip.sample(times).rotations_wxyz, dtype=float)
+        angles = 2.0 * np.arccos(np.abs(np.einsum("tbi,bi->tb", wxyz, wxyz[0])).clip(0.0, 1.0))
+        return curves_in({tip: {name: angles[:, bone] for name, bone in limb.items()} for tip, limb in self._body.limbs.items()}, times)
 
 
 def clips_of(thing: Any) -> list[Any]:

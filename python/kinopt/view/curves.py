@@ -33,19 +33,24 @@ class Curves:
 
 def curves_of(body: Body, times: Array, q: Array) -> Curves:
     """Curves of a body's moving joints, by limb, for configurations of shape (T, nq)."""
-    few = np.unique(np.linspace(0, len(times) - 1, min(len(times), MAX_SAMPLES)).round().astype(int))
     model = body.model
     kinds = {joint.name for joint in model.joints if joint.kind != "fixed"}
     groups: dict[str, dict[str, Array]] = {}
     for index, name in enumerate(model.coordinate_names):
         if name in kinds and model.lower[index] < model.upper[index]:
-            groups.setdefault(body.group(name), {})[body.short(name)] = q[few, index]
+            groups.setdefault(body.group(name), {})[body.short(name)] = q[:, index]
+    return curves_in(groups, times)
+
+
+def curves_in(groups: dict[str, dict[str, Array]], times: Array) -> Curves:
+    """Curves with few samples, in groups that fit into a plot."""
+    few = np.unique(np.linspace(0, len(times) - 1, min(len(times), MAX_SAMPLES)).round().astype(int))
     parts: dict[str, dict[str, Array]] = {}
     for group, joints in groups.items():
         names = list(joints)
         for first in range(0, len(names), len(COLORS)):
             title = group if first == 0 else f"{group} ({first // len(COLORS) + 1})"
-            parts[title] = {name: joints[name] for name in names[first : first + len(COLORS)]}
+            parts[title] = {name: joints[name][few] for name in names[first : first + len(COLORS)]}
     return Curves(times[few], parts)
 
 
