@@ -96,8 +96,9 @@ class Balance:
         self._ball.position, self._shadow.position = centre * self.scene.drawn, foot * self.scene.drawn
         self._lines.points = (np.array(segments) * self.scene.drawn).astype(np.float32)
         color = BALANCED if inside else UNBALANCED
-        self._ball.color = self._shadow.color = color
-        self._lines.colors = np.array(color, dtype=np.uint8)
+        if tuple(self._ball.color) != color:
+            self._ball.color = self._shadow.color = color
+            self._lines.colors = np.array(color, dtype=np.uint8)
 
     def remove(self) -> None:
         """Removes it from the scene."""
