@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from . import animation, io, methods, retargeting, skinning, tasks
+from . import animation, io, methods, models, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     ActiveMotionLimit,
@@ -19,8 +19,10 @@ from ._kinopt import (
     ArmDerivative,
     Batch,
     Bone,
+    Calibration,
     CollisionModel,
     Collision,
+    Coordinates,
     Counts,
     Drag,
     Follower,
@@ -72,6 +74,7 @@ from ._kinopt import (
     TriangleMesh,
     World,
     __version__,
+    calibrate,
     frame_jacobian,
     frame_placement,
     solve_path,
@@ -93,8 +96,8 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> ModuleType:
-    # Imported on demand, because their optional dependencies may be missing.
-    if name in ("jax", "ray", "torch", "view"):
+    # Imported on demand: their optional dependencies may be missing, or few programs need them.
+    if name in ("jax", "lerobot", "ray", "rerun", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")
 
@@ -107,9 +110,11 @@ __all__ = [
     "ArmDerivative",
     "Batch",
     "Bone",
+    "Calibration",
     "CollisionModel",
     "Collision",
     "Contact",
+    "Coordinates",
     "Counts",
     "Drag",
     "FileError",
@@ -169,6 +174,7 @@ __all__ = [
     "World",
     "__version__",
     "animation",
+    "calibrate",
     "frame_jacobian",
     "frame_placement",
     "guess_map",
@@ -177,6 +183,7 @@ __all__ = [
     "solve_path",
     "io",
     "methods",
+    "models",
     "placement",
     "skinning",
     "tasks",

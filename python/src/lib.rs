@@ -10,14 +10,17 @@ use pyo3::prelude::*;
 mod animation;
 mod arm;
 mod arrays;
+mod calibration;
 mod capture;
 mod collision;
 mod configuration;
 mod contents;
+mod coordinates;
 mod error;
 mod file_access;
 mod goal;
 mod has_model;
+mod in_python;
 mod io;
 mod items;
 mod joint_jump;
@@ -60,9 +63,13 @@ mod _kinopt {
     #[pymodule_export]
     use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
     #[pymodule_export]
+    use super::calibration::{Calibration, calibrate};
+    #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
     use super::collision::{CollisionModel, SphereModel};
+    #[pymodule_export]
+    use super::coordinates::Coordinates;
     #[pymodule_export]
     use super::goal::PoseBounds;
     #[pymodule_export]

@@ -112,20 +112,20 @@ impl PathReport {
 ///
 /// Raises `InvalidValueError` with the point or option, and `FileError` or `InvalidFileError` for a file.
 #[pyfunction]
-#[pyo3(signature = (arm, path, *, times = None, keep_times = false, traversal = None, start = None, end = None, joint_weights = None,
-    max_step = 0.2, samples = 256, tools = None, tool_of_points = None, order = None))]
+#[pyo3(signature = (arm, path, *, start = None, end = None, traversal = None, joint_weights = None,
+    max_step = 0.2, times = None, keep_times = false, samples = 256, tools = None, tool_of_points = None, order = None))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
 pub(crate) fn solve_path(
     py: Python<'_>,
     arm: &Bound<'_, Arm>,
     path: &Bound<'_, PyAny>,
-    times: Option<&Bound<'_, PyAny>>,
-    keep_times: bool,
-    traversal: Option<&Bound<'_, PyAny>>,
     start: Option<&Bound<'_, PyAny>>,
     end: Option<&Bound<'_, PyAny>>,
+    traversal: Option<&Bound<'_, PyAny>>,
     joint_weights: Option<&Bound<'_, PyAny>>,
     max_step: f64,
+    times: Option<&Bound<'_, PyAny>>,
+    keep_times: bool,
     samples: usize,
     tools: Option<Vec<Bound<'_, Arm>>>,
     tool_of_points: Option<Vec<usize>>,
@@ -158,7 +158,7 @@ pub(crate) fn solve_path(
     let reached = solution.reached();
     let (solution, report) = solution.split_report();
     let report = Py::new(py, path_report(report, read_as))?.into_any();
-    Ok(JointPath::new(&inner_arm, solution, reached, report))
+    Ok(JointPath::new(arm, solution, reached, report))
 }
 
 fn path_report(report: path::PathReport, read_as: Option<String>) -> PathReport {

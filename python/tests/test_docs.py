@@ -8,8 +8,8 @@ import pytest
 
 import kinopt
 
-MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.methods", "kinopt.ray", "kinopt.retargeting", "kinopt.skinning", "kinopt.tasks"]
-MODULES += ["kinopt.view"]
+MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.lerobot", "kinopt.methods", "kinopt.models", "kinopt.ray", "kinopt.rerun"]
+MODULES += ["kinopt.retargeting", "kinopt.skinning", "kinopt.tasks", "kinopt.view"]
 # These raise nothing: they have no arguments, or none that their signature does not check.
 CANNOT_RAISE = {
     "kinopt.animation.Armature.without_scale",
@@ -111,7 +111,7 @@ CANNOT_RAISE = {
     "kinopt.view.Target.on_move",
     "kinopt.view.Target.on_release",
     "kinopt.view.Target.remove",
-}
+} | {f"kinopt.models.{name}" for name in [*kinopt.models.names(), "names"]}
 
 
 def is_made_by_a_caller(found):

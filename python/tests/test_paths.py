@@ -178,8 +178,10 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
     for option in ("acceleration_limits", "velocity_limits", "jerk_limits"):
         with pytest.raises(InvalidValueError, match=f"{option}.*{solved.joint_names[3]}"):
             solved.trajectory(**{"acceleration_limits": 1.0, option: limits})  # type: ignore[arg-type]
-    with pytest.raises(InvalidValueError, match="arm"):
-        solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0))
+    # The tool is that of the path's arm, or of another one.
+    slow = solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0))
+    assert np.array_equal(slow.times, solved.trajectory(acceleration_limits=1.0, tool_linear_limits=(0.1, 1.0), arm=arm).times)
+    assert slow.duration > 0.25 / 0.1
     for wrong in (0.5, (0.1,), "fast", (0.1, None)):
         with pytest.raises(kinopt.InvalidValueError, match=r"tool_linear_limits is .*: \(speed, acceleration\) in m/s"):
             solved.trajectory(acceleration_limits=1.0, arm=arm, tool_linear_limits=wrong)

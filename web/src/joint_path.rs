@@ -5,7 +5,8 @@ use kinopt::arm::JointJump;
 use kinopt::motion::path::TimingLimits;
 use wasm_bindgen::prelude::*;
 
-use crate::{object, raise, view};
+use crate::error::{Exception, raise};
+use crate::{object, view};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -110,7 +111,7 @@ impl JointPath {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers | number")] velocities: JsValue,
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let limits = |value: &JsValue, what: &str, defaults: &[f64]| match value.as_f64() {
             Some(number) => Ok(vec![number; self.joints.len()]),
             None if value.is_undefined() => Ok(defaults.to_vec()),

@@ -8,10 +8,11 @@ use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
 use crate::arm::Arm;
+use crate::error::{Exception, raise};
 use crate::joint_path::JointPath;
 use crate::placement::read_all;
 use crate::value::Value;
-use crate::{object, raise, solution};
+use crate::{object, solution};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -82,7 +83,7 @@ pub fn solve_path(
     arm: &Arm,
     #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
     options: Option<PathOptions>,
-) -> Result<JointPath, JsError> {
+) -> Result<JointPath, Exception> {
     let known = names(&option::path::options());
     let arguments = NamedArguments::of(options, "option of a path", known)?;
     let options = option::path::PathOptions {

@@ -12,16 +12,19 @@
 //! - [`parameters`]: free, locked, coupled and narrowed joints
 //! - [`names`]: names of enum variants
 //! - [`shape`]: kinds and dimensions of the shapes of links
+//! - [`coordinates`]: names and units of the numbers of a configuration
 //! - [`placement`], [`coordinate_order`]: conversion of placements and configurations
 //! - [`jobs`]: batches on several threads
 //! - [`json`]: the values and arguments of JSON
 //! - `problem_file`: targets, tasks and options of the command, in text and in JSON files
 //! - [`retarget_folder`]: folders of motions to retarget, continued by another process
+//! - `trajectory_file`: files of trajectories
 //! - [`error`]: kinds of errors
 
 pub mod clip_ik;
 pub mod cones;
 pub mod coordinate_order;
+pub mod coordinates;
 pub mod error;
 pub mod jobs;
 pub mod json;
@@ -37,6 +40,8 @@ mod quantities;
 pub mod retarget_folder;
 pub mod shape;
 pub mod task;
+#[cfg(feature = "trajectory-files")]
+pub mod trajectory_file;
 mod value;
 
 pub use error::{Classify, ErrorKind};

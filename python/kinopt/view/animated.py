@@ -60,7 +60,7 @@ class AnimatedBody(Figure):
         self._clips: list[Clip] = [Played(self, clip) for clip in clips]
         self._moments = self._sampled(clips)
         self._meshes = self._build_meshes(thing, color, opacity, file)
-        self.missing += [note for mesh in self._meshes for note in mesh.notes]
+        self.missing.extend(note for mesh in self._meshes for note in mesh.notes)
         self.show_pose(self._pose)
 
     def _skeleton_in(self, pose: Any, name: str) -> Any:
@@ -106,8 +106,9 @@ class AnimatedBody(Figure):
     def standing(self) -> None:
         """Sets the rest pose of the skeleton to the current pose."""
         if self._stale:
-            self.skeleton = self.thing = self._skeleton_in(self._pose, self.name)
-            self.model = self.skeleton.model
+            self.skeleton: Any = self._skeleton_in(self._pose, self.name)
+            self.thing: Any = self.skeleton
+            self.model: Any = self.skeleton.model
             self._stale = False
 
     def _place(self, q: Array) -> None:
@@ -198,7 +199,7 @@ class Played:
         self._body, self._clip = body, clip
         self.name: str = clip.name or "clip"
         start, end = clip.span
-        self.span = (float(start), float(end))
+        self.span: tuple[float, float] = (float(start), float(end))
 
     def show(self, seconds: float) -> None:
         """Sets the pose of the clip at that time."""

@@ -16,6 +16,7 @@ from .transforms import hull_2d
 
 if TYPE_CHECKING:
     from .body import Body
+    from .canvas import Canvas
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,8 @@ class Balance:
     """
 
     def __init__(self, body: Body, feet: Sequence[str], name: str) -> None:
-        self.scene, self.body = body.scene, body
+        self.scene: Canvas = body.scene
+        self.body: Body = body
         #: Name in the scene.
         self.name = name
         self._soles = {foot: np.asarray(body.thing.sole(foot), dtype=float) for foot in feet}

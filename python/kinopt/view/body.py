@@ -58,7 +58,7 @@ class Body(ABC):
         #: Callbacks after each motion.
         self.on_move: list[Callable[[], Any]] = []
         #: Joints, limits and frames.
-        self.model = getattr(thing, "model", thing)
+        self.model: Any = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
         neutral = self.model.neutral()

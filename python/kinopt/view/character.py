@@ -48,7 +48,7 @@ class CharacterBody(Figure):
             self._skin = Skin(vertices, mesh.triangles, table)
         self._color = color or (look.BONE if mesh is None else look.SKIN)
         self._shown = SkinOnPage(scene, name, self._skin, self._color, opacity=opacity)
-        self.cut = self._shown.cut
+        self.cut: float = self._shown.cut
         if self.cut > 0.0:
             self.missing.append(
                 f"drawn with four influences per vertex: up to {self.cut:.0%} of a vertex's weight is omitted "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import kinopt
 
 from .body import Body, moved_by
+from .obstacles import Obstacles
 from .posing import Answer, Goal, Posing
 from .scene import Scene
 from .target import Target
@@ -44,12 +45,12 @@ class Dragging:
     ) -> None:
         self.scene = scene
         self.body = body
-        self.posing = Posing(body, world, margin)
+        self.posing: Posing = Posing(body, world, margin)
         #: Drawn obstacles of collision avoidance.
-        self.obstacles = None if world is None else scene.add_world(world, on=body)
+        self.obstacles: Obstacles | None = None if world is None else scene.add_world(world, on=body)
         self.posing.choose(tolerance=tolerance)
         #: True if targets have an orientation too.
-        self.turns = turns
+        self.turns: bool = turns
         self.targets: dict[str, Target] = {}
         self.pinned: set[str] = set()
         #: The last dragged frame.
@@ -57,7 +58,7 @@ class Dragging:
         #: Result of the last frame.
         self.answer: Answer | None = None
         #: Reason why the selected solver has no result; empty if it has one.
-        self.problem = ""
+        self.problem: str = ""
         #: Seconds from a mouse position to the transforms sent to the page, of the last moves.
         self.times: deque[float] = deque(maxlen=10_000)
         #: Callbacks: soon after a change; when targets are added, removed or pinned; and when one is grabbed.

@@ -57,7 +57,7 @@ class DrawnKinematics:
         names = model.coordinate_names
         self._order = [names.index(name) for name in drawn.coordinate_names]
         #: Indices of frames in the result of `place`, by name.
-        self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
+        self.index: dict[str, int] = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 
     def place(self, q: Array) -> Array:
         """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (nq,).

@@ -43,7 +43,8 @@ class MeshOnBones:
 
         `colors` are those of its triangles, shape (T, 3), `color` otherwise.
         """
-        self.name, self._skin = name, skin
+        self.name: str = name
+        self._skin = skin
         self._joints, self._joint_from_mesh, self._morphs = joints, joint_from_mesh, morphs
         self._drawn = body.scene.drawn
         #: Differences of the drawing from the file, one line each.

@@ -43,7 +43,7 @@ class Person:
         self.name = name
         #: Positions of its joints, shape (T, J, 3).
         self.positions = positions
-        self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
+        self.bones: NDArray[np.intp] = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
         first = positions[0]
         self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT_SIZE * stage.DRAWN / scene.drawn)
         self._lines: Any = scene.server.scene.add_line_segments(
@@ -70,10 +70,12 @@ class Movement:
     def __init__(self, name: str, movement: kinopt.Trajectory[Any], body: Body, person: Person | None) -> None:
         #: Name of the clip.
         self.name = name
-        self.movement, self.body, self.person = movement, body, person
+        self.movement: kinopt.Trajectory[Any] = movement
+        self.body: Body = body
+        self.person: Person | None = person
         self._times = np.asarray(movement.times, dtype=float)
         #: Start and end time, seconds.
-        self.span = (float(self._times[0]), float(self._times[-1]))
+        self.span: tuple[float, float] = (float(self._times[0]), float(self._times[-1]))
         self._at = body.at.copy()
         self._base = 0
         names = body.model.coordinate_names

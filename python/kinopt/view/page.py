@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import kinopt
 
-from .balance import feet as lowest
+from .balance import Balance, feet as lowest
 from .body import Body, Clip
 from .dragging import Dragging
 from .joints_panel import JointsPanel
@@ -39,7 +39,7 @@ class Page(Dragging):
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
         #: Repairs, and parts that are not drawn, one line each.
-        self.notes = [*notes, *body.missing]
+        self.notes: list[str] = [*notes, *body.missing]
         self._hold = list(hold)
         #: Clips before the body's own clips; with any, gizmos are selected from the list.
         self._played = list(clips)
@@ -47,19 +47,19 @@ class Page(Dragging):
 
     def _furnish(self) -> None:
         """Creates the panel, and gizmos on the tips."""
-        self.status = StatusPanel(self)
-        self.targets_panel = TargetsPanel(self)
+        self.status: StatusPanel = StatusPanel(self)
+        self.targets_panel: TargetsPanel = TargetsPanel(self)
         clips = [*self._played, *self.body.clips]
-        self.play_bar = PlayBar(self.scene, clips) if clips else None
-        self.solver_panel = SolverPanel(self)
+        self.play_bar: PlayBar | None = PlayBar(self.scene, clips) if clips else None
+        self.solver_panel: SolverPanel = SolverPanel(self)
         self._show_balance()
-        self.joints = JointsPanel(self)
-        self.saving = SavePanel(self)
+        self.joints: JointsPanel = JointsPanel(self)
+        self.saving: SavePanel = SavePanel(self)
         if self.notes:
             with self.scene.server.gui.add_folder("Notes", expand_by_default=False):
                 self.scene.server.gui.add_markdown("\n".join(f"- {plain(note)}" for note in self.notes))
         self.on_targets.append(self.targets_panel.show)
-        self.on_change += [self.status.show, self.joints.show]
+        self.on_change.extend((self.status.show, self.joints.show))
         if self.play_bar is not None:
             self.play_bar.on_show.append(self.stands_elsewhere)
             self.on_grab.append(self.play_bar.pause)
@@ -76,7 +76,7 @@ class Page(Dragging):
         if not (self.body.stands and self.body.can_hold and feet):
             return
         #: The drawn centre of mass and support polygon.
-        self.balance = self.scene.add_balance(self.body, feet)
+        self.balance: Balance = self.scene.add_balance(self.body, feet)
         shown = self.scene.server.gui.add_checkbox("Centre of mass", True, hint="with the support polygon of the feet")
 
         @shown.on_update

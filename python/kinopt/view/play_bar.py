@@ -24,10 +24,10 @@ class PlayBar:
         self.scene = scene
         self._clips = {clip.name: clip for clip in clips}
         #: The selected clip.
-        self.clip = next(iter(self._clips.values()))
+        self.clip: Clip = next(iter(self._clips.values()))
         #: Time in the clip, seconds.
-        self.now = self.clip.span[0]
-        self.playing = False
+        self.now: float = self.clip.span[0]
+        self.playing: bool = False
         #: Callbacks after each motion.
         self.on_show: list[Callable[[], Any]] = []
         self._last = self._last_slow = 0.0
@@ -149,8 +149,8 @@ class Together:
     """Several clips as one; a clip that has ended stays in its last pose."""
 
     def __init__(self, clips: Sequence[Clip]) -> None:
-        self.name = ", ".join(clip.name for clip in clips)
-        self.span = (min(clip.span[0] for clip in clips), max(clip.span[1] for clip in clips))
+        self.name: str = ", ".join(clip.name for clip in clips)
+        self.span: tuple[float, float] = (min(clip.span[0] for clip in clips), max(clip.span[1] for clip in clips))
         self._clips = clips
 
     def show(self, seconds: float) -> None:

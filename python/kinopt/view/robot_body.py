@@ -17,7 +17,7 @@ from . import balance, look, solids
 from .body import Body, Piece, joints_to, moved_by
 from .canvas import Canvas
 from .balance import BALANCE, Holding
-from .humanoid import humanoid
+from .humanoid import Humanoid, humanoid
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
@@ -61,13 +61,13 @@ class RobotBody(Body):
         if not self._pieces:
             self._pieces = self._of_capsules(color)
         #: Frames of a humanoid body, by the names of the robot's frames.
-        self.humanoid = humanoid(thing) if isinstance(thing, kinopt.Robot) else None
+        self.humanoid: Humanoid | None = humanoid(thing) if isinstance(thing, kinopt.Robot) else None
         #: Tip of the limb of each joint.
         bases = tuple(f"{base}/" for base in self.model.free_joints)
         chains = {tip: joints_to(self.model, tip) for tip in reversed(self.tips)}
         self._limbs = {joint: tip for tip, chain in chains.items() for joint in chain if not joint.startswith(bases)}
         #: Meshes that could not be drawn, one line each; other shapes replace them.
-        self.missing = files.missing
+        self.missing: list[str] = files.missing
         self._of_frames = np.array([self._index[piece.name] for piece in self._pieces], dtype=int)
         self._handles = [
             scene.server.scene.add_mesh_simple(

@@ -208,7 +208,7 @@ class Scene(Canvas):
             return
         if hasattr(thing, "armature"):
             placements = np.asarray(thing.armature.local_to_model(thing.armature.rest), dtype=float)
-            self.drawn = stage.drawn_scale(extent(placements))
+            self.drawn: float = stage.drawn_scale(extent(placements))
             return
         self.drawn = stage.drawn_scale(extent_of(getattr(thing, "model", thing)))
 

@@ -43,7 +43,8 @@ class SkinOnPage:
     """A skin on the page. `move` sets the transforms of its bones."""
 
     def __init__(self, scene: Canvas, name: str, skin: Skin, color: Color, **looks: Any) -> None:
-        weights, self.cut = fewer_influences(skin.weights)
+        weights, cut = fewer_influences(skin.weights)
+        self.cut: float = cut
         self._used = np.nonzero(weights.any(axis=0))[0]
         count = len(self._used)
         self._handle = scene.server.scene.add_mesh_skinned(

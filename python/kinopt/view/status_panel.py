@@ -29,7 +29,7 @@ class StatusPanel:
     def __init__(self, page: Dragging) -> None:
         self._page = page
         #: The text without formatting.
-        self.text = ""
+        self.text: str = ""
         self._shown = page.scene.server.gui.add_html("")
         self._lines: Any = None
         #: Labels of the distances at missed targets, by frame.

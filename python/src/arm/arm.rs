@@ -16,6 +16,7 @@ use super::derivative::{self, ArmDerivative};
 use super::{Follower, Servo};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
+use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::goal::PoseBounds;
 use crate::joint_path::JointPath;
@@ -55,6 +56,9 @@ pub(crate) struct Arm {
     #[pyo3(get)]
     tip: String,
     options: Py<PyDict>,
+    /// Names, limits and units of the numbers of a configuration.
+    #[pyo3(get)]
+    pub(crate) coordinates: Py<Coordinates>,
     /// Arm of the last search for distinct solutions, kept for repeated queries.
     distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
     /// Compiled at the first query.
@@ -78,6 +82,7 @@ impl Arm {
             base: self.base.clone(),
             tip: self.tip.clone(),
             options: options.unbind(),
+            coordinates: self.coordinates.clone_ref(py),
             distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
@@ -94,6 +99,11 @@ impl Arm {
         let arm = Arc::new(self.inner.with_search(search).or_raise()?);
         *cached = Some((search, Arc::clone(&arm)));
         Ok(arm)
+    }
+
+    /// A solution of the arm.
+    pub(super) fn solution(&self, py: Python<'_>, inner: kinopt::Solution) -> Solution {
+        Solution::new(inner, self.coordinates.clone_ref(py))
     }
 
     /// Returns the given start, or the default one.
@@ -170,12 +180,14 @@ impl Arm {
             }
             None => inner,
         };
+        let coordinates = Py::new(py, Coordinates::of_arm(&inner, model))?;
         Ok(Self {
             inner: Arc::new(inner),
             robot: robot.clone().unbind(),
             base,
             tip,
             options: options.unbind(),
+            coordinates,
             distinct: Mutex::new(None),
             jacobian: OnceLock::new(),
         })
@@ -332,7 +344,7 @@ impl Arm {
         Ok(to_arrays(py, &placements.or_raise()?)?.into_any())
     }
 
-    /// Solves for one target from one start: a `Solution`, reached or not.
+    /// Solves for one target from one start: a `Solution`, reached or not, whose `q` has shape (dof,), radians or metres.
     ///
     /// `target` is base_from_tool (4 x 4, metres). `start` is a configuration of shape (dof,), inside or outside the
     /// limits; None is `default_start`.
@@ -352,7 +364,7 @@ impl Arm {
             None => self.start(None)?,
         };
         let solution = interruptible(py, || self.inner.solve(target, &start))?;
-        Ok(Solution::from(solution.or_raise()?))
+        Ok(self.solution(py, solution.or_raise()?))
     }
 
     /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
@@ -372,7 +384,8 @@ impl Arm {
         let start = self.start(start)?;
         let arm = self.searching(Search::Distinct { k, distance })?;
         let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
-        Ok(solutions.into_iter().map(Solution::from).collect())
+        let solutions = solutions.into_iter();
+        Ok(solutions.map(|inner| self.solution(py, inner)).collect())
     }
 
     /// Solves a batch of targets: a `Batch` of arrays.
@@ -409,20 +422,19 @@ impl Arm {
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
     fn track(
-        &self,
+        slf: &Bound<'_, Self>,
         targets: &Bound<'_, PyAny>,
         start: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<JointPath> {
-        let py = targets.py();
+        let (py, arm) = (slf.py(), slf.get());
         let targets = placements(targets, "target")?.to_vec("target")?;
-        let start = self.start(start)?;
-        let path = py
-            .detach(|| self.inner.track(&targets, &start))
-            .or_raise()?;
+        let start = arm.start(start)?;
+        let path = py.detach(|| arm.inner.track(&targets, &start)).or_raise()?;
         let reached = path.reached();
         let (path, solutions) = path.split_report();
-        let report = Py::new(py, Solutions::new(solutions, path.nq))?.into_any();
-        Ok(JointPath::new(&self.inner, path, reached, report))
+        let report = Solutions::new(solutions, arm.coordinates.clone_ref(py));
+        let report = Py::new(py, report)?.into_any();
+        Ok(JointPath::new(slf, path, reached, report))
     }
 
     /// A `Follower` at `start`, for a path whose targets come one at a time. It stays on the branch of the start, unless
@@ -430,8 +442,9 @@ impl Arm {
     ///
     /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]
-    fn follower(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
-        Follower::new(Arc::clone(&self.inner), &self.start(start)?)
+    fn follower(&self, py: Python<'_>, start: Option<&Bound<'_, PyAny>>) -> PyResult<Follower> {
+        let coordinates = self.coordinates.clone_ref(py);
+        Follower::new(Arc::clone(&self.inner), coordinates, &self.start(start)?)
     }
 
     /// A `Servo` at `start` that takes a target every `time_step` seconds.

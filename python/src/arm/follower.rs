@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use self_cell::self_cell;
 
 use crate::arrays;
+use crate::coordinates::Coordinates;
 use crate::error::OrRaise;
 use crate::joint_jump::JointJump;
 use crate::placement::placement;
@@ -27,13 +28,19 @@ self_cell!(
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Follower {
     cell: Mutex<Cell>,
+    coordinates: Py<Coordinates>,
 }
 
 impl Follower {
-    pub(super) fn new(arm: Arc<kinopt::Arm>, start: &[f64]) -> PyResult<Self> {
+    pub(super) fn new(
+        arm: Arc<kinopt::Arm>,
+        coordinates: Py<Coordinates>,
+        start: &[f64],
+    ) -> PyResult<Self> {
         let cell = Cell::try_new(arm, |arm| arm.follower(start)).or_raise()?;
         Ok(Self {
             cell: Mutex::new(cell),
+            coordinates,
         })
     }
 }
@@ -56,15 +63,17 @@ impl Follower {
         target: &Bound<'_, PyAny>,
     ) -> PyResult<(Solution, Option<JointJump>)> {
         let target = placement(target, "target")?;
-        py.detach(|| {
+        let (solution, jump) = py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|arm, follower| {
                 let mut solution = kinopt::Solution::default();
                 let jump = follower.advance(target, &mut solution).or_raise()?;
                 let jumps = JointJump::of_arm(arm, jump.as_slice());
-                Ok((Solution::from(solution), jumps.into_iter().next()))
+                PyResult::Ok((solution, jumps.into_iter().next()))
             })
-        })
+        })?;
+        let coordinates = self.coordinates.clone_ref(py);
+        Ok((Solution::new(solution, coordinates), jump))
     }
 
     fn __repr__(&self) -> String {

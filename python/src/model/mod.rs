@@ -5,7 +5,8 @@ mod parts;
 
 use std::sync::Arc;
 
-use kinopt::model::{JointId, JointKind};
+use kinopt::model::JointId;
+use kinopt_bindings::coordinates;
 use numpy::ndarray::Ix2;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -72,20 +73,7 @@ impl Model {
     /// "hip w".
     #[getter]
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
-        let parts = self
-            .inner
-            .moving_joints()
-            .iter()
-            .enumerate()
-            .map(|(at, &id)| {
-                let joint = &self.inner.joints()[id.index()];
-                let part = at - self.inner.coordinate(id).unwrap_or(at);
-                match joint.kind {
-                    JointKind::Ball => format!("{} {}", joint.name, ["w", "x", "y", "z"][part]),
-                    _ => joint.name.clone(),
-                }
-            });
-        parts.collect()
+        coordinates::names(&self.inner)
     }
 
     /// Names of the free joints, whose components are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.

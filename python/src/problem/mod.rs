@@ -33,6 +33,8 @@ pub(crate) use task::{add, tolerances};
 
 /// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
+/// Its unknowns are a configuration of shape (configuration_len,), radians and metres. Targets are in metres and radians.
+///
 /// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` appends more.
 /// Arguments are validated immediately. Several threads can solve one problem, each with its own targets
 /// (`Solver.solve(problem, start, targets={"name": target})`). Running solves and drags keep the tasks from their
@@ -78,24 +80,24 @@ struct Current {
 impl Problem {
     #[new]
     #[pyo3(signature = (
-        model, tasks = None, *, parameters = None, bounds = None, tolerance = None,
-        derivatives = "analytic", preferences = "within_goals", world = None, margin = None,
-        collision_model = None, weights = None, joint_origins = None
+        model, tasks = None, *, tolerance = None, bounds = None, world = None, margin = None,
+        collision_model = None, parameters = None, preferences = "within_goals", weights = None,
+        joint_origins = None, derivatives = "analytic"
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         model: &Bound<'_, PyAny>,
         tasks: Option<&Bound<'_, PyAny>>,
-        parameters: Option<&Bound<'_, ParameterMap>>,
-        bounds: Option<&Bound<'_, PyAny>>,
         tolerance: Option<&Bound<'_, PyAny>>,
-        derivatives: &str,
-        preferences: &str,
+        bounds: Option<&Bound<'_, PyAny>>,
         world: Option<&Bound<'_, PyAny>>,
         margin: Option<&Bound<'_, PyAny>>,
         collision_model: Option<&Bound<'_, PyAny>>,
+        parameters: Option<&Bound<'_, ParameterMap>>,
+        preferences: &str,
         weights: Option<&Bound<'_, PyAny>>,
         joint_origins: Option<&Bound<'_, PyAny>>,
+        derivatives: &str,
     ) -> PyResult<Self> {
         let py = model.py();
         let keywords = [

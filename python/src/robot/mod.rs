@@ -155,6 +155,52 @@ impl Robot {
         })
     }
 
+    /// Reads a xacro file through the package xacrodoc, without ROS: `pip install 'kinopt[xacro]'`.
+    ///
+    /// `arguments` are the values of `<xacro:arg>` by name. A package of `$(find NAME)` is a folder in `packages`, a
+    /// folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion
+    /// evaluates Python expressions of the file, so the file must be trusted. Other arguments are as in `from_urdf`.
+    ///
+    /// Raises `FileError` if a file cannot be read, `InvalidFileError` if its content is invalid.
+    #[classmethod]
+    #[pyo3(
+        signature = (path, arguments = None, **options),
+        text_signature = "(path, arguments=None, *, packages=None, base_joint=None, base_bounds=None, lenient=False, soft_limits=False, mimic_limits=\"source\")"
+    )]
+    fn from_xacro<'py>(
+        class: &Bound<'py, PyType>,
+        path: Bound<'py, PyAny>,
+        arguments: Option<Bound<'py, PyAny>>,
+        options: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let sources = class.py().import("kinopt._robot_sources")?;
+        sources.call_method("from_xacro", (path, arguments), options.as_ref())
+    }
+
+    /// Reads a robot of the package robot_descriptions, such as "panda_description": `pip install
+    /// 'kinopt[descriptions]'`.
+    ///
+    /// The first use of a description clones its git repository into `~/.cache/robot_descriptions` or the folder
+    /// `ROBOT_DESCRIPTIONS_CACHE`. Its file is URDF, MJCF, or xacro with `arguments` and `packages` as in `from_xacro`.
+    /// Its meshes are found there. `lenient` is for URDF and xacro. Other arguments are as in `from_urdf`.
+    ///
+    /// Raises `UnknownNameError` for an unknown name, `FileError` if the repository cannot be cloned,
+    /// `InvalidFileError` if the content is invalid.
+    #[classmethod]
+    #[pyo3(
+        signature = (name, arguments = None, **options),
+        text_signature = "(name, arguments=None, *, packages=None, base_joint=None, base_bounds=None, lenient=False, mimic_limits=\"source\")"
+    )]
+    fn from_description<'py>(
+        class: &Bound<'py, PyType>,
+        name: Bound<'py, PyAny>,
+        arguments: Option<Bound<'py, PyAny>>,
+        options: Option<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let sources = class.py().import("kinopt._robot_sources")?;
+        sources.call_method("from_description", (name, arguments), options.as_ref())
+    }
+
     /// True if meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
     #[getter]
     fn confined(&self) -> bool {

@@ -75,27 +75,27 @@ impl Drag {
             on(&mut drag);
             raised().map(|()| drag.solution().clone())
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, self.compiled.coordinates(py)?))
     }
 }
 
 #[pymethods]
 impl Drag {
     #[new]
-    #[pyo3(signature = (problem, start, *, solver = None, max_move = None, search = None, seed = 0, time_step = None, velocity_limits = None, acceleration_limits = None, jerk_limits = None))]
+    #[pyo3(signature = (problem, start, *, max_move = None, time_step = None, velocity_limits = None, acceleration_limits = None, jerk_limits = None, search = None, seed = 0, solver = None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         py: Python<'_>,
         problem: &Bound<'_, Problem>,
         start: &Bound<'_, PyAny>,
-        solver: Option<&Bound<'_, Solver>>,
         max_move: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
-        #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
         time_step: Option<f64>,
         velocity_limits: Option<&Bound<'_, PyAny>>,
         acceleration_limits: Option<&Bound<'_, PyAny>>,
         jerk_limits: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
+        #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
+        solver: Option<&Bound<'_, Solver>>,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
         let compiled = problem.get().compiled()?;
@@ -220,9 +220,13 @@ impl Drag {
 
     /// Solution of the last frame; None before the first.
     #[getter]
-    fn solution(&self, py: Python<'_>) -> Option<Solution> {
+    fn solution(&self, py: Python<'_>) -> PyResult<Option<Solution>> {
         let solution = self.look(py, |drag| drag.solution().clone());
-        (!solution.q.is_empty()).then(|| solution.into())
+        if solution.q.is_empty() {
+            return Ok(None);
+        }
+        let coordinates = self.compiled.coordinates(py)?;
+        Ok(Some(Solution::new(solution, coordinates)))
     }
 
     /// True if a joint moved by its limit for a frame; the next frames continue.

@@ -55,22 +55,21 @@ impl Solver {
 impl Solver {
     #[new]
     #[pyo3(signature = (
-        method = None, *, max_iterations = None, gradient_tolerance = None, step_tolerance = None,
-        patience = None, time_limit = None, attempts = None, seed = None, agreeing = None,
-        restart_steps = None
+        method = None, *, attempts = None, seed = None, time_limit = None, max_iterations = None, agreeing = None,
+        gradient_tolerance = None, step_tolerance = None, patience = None, restart_steps = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
+        time_limit: Option<f64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] max_iterations: Option<u64>,
+        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
         gradient_tolerance: Option<f64>,
         step_tolerance: Option<f64>,
         patience: Option<f64>,
-        time_limit: Option<f64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] attempts: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] seed: Option<u64>,
-        #[pyo3(from_py_with = crate::arrays::whole_or_none)] agreeing: Option<u64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] restart_steps: Option<u64>,
     ) -> PyResult<Self> {
         let counts = [("attempts", attempts), ("agreeing", agreeing)];
@@ -170,7 +169,7 @@ impl Solver {
                 raised().and(solution)
             })
         })?;
-        Ok(solution.into())
+        Ok(Solution::new(solution, problem.coordinates(py)?))
     }
 
     /// Solves `problem` from each of `starts`, shape (N, nq), or N times from one, shape (nq,).

@@ -12,10 +12,13 @@ const MODULES = [
     ["kinopt.skinning", "skinning.py", "skinning", ["skinning.py"]],
     ["kinopt.io", "io.py", "io", ["io.py"]],
     ["kinopt.retargeting", "retargeting/__init__.py", "retargeting", filesIn("retargeting")],
+    ["kinopt.models", "models/__init__.py", undefined, ["models/__init__.py"]],
     ["kinopt.view", "view/__init__.py", undefined, filesIn("view")],
     ["kinopt.ray", "ray/__init__.py", undefined, filesIn("ray")],
     ["kinopt.torch", "torch.py", undefined, ["torch.py"]],
     ["kinopt.jax", "jax.py", undefined, ["jax.py"]],
+    ["kinopt.lerobot", "lerobot.py", undefined, ["lerobot.py"]],
+    ["kinopt.rerun", "rerun.py", undefined, ["rerun.py"]],
 ];
 
 function filesIn(folder) {
@@ -88,7 +91,9 @@ function plain(words = "") {
 }
 
 const line = (signature, doc) => `- \`${signature}\`${doc ? `  \n  ${plain(doc).replace(/\s*\n\s*/g, " ")}` : ""}`;
-const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:\s*\.\.\.$/, "");
+const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:(\s*\.\.\.)?$/, "");
+/** Docstring below a definition of a stub: that of a method of `python/kinopt`. */
+const docBelow = (all, index) => all.slice(index + 1).join("\n").match(/^\s*"""([\s\S]*?)"""/)?.[1].replace(/^ +/gm, "");
 
 /** A signature as a code block; a long one has a line for each parameter. */
 function block(text) {
@@ -102,7 +107,8 @@ function ofStub(file, words) {
     const entries = [];
     let currentClass;
     let property = false;
-    for (const statement of file ? statements(source(`python/kinopt/_kinopt/${file}.pyi`)) : []) {
+    const all = file ? statements(source(`python/stubs/${file}.pyi`)) : [];
+    for (const [index, statement] of all.entries()) {
         const kind = statement.match(/^class (\w+)/);
         if (kind) entries.push((currentClass = { name: kind[1], doc: words.get(kind[1]), members: [] }));
         else if (/^def /.test(statement)) {
@@ -114,7 +120,7 @@ function ofStub(file, words) {
             const name = statement.match(/def (\w+)/)[1];
             const definition = signature(statement);
             if (name === "__new__") currentClass.signature = definition.replace("__new__", currentClass.name).replace(/ -> \w+$/, "");
-            else if (!name.startsWith("_")) currentClass.members.push(line(property ? definition.replace("()", "").replace(" -> ", ": ") : definition, words.get(`${currentClass.name}.${name}`)));
+            else if (!name.startsWith("_")) currentClass.members.push(line(property ? definition.replace("()", "").replace(" -> ", ": ") : definition, words.get(`${currentClass.name}.${name}`) ?? docBelow(all, index)));
             property = false;
         }
     }

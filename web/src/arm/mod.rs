@@ -7,12 +7,13 @@ mod servo;
 
 use std::rc::Rc;
 
+use kinopt_bindings::coordinates;
 use wasm_bindgen::prelude::*;
 
+use crate::error::{Exception, raise};
 use crate::joint_path::JointPath;
 use crate::object;
 use crate::placement::{columns, read, read_all};
-use crate::raise;
 use crate::robot::Robot;
 use crate::solution::Solution;
 use batch::Batch;
@@ -23,12 +24,20 @@ use servo::{Servo, ServoOptions};
 #[wasm_bindgen]
 pub struct Arm {
     pub(crate) inner: Rc<kinopt::Arm>,
+    robot: Rc<kinopt::robot::Robot>,
+    base: Option<String>,
+    tip: String,
 }
 
-impl From<kinopt::Arm> for Arm {
-    fn from(inner: kinopt::Arm) -> Self {
-        let inner = Rc::new(inner);
-        Self { inner }
+impl Arm {
+    /// The arm with other options.
+    fn with(&self, inner: kinopt::Arm) -> Self {
+        Self {
+            inner: Rc::new(inner),
+            robot: Rc::clone(&self.robot),
+            base: self.base.clone(),
+            tip: self.tip.clone(),
+        }
     }
 }
 
@@ -41,8 +50,40 @@ impl Arm {
         base: Option<String>,
         tip: &str,
         options: Option<options::ArmOptions>,
-    ) -> Result<Self, JsError> {
-        Ok(options::build(robot, base, tip, options)?.into())
+    ) -> Result<Self, Exception> {
+        let inner = options::build(robot, base.clone(), tip, options)?;
+        Ok(Self {
+            inner: Rc::new(inner),
+            robot: Rc::clone(&robot.inner),
+            base,
+            tip: tip.to_owned(),
+        })
+    }
+
+    /// Frame of the targets; `undefined` for the world.
+    #[wasm_bindgen(getter)]
+    pub fn base(&self) -> Option<String> {
+        self.base.clone()
+    }
+
+    /// The frame that carries the tool.
+    #[wasm_bindgen(getter)]
+    pub fn tip(&self) -> String {
+        self.tip.clone()
+    }
+
+    /// Name of the robot.
+    #[wasm_bindgen(getter, js_name = robotName)]
+    pub fn robot_name(&self) -> String {
+        self.robot.name().to_owned()
+    }
+
+    /// Units of the joint positions, from base to tip: "rad" or "m".
+    #[wasm_bindgen(getter, js_name = jointUnits)]
+    pub fn joint_units(&self) -> Vec<String> {
+        let joints = self.inner.joint_ids().iter();
+        let units = joints.map(|&id| coordinates::unit(self.robot.model(), id));
+        units.map(str::to_owned).collect()
     }
 
     /// Names of the joints from base to tip: the order of `q`, `lower` and `upper`.
@@ -80,7 +121,7 @@ impl Arm {
     #[wasm_bindgen(js_name = withSrdf)]
     pub fn with_srdf(&self, srdf: &crate::srdf::Srdf) -> Self {
         let arm = kinopt::Arm::clone(&self.inner);
-        arm.with_srdf(&srdf.inner).into()
+        self.with(arm.with_srdf(&srdf.inner))
     }
 
     /// Pose of the tool in the base frame at the joint positions `q`: a 4 x 4 matrix by columns. The tool is the tip
@@ -89,7 +130,7 @@ impl Arm {
     pub fn base_from_tool(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let placement = self.inner.base_from_tool(q).map_err(raise)?;
         Ok(columns(&placement).to_vec())
     }
@@ -100,7 +141,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<Solution, JsError> {
+    ) -> Result<Solution, Exception> {
         let target = read(target, "target")?;
         let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
@@ -113,7 +154,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] starts: Option<Vec<f64>>,
-    ) -> Result<Batch, JsError> {
+    ) -> Result<Batch, Exception> {
         let targets = read_all(targets, "target")?;
         let mut starts = starts.unwrap_or_else(|| self.inner.default_start().to_vec());
         if starts.len() == self.inner.joint_count() {
@@ -134,7 +175,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] k: Option<u32>,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] distance: Option<f64>,
-    ) -> Result<Vec<Solution>, JsError> {
+    ) -> Result<Vec<Solution>, Exception> {
         let search = kinopt::arm::Search::Distinct {
             k: k.unwrap_or(16) as usize,
             distance: distance.unwrap_or(0.1),
@@ -153,7 +194,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<JointPath, JsError> {
+    ) -> Result<JointPath, Exception> {
         let targets = read_all(targets, "target")?;
         let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         let path = self.inner.track(&targets, &start).map_err(raise)?;
@@ -168,7 +209,7 @@ impl Arm {
     pub fn follower(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
-    ) -> Result<Follower, JsError> {
+    ) -> Result<Follower, Exception> {
         let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         Follower::new(Rc::clone(&self.inner), &start)
     }
@@ -180,7 +221,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
         #[wasm_bindgen(js_name = timeStep)] time_step: f64,
         options: Option<ServoOptions>,
-    ) -> Result<Servo, JsError> {
+    ) -> Result<Servo, Exception> {
         Servo::new(Rc::clone(&self.inner), start, time_step, options)
     }
 
@@ -190,9 +231,9 @@ impl Arm {
         &self,
         #[wasm_bindgen(js_name = tipFromTool, unchecked_param_type = "Placement")]
         tip_from_tool: &[f64],
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         let tool = read(tip_from_tool, "tipFromTool")?;
-        Ok(self.inner.with_tool(tool).map_err(raise)?.into())
+        Ok(self.with(self.inner.with_tool(tool).map_err(raise)?))
     }
 
     /// Copy of the whole robot's configuration `qModel`, with the arm's joints at `q`.
@@ -200,7 +241,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
         #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: Vec<f64>,
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let mut whole = q_model;
         self.inner.configuration(q, &mut whole).map_err(raise)?;
         Ok(whole)
@@ -211,7 +252,7 @@ impl Arm {
     pub fn joint_values(
         &self,
         #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let mut q = Vec::new();
         self.inner.joint_values(q_model, &mut q).map_err(raise)?;
         Ok(q)
@@ -234,11 +275,12 @@ impl Arm {
         margin: Option<f64>,
         options: Option<options::ArmOptions>,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] held: Option<Vec<f64>>,
-    ) -> Result<Self, JsError> {
-        let arm = options::build(robot, base, tip, options)?;
+    ) -> Result<Self, Exception> {
+        let arm = Self::new(robot, base, tip, options)?;
         let checker = shapes.checker(world, margin)?;
         let held = held.unwrap_or_else(|| checker.model().model().neutral());
-        Ok(arm.with_checker(&checker, &held).map_err(raise)?.into())
+        let inner = kinopt::Arm::clone(&arm.inner).with_checker(&checker, &held);
+        Ok(arm.with(inner.map_err(raise)?))
     }
 
     /// The arm with another world.
@@ -247,15 +289,16 @@ impl Arm {
         &self,
         world: &crate::world::World,
         margin: Option<f64>,
-    ) -> Result<Self, JsError> {
-        Ok((self.inner.with_world(&world.inner, margin).map_err(raise)?).into())
+    ) -> Result<Self, Exception> {
+        let inner = self.inner.with_world(&world.inner, margin);
+        Ok(self.with(inner.map_err(raise)?))
     }
 
     /// Pairs in collision, or nearer than the margin, at `q`.
     pub fn collisions(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
-    ) -> Result<crate::solution::Collisions, JsError> {
+    ) -> Result<crate::solution::Collisions, Exception> {
         let collisions = self.inner.collisions(q).map_err(raise)?;
         Ok(crate::solution::collisions(&collisions))
     }

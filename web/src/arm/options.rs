@@ -6,7 +6,7 @@ use kinopt_bindings::option::names;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
-use crate::raise;
+use crate::error::{Exception, raise};
 use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -70,7 +70,7 @@ pub(super) fn build(
     base: Option<String>,
     tip: &str,
     options: Option<ArmOptions>,
-) -> Result<kinopt::Arm, JsError> {
+) -> Result<kinopt::Arm, Exception> {
     let from = match &base {
         Some(base) => Base::from(base),
         None => Base::World,

@@ -7,8 +7,8 @@ use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
 use crate::arguments::NamedArguments;
+use crate::error::{Exception, raise};
 use crate::placement::read;
-use crate::raise;
 use crate::value::Value;
 
 use kinopt::arm::Servo as Servoing;
@@ -58,7 +58,7 @@ impl Servo {
         start: &[f64],
         step: f64,
         options: Option<ServoOptions>,
-    ) -> Result<Self, JsError> {
+    ) -> Result<Self, Exception> {
         // The motion at the start is at rest.
         let known = names(&servo::options())
             .into_iter()
@@ -142,7 +142,7 @@ impl Servo {
     pub fn step(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-    ) -> Result<Vec<f64>, JsError> {
+    ) -> Result<Vec<f64>, Exception> {
         let target = read(target, "target")?;
         let result = self.cell.with_dependent_mut(|_, servo| {
             let step = servo.step(target)?;
