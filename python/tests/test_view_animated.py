@@ -11,6 +11,7 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip
 
 from browser import made  # noqa: E402
 from kinopt.view.opening import open_page  # noqa: E402
+from kinopt.view.transforms import matrix_of  # noqa: E402
 from test_view_page import drag, target_distance  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
@@ -78,6 +79,14 @@ def test_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     head = list(capture.armature.names).index("head")
     assert np.abs(page.body.frame("head")[:3, 3] - bones[head, :3, 3]).max() < 1e-6
     hand = next(frame for frame in page.targets if "left_hand" in frame)
+    # The rotation of the forearm, by the matrices of its poses.
+    curves = page.play_bar.clip.curves
+    moment = len(curves.times) // 2
+    clip, forearm = capture.clip, list(capture.armature.names).index("left_forearm")
+    first, now = (np.asarray(clip.sample(float(t)).rotations_wxyz)[forearm] for t in curves.times[[0, moment]])
+    turned = matrix_of(first, np.zeros(3))[:3, :3].T @ matrix_of(now, np.zeros(3))[:3, :3]
+    angle = np.arccos(np.clip((np.trace(turned) - 1.0) / 2.0, -1.0, 1.0))
+    assert curves.groups[hand]["left_forearm"][moment] == pytest.approx(angle, abs=1e-3) and angle > 0.05
     drag(page, hand, [0.0, 0.05, 0.0])
     assert page.answer.solution.reached
     # It starts again after its end; slow, for machines with other load.

@@ -320,6 +320,7 @@ def test_pose_is_saved(opened, path):
     assert np.abs(written - vertices).max() < 1e-7
     faces = np.array([line.split()[1:] for line in obj if line.startswith("f ")], dtype=int)
     assert faces.min() == 1 and faces.max() == len(vertices)
+    assert b"<html" in saved(body, "html")[:1000]
     glb = trimesh.load_scene(io.BytesIO(saved(body, "glb")), file_type="glb")
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     # In glTF y is up and -z to the left.

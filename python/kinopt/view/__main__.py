@@ -37,7 +37,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help=f"base joint of a robot: {', '.join(get_args(BaseJoint))}",
     )
     parser.add_argument(
-        "--hold", action="append", default=[], metavar="FRAME", help="pin a frame of a robot on a free base; default: the feet of a humanoid"
+        "--hold",
+        action="append",
+        default=[],
+        metavar="FRAME",
+        help="pin a frame of a robot on a free base; default: the feet of a humanoid",
     )
     parser.add_argument(
         "--world", metavar="FILE", help="world of obstacles for a robot, or a rig with a skin: .json, or MoveIt's .yaml"

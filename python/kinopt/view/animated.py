@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import look
 from .body import Clip, Piece
 from .canvas import Canvas
+from .curves import MAX_SAMPLES, Curves, curves_in
 from .figure import Figure
 from .look import Color
 from .mesh_on_bones import MeshOnBones
@@ -67,11 +68,9 @@ class AnimatedBody(Figure):
 
     def _sampled(self, clips: list[Any]) -> list[Array]:
         """model_from_bone of the first pose, and at several times of each clip, (N, bones, 4, 4)."""
-        poses = [np.asarray(self.armature.local_to_model(self._pose))[None]]
-        poses += [
-            np.asarray(self.armature.local_to_model(clip.sample(np.linspace(clip.span[0], clip.span[1], CLIP_SAMPLES)))) for clip in clips
-        ]
-        return [pose.astype(float) for pose in poses]
+        times = [np.linspace(clip.span[0], clip.span[1], CLIP_SAMPLES) for clip in clips]
+        moving = [self.armature.local_to_model(clip.sample(moments)) for clip, moments in zip(clips, times, strict=True)]
+        return [np.asarray(pose, dtype=float) for pose in [self.armature.local_to_model(self._pose)[None], *moving]]
 
     def _build_meshes(
         self, thing: Any, color: Color | None, opacity: float | None, file: Path | None
@@ -173,6 +172,21 @@ class AnimatedBody(Figure):
         return ends
 
     @property
+    def limbs(self) -> dict[str, dict[str, int]]:
+        """Rotating bones from the root to each tip, by their indices in the armature; each is in one limb."""
+        names, parents = self.armature.names, self.armature.parents.tolist()
+        limbs: dict[str, dict[str, int]] = {}
+        taken: set[int] = set()
+        for tip in self.tips:
+            bone, chain = self._bone_of_frame[tip], []
+            while bone >= 0 and bone not in taken:
+                chain.append(bone)
+                bone = parents[bone]
+            taken.update(chain)
+            limbs[tip] = {names[bone]: bone for bone in reversed(chain) if bone in self._turning}
+        return {tip: limb for tip, limb in limbs.items() if limb}
+
+    @property
     def clips(self) -> list[Clip]:
         """Clips of the file."""
         return self._clips
@@ -190,6 +204,14 @@ class Played:
     def show(self, seconds: float) -> None:
         """Sets the pose of the clip at that time."""
         self._body.show_pose(self._clip.sample(seconds))
+
+    @property
+    def curves(self) -> Curves:
+        """Rotation of each bone from its first orientation over time, radians, by limb."""
+        times = np.linspace(self.span[0], self.span[1], MAX_SAMPLES)
+        wxyz = np.asarray(self._clip.sample(times).rotations_wxyz, dtype=float)
+        angles = 2.0 * np.arccos(np.abs(np.einsum("tbi,bi->tb", wxyz, wxyz[0])).clip(0.0, 1.0))
+        return curves_in({tip: {name: angles[:, bone] for name, bone in limb.items()} for tip, limb in self._body.limbs.items()}, times)
 
 
 def clips_of(thing: Any) -> list[Any]:

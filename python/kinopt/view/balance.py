@@ -48,7 +48,10 @@ class Holding:
 
 
 class Balance:
-    """Drawn centre of mass, its vertical, and the support polygon of a robot: green in balance, red otherwise."""
+    """Drawn centre of mass of a robot, its projection onto the ground, and the support polygon of its feet.
+
+    They are green in balance, red otherwise. They follow the robot.
+    """
 
     def __init__(self, body: Body, feet: Sequence[str], name: str) -> None:
         self.scene: Canvas = body.scene
@@ -59,7 +62,9 @@ class Balance:
         self._size = body.size()
         scene = body.scene.server.scene
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
-        self._ball: Any = scene.add_icosphere(f"/{name}/centre of mass", RADIUS * self._size * body.scene.drawn, color=BALANCED)
+        radius = RADIUS * self._size * body.scene.drawn
+        self._ball: Any = scene.add_icosphere(f"/{name}/centre of mass", radius, color=BALANCED)
+        self._shadow: Any = scene.add_icosphere(f"/{name}/below it", radius / 2, color=BALANCED)
         self._lines: Any = scene.add_line_segments(
             f"/{name}/support polygon", points=nothing, colors=BALANCED, thickness=4.0, thickness_units="screen"
         )
@@ -73,7 +78,7 @@ class Balance:
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        self._ball.visible = self._lines.visible = visible
+        self._ball.visible = self._shadow.visible = self._lines.visible = visible
 
     def refresh(self) -> None:
         """Updates the drawing to the body."""
@@ -90,16 +95,18 @@ class Balance:
         foot = centre.copy()
         foot[up] = below
         segments = [[a, b] for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True)] + [[centre, foot]]
-        self._ball.position = centre * self.scene.drawn
+        self._ball.position, self._shadow.position = centre * self.scene.drawn, foot * self.scene.drawn
         self._lines.points = (np.array(segments) * self.scene.drawn).astype(np.float32)
         color = BALANCED if inside else UNBALANCED
-        self._ball.color, self._lines.colors = color, np.array(color, dtype=np.uint8)
+        if tuple(self._ball.color) != color:
+            self._ball.color = self._shadow.color = color
+            self._lines.colors = np.array(color, dtype=np.uint8)
 
     def remove(self) -> None:
         """Removes it from the scene."""
         self.body.on_move.remove(self.refresh)
-        self._ball.remove()
-        self._lines.remove()
+        for handle in (self._ball, self._shadow, self._lines):
+            handle.remove()
         self.scene.forget(self)
 
 

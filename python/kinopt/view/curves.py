@@ -33,19 +33,24 @@ class Curves:
 
 def curves_of(body: Body, times: Array, q: Array) -> Curves:
     """Curves of a body's moving joints, by limb, for configurations of shape (T, nq)."""
-    few = np.unique(np.linspace(0, len(times) - 1, min(len(times), MAX_SAMPLES)).round().astype(int))
     model = body.model
     kinds = {joint.name for joint in model.joints if joint.kind != "fixed"}
     groups: dict[str, dict[str, Array]] = {}
     for index, name in enumerate(model.coordinate_names):
         if name in kinds and model.lower[index] < model.upper[index]:
-            groups.setdefault(body.group(name), {})[body.short(name)] = q[few, index]
+            groups.setdefault(body.group(name), {})[body.short(name)] = q[:, index]
+    return curves_in(groups, times)
+
+
+def curves_in(groups: dict[str, dict[str, Array]], times: Array) -> Curves:
+    """Curves with few samples, in groups that fit into a plot."""
+    few = np.unique(np.linspace(0, len(times) - 1, min(len(times), MAX_SAMPLES)).round().astype(int))
     parts: dict[str, dict[str, Array]] = {}
     for group, joints in groups.items():
         names = list(joints)
         for first in range(0, len(names), len(COLORS)):
             title = group if first == 0 else f"{group} ({first // len(COLORS) + 1})"
-            parts[title] = {name: joints[name] for name in names[first : first + len(COLORS)]}
+            parts[title] = {name: joints[name][few] for name in names[first : first + len(COLORS)]}
     return Curves(times[few], parts)
 
 
@@ -55,6 +60,7 @@ class CurvesPanel:
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle) -> None:
         self._gui, self._tab = gui, tab
         self._curves: Curves | None = None
+        self._now = 0.0
         with tab:
             self._choice: Any = gui.add_dropdown("Joints of", (NONE,))
         self._plot: Any = None
@@ -69,12 +75,12 @@ class CurvesPanel:
     def _joints(self) -> dict[str, Array]:
         return {} if self._curves is None else self._curves.groups.get(self._choice.value, {})
 
-    def _data(self, seconds: float) -> tuple[Array, ...]:
+    def _data(self) -> tuple[Array, ...]:
         assert self._curves is not None
         times, values = self._curves.times, list(self._joints().values())
         # Two samples next to each other, from the bottom to the top.
         line = np.full(len(times), np.nan)
-        after = int(np.searchsorted(times, seconds).clip(1, len(times) - 1))
+        after = int(np.searchsorted(times, self._now).clip(1, len(times) - 1))
         line[[after - 1, after]] = self._range(values)
         return (times, *values, line)
 
@@ -96,9 +102,10 @@ class CurvesPanel:
         series += [{"label": "now", "stroke": "#9aa5b1", "width": 1}]
         with self._tab:
             scales: Any = {"x": {"time": False}, "y": {"range": self._range(list(joints.values()))}}
-            self._plot = self._gui.add_uplot(self._data(self._curves.times[0]), tuple(series), scales=scales, height=180)
+            self._plot = self._gui.add_uplot(self._data(), tuple(series), scales=scales, height=150)
 
     def mark(self, seconds: float) -> None:
         """Moves the line to a time."""
+        self._now = seconds
         if self._plot is not None:
-            self._plot.data = self._data(seconds)
+            self._plot.data = self._data()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import kinopt
 
-from .solids import Solid, capsule_between, cylinder, hull, joined
+from .solids import Solid, along, capsule_between, cylinder, hull, joined
 
 Array = NDArray[np.float64]
 Color = tuple[int, int, int]
@@ -119,14 +119,15 @@ def capsules(model: Any, size: float) -> Iterator[JointBody]:
         mast = _apart(frames[owner] if joints and owner is not None else [], [np.zeros(3), *ends], MIN_MAST * thick)
         if mast:
             top = max(mast, key=lambda point: float(np.linalg.norm(point)))
-            solids += [capsule_between(np.mean([np.zeros(3), *ends], axis=0), top, 0.6 * thick), capsule_between(top, top, 1.2 * thick)]
+            middle = np.mean([np.zeros(3), *ends], axis=0)
+            solids += [capsule_between(middle, top, 0.6 * thick), capsule_between(top, top, 1.2 * thick)]
         if solids:
             length = max((float(np.linalg.norm(end)) for end in ends), default=0.0)
             yield JointBody(owner, joined(solids), LIGHT if length > MIN_LIGHT * thick or len(ends) > 1 else DARK)
     for joint in model.joints:
         if joint.kind in ("revolute", "continuous"):
             radius = radii[joint.name]
-            yield JointBody(joint.name, cylinder(2.2 * radius, 1.08 * radius).moved(_along(joint.axis)), DARK)
+            yield JointBody(joint.name, cylinder(2.2 * radius, 1.08 * radius).moved(along(np.asarray(joint.axis, dtype=float), np.zeros(3))), DARK)
         elif joint.kind == "prismatic":
             yield JointBody(joint.name, capsule_between(np.zeros(3), np.zeros(3), 0.8 * radii[joint.name]), DARK)
 
@@ -178,14 +179,3 @@ def _limb(end: Array, radius: float, end_radius: float) -> Solid:
     """A capsule from a joint; short limbs are thinner, so that fingers do not look like balls."""
     longest = max(0.4 * float(np.linalg.norm(end)), 0.3 * radius)
     return capsule_between(np.zeros(3), end, min(radius, longest), min(end_radius, longest))
-
-
-def _along(axis: object) -> Array:
-    """A placement with its z axis along `axis`."""
-    z = np.asarray(axis, dtype=float)
-    z /= np.linalg.norm(z)
-    x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
-    x /= np.linalg.norm(x)
-    placement = np.eye(4)
-    placement[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
-    return placement

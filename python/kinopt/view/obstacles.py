@@ -46,13 +46,14 @@ class Obstacles:
 
     def refresh(self) -> None:
         """Draws added, moved and attached obstacles, and removes removed ones."""
-        if self.world.revision != self._revision:
-            self._revision = self.world.revision
-            for handle in self._handles.values():
-                handle.remove()
-            self._drawn = {name: self.world[name] for name in self.world.names}
-            self._handles = {name: self._draw(obstacle) for name, obstacle in self._drawn.items()}
-            self._marked = frozenset()
+        if self.world.revision == self._revision:
+            return
+        self._revision = self.world.revision
+        for handle in self._handles.values():
+            handle.remove()
+        self._drawn = {name: self.world[name] for name in self.world.names}
+        self._handles = {name: self._draw(obstacle) for name, obstacle in self._drawn.items()}
+        self._marked = frozenset()
         self.follow()
 
     def follow(self) -> None:

@@ -18,7 +18,7 @@ SLIDER_INTERVAL = 0.1
 
 
 class PlayBar:
-    """Selects clip and time, and plays in a loop; below the picture."""
+    """Selects clip and time, and plays in a loop; in the upper left corner."""
 
     def __init__(self, scene: Canvas, clips: Sequence[Clip], speed: float = 1.0) -> None:
         self.scene = scene
@@ -43,7 +43,7 @@ class PlayBar:
         self._curves = CurvesPanel(gui, self._panel.add_tab("Curves"))
         with self._panel.add_tab("Record"):
             self._record: Any = gui.add_button_group("", ("HTML", *(kind.upper() for kind in VIDEO_FORMATS)))
-        self._panel.float(x=16, y=-16, width=340)
+        self._panel.float(x=16, y=16, width=300)
         self._listen()
         self.choose(self.clip.name)
 
@@ -64,10 +64,15 @@ class PlayBar:
                 post(lambda: self.choose(name))
 
         def wanted(event: Any) -> None:
-            kind = str(self._record.value).lower()
-            self.pause()
-            data = recorded(self.scene, self.clip, kind, speed=self.speed, client=event.client)
-            event.client.send_file_download(f"{self.clip.name}.{kind}", data, save_immediately=True)
+            kind, now = str(self._record.value).lower(), self.now
+            self.scene.loop.call(self.pause)
+            try:
+                data = recorded(self.scene, self.clip, kind, speed=self.speed, client=event.client)
+            except ImportError as error:
+                event.client.add_notification("Not recorded", str(error))
+            else:
+                event.client.send_file_download(f"{self.clip.name}.{kind}", data, save_immediately=True)
+            post(lambda: self.scrub(now))
 
         self._play.on_click(clicked)
         self._slider.on_update(moved)

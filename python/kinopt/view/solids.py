@@ -129,21 +129,19 @@ def box(size: object) -> Solid:
 
 def capsule_between(start: Array, end: Array, radius: float, end_radius: float | None = None) -> Solid:
     """A capsule from one point to another, with `end_radius` at the other one."""
-    axis = end - start
-    length = float(np.linalg.norm(axis))
+    length = float(np.linalg.norm(end - start))
     if length < 1e-12:
-        return sphere(radius).moved(_at(np.eye(3), start))
-    z = axis / length
+        return sphere(radius).moved(along(np.eye(3)[2], start))
+    return capsule(length, radius, end_radius).moved(along(end - start, (start + end) / 2))
+
+
+def along(axis: Array, position: Array) -> Array:
+    """A placement at a position, with its z axis along `axis`."""
+    z = axis / np.linalg.norm(axis)
     x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
     x /= np.linalg.norm(x)
-    turned = np.stack([x, np.cross(z, x), z], axis=1)
-    return capsule(length, radius, end_radius).moved(_at(turned, (start + end) / 2))
-
-
-def _at(rotation: Array, position: Array) -> Array:
     placement = np.eye(4)
-    placement[:3, :3] = rotation
-    placement[:3, 3] = position
+    placement[:3, :] = np.stack([x, np.cross(z, x), z, position], axis=1)
     return placement
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,8 @@ def test_source_and_target_play_together(tmp_path, open_tab):
     made.write_capture(person, tmp_path / "waving.bvh")
     page = open_page(MODELS / "aldebaran_nao.urdf", port=8340, retarget=tmp_path / "waving.bvh", fps=30.0)
     try:
+        from PIL import Image
+
         shown = open_tab(page)
         movement = page.play_bar.clip
         assert movement.name == "waving" and movement.span[1] > 1.0
@@ -53,6 +56,17 @@ def test_source_and_target_play_together(tmp_path, open_tab):
             shown.until(lambda seconds=seconds: page.play_bar.now == pytest.approx(seconds, abs=1e-3))
             assert page.play_bar.now == pytest.approx(seconds, abs=1e-3) and not page.play_bar.playing
         assert np.array_equal(page.body.q, movement.movement.q[-1])
+        # A download of the page without a server, and a video that the browser renders.
+        shown.tab.get_by_text("Record", exact=True).click()
+        with shown.tab.expect_download() as download:
+            shown.tab.get_by_role("button", name="HTML").last.click()
+        assert download.value.suggested_filename == "waving.html"
+        part = SimpleNamespace(name="part", span=(1.0, 1.08), show=movement.show)
+        page.scene.record(tmp_path / "part.gif", part, size=(160, 90))
+        with Image.open(tmp_path / "part.gif") as video:
+            assert video.n_frames == 3 and video.size == (160, 90) and video.info["duration"] == 40
+            red, green, blue = np.moveaxis(np.asarray(video.convert("RGB"), dtype=int), 2, 0)
+        assert ((red - blue > 60) & (red > green)).any(), "the person is not in the video"
         assert page.scene.loop.failure is None and unexpected(shown.console) == []
     finally:
         page.scene.close()

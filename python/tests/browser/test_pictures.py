@@ -79,7 +79,7 @@ def drag(page, shown, frame, displacement):
 def test_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
     page = open_page(model(kind, tmp_path), port=8320, **OPTIONS.get(kind, {}))
     try:
-        shown = open_tab(page, 1280, 800, sharp=True) if PICTURES else open_tab(page)
+        shown = open_tab(page, 1500 if kind == "play" else 1280, 800, sharp=True) if PICTURES else open_tab(page)
         before = shown.colors()
         frame, displacement, seconds = SCENES[kind]
         if seconds is not None:
