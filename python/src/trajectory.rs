@@ -105,7 +105,16 @@ impl Trajectory {
             None => Coordinates::named(names.clone()),
         };
         if coordinates.names != names {
-            return Err(invalid("names differ from those of the model"));
+            let mut pairs = names.iter().zip(&coordinates.names);
+            return Err(invalid(match pairs.find(|(given, own)| given != own) {
+                Some((given, own)) => {
+                    format!("names has `{given}` in place of the model's `{own}`")
+                }
+                None => format!(
+                    "names has {nq} names, the model {}",
+                    coordinates.names.len()
+                ),
+            }));
         }
         Ok(Self {
             inner,

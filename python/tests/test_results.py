@@ -65,6 +65,8 @@ def test_coordinates_name_units_and_limits(arm: kinopt.Arm, nao: kinopt.Robot) -
     rail = kinopt.Arm(lift(), None, "hook").coordinates
     assert rail.units == ["m", "rad", "rad"] and rail.upper.tolist() == [2.0, np.inf, 1.0]
     assert pickle.loads(pickle.dumps(rail)).lower.tolist() == [0.0, -np.inf, -1.0]
+    with pytest.raises(InvalidValueError, match="`elbow` in place of the model's `rail`"):
+        kinopt.Trajectory([0.0], [[0.0] * 3], ["elbow", "<spin>", "reached"], None, kinopt.Arm(lift(), None, "hook"))
     problem = kinopt.Problem(nao, [tasks.Posture(nao.neutral())])
     body = kinopt.Solver().solve(problem, nao.neutral()).coordinates
     assert body.names == nao.coordinate_names and body.units[:5] == ["m", "m", "m", "", ""]
