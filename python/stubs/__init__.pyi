@@ -232,15 +232,7 @@ class Robot:
         lenient: bool = False,
         soft_limits: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
-    ) -> Robot:
-        """Reads a xacro file through the package xacrodoc, without ROS: ``pip install 'kinopt[xacro]'``.
-
-        ``arguments`` are the values of ``<xacro:arg>`` by name. A package of ``$(find NAME)`` is a folder in ``packages``,
-        a folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion evaluates
-        Python expressions of the file, so the file must be trusted. Other arguments are as in ``from_urdf``.
-
-        Raises ``FileError`` if a file cannot be read, ``InvalidFileError`` if its content is invalid.
-        """
+    ) -> Robot: ...
     @classmethod
     def from_description(
         cls,
@@ -252,17 +244,7 @@ class Robot:
         base_bounds: Mapping[str, tuple[float, float]] | None = None,
         lenient: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
-    ) -> Robot:
-        """Reads a robot of the package robot_descriptions, such as "panda_description": ``pip install
-        'kinopt[descriptions]'``.
-
-        The first use of a description clones its git repository into ``~/.cache/robot_descriptions`` or the folder
-        ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, xacro with ``arguments``, or MJCF. Its meshes are found there.
-        ``lenient`` is for URDF and xacro. Other arguments are as in ``from_urdf``.
-
-        Raises ``UnknownNameError`` for an unknown name, ``FileError`` if the repository cannot be cloned,
-        ``InvalidFileError`` if the content is invalid.
-        """
+    ) -> Robot: ...
     @property
     def confined(self) -> bool: ...
     def with_joint_limits(self, path: str | PathLike[str]) -> Robot: ...
