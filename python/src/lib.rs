@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 mod animation;
 mod arm;
 mod arrays;
+mod calibration;
 mod capture;
 mod collision;
 mod configuration;
@@ -61,6 +62,8 @@ mod _kinopt {
     use super::animation::animation;
     #[pymodule_export]
     use super::arm::{Arm, ArmDerivative, Batch, Follower, Servo, ServoStep};
+    #[pymodule_export]
+    use super::calibration::{Calibration, calibrate};
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]

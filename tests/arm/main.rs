@@ -3,6 +3,7 @@
 
 mod any_chain;
 mod avoidance;
+mod calibration;
 mod default_start;
 mod derivatives;
 mod elbow_branches;

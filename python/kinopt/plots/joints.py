@@ -82,6 +82,8 @@ def draw_joints(
         axes.set_visible(False)
     for axes in every[max(0, len(picks) - columns) : len(picks)]:
         axes.tick_params(labelbottom=True)
+    if label == "row":
+        every[0].xaxis.get_major_locator().set_params(integer=True)
     figure.supxlabel(label, fontsize=9)
     if len(at) > 1:
         every[0].set_xlim(at[0], at[-1])
@@ -106,7 +108,7 @@ def draw_values(figure: Any, q: Floats, coordinates: Coordinates, active: dict[s
     for row, value in enumerate(q):
         unit = coordinates.units[row]
         limits = f"  in [{coordinates.lower[row]:.2f}, {coordinates.upper[row]:.2f}]" if finite[row] else "  without limits"
-        axes.text(1.0 + 1.5 * _MARGIN, row, f"{round(value, 3) + 0.0: .3f} {unit}{limits}", va="center", fontsize=8, family="monospace")
+        axes.text(1.0 + 1.5 * _MARGIN, row, f"{round(value, 3) + 0.0: .3f} {unit:3}{limits}", va="center", fontsize=8, family="monospace")
     axes.set_yticks(rows, coordinates.names)
     axes.set_xticks([0.0, 0.5, 1.0], ["lower limit", "middle", "upper limit"])
     axes.set_xlim(-_MARGIN, 1.0 + _MARGIN)

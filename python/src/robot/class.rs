@@ -39,6 +39,24 @@ impl Robot {
         })
     }
 
+    /// Returns the text of the robot's URDF after a change, and the robot of that text with the same options.
+    pub(crate) fn with_urdf(
+        &self,
+        change: impl FnOnce(&str, &str) -> PyResult<String>,
+    ) -> PyResult<(String, Self)> {
+        if self.source.is_mjcf() {
+            return Err(invalid(
+                "the robot is from MJCF: corrections are written to URDF only",
+            ));
+        }
+        let text = change(&self.source.text, &self.source.file)?;
+        let source = Source {
+            text: text.as_str().into(),
+            ..self.source.clone()
+        };
+        Ok((text, Self::build(source)?))
+    }
+
     /// Returns the collision checker of its shapes, in a world without obstacles.
     pub(crate) fn checker(&self) -> PyResult<Checker> {
         if let Some(known) = self.checker.get() {

@@ -14,6 +14,9 @@ const RUNNERS = {
     js: (path) => path.startsWith("docs/") || path === "web/README.md",
     // package.test.js in this folder.
     html: (path) => path === "web/README.md",
+    // crates/kinopt-c/tests/CMakeLists.txt.
+    c: (path) => path === "docs/guide/cpp.md",
+    cpp: (path) => path === "docs/guide/cpp.md",
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
