@@ -122,11 +122,11 @@ impl Arm {
     #[new]
     #[pyo3(
         signature = (robot, base, tip, **options),
-        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, collision_model=None, \
-            global_search_on_miss=None, goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
-            locked=None, margin=None, max_move=None, metres_per_radian=None, only=None, \
-            orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
-            seed=None, srdf=None, time_limit=None, tool=None, world=None)"
+        text_signature = "(robot, base, tip, *, goal=None, tool=None, world=None, margin=None, collision_model=None, posture=None, \
+            position_tolerance=None, orientation_tolerance=None, search=None, max_move=None, \
+            joint_weights=None, locked=None, only=None, held=None, srdf=None, attempts=None, \
+            iterations=None, time_limit=None, seed=None, global_search_on_miss=None, \
+            limit_avoidance=None, metres_per_radian=None, atlas=None)"
     )]
     fn new(
         robot: &Bound<'_, PyAny>,
