@@ -148,8 +148,8 @@ impl Trajectory {
         self.inner.duration()
     }
 
-    /// Joint state at one time, or at several, seconds: `TrajectoryPoint`. Times before the start or after the end count
-    /// as these.
+    /// Joint state at one time, or at several of shape (T,), seconds: `TrajectoryPoint`. Times before the start or after
+    /// the end count as these.
     ///
     /// Only a trajectory of a path has joint states between its rows; others raise `InvalidValueError`.
     fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {

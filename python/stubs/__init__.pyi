@@ -232,15 +232,7 @@ class Robot:
         lenient: bool = False,
         soft_limits: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
-    ) -> Robot:
-        """Reads a xacro file through the package xacrodoc, without ROS: ``pip install 'kinopt[xacro]'``.
-
-        ``arguments`` are the values of ``<xacro:arg>`` by name. A package of ``$(find NAME)`` is a folder in ``packages``,
-        a folder above the file whose package.xml states the name, or a package of the ROS environment. Expansion evaluates
-        Python expressions of the file, so the file must be trusted. Other arguments are as in ``from_urdf``.
-
-        Raises ``FileError`` if a file cannot be read, ``InvalidFileError`` if its content is invalid.
-        """
+    ) -> Robot: ...
     @classmethod
     def from_description(
         cls,
@@ -252,17 +244,7 @@ class Robot:
         base_bounds: Mapping[str, tuple[float, float]] | None = None,
         lenient: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
-    ) -> Robot:
-        """Reads a robot of the package robot_descriptions, such as "panda_description": ``pip install
-        'kinopt[descriptions]'``.
-
-        The first use of a description clones its git repository into ``~/.cache/robot_descriptions`` or the folder
-        ``ROBOT_DESCRIPTIONS_CACHE``. Its file is URDF, xacro with ``arguments``, or MJCF. Its meshes are found there.
-        ``lenient`` is for URDF and xacro. Other arguments are as in ``from_urdf``.
-
-        Raises ``UnknownNameError`` for an unknown name, ``FileError`` if the repository cannot be cloned,
-        ``InvalidFileError`` if the content is invalid.
-        """
+    ) -> Robot: ...
     @property
     def confined(self) -> bool: ...
     def with_joint_limits(self, path: str | PathLike[str]) -> Robot: ...
@@ -599,29 +581,29 @@ class Arm:
         base: str | None,
         tip: str,
         *,
-        attempts: int | None = None,
-        atlas: bool | None = None,
-        collision_model: CollisionModel | None = None,
-        global_search_on_miss: bool | None = None,
         goal: PoseBounds | None = None,
-        held: ArrayLike | None = None,
-        iterations: int | None = None,
-        joint_weights: ArrayLike | None = None,
-        limit_avoidance: float | None = None,
-        locked: Mapping[str, float] | None = None,
-        margin: float | None = None,
-        max_move: ArrayLike | None = None,
-        metres_per_radian: float | None = None,
-        only: Sequence[str] | None = None,
-        orientation_tolerance: float | None = None,
-        position_tolerance: float | None = None,
-        posture: ArrayLike | None = None,
-        search: Literal["start", "first", "nearest"] | None = None,
-        seed: int | None = None,
-        srdf: Srdf | None = None,
-        time_limit: float | None = None,
         tool: PlacementLike | None = None,
         world: World | None = None,
+        margin: float | None = None,
+        collision_model: CollisionModel | None = None,
+        posture: ArrayLike | None = None,
+        position_tolerance: float | None = None,
+        orientation_tolerance: float | None = None,
+        search: Literal["start", "first", "nearest"] | None = None,
+        max_move: ArrayLike | None = None,
+        joint_weights: ArrayLike | None = None,
+        locked: Mapping[str, float] | None = None,
+        only: Sequence[str] | None = None,
+        held: ArrayLike | None = None,
+        srdf: Srdf | None = None,
+        attempts: int | None = None,
+        iterations: int | None = None,
+        time_limit: float | None = None,
+        seed: int | None = None,
+        global_search_on_miss: bool | None = None,
+        limit_avoidance: float | None = None,
+        metres_per_radian: float | None = None,
+        atlas: bool | None = None,
     ) -> Arm: ...
     @property
     def joint_names(self) -> list[str]: ...

@@ -122,11 +122,11 @@ impl Arm {
     #[new]
     #[pyo3(
         signature = (robot, base, tip, **options),
-        text_signature = "(robot, base, tip, *, attempts=None, atlas=None, collision_model=None, \
-            global_search_on_miss=None, goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
-            locked=None, margin=None, max_move=None, metres_per_radian=None, only=None, \
-            orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
-            seed=None, srdf=None, time_limit=None, tool=None, world=None)"
+        text_signature = "(robot, base, tip, *, goal=None, tool=None, world=None, margin=None, \
+            collision_model=None, posture=None, position_tolerance=None, orientation_tolerance=None, search=None, max_move=None, \
+            joint_weights=None, locked=None, only=None, held=None, srdf=None, attempts=None, \
+            iterations=None, time_limit=None, seed=None, global_search_on_miss=None, \
+            limit_avoidance=None, metres_per_radian=None, atlas=None)"
     )]
     fn new(
         robot: &Bound<'_, PyAny>,
@@ -368,7 +368,8 @@ impl Arm {
     }
 
     /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
-    /// joint distance, radians). The list is empty if the target is not reached.
+    /// joint distance, radians). The list is empty if the target is not reached. `target` and `start`, shape (dof,), are
+    /// as in `solve`.
     ///
     /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
     #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
@@ -437,8 +438,8 @@ impl Arm {
         Ok(JointPath::new(slf, path, reached, report))
     }
 
-    /// A `Follower` at `start`, for a path whose targets come one at a time. It stays on the branch of the start, unless
-    /// `global_search_on_miss` is set, and reports jumps.
+    /// A `Follower` at `start`, shape (dof,), for a path whose targets come one at a time. It stays on the branch of the
+    /// start, unless `global_search_on_miss` is set, and reports jumps.
     ///
     /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]

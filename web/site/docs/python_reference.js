@@ -91,9 +91,7 @@ function plain(words = "") {
 }
 
 const line = (signature, doc) => `- \`${signature}\`${doc ? `  \n  ${plain(doc).replace(/\s*\n\s*/g, " ")}` : ""}`;
-const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:(\s*\.\.\.)?$/, "");
-/** Docstring below a definition of a stub: that of a method of `python/kinopt`. */
-const docBelow = (all, index) => all.slice(index + 1).join("\n").match(/^\s*"""([\s\S]*?)"""/)?.[1].replace(/^ +/gm, "");
+const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:\s*\.\.\.$/, "");
 
 /** A signature as a code block; a long one has a line for each parameter. */
 function block(text) {
@@ -107,8 +105,7 @@ function ofStub(file, words) {
     const entries = [];
     let currentClass;
     let property = false;
-    const all = file ? statements(source(`python/stubs/${file}.pyi`)) : [];
-    for (const [index, statement] of all.entries()) {
+    for (const statement of file ? statements(source(`python/stubs/${file}.pyi`)) : []) {
         const kind = statement.match(/^class (\w+)/);
         if (kind) entries.push((currentClass = { name: kind[1], doc: words.get(kind[1]), members: [] }));
         else if (/^def /.test(statement)) {
@@ -120,7 +117,7 @@ function ofStub(file, words) {
             const name = statement.match(/def (\w+)/)[1];
             const definition = signature(statement);
             if (name === "__new__") currentClass.signature = definition.replace("__new__", currentClass.name).replace(/ -> \w+$/, "");
-            else if (!name.startsWith("_")) currentClass.members.push(line(property ? definition.replace("()", "").replace(" -> ", ": ") : definition, words.get(`${currentClass.name}.${name}`) ?? docBelow(all, index)));
+            else if (!name.startsWith("_")) currentClass.members.push(line(property ? definition.replace("()", "").replace(" -> ", ": ") : definition, words.get(`${currentClass.name}.${name}`)));
             property = false;
         }
     }
