@@ -12,6 +12,7 @@ mod jacobian;
 mod jumps;
 mod mimic_chains;
 mod misses;
+mod narrowed_limits;
 mod near_misses;
 mod null_space;
 mod options;
