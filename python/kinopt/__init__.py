@@ -1,7 +1,7 @@
 """Inverse kinematics by optimisation for robot arms and skeletons, with hard limits.
 
-Placements are 4 x 4 arrays (or objects with ``homogeneous``, ``as_matrix()`` or ``A``), metres and radians;
-``world_from_tip`` maps tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
+Placements are 4 x 4 arrays or other forms of ``kinopt.types.PlacementLike``, metres and radians; ``world_from_tip`` maps
+tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
 ``(N, dof)`` configurations.
 """
 
@@ -19,6 +19,7 @@ from ._kinopt import (
     ArmDerivative,
     Batch,
     Bone,
+    CartesianPath,
     CollisionModel,
     Collision,
     Counts,
@@ -74,6 +75,7 @@ from ._kinopt import (
     __version__,
     frame_jacobian,
     frame_placement,
+    interpolate,
     solve_path,
 )
 from .errors import (
@@ -107,6 +109,7 @@ __all__ = [
     "ArmDerivative",
     "Batch",
     "Bone",
+    "CartesianPath",
     "CollisionModel",
     "Collision",
     "Contact",
@@ -172,6 +175,7 @@ __all__ = [
     "frame_jacobian",
     "frame_placement",
     "guess_map",
+    "interpolate",
     "retarget",
     "retargeting",
     "solve_path",

@@ -12,7 +12,7 @@ use crate::arrays::{self, Picked, RowBlock, Vector, axes};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::placement::{self, Placements, placement, placements};
+use crate::placement::{self, Placements, placement};
 use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
@@ -122,7 +122,7 @@ pub(super) fn solve<'py>(
 ) -> PyResult<Batch> {
     let arm = &owner.get().inner;
     let (py, dof) = (targets.py(), arm.joint_count());
-    let targets = placements(targets, "target")?;
+    let targets = placement::targets(targets, "target", &arm.goal())?;
     let count = targets.len();
     let starts = Starts::new(starts, count, dof)?;
     let q = arrays::output_rows(py, out, count, dof)?;

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use kinopt::task::PoseBounds;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -9,7 +10,7 @@ use self_cell::self_cell;
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::joint_jump::JointJump;
-use crate::placement::placement;
+use crate::placement;
 use crate::solution::Solution;
 
 use kinopt::arm::Follower as Following;
@@ -26,13 +27,16 @@ self_cell!(
 /// Follows a path whose targets come one at a time, step by step on one branch; made by `Arm.follower`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Follower {
+    goal: PoseBounds,
     cell: Mutex<Cell>,
 }
 
 impl Follower {
     pub(super) fn new(arm: Arc<kinopt::Arm>, start: &[f64]) -> PyResult<Self> {
+        let goal = arm.goal();
         let cell = Cell::try_new(arm, |arm| arm.follower(start)).or_raise()?;
         Ok(Self {
+            goal,
             cell: Mutex::new(cell),
         })
     }
@@ -47,15 +51,15 @@ impl Follower {
         arrays::list(py, cell.borrow_dependent().q())
     }
 
-    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `JointJump` or None.
+    /// Moves to the next target, a placement: the `Solution`, and its `JointJump` or None.
     ///
-    /// Raises `InvalidValueError` for a target that is not rigid.
+    /// Raises `InvalidValueError` for a target that is not rigid, or that has no orientation.
     fn advance(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
     ) -> PyResult<(Solution, Option<JointJump>)> {
-        let target = placement(target, "target")?;
+        let target = placement::target(target, "target", &self.goal)?;
         py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|arm, follower| {
