@@ -30,7 +30,7 @@ class Reachability(kinopt.ray.SolveArm):
         self.jacobian = kinopt.Jacobian(robot, [tip])
         self.neutral = robot.neutral()
         self.columns = [robot.joint_names.index(name) for name in arm.joint_names]
-        self.others = robot.random_configuration(1, starts - 1)[:, self.columns]
+        self.others = robot.random_configuration(starts - 1, seed=1)[:, self.columns]
 
     def __call__(self, targets: pa.Table) -> pa.Table:
         answers = super().__call__(targets)
@@ -131,7 +131,7 @@ def main() -> None:
 
     robot = kinopt.Robot.from_urdf(given.urdf)
     arm = kinopt.Arm(robot, given.base, given.tip)
-    anywhere = robot.random_configuration(1, 20_000)[:, [robot.joint_names.index(name) for name in arm.joint_names]]
+    anywhere = robot.random_configuration(20_000, seed=1)[:, [robot.joint_names.index(name) for name in arm.joint_names]]
     reach = np.linalg.norm(arm.base_from_tool(anywhere)[:, :3, 3], axis=1).max()
     points = grid(reach, given.step)
     turned = orientations(given.directions, given.turns)

@@ -1,7 +1,7 @@
 """Inverse kinematics by optimisation for robot arms and skeletons, with hard limits.
 
-Placements are 4 x 4 arrays (or objects with ``homogeneous``, ``as_matrix()`` or ``A``), metres and radians;
-``world_from_tip`` maps tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
+Placements are 4 x 4 arrays or other forms of ``kinopt.types.PlacementLike``, metres and radians; ``world_from_tip`` maps
+tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
 ``(N, dof)`` configurations.
 """
 
@@ -20,6 +20,7 @@ from ._kinopt import (
     Batch,
     Bone,
     Calibration,
+    CartesianPath,
     CollisionModel,
     Collision,
     Coordinates,
@@ -77,6 +78,7 @@ from ._kinopt import (
     calibrate,
     frame_jacobian,
     frame_placement,
+    interpolate,
     solve_path,
 )
 from .errors import (
@@ -111,6 +113,7 @@ __all__ = [
     "Batch",
     "Bone",
     "Calibration",
+    "CartesianPath",
     "CollisionModel",
     "Collision",
     "Contact",
@@ -178,6 +181,7 @@ __all__ = [
     "frame_jacobian",
     "frame_placement",
     "guess_map",
+    "interpolate",
     "retarget",
     "retargeting",
     "solve_path",

@@ -169,17 +169,16 @@ pub(crate) fn calibrate(
         .with_noise(noise.map(|(position, angle)| Noise { position, angle }))
         .with_robust_loss(robust);
     let q = arrays::rows(configurations, "configurations", fit.joints().len())?;
-    let q = q.as_slice()?;
     let inner = match arrays::axes(measured)? {
         2 => {
             let points = arrays::rows(measured, "measured", 3)?;
-            let points = points.as_slice()?.chunks_exact(3);
+            let points = points.chunks_exact(3);
             let points: Vec<_> = points.map(|p| Vector3::new(p[0], p[1], p[2])).collect();
-            py.detach(|| fit.fit(q, Measurements::Points(&points)))
+            py.detach(|| fit.fit(&q, Measurements::Points(&points)))
         }
         3 => {
             let poses = placements(measured, "measured")?.to_vec("measured")?;
-            py.detach(|| fit.fit(q, Measurements::Poses(&poses)))
+            py.detach(|| fit.fit(&q, Measurements::Poses(&poses)))
         }
         _ => return Err(invalid("measured must have shape (N, 4, 4) or (N, 3)")),
     };

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kinopt::motion::path::TimingLimits;
+use kinopt_bindings::per_joint::per_joint;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -12,6 +13,7 @@ use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::in_python;
 use crate::joint_jump::JointJump;
+use crate::object::Object;
 use crate::pickling;
 use crate::trajectory::{TimedSpline, Trajectory};
 
@@ -56,16 +58,18 @@ impl JointPath {
     /// `Robot.with_joint_limits`. The arm is at rest before and after a reconfiguration. Equal to
     /// `trajectory(acceleration_limits, velocity_limits).times`.
     ///
-    /// Raises `InvalidValueError` for limits that are not above 0, and if no moving joint has a finite acceleration
-    /// limit.
-    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None))]
+    /// Raises `InvalidValueError` for limits that are not above 0, if no moving joint has a finite acceleration limit,
+    /// and for `unreached` rows unless `allow_unreached` is True.
+    #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None, allow_unreached = false))]
     fn times<'py>(
         &self,
         py: Python<'py>,
         acceleration_limits: Option<&Bound<'py, PyAny>>,
         velocity_limits: Option<&Bound<'py, PyAny>>,
+        allow_unreached: bool,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let limits = self.timing_limits(acceleration_limits, velocity_limits)?;
+        let limits = limits.with_unreached_allowed(allow_unreached);
         let solved = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
         Ok(PyArray1::from_slice(py, &solved.times))
     }
@@ -78,11 +82,13 @@ impl JointPath {
     /// acceleration of the tool, in metres or radians and seconds. `arm`: the arm of this tool, by default that of the
     /// path. `corner_tolerance`: largest distance of a joint from the path at a blended corner, radians or metres; with
     /// 0 the arm stops at corners. `grid_points`: number of samples of the speed profile over the whole path.
+    /// `allow_unreached`: times a path with `unreached` rows too, which is an error by default.
     ///
     /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError` with the
     /// option and joint.
     #[pyo3(signature = (*, acceleration_limits = None, velocity_limits = None, jerk_limits = None, arm = None,
-        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
+        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000,
+        allow_unreached = false))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn trajectory(
         &self,
@@ -95,6 +101,7 @@ impl JointPath {
         tool_angular_limits: Option<&Bound<'_, PyAny>>,
         corner_tolerance: f64,
         grid_points: usize,
+        allow_unreached: bool,
     ) -> PyResult<Trajectory> {
         let arm = arm.map_or_else(|| self.arm.get(), Bound::get);
         let arm_inner = Arc::clone(&arm.inner);
@@ -120,7 +127,8 @@ impl JointPath {
         }
         let limits = limits
             .with_corner_tolerance(corner_tolerance)
-            .with_grid_points(grid_points);
+            .with_grid_points(grid_points)
+            .with_unreached_allowed(allow_unreached);
         let trajectory = py.detach(|| self.inner.trajectory(&limits)).or_raise()?;
         let (trajectory, spline) = trajectory.split_report();
         let report = Py::new(py, TimedSpline::new(spline, self.inner.nq))?.into_any();
@@ -186,6 +194,12 @@ impl JointPath {
         in_python::call("path_page", "kinopt.plots.html", slf, &[])
     }
 
+    /// Rows that are not reached, or whose step is not proven collision-free, in order. The report has the reasons.
+    #[getter]
+    fn unreached(&self) -> Vec<usize> {
+        self.inner.unreached.clone()
+    }
+
     fn __len__(&self) -> usize {
         self.inner.rows().len()
     }
@@ -236,12 +250,10 @@ fn tool_limits(
 }
 
 impl JointPath {
-    /// Returns one number for each joint, from a list or from one number for all.
+    /// Returns one number for each joint, from a list, from one number for all, or from a dict by joint name.
     fn one_each(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
-        match value.extract::<f64>() {
-            Ok(one) => Ok(vec![one; self.inner.nq]),
-            Err(_) => arrays::copied(value, what),
-        }
+        let names: Vec<String> = self.arm.get().inner.joints().map(str::to_owned).collect();
+        per_joint(&Object::of(value), what, &names, None)
     }
 
     /// Joint limits, by default those of the arm.

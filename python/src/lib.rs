@@ -12,6 +12,7 @@ mod arm;
 mod arrays;
 mod calibration;
 mod capture;
+mod cartesian_path;
 mod collision;
 mod configuration;
 mod contents;
@@ -67,6 +68,8 @@ mod _kinopt {
     #[pymodule_export]
     use super::capture::MotionCapture;
     #[pymodule_export]
+    use super::cartesian_path::CartesianPath;
+    #[pymodule_export]
     use super::collision::{CollisionModel, SphereModel};
     #[pymodule_export]
     use super::coordinates::Coordinates;
@@ -90,6 +93,8 @@ mod _kinopt {
     use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionReport};
     #[pymodule_export]
     use super::path::{MissedPoint, PathReport, solve_path};
+    #[pymodule_export]
+    use super::placement::interpolate;
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
@@ -121,7 +126,7 @@ mod _kinopt {
     #[pymodule]
     mod tasks {
         #[pymodule_export]
-        use crate::problem::{Camera, numbers, placement, rotation};
+        use crate::problem::{Camera, goal, numbers, placement, rotation, target};
     }
 
     #[pymodule_init]

@@ -1,7 +1,8 @@
-from typing import Any, final
+from typing import Any, Literal, final
 
 from numpy.typing import ArrayLike
 
+from . import PoseBounds
 from ..types import Floats, PlacementLike
 
 @final
@@ -21,4 +22,8 @@ class Camera:
 
 def numbers(value: ArrayLike, what: str, length: int | None = None) -> Floats: ...
 def placement(value: PlacementLike, what: str) -> Floats: ...
+def target(
+    value: PlacementLike, what: str, goal: PoseBounds | Literal["pose", "position"] | None
+) -> Floats: ...
+def goal(value: PoseBounds | str) -> PoseBounds: ...
 def rotation(value: Any, what: str) -> Floats: ...

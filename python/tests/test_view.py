@@ -120,7 +120,7 @@ def test_robot_is_placed_by_kinematics(scene, style):
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
     body = scene.add(robot, at=at, style=style)
-    q = robot.random_configuration(3)
+    q = robot.random_configuration(seed=3)
     body.q = q
     assert np.array_equal(body.q, q)
     assert np.allclose(body.frame("tool"), at @ kinopt.frame_placement(robot, "tool", q))
@@ -142,7 +142,7 @@ def test_character_and_mesh_are_placed_by_kinematics(scene):
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
     body = scene.add(character, at=at)
-    q = character.model.random_configuration(5)
+    q = character.model.random_configuration(seed=5)
     body.q = q
     for frame in ("head/tip", "left_hand", "right_toes/tip"):
         assert np.allclose(body.frame(frame), at @ kinopt.frame_placement(character, frame, q), atol=1e-12)
@@ -169,7 +169,7 @@ def test_page_blends_as_library_except_cut_weights(scene):
 def test_bones_without_a_mesh_have_bodies(scene):
     skeleton = rig().skeleton
     body = scene.add(skeleton)
-    body.q = skeleton.model.random_configuration(2)
+    body.q = skeleton.model.random_configuration(seed=2)
     low, high = body.box()
     tips = np.array([body.frame(tip)[:3, 3] for tip in skeleton.tips])
     assert (tips > low - 1e-9).all() and (tips < high + 1e-9).all()

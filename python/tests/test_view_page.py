@@ -308,7 +308,7 @@ def test_pose_is_saved(opened, path):
 
     page = opened(path)
     body = page.body
-    page.call(lambda: page.set_configuration(body.model.random_configuration(4)))
+    page.call(lambda: page.set_configuration(body.model.random_configuration(seed=4)))
     document = json.loads(saved(body, "json"))
     assert document["q"] == body.q.tolist()
     assert list(document["joints"]) == body.model.joint_names

@@ -13,6 +13,7 @@ mod jacobian;
 mod jumps;
 mod mimic_chains;
 mod misses;
+mod narrowed_limits;
 mod near_misses;
 mod null_space;
 mod options;

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use kinopt::SizeMismatch;
-use kinopt::model::UnknownName;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Camera, PoseBounds};
 use kinopt_bindings::{Arguments, ErrorKind, QuantityValues};
@@ -42,6 +41,10 @@ impl kinopt_bindings::Value for Value {
 
     fn as_text(&self) -> Option<String> {
         self.0.as_string()
+    }
+
+    fn as_number(&self) -> Option<f64> {
+        self.0.as_f64()
     }
 
     fn is_map(&self) -> bool {
@@ -161,12 +164,7 @@ impl Arguments for NamedArguments {
 /// Reads "pose", "position", or half widths along and about the axes.
 fn goal(value: &JsValue) -> Result<PoseBounds, Exception> {
     match value.as_string().as_deref() {
-        Some("pose") => Ok(PoseBounds::pose()),
-        Some("position") => Ok(PoseBounds::position()),
-        Some(other) => {
-            let names = ["pose", "position"];
-            Err(raise(UnknownName::new("goal", other, names)))
-        }
+        Some(name) => kinopt_bindings::names::goal(name).map_err(raise),
         None => {
             let widths = arguments::vector::<6>(value, "goal")?;
             match widths.iter().find(|width| width.is_nan() || **width < 0.0) {

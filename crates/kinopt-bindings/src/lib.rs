@@ -10,6 +10,7 @@
 //! - [`clip_ik`]: targets of inverse kinematics over clips
 //! - [`cones`]: limits of ball joints by bone
 //! - [`parameters`]: free, locked, coupled and narrowed joints
+//! - [`per_joint`]: numbers by joint, as a list, one number or by name
 //! - [`names`]: names of enum variants
 //! - [`shape`]: kinds and dimensions of the shapes of links
 //! - [`coordinates`]: names and units of the numbers of a configuration
@@ -32,6 +33,7 @@ pub mod method;
 pub mod names;
 pub mod option;
 pub mod parameters;
+pub mod per_joint;
 pub mod placement;
 pub mod problem;
 #[cfg(feature = "problem-files")]

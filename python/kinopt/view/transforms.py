@@ -57,23 +57,11 @@ def matrix_of(wxyz: Array, position: Array) -> Array:
 
 
 def placement_of(value: object, name: str = "placement") -> Array:
-    """A 4 x 4 array from a placement: an array, or an object with `homogeneous`, `as_matrix()` or `A`.
+    """A 4 x 4 array from a placement in any form of `kinopt.types.PlacementLike`.
 
-    Three numbers are a position. Raises `InvalidValueError` for other values, and for numbers that are not finite.
+    Raises `InvalidValueError` for other values, and for numbers that are not finite.
     """
-    if not any(hasattr(value, attribute) for attribute in ("homogeneous", "as_matrix", "A")):
-        try:
-            three = np.asarray(value, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise kinopt.InvalidValueError(f"{name} holds no numbers: {error}") from None
-        if three.ndim == 1:
-            moved = np.eye(4)
-            moved[:3, 3] = tasks.numbers(three, name, 3)
-            return _finite(moved, name)
-    return _finite(np.array(tasks.placement(cast(Any, value), name)), name)
-
-
-def _finite(placement: Array, name: str) -> Array:
+    placement = np.array(tasks.placement(cast(Any, value), name))
     if not np.isfinite(placement).all():
         raise kinopt.InvalidValueError(f"{name} holds numbers that are not finite")
     return placement

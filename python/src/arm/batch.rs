@@ -14,7 +14,7 @@ use crate::error::{OrRaise, invalid};
 use crate::in_python;
 use crate::items::{self, Items};
 use crate::pickling;
-use crate::placement::{self, Placements, placement, placements};
+use crate::placement::{self, Placements, placement};
 use crate::progress::Progress;
 use crate::threads;
 
@@ -123,7 +123,7 @@ pub(super) fn solve<'py>(
 ) -> PyResult<Batch> {
     let arm = &owner.get().inner;
     let (py, dof) = (targets.py(), arm.joint_count());
-    let targets = placements(targets, "target")?;
+    let targets = placement::targets(targets, "target", &arm.goal())?;
     let count = targets.len();
     let starts = Starts::new(starts, count, dof)?;
     let q = arrays::output_rows(py, out, count, dof)?;

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use kinopt::task::PoseBounds;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -10,7 +11,7 @@ use crate::arrays;
 use crate::coordinates::Coordinates;
 use crate::error::OrRaise;
 use crate::joint_jump::JointJump;
-use crate::placement::placement;
+use crate::placement;
 use crate::solution::Solution;
 
 use kinopt::arm::Follower as Following;
@@ -27,6 +28,7 @@ self_cell!(
 /// Follows a path whose targets come one at a time, step by step on one branch; made by `Arm.follower`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Follower {
+    goal: PoseBounds,
     cell: Mutex<Cell>,
     coordinates: Py<Coordinates>,
 }
@@ -37,8 +39,10 @@ impl Follower {
         coordinates: Py<Coordinates>,
         start: &[f64],
     ) -> PyResult<Self> {
+        let goal = arm.goal();
         let cell = Cell::try_new(arm, |arm| arm.follower(start)).or_raise()?;
         Ok(Self {
+            goal,
             cell: Mutex::new(cell),
             coordinates,
         })
@@ -54,15 +58,15 @@ impl Follower {
         arrays::list(py, cell.borrow_dependent().q())
     }
 
-    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `JointJump` or None.
+    /// Moves to the next target, a placement: the `Solution`, and its `JointJump` or None.
     ///
-    /// Raises `InvalidValueError` for a target that is not rigid.
+    /// Raises `InvalidValueError` for a target that is not rigid, or that has no orientation.
     fn advance(
         &self,
         py: Python<'_>,
         target: &Bound<'_, PyAny>,
     ) -> PyResult<(Solution, Option<JointJump>)> {
-        let target = placement(target, "target")?;
+        let target = placement::target(target, "target", &self.goal)?;
         let (solution, jump) = py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
             cell.with_dependent_mut(|arm, follower| {

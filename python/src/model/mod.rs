@@ -155,12 +155,12 @@ impl Model {
     /// nq), of the seeds `seed`, `seed + 1`, ...
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is not a whole number of at least 0.
-    #[pyo3(signature = (seed = None, n = None))]
+    #[pyo3(signature = (n = None, *, seed = None))]
     pub(crate) fn random_configuration<'py>(
         &self,
         py: Python<'py>,
-        seed: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
+        seed: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let model = &self.inner;
         random_configurations(py, seed, n, model.configuration_len(), |seed| {

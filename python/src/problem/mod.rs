@@ -19,6 +19,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays;
 use crate::collision::Obstacles;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::solution::Collision;
@@ -26,7 +27,7 @@ use crate::world::World;
 pub(crate) use camera::Camera;
 pub(crate) use compiled::{CompiledProblem, Move};
 pub(crate) use derivative::SolutionDerivative;
-pub(crate) use frozen::{numbers, placement, rotation};
+pub(crate) use frozen::{goal, numbers, placement, rotation, target};
 pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
 pub(crate) use task::{add, tolerances};
@@ -315,7 +316,8 @@ impl Problem {
     /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, for another length
     /// and numbers that are not finite.
     fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
-        let q = arrays::copied(q, "q")?;
+        let q = configuration::of_model(self.model.bind(py), q, "q")?;
+        let q = arrays::copied(&q, "q")?;
         let Some(checker) = &self.checker else {
             return Err(invalid(
                 "the problem has no collision avoidance: create it with world, margin or collision_model",

@@ -13,6 +13,7 @@ use pyo3::types::PyType;
 use super::moves::move_limits;
 use super::watch::Watch;
 use crate::arrays::{self, Picked};
+use crate::configuration;
 use crate::coordinates::Coordinates;
 use crate::error::{OrRaise, invalid};
 use crate::in_python;
@@ -199,6 +200,8 @@ impl Queries {
         (starts, targets, max_move): BatchArrays<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
+        let model = python_problem.model(starts.py());
+        let starts = &configuration::of_model(model.bind(starts.py()), starts, "starts")?;
         let many_starts = arrays::axes(starts)? == 2;
         let (starts, mut count) = match many_starts {
             true => {

@@ -4,14 +4,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kinopt::ik::{MotionLimits, Restarts};
 use kinopt::solver::Stopping;
+use kinopt_bindings::Value;
 use kinopt_bindings::task::Aimed;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::joint_jump::JointJump;
+use crate::object::Object;
 use crate::problem::{CompiledProblem, Problem, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
@@ -97,7 +100,8 @@ impl Drag {
         #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
         solver: Option<&Bound<'_, Solver>>,
     ) -> PyResult<Self> {
-        let start = arrays::vector(start, "start")?.to_vec();
+        let start = configuration::of_model(problem.get().model(py).bind(py), start, "start")?;
+        let start = arrays::vector(&start, "start")?.to_vec();
         let compiled = problem.get().compiled()?;
         let inner_problem = &compiled.inner;
         let new = py.detach(|| {
@@ -197,7 +201,8 @@ impl Drag {
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn set_configuration(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
-        let q = arrays::vector(q, "q")?.to_vec();
+        let q = configuration::of_model(self.problem.get().model(py).bind(py), q, "q")?;
+        let q = arrays::vector(&q, "q")?.to_vec();
         py.detach(|| self.lock().set_configuration(&q).or_raise())
     }
 
@@ -278,7 +283,10 @@ fn motion_limits(
     ];
     for ((limit, value), name) in limits_of_rates.into_iter().zip(rate_limits).zip(names) {
         if let Some(value) = value {
-            *limit = arrays::vector(value, name)?.to_vec();
+            *limit = match Object::of(value).as_number() {
+                Some(number) => vec![number; limit.len()],
+                None => arrays::vector(value, name)?.to_vec(),
+            };
         }
     }
     Ok(limits)

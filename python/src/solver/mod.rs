@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays;
+use crate::configuration;
 use crate::error::{OrRaise, invalid};
 use crate::object::Object;
 use crate::pickling;
@@ -121,8 +122,9 @@ impl Solver {
         self.engine.name()
     }
 
-    /// Solves `problem` from the configuration `start`, shape (nq,), which is projected into the limits. Locked joints
-    /// and mimic joints take their values from the problem's parameters.
+    /// Solves `problem` from the configuration `start`, shape (nq,) or a dict by joint name whose missing joints are at
+    /// the neutral configuration. It is projected into the limits. Locked joints and mimic joints take their values from
+    /// the problem's parameters.
     ///
     /// `max_move` is a hard bound of each joint's displacement from `start`; of a ball joint, of its rotation angle. It
     /// is one number for each number of a configuration, shape (nq,), radians or metres, with inf for no limit and four
@@ -151,7 +153,8 @@ impl Solver {
     ) -> PyResult<Solution> {
         let python_problem = problem.get();
         let problem = python_problem.compiled()?;
-        let start = arrays::vector(start, "start")?.to_vec();
+        let start = configuration::of_model(python_problem.model(py).bind(py), start, "start")?;
+        let start = arrays::vector(&start, "start")?.to_vec();
         let moves = problem.moves(targets)?;
         let targets = problem.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let mut instance = problem.instance(&targets)?;

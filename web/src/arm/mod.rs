@@ -8,6 +8,7 @@ mod servo;
 use std::rc::Rc;
 
 use kinopt_bindings::coordinates;
+use kinopt_bindings::per_joint::configuration;
 use wasm_bindgen::prelude::*;
 
 use crate::error::{Exception, raise};
@@ -16,6 +17,7 @@ use crate::object;
 use crate::placement::{columns, read, read_all};
 use crate::robot::Robot;
 use crate::solution::Solution;
+use crate::value::Value;
 use batch::Batch;
 use follower::Follower;
 use servo::{Servo, ServoOptions};
@@ -38,6 +40,18 @@ impl Arm {
             base: self.base.clone(),
             tip: self.tip.clone(),
         }
+    }
+}
+
+impl Arm {
+    /// Reads a start: a list, or positions by joint name; `defaultStart` if it is missing.
+    fn start(&self, start: JsValue) -> Result<Vec<f64>, Exception> {
+        let default = self.inner.default_start();
+        if start.is_undefined() || start.is_null() {
+            return Ok(default.to_vec());
+        }
+        let names: Vec<String> = self.inner.joints().map(str::to_owned).collect();
+        configuration(&Value(start), "start", &names, default)
     }
 }
 
@@ -117,6 +131,12 @@ impl Arm {
         self.inner.default_start().to_vec()
     }
 
+    /// Configuration sampled uniformly within the limits, radians or metres. Equal seeds give equal configurations.
+    #[wasm_bindgen(js_name = randomConfiguration)]
+    pub fn random_configuration(&self, seed: u32) -> Vec<f64> {
+        self.inner.random_configuration(seed.into())
+    }
+
     /// The arm with `defaultStart` at the state `ready` or `home` of an SRDF file.
     #[wasm_bindgen(js_name = withSrdf)]
     pub fn with_srdf(&self, srdf: &crate::srdf::Srdf) -> Self {
@@ -135,15 +155,15 @@ impl Arm {
         Ok(columns(&placement).to_vec())
     }
 
-    /// Solves for one target pose of the tool in the base frame. The search begins at `start`, by default
-    /// `defaultStart`. A missed target is no exception: see `reached` and `explain()`.
+    /// Solves for one target pose of the tool in the base frame. The search begins at `start`, numbers or positions by
+    /// joint name; joints without a position are at `defaultStart`. A missed target is no exception: see `reached` and `explain()`.
     pub fn solve(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
     ) -> Result<Solution, Exception> {
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
     }
 
@@ -153,10 +173,10 @@ impl Arm {
     pub fn solve_batch(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] starts: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] starts: JsValue,
     ) -> Result<Batch, Exception> {
         let targets = read_all(targets, "target")?;
-        let mut starts = starts.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let mut starts = self.start(starts)?;
         if starts.len() == self.inner.joint_count() {
             starts = starts.repeat(targets.len());
         }
@@ -172,7 +192,7 @@ impl Arm {
     pub fn distinct(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] k: Option<u32>,
         #[wasm_bindgen(unchecked_optional_param_type = "number")] distance: Option<f64>,
     ) -> Result<Vec<Solution>, Exception> {
@@ -182,7 +202,7 @@ impl Arm {
         };
         let arm = self.inner.with_search(search).map_err(raise)?;
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         let all = arm.solve_all(target, &start).map_err(raise)?;
         Ok(all.into_iter().map(Solution::from).collect())
     }
@@ -193,10 +213,10 @@ impl Arm {
     pub fn track(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
     ) -> Result<JointPath, Exception> {
         let targets = read_all(targets, "target")?;
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         let path = self.inner.track(&targets, &start).map_err(raise)?;
         let reached = path.reached();
         let (path, solutions) = path.split_report();
@@ -208,9 +228,9 @@ impl Arm {
     /// Creates a follower at the configuration `start`, for targets that come one at a time.
     pub fn follower(
         &self,
-        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Configuration")] start: JsValue,
     ) -> Result<Follower, Exception> {
-        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
+        let start = self.start(start)?;
         Follower::new(Rc::clone(&self.inner), &start)
     }
 

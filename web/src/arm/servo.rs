@@ -25,11 +25,11 @@ self_cell!(
 const TYPES: &str = r#"
 export interface ServoOptions {
     /** Velocity limits of the joints, rad/s or m/s, infinite for none; default: those of the robot's files. */
-    velocityLimits?: Numbers;
+    velocityLimits?: PerJoint;
     /** Acceleration limits of the joints, rad/s² or m/s², infinite for none; default: those of the robot's files. */
-    accelerationLimits?: Numbers;
+    accelerationLimits?: PerJoint;
     /** Jerk limits of the joints, rad/s³ or m/s³, infinite for none; default: those of the robot's files. */
-    jerkLimits?: Numbers;
+    jerkLimits?: PerJoint;
     /** Keeps the tool on the straight line to its target, at reduced speed if necessary; default false. */
     straightLine?: boolean;
     /** Damping near singular configurations, radians; default 0.01. */
@@ -64,7 +64,7 @@ impl Servo {
             .into_iter()
             .filter(|name| !["velocity", "acceleration"].contains(name));
         let options = NamedArguments::of(options, "option of a servo", known)?;
-        let options = servo::ServoOptions::of(&options)?;
+        let options = servo::ServoOptions::of(&options, &arm)?;
         let cell = Cell::try_new(arm, |arm| {
             options.apply::<Value>(arm.servo(start, step).map_err(raise)?)
         })?;
