@@ -13,7 +13,7 @@ export class RobotSession {
     #arms = new Map();
 
     /** `read` reads the robot with the given base. */
-    constructor(read, files, { world, floor, start }) {
+    constructor(read, files, { world, floor, start, q }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
         // A robot on its feet has a free base, not one at the file's first link.
@@ -27,8 +27,10 @@ export class RobotSession {
         this.start = start;
         this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes, floor) : undefined;
         const soles = Object.fromEntries(limbs.feet.map((foot) => [foot, robot.sole(foot)]));
-        this.body = new BodyPull(robot, { soles, surroundings: this.surroundings });
+        this.body = new BodyPull(robot.model, { soles, masses: massesOf(robot), height: limbs.height, trunk: limbs.body, surroundings: this.surroundings });
         this.rest();
+        this.body.stand(this.q);
+        this.q = q ?? this.q;
     }
 
     /** The arm that ends in `tip`; created when it is first used. */
@@ -63,19 +65,20 @@ export class RobotSession {
     }
 
     rest() {
-        const { tips } = this.limbs;
-        this.q = this.robot.model.neutral();
+        const { tips, feet } = this.limbs;
+        // Straight knees are singular.
+        this.q = this.robot.crouchedConfiguration(feet, this.robot.model.neutral());
         if (tips.length <= ARMS) for (const tip of tips) this.q = this.#arm(tip).bent(this.q, this.start);
         return this.show();
     }
 
     /** A path follower drags the tool of an arm, unless another frame is pinned. */
-    grab(handle, pins) {
+    grab(handle, pins, eye) {
         const { tips, feet } = this.limbs;
         const alone = pins.every((name) => name === handle);
         const isTool = alone && feet.length === 0 && tips.includes(handle);
         this.pull = isTool ? this.#arm(handle) : this.body;
-        this.pull.grab(handle, pins, this.q);
+        this.pull.grab(handle, pins, this.q, { eye });
         return {};
     }
 
@@ -91,7 +94,16 @@ export class RobotSession {
     show() {
         const links = Float32Array.from(this.kinematics.place(this.q));
         const positions = this.frames.flatMap((frame) => [...links.subarray(16 * frame + 12, 16 * frame + 15)]);
-        return { links, places: Float32Array.from(positions), posed: 0 };
+        return { links, places: Float32Array.from(positions), posed: 0, ...this.body.balance(this.q) };
+    }
+}
+
+/** Masses of a robot, if its file has any. */
+function massesOf(robot) {
+    try {
+        return robot.masses;
+    } catch {
+        return undefined;
     }
 }
 

@@ -14,7 +14,7 @@ before(async () => {
 after(() => site?.close());
 
 async function opened(browser, options) {
-    const page = await browser.newPage({ viewport: { width: 900, height: 640 }, ...options });
+    const page = await browser.newPage({ viewport: { width: 900, height: 640 }, reducedMotion: "reduce", ...options });
     await page.goto(site.address);
     return page;
 }
@@ -22,7 +22,7 @@ async function opened(browser, options) {
 /** Largest distance of the drawing beyond the picture, in pixels, by the corners of each part's box. */
 const beyond = (page) =>
     page.evaluate(() => {
-        const { stage, view } = kinoptPage;
+        const { stage, view, pointer } = kinoptPage;
         const { left, top, right, bottom } = stage.canvas.getBoundingClientRect();
         view.group.updateMatrixWorld(true);
         let largestExcess = 0;
@@ -31,7 +31,7 @@ const beyond = (page) =>
             const { position } = part.geometry.attributes;
             for (let k = 0; k < position.count; k += 1) {
                 const corner = stage.camera.position.clone().fromBufferAttribute(position, k).applyMatrix4(part.matrixWorld);
-                const { x, y } = stage.toScreen(corner);
+                const { x, y } = pointer.toScreen(corner);
                 largestExcess = Math.max(largestExcess, left - x, x - right, top - y, y - bottom);
             }
         });

@@ -18,7 +18,7 @@ export function visiting() {
         async opened(options) {
             // The time of software rendering depends on the number of pixels.
             const deviceScaleFactor = process.env.KINOPT_PICTURES ? 1 : 0.5;
-            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", ...options });
+            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", reducedMotion: "reduce", ...options });
             // Long, for machines with other load: no test measures time.
             page.setDefaultTimeout(300_000);
             const consoleMessages = [];
@@ -35,8 +35,8 @@ export function visiting() {
 /** Position of a handle on the page, in pixels. */
 export const seen = (page, name) =>
     page.evaluate((name) => {
-        const { stage, view } = kinoptPage;
-        return stage.toScreen(view.place(name));
+        const { pointer, view } = kinoptPage;
+        return pointer.toScreen(view.place(name));
     }, name);
 
 export const status = (page) => page.locator("#status").textContent();
@@ -45,7 +45,7 @@ export const pictured = (page, name) =>
     process.env.KINOPT_PICTURES && page.screenshot({ path: join(process.env.KINOPT_PICTURES, name) });
 
 /** Waits until all requests are done and drawn. */
-export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.asked);
+export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.renderRequest);
 
 /** A text file as it is chosen. */
 export const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
