@@ -74,7 +74,7 @@ test("the README's retargeting runs", () => {
 });
 
 test("the README's three.js drag follows the pointer", () => {
-    // A canvas of 400 x 300 pixels, and a renderer that calls its loop when it is asked.
+    // A canvas of 400 x 300 pixels, and a renderer whose loop the test calls.
     const stage = `
         const listeners = [];
         const canvas = {

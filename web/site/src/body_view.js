@@ -5,7 +5,7 @@ import { extension } from "./files.js";
 import { Ground, SupportMarks } from "./ground.js";
 import { StickFigure } from "./stick_figure.js";
 
-const SKIN = 0xc3ccd3;
+const SKIN = 0xd6dbe0;
 const BONE = 0xcfa675;
 /** Colours of a robot's shapes: the hulls of links, and the joints between. */
 const [LINK, JOINT] = [0xe9e6df, 0x4b5661];

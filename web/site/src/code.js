@@ -63,7 +63,7 @@ follow((hand, seconds) => {
     const q = clip.sample(seconds, "loop");
     const targets = Object.fromEntries(tips.map((tip) => [tip, at(tip, q)]));
     drag.setConfiguration(q);
-    draw(drag.advance({ ...targets, "right_hand/tip": hand }).q); // the clip, with one hand held
+    draw(drag.advance({ ...targets, "left_hand/tip": hand }).q); // the clip, with one hand held
 });
 `;
 

@@ -10,7 +10,7 @@ const LINES = {
         void main() {
             vec2 line = abs(fract(at - 0.5) - 0.5) / fwidth(at);
             float fade = pow(max(0.0, 1.0 - 2.0 * length(at) / count), 2.0);
-            gl_FragColor = vec4(0.5, 0.55, 0.6, 0.5 * fade * (1.0 - min(min(line.x, line.y), 1.0)));
+            gl_FragColor = vec4(0.5, 0.55, 0.6, 0.35 * fade * (1.0 - min(min(line.x, line.y), 1.0)));
         }`,
 };
 /** Colours of the support polygon and of the centre of mass: inside, and outside. */

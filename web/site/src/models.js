@@ -87,7 +87,7 @@ export const SCENES = {
         guide: "docs/guide/clip-ik.html",
         open: humanoid,
         plays: true,
-        acts: [{ handle: "right_hand", seconds: 4, path: around([0.35, 0.1, 0.5], [0, -0.2, 0.1]) }],
+        acts: [{ handle: "left_hand", seconds: 5, path: there(0.3, -0.2, 0.3) }],
     },
     capture: {
         title: "Capture",

@@ -11,7 +11,7 @@ const BASE_NUMBERS = 7;
 const [KNEES_BENT, AT_REST] = [1 / 15, 1 / 80];
 
 export class RigSession extends CharacterSession {
-    constructor(rig, { skinning = "lbs", q }) {
+    constructor(rig, { skinning = "lbs" }) {
         super();
         this.rig = rig;
         const { soles, feet, height, floor } = solesOf(rig);
@@ -27,7 +27,6 @@ export class RigSession extends CharacterSession {
             this.q = this.#bent(this.q);
         }
         this.start = this.q;
-        this.q = q ?? this.q;
         this.skin(skinning);
     }
 

@@ -13,7 +13,7 @@ export class RobotSession {
     #arms = new Map();
 
     /** `read` reads the robot with the given base. */
-    constructor(read, files, { world, floor, start, q }) {
+    constructor(read, files, { world, floor, start }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
         // A robot on its feet has a free base, not one at the file's first link.
@@ -30,7 +30,6 @@ export class RobotSession {
         this.body = new BodyPull(robot.model, { soles, masses: massesOf(robot), height: limbs.height, trunk: limbs.body, surroundings: this.surroundings });
         this.rest();
         this.body.stand(this.q);
-        this.q = q ?? this.q;
     }
 
     /** The arm that ends in `tip`; created when it is first used. */

@@ -5,8 +5,10 @@ import { openSession } from "./session.js";
 let session;
 
 const handlers = {
-    open({ files, ...options }) {
+    open({ files, q, ...options }) {
         session = openSession(files, options);
+        // A configuration of an address, if it is one of this model.
+        if (q && q.length === session.q?.length) session.q = Float64Array.from(q);
         return { ...session.describe(), ...session.show() };
     },
     grab: ({ handle, pins, eye }) => session.grab(handle, pins, eye),
