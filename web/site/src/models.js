@@ -1,4 +1,5 @@
 // Scenes of the page: their models, and their motion until somebody grabs.
+import { fetchedStream } from "./packed.js";
 
 /** Boxes around a Panda: full lengths and positions, metres. */
 const BOXES = [
@@ -20,11 +21,8 @@ const LOADED_ANKLE = 35;
 
 async function fetched(...names) {
     const files = names.map(async (name) => {
-        const response = await fetch(new URL(`./models/${name}`, import.meta.url)).catch(() => {
-            throw new Error(`${name} cannot be fetched: check that the server is running`);
-        });
-        if (!response.ok) throw new Error(`${name}: ${response.status}`);
-        return [name, new Uint8Array(await response.arrayBuffer())];
+        const stream = await fetchedStream(`models/${name}`);
+        return [name, new Uint8Array(await new Response(stream).arrayBuffer())];
     });
     return Object.fromEntries(await Promise.all(files));
 }

@@ -9,6 +9,9 @@ const [PATIENCE, STEP_FRAMES, MAX_STEP_FRAMES] = [4, 16, 40];
 /** Distance from its place under the body, relative to its height, at which a foot follows the other. */
 const TRAILING = 0.12;
 
+/** Smallest distance of two feet across, relative to that at rest: legs do not cross. */
+const APART = 0.7;
+
 const minus = ([a, b], [c, d]) => [a - c, b - d];
 const plus = ([a, b], [c, d]) => [a + c, b + d];
 const shortened = (vector, most) => vector.map((value) => value * Math.min(1, most / Math.hypot(...vector)));
@@ -84,7 +87,8 @@ export class Steps {
             // The legs reach as far as the other feet allow.
             const others = nearest.filter((other) => other !== foot);
             const body = middle(others.map((other) => minus(at.get(other), this.homes.get(other))));
-            const landing = others.length === 0 ? home : plus(plus(body, this.homes.get(foot)), shortened(minus(minus(home, this.homes.get(foot)), body), LONGEST * this.height));
+            const shift = shortened(minus(minus(home, this.homes.get(foot)), body), LONGEST * this.height);
+            const landing = this.#apart(foot, plus(plus(body, shift), this.homes.get(foot)), corners);
             if (Math.hypot(...minus(landing, at.get(foot))) > SHORTEST * this.height) {
                 this.#trailing = others.length;
                 return this.#swing(foot, at.get(foot), landing);
@@ -99,7 +103,18 @@ export class Steps {
         const [foot, gap] = trailing.sort(([, a], [, b]) => Math.hypot(...b) - Math.hypot(...a))[0];
         const at = middle(corners[foot]);
         this.#trailing -= 1;
-        if (Math.hypot(...gap) > TRAILING * this.height) this.#swing(foot, at, plus(at, gap));
+        if (Math.hypot(...gap) > TRAILING * this.height) this.#swing(foot, at, this.#apart(foot, plus(at, gap), corners));
+    }
+
+    /** A landing on the foot's own side of the other feet. */
+    #apart(foot, landing, corners) {
+        return [...this.placements.keys()].filter((other) => other !== foot).reduce((place, other) => {
+            const across = minus(this.homes.get(foot), this.homes.get(other));
+            const width = Math.hypot(...across);
+            const [x, y] = minus(place, middle(corners[other]));
+            const lack = APART * width - (x * across[0] + y * across[1]) / width;
+            return lack > 0 ? plus(place, across.map((value) => (value * lack) / width)) : place;
+        }, landing);
     }
 
     #swing(foot, at, landing) {
