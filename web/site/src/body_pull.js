@@ -80,7 +80,7 @@ export class BodyPull {
         if (feet.length > 0) taskList.push(this.#balance(feet));
         // Feet step only if all of them are on the ground.
         this.walks = feet.length > 1 && feet.length === this.support.feet.length;
-        if (this.walks) this.steps.begin(new Map(feet.map((foot) => [foot, placements.get(foot)])));
+        if (this.walks) this.steps.begin(new Map(feet.map((foot) => [foot, placements.get(foot)])), free);
         this.kinematics = new ForwardKinematics(this.model, [pulled]);
         this.dragging?.free();
         this.dragging = new Drag(this.#problem(taskList), q);

@@ -35,6 +35,22 @@ const drag = new Drag(new Problem(robot.model, [
 follow((hand) => draw(drag.advance({ hand }).q));
 `;
 
+const quadruped = `import { Drag, Problem, Robot, framePlacement, tasks } from "kinopt";
+
+const robot = Robot.fromUrdf(await text("quadruped.urdf"), "quadruped.urdf", { baseJoint: "free" });
+const stance = robot.model.neutral(); // legs are bent at zero
+const at = (frame) => framePlacement(robot.model, frame, stance).slice(12, 15);
+const feet = ["front_left_foot", "front_right_foot", "rear_left_foot", "rear_right_foot"];
+const on = Object.fromEntries(feet.map((foot) => [foot, robot.sole(foot)]));
+const drag = new Drag(new Problem(robot.model, [
+    ...feet.map((foot) => tasks.point(foot, at(foot), { level: 0 })),
+    tasks.supportPolygon([], { on, level: 1 }),
+    tasks.point("body", at("body"), { name: "body", level: 2 }),
+    tasks.posture(stance, { jointWeights: "upright" }),
+]), stance);
+follow((body) => draw(drag.advance({ body }).q));
+`;
+
 const panda = `import { Arm, CollisionModel, Robot, World } from "kinopt";
 
 const robot = Robot.fromUrdf(await text("franka_panda.urdf"));
@@ -78,4 +94,4 @@ follow((_, seconds) => {
 });
 `;
 
-export const CODE = { humanoid, nao, panda, clip, capture };
+export const CODE = { humanoid, nao, quadruped, panda, clip, capture };

@@ -70,6 +70,17 @@ export const SCENES = {
             { handle: "torso", seconds: 5, path: around([0, 0, -0.04], [0, 0.07, 0]) },
         ],
     },
+    quadruped: {
+        title: "Quadruped",
+        guide: "docs/guide/whole-bodies.html",
+        open: async () => ({ files: await fetched("quadruped.urdf") }),
+        acts: [
+            { handle: "body", seconds: 4, path: there(0, 0, -0.1) },
+            { handle: "body", seconds: 4, path: around([0, 0, -0.04], [0, 0.08, 0]) },
+            { handle: "front_left_foot", seconds: 4, path: there(0.06, 0.02, 0.12) },
+            { handle: "head", seconds: 4, path: there(0.03, 0.1, -0.08) },
+        ],
+    },
     panda: {
         title: "Arm",
         guide: "docs/guide/collision-avoidance.html",

@@ -8,6 +8,8 @@ import { shapesOf } from "./robot_shapes.js";
 
 /** With more limbs than this a robot starts in the pose of its file; arms start bent. */
 const ARMS = 2;
+/** Joints of a limb that can keep a position and an orientation while the body moves: a NAO's legs share one of six. */
+const POSE_JOINTS = 4;
 
 export class RobotSession {
     #arms = new Map();
@@ -77,7 +79,9 @@ export class RobotSession {
         const alone = pins.every((name) => name === handle);
         const isTool = alone && feet.length === 0 && tips.includes(handle);
         this.pull = isTool ? this.#arm(handle) : this.body;
-        this.pull.grab(handle, pins, this.q, { eye });
+        // Limbs of few joints, such as legs of a quadruped, keep positions only.
+        const free = new Set(pins.filter((pin) => this.limbs.chain(pin).length < POSE_JOINTS));
+        this.pull.grab(handle, pins, this.q, { free, eye });
         return {};
     }
 

@@ -30,8 +30,9 @@ export class Steps {
         this.homes = new Map(support.feet.map((foot) => [foot, minus(middle(corners[foot]), centre)]));
     }
 
-    /** Starts a drag with these feet on the ground, and their placements. */
-    begin(placements) {
+    /** Starts a drag with these feet on the ground, and their placements; `points` are feet that keep positions only. */
+    begin(placements, points) {
+        this.points = points;
         // A foot in the air lands first.
         if (this.swing && placements.has(this.swing.foot)) placements.get(this.swing.foot).set([...this.swing.to, this.swing.ground], 12);
         this.placements = placements;
@@ -51,7 +52,7 @@ export class Steps {
         placement[12] = from[0] + smooth * (to[0] - from[0]);
         placement[13] = from[1] + smooth * (to[1] - from[1]);
         placement[14] = this.swing.ground + LIFT * this.height * 4 * along * (1 - along);
-        return { [foot]: placement };
+        return { [foot]: this.points.has(foot) ? placement.slice(12, 15) : placement };
     }
 
     /** True while a foot is in the air or will be. */

@@ -4,6 +4,7 @@ import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { skip, started } from "./browser.js";
+import { postered } from "./visit.js";
 
 const models = fileURLToPath(new URL("../../../models/", import.meta.url));
 let site;
@@ -38,11 +39,17 @@ const beyond = (page) =>
         return largestExcess;
     });
 
-for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["a telephone's", { width: 390, height: 844 }], ["a telephone's on its side", { width: 844, height: 390 }]]) {
+const SCREENS = [
+    ["a desk's", { width: 1280, height: 800 }, "poster.webp"],
+    ["a telephone's", { width: 390, height: 844 }, "poster-tall.webp"],
+    ["a telephone's on its side", { width: 844, height: 390 }],
+];
+for (const [screen, viewport, poster] of SCREENS) {
     test(`the whole model is visible on ${screen} screen`, { skip }, async () => {
         const page = await opened(site.browser, { viewport });
         await page.waitForFunction(() => globalThis.kinoptPage?.view);
         assert.equal(await beyond(page), 0, "the humanoid");
+        if (poster) await postered(page, poster);
         const [lowest, ground] = await page.evaluate(() => {
             const { positions, base } = kinoptPage.opened;
             return [base[2] + positions.filter((_, k) => k % 3 === 2).reduce((lowestSoFar, z) => Math.min(lowestSoFar, z)), kinoptPage.view.grid.position.z];

@@ -21,7 +21,7 @@ test("the code of every scene runs, and moves its model", () => {
         symlinkSync(packageFolder, join(project, "node_modules/kinopt"), "junction");
         // Functions of the reader: files, a drawing that counts different configurations, and a target that moves.
         const reader = `import { readFileSync } from "node:fs";
-            const folder = { "humanoid.json": "humanoid/", "humanoid.ply": "humanoid/", "humanoid.dmat": "humanoid/", "steps.bvh": "captures/" };
+            const folder = { "humanoid.json": "humanoid/", "humanoid.ply": "humanoid/", "humanoid.dmat": "humanoid/", "steps.bvh": "captures/", "quadruped.urdf": "quadruped/" };
             const bytes = async (name) => readFileSync(${JSON.stringify(models)} + (folder[name] ?? "") + name);
             const text = async (name) => String(await bytes(name));
             const drawn = new Set();
@@ -29,7 +29,7 @@ test("the code of every scene runs, and moves its model", () => {
             const follow = (frame) => { for (let k = 0; k < 20; k += 1) frame([0.4 + 0.005 * k, 0.2, ${"height"}], k / 30); };\n`;
         for (const [scene, code] of Object.entries(CODE)) {
             const file = join(project, `${scene}.mjs`);
-            const height = { nao: 0.1, panda: 0.5 }[scene] ?? 1.1;
+            const height = { nao: 0.1, quadruped: -0.05, panda: 0.5 }[scene] ?? 1.1;
             writeFileSync(file, `${reader.replace("height", height)}${code}\nconsole.log(drawn.size > 10);`);
             assert.equal(execFileSync(process.execPath, ["--preserve-symlinks", file], { encoding: "utf8" }), "true\n", scene);
             assert.ok(code.trim().split("\n").length <= 18, scene);

@@ -17,7 +17,7 @@ test("a scene moves until a handle is grabbed", { skip }, async () => {
     await page.waitForFunction((start) => kinoptPage.view.places.some((value, k) => Math.abs(value - start[k]) > 0.02), start);
     await page.waitForFunction(() => /µs/.test(document.querySelector("#readout").textContent));
     assert.match(await page.locator("#readout").innerText(), /reached/);
-    await pictured(page, "web-preview.png");
+    await pictured(page, "preview.jpg");
     await page.locator("#stage").focus();
     await page.keyboard.press("j");
     await settled(page);

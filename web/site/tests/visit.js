@@ -1,5 +1,6 @@
 // Common code of tests of the page: it is opened in a browser, and its console messages are recorded.
-// KINOPT_PICTURES=FOLDER writes the pictures of the README.
+// KINOPT_PICTURES=FOLDER writes the pictures of the README and of web/site/images.
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { skip, started } from "./browser.js";
@@ -43,6 +44,20 @@ export const status = (page) => page.locator("#status").textContent();
 
 export const pictured = (page, name) =>
     process.env.KINOPT_PICTURES && page.screenshot({ path: join(process.env.KINOPT_PICTURES, name) });
+
+/** Writes the drawing without the lines of the ground as a picture for the time before the page is loaded. */
+export async function postered(page, name) {
+    if (!process.env.KINOPT_PICTURES) return;
+    const data = await page.evaluate(() => {
+        const { stage, view } = kinoptPage;
+        const [, lines] = view.grid.children;
+        lines.visible = false;
+        stage.renderer.render(stage.scene, stage.camera);
+        lines.visible = true;
+        return stage.canvas.toDataURL("image/webp", 0.55);
+    });
+    writeFileSync(join(process.env.KINOPT_PICTURES, name), Buffer.from(data.split(",")[1], "base64"));
+}
 
 /** Waits until all requests are done and drawn. */
 export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.renderRequest);
