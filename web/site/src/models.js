@@ -16,6 +16,11 @@ const FLOOR = -0.011;
  */
 const START_ANGLES = [0, -0.4, 0, -2, 0, 1.6, 0.8];
 
+/** Arms of the NAO at its sides, radians. */
+const NAO_ARMS = {
+    left_shoulder_pitch: 1.35, left_shoulder_roll: 0.2, left_elbow_roll: -0.6, right_shoulder_pitch: 1.35, right_shoulder_roll: -0.2, right_elbow_roll: 0.6,
+};
+
 /** Largest upward bend of an ankle under load, degrees, as in `models/humanoid/cones.json`. */
 const LOADED_ANKLE = 35;
 
@@ -63,10 +68,10 @@ export const SCENES = {
     nao: {
         title: "Humanoid robot",
         guide: "docs/guide/balance.html",
-        open: async () => ({ files: await fetched("aldebaran_nao.urdf") }),
+        open: async () => ({ files: await fetched("aldebaran_nao.urdf"), pose: NAO_ARMS }),
         acts: [
             { handle: "torso", seconds: 5, path: there(0, 0, -0.09) },
-            { handle: "left_hand", seconds: 5, path: around([-0.05, 0.1, 0.25], [0.05, 0, 0]) },
+            { handle: "left_hand", seconds: 5, path: there(0.03, 0.04, 0.2) },
             { handle: "torso", seconds: 5, path: around([0, 0, -0.04], [0, 0.07, 0]) },
         ],
     },

@@ -1,5 +1,5 @@
 // A robot: any part of it can be dragged, around obstacles if there is a world; feet and pinned frames stay.
-import { CollisionModel, ForwardKinematics, World } from "kinopt";
+import { CollisionModel, ForwardKinematics, Problem, Solver, World, tasks } from "kinopt";
 import { ArmPull } from "./arm_pull.js";
 import { BodyPull } from "./body_pull.js";
 import { solutionTexts } from "./handles.js";
@@ -15,7 +15,7 @@ export class RobotSession {
     #arms = new Map();
 
     /** `read` reads the robot with the given base. */
-    constructor(read, files, { world, floor, start }) {
+    constructor(read, files, { world, floor, start, pose }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
         // A robot on its feet has a free base, not one at the file's first link.
@@ -27,6 +27,7 @@ export class RobotSession {
         this.boxes = world ?? [];
         this.floor = floor;
         this.start = start;
+        this.pose = pose;
         this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes, floor) : undefined;
         const soles = Object.fromEntries(limbs.feet.map((foot) => [foot, robot.sole(foot)]));
         this.body = new BodyPull(robot.model, { soles, masses: massesOf(robot), height: limbs.height, trunk: limbs.body, surroundings: this.surroundings });
@@ -68,9 +69,15 @@ export class RobotSession {
     rest() {
         const { tips, feet } = this.limbs;
         // Straight knees are singular.
-        this.q = this.robot.crouchedConfiguration(feet, this.robot.model.neutral());
+        this.q = this.robot.crouchedConfiguration(feet, this.#posed(this.robot.model.neutral()));
         if (tips.length <= ARMS) for (const tip of tips) this.q = this.#arm(tip).bent(this.q, this.start);
         return this.show();
+    }
+
+    /** The configuration with the joints of the scene's pose at their values. */
+    #posed(q) {
+        if (!this.pose) return q;
+        return new Solver().solve(new Problem(this.robot.model, [tasks.posture(q)], { locked: this.pose }), q).q;
     }
 
     /** A path follower drags the tool of an arm, unless another frame is pinned. */

@@ -55,9 +55,9 @@ export class Stage {
 
     /**
      * Moves the camera to show all points, three numbers each, from a direction in front of the figure. A factor
-     * enlarges the distance; it is smaller on an upright screen, which is narrow.
+     * enlarges the distance; it is smaller on an upright screen.
      */
-    frame(points, { up, from, distanceFactor = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
+    frame(points, { up, from, distanceFactor = this.camera.aspect < 1 ? 1.3 : 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
         const centre = box.getCenter(new THREE.Vector3());
         const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);
