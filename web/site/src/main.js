@@ -103,7 +103,7 @@ async function open(modelRequest, name, { q, view } = {}) {
         if (view) stage.view = view;
         page.frames.length = 0;
         readout.clear();
-        element("poster").hidden = element("loading").hidden = true;
+        element("poster").hidden = true;
         const { acts } = SCENES[page.scene] ?? {};
         page.demo = acts && moves() && !q ? new Demo(acts) : undefined;
         playback.begin(begins(opened));
@@ -123,7 +123,7 @@ async function open(modelRequest, name, { q, view } = {}) {
     } finally {
         page.opening = false;
         clearTimeout(patience);
-        element("stop").hidden = true;
+        element("stop").hidden = element("loading").hidden = true;
         tools();
     }
 }
