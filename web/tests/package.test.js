@@ -2,7 +2,7 @@
 // types are valid.
 import assert from "node:assert/strict";
 import { execFile, execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -39,6 +39,7 @@ before(async () => {
     const options = ["--no-audit", "--no-fund", "--registry", `http://127.0.0.1:${server.address().port}`];
     await promisify(execFile)(command, [...words, ...options], { cwd: project });
     server.close();
+    for (const name of ["three", "@types"]) symlinkSync(join(packageFolder, "node_modules", name), join(project, "node_modules", name), "junction");
 });
 after(() => rmSync(project, { recursive: true }));
 
@@ -72,6 +73,43 @@ test("the README's retargeting runs", () => {
     assert.equal(run("node", "follow.js"), "180\n");
 });
 
+test("the README's three.js drag follows the pointer", () => {
+    // A canvas of 400 x 300 pixels, and a renderer whose loop the test calls.
+    const stage = `
+        const listeners = [];
+        const canvas = {
+            style: {},
+            addEventListener: (type, listener) => listeners.push([type, listener]),
+            getBoundingClientRect: () => ({ left: 0, top: 0, width: 400, height: 300 }),
+            setPointerCapture() {},
+        };
+        const send = (type, clientX, clientY) => listeners.forEach(([known, listener]) =>
+            known === type && listener({ clientX, clientY, pointerId: 1, isPrimary: true, button: 0, buttons: 1 }));
+        let frame;
+        const renderer = { domElement: canvas, render: () => camera.updateMatrixWorld(), setAnimationLoop: (loop) => (frame = loop) };
+        const scene = new THREE.Scene();
+        const camera = new THREE.PerspectiveCamera(40, 4 / 3, 0.1, 10);
+        camera.up.set(0, 0, 1);
+        camera.position.set(0.4, -2, 0.5);
+        camera.lookAt(0.4, 0, 0.5);
+        camera.updateMatrixWorld();`;
+    // Its imports come before the stage.
+    const [imports, program] = blocks[3].split("\n\n");
+    const end = `
+        const pixel = () => { const { x, y } = tool.clone().project(camera); return [200 * (x + 1), 150 * (1 - y)]; };
+        frame();
+        const [x, y] = pixel();
+        send("pointerdown", x + 3, y);
+        send("pointermove", x + 25, y - 30);
+        send("pointerup", x + 25, y - 30);
+        send("pointermove", 0, 0);
+        for (let k = 0; k < 60; k += 1) frame();
+        const moved = pixel();
+        console.log(Math.hypot(moved[0] - x - 25, moved[1] - y + 30) < 0.1, links.children.some((link) => link.children.length > 0));`;
+    writeFileSync(join(project, "three.js"), `${imports}\n${stage}\n${program}\n${end}`);
+    assert.equal(run("node", "three.js"), "true true\n");
+});
+
 test("the package works in a worker with its own module", () => {
     writeFileSync(join(project, "worker.js"), `import { parentPort } from "node:worker_threads";\n${blocks[0]}\nparentPort.postMessage(solution.reached);`);
     writeFileSync(join(project, "main.js"), `import { Worker } from "node:worker_threads";
@@ -97,6 +135,7 @@ test("the README's types are valid, wrong types are not", () => {
     writeFileSync(join(project, "ten.ts"), blocks[0]);
     writeFileSync(join(project, "drag.ts"), reader + blocks[1]);
     writeFileSync(join(project, "follow.ts"), reads + blocks[2]);
+    writeFileSync(join(project, "three.ts"), `declare const scene: THREE.Scene; declare const camera: THREE.Camera; declare const renderer: THREE.WebGLRenderer;\n${blocks[3]}`);
     writeFileSync(join(project, "wrong.ts"), `import { Arm, RetargetFollower, Robot, solvePath, tasks } from "kinopt";
         // @ts-expect-error
         new Arm(Robot.fromUrdf(""), "base", "tip", { search: "best" });
@@ -117,7 +156,7 @@ test("the README's types are valid, wrong types are not", () => {
     const tsc = join(packageFolder, "node_modules/.bin/tsc");
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
-        run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");
+        run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "three.ts", "wrong.ts");
         // The types need no declarations of a browser or of Node.
         writeFileSync(join(project, "bare.ts"), `import { init, type Robot } from "kinopt/bare";
             export const begun = (module: ArrayBuffer) => init({ module_or_path: module });

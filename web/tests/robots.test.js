@@ -1,8 +1,10 @@
 // Robots from MJCF, their SRDF, and paths of arms with few reconfigurations.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import test from "node:test";
-import { Arm, CartesianPath, framePlacement, Robot, solvePath, Srdf } from "kinopt";
-import { panda, pandaArm } from "./panda.js";
+import { Arm, CartesianPath, ForwardKinematics, framePlacement, Problem, Robot, Solver, solvePath, Srdf, tasks } from "kinopt";
+import { humanoid } from "./humanoid.js";
+import { model, panda, pandaArm } from "./panda.js";
 
 test("an MJCF robot has the file's kinematics", () => {
     const robot = Robot.fromMjcf(`<mujoco model="two"><compiler angle="degree"/><worldbody><body name="upper" pos="0 0 1">
@@ -101,4 +103,26 @@ test("segments continue a path through their keys", () => {
     }
     assert.throws(() => path.through(home, 0), /step/);
     assert.throws(() => new CartesianPath(home).arcThrough(over, home), /on one line/);
+});
+
+test("masses of robots and rigs are those of tasks", () => {
+    const total = (masses) => Object.values(masses).reduce((sum, [mass]) => sum + mass, 0);
+    const nao = Robot.fromUrdf(readFileSync(model("aldebaran_nao.urdf"), "utf8"), "nao.urdf", { baseJoint: "free" });
+    // 5.195 kg by its documentation.
+    assert.ok(Math.abs(total(nao.masses) - 5.195) < 0.01, `${total(nao.masses)} kg`);
+    const rig = humanoid();
+    assert.ok(total(rig.masses) > 50 && total(rig.masses) < 90, `${total(rig.masses)} kg`);
+    const { model: free } = Robot.ofModel(rig.model, { baseJoint: "free" });
+    const rest = free.neutral();
+    const over = (x) => tasks.centerOfMass([x, 0], { masses: rig.masses, tolerance: 1e-6 });
+    const solution = new Solver().solve(new Problem(free, [over(0.05), tasks.posture(rest)]), rest);
+    assert.ok(solution.reached, solution.explain());
+    // The whole body moved: the mean of the bones' centres of mass is at its target.
+    const kinematics = new ForwardKinematics(free, Object.keys(rig.masses));
+    const placed = kinematics.place(solution.q);
+    const moment = Object.values(rig.masses).reduce((sum, [mass, x, y, z], k) => {
+        const m = placed.subarray(16 * k, 16 * k + 16);
+        return sum + mass * (m[0] * x + m[4] * y + m[8] * z + m[12]);
+    }, 0);
+    assert.ok(Math.abs(moment / total(rig.masses) - 0.05) < 1e-6, `${moment / total(rig.masses)} m`);
 });

@@ -1,17 +1,19 @@
-// Drawing of the opened model: a skin, bones or a robot's links; handles; obstacles.
+// Drawing of the opened model: a skin, bones or a robot's links; handles; obstacles; the ground.
 import * as THREE from "three";
+import { RobotLinks, Skin, shapeMesh } from "kinopt/three";
 import { extension } from "./files.js";
+import { Ground, SupportMarks } from "./ground.js";
 import { StickFigure } from "./stick_figure.js";
 
-const SKIN = 0xb9c3cc;
+const SKIN = 0xd6dbe0;
 const BONE = 0xcfa675;
-const LINK = 0xd8d5cd;
+/** Colours of a robot's shapes: the hulls of links, and the joints between. */
+const [LINK, JOINT] = [0xe9e6df, 0x4b5661];
 const BOX = 0xb98a5b;
-const GROUND = 0x8f9aa3;
-/** Side length of the ground's squares relative to the size of the scene, and their number. */
-const [SQUARE_SIDE, SQUARE_COUNT] = [0.2, 40];
+/** Side length of the ground's squares relative to the size of the scene. */
+const SQUARE_SIDE = 0.2;
 /** Radii of handles relative to the size of the model: of joints, and of the ends of a robot's limbs. */
-const [JOINT_RADIUS, END_RADIUS] = [0.009, 0.018];
+const [JOINT_RADIUS, END_RADIUS] = [0.008, 0.014];
 /** Colour of free handles: dark, because skins, sticks and links are light. */
 const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
@@ -21,7 +23,7 @@ const LIMITED = 0xc8442f;
 /** Scale of a grabbed handle, because its colour may be that of a pinned one. */
 const GRABBED_SCALE = 1.4;
 
-const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
+const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.5, metalness: 0.05, ...more });
 
 /** Thickness of sticks relative to the size of a figure. */
 const STICK_THICKNESS = 0.012;
@@ -45,11 +47,19 @@ export class BodyView {
         stage.frame(extent, opened);
         // A walking subject moves the ground in every frame.
         if (opened.kind !== "movement") {
-            this.grid = this.#ground(SQUARE_SIDE * stage.size);
+            this.#ground();
             this.grid.position[opened.up] = opened.floor ?? lowest(extent, opened.up);
         }
+        if (opened.polygon) this.group.add((this.marks = new SupportMarks(stage.size)));
         this.#handles();
         this.show(opened);
+        this.#shadows();
+    }
+
+    #shadows() {
+        this.group.traverse((part) => {
+            if (part.isMesh && part !== this.balls && part.parent !== this.grid && part.parent !== this.marks) part.castShadow = part.receiveShadow = true;
+        });
     }
 
     #extent() {
@@ -68,30 +78,23 @@ export class BodyView {
     }
 
     #skin() {
-        this.geometry = new THREE.BufferGeometry();
-        this.geometry.setIndex(new THREE.BufferAttribute(this.opened.triangles, 1));
-        // Meshes without normals are flat-shaded.
-        const flatShading = this.opened.normals.length === 0;
-        for (const name of flatShading ? ["position"] : ["position", "normal"]) {
-            const numbers = new Float32Array(this.opened.positions.length);
-            const attribute = new THREE.BufferAttribute(numbers, 3).setUsage(THREE.DynamicDrawUsage);
-            this.geometry.setAttribute(name, attribute);
-        }
-        const plain = solid(SKIN, { transparent: true, opacity: 0.92, side: THREE.DoubleSide, flatShading });
-        this.skin = new THREE.Mesh(this.geometry, plain);
-        this.skin.frustumCulled = false;
+        const { triangles, positions, normals } = this.opened;
+        const plain = solid(SKIN, { side: THREE.DoubleSide });
+        this.skin = new Skin(triangles, positions, normals, plain);
+        this.geometry = this.skin.geometry;
         this.group.add(this.skin);
-        if (Object.keys(this.files).some((name) => ["glb", "gltf"].includes(extension(name)))) this.dressed = this.#dress(plain, flatShading);
+        if (Object.keys(this.files).some((name) => ["glb", "gltf"].includes(extension(name)))) this.dressed = this.#dress(plain);
     }
 
     /** Materials of a scene, once they are loaded; without them it is plain. */
-    async #dress(plain, flatShading) {
+    async #dress(plain) {
         const { positions, triangles } = this.opened;
         const { sceneLook } = await import("./scene_look.js");
         const look = await sceneLook(this.files, positions.length / 3, triangles.length).catch(() => undefined);
         if (!look) return [];
         this.geometry.setAttribute("uv", new THREE.BufferAttribute(look.uv, 2));
         for (const { start, count, materialIndex } of look.groups) this.geometry.addGroup(start, count, materialIndex);
+        const { flatShading } = plain;
         this.skin.material = look.materials.map((material) => Object.assign(material ?? plain, { flatShading }));
         this.stage.touch();
         return [];
@@ -105,30 +108,29 @@ export class BodyView {
 
     #links() {
         const meshes = [];
-        this.links = this.opened.shapes.map((shapes) => {
-            const link = new THREE.Group();
-            link.matrixAutoUpdate = false;
-            for (const shape of shapes) {
-                const body = shape.kind === "mesh" ? new THREE.Group() : primitive(shape, LINK);
-                body.matrixAutoUpdate = false;
-                body.matrix.fromArray(shape.linkFromShape);
-                if (shape.kind === "mesh") {
-                    body.matrix.scale(new THREE.Vector3(...shape.scale));
-                    meshes.push([shape.file, body]);
-                }
-                link.add(body);
-            }
-            this.group.add(link);
-            return link;
+        const { bodies, parents } = this.opened.gaps ?? {};
+        // Every other link has the colour of joints.
+        const depth = (k) => (parents?.[bodies[k]] >= 0 ? 1 + depth(parents[bodies[k]]) : 0);
+        const link = solid(LINK);
+        // Behind hulls with the same surface.
+        const joint = solid(JOINT, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+        const robot = new RobotLinks(this.opened.shapes, (shape, k) => {
+            if (shape.kind !== "mesh") return shapeMesh(shape, shape.kind === "sphere" && depth(k) % 2 === 1 ? joint : link);
+            const body = new THREE.Group();
+            meshes.push([shape.file, body]);
+            return body;
         });
+        this.robot = robot;
+        this.links = robot.children;
+        this.group.add(robot);
         if (meshes.length > 0) this.dressed = this.#fill(meshes);
         const sticks = this.opened.sticks ?? this.#gaps();
         if (sticks) {
-            this.limbs = new StickFigure(sticks, STICK_THICKNESS * sizeOf(this.#origins(this.opened.links)), solid(LINK));
+            this.limbs = new StickFigure(sticks, STICK_THICKNESS * sizeOf(this.#origins(this.opened.links)), solid(JOINT));
             this.group.add(this.limbs.sticks);
         }
         this.boxes = this.opened.boxes.map(({ size, at }) => {
-            const box = new THREE.Mesh(new THREE.BoxGeometry(...size), solid(BOX));
+            const box = new THREE.Mesh(new THREE.BoxGeometry(...size), solid(BOX, { roughness: 0.8 }));
             box.position.set(...at);
             this.group.add(box);
             return box;
@@ -168,14 +170,15 @@ export class BodyView {
                 notes.add(`${file}: ${error.message}`);
             }
         }
+        this.#shadows();
         this.stage.touch();
         return [...notes];
     }
 
     #handles() {
         const radius = JOINT_RADIUS * this.stage.size;
-        const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.9 });
-        this.balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), material, this.count);
+        const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.8, toneMapped: false });
+        this.balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 16, 10), material, this.count);
         this.balls.renderOrder = 1;
         this.balls.frustumCulled = false;
         this.balls.visible = this.count > 0;
@@ -199,20 +202,20 @@ export class BodyView {
     }
 
     /** Updates the drawing to a result of the library. */
-    show({ positions, normals, places, person, links, ground }) {
+    show(result) {
+        const { positions, normals, places, person, links, ground, base } = result;
         this.places = places;
         this.person = person;
         this.sticks?.show(person ?? places);
-        if (this.geometry) {
-            const { position, normal } = this.geometry.attributes;
-            position.array.set(positions);
-            position.needsUpdate = true;
-            if (normal) {
-                normal.array.set(normals);
-                normal.needsUpdate = true;
-            }
+        this.skin?.update(positions, normals);
+        if (base) {
+            const [x, y, z, w, qx, qy, qz] = base;
+            this.skin.position.set(x, y, z);
+            this.skin.quaternion.set(qx, qy, qz, w);
         }
         if (links) this.#place(links);
+        this.support = result.polygon && { centre: result.centre, polygon: result.polygon };
+        if (this.support) this.marks?.show(this.support);
         this.#spread();
         if (ground) this.#walk(ground);
         this.stage.touch();
@@ -232,44 +235,30 @@ export class BodyView {
 
     #place(links) {
         this.limbs?.show(this.#origins(links));
-        this.links.forEach((link, k) => {
-            link.matrix.fromArray(links, 16 * k);
-            link.matrixWorldNeedsUpdate = true;
-        });
+        this.robot.place(links);
     }
 
     /** Moves the view with a walking subject, and the ground by whole squares. */
     #walk([x, y]) {
         const side = SQUARE_SIDE * this.stage.size;
-        this.grid ??= this.#ground(side);
+        if (!this.grid) this.#ground();
         this.grid.position.set(side * Math.round(x / side), side * Math.round(y / side), 0);
         this.stage.follow(x, y);
     }
 
-    #ground(side) {
-        const grid = new THREE.GridHelper(SQUARE_COUNT * side, SQUARE_COUNT, GROUND, GROUND);
-        if (this.opened.up === "z") grid.rotateX(Math.PI / 2);
-        grid.material.transparent = true;
-        grid.material.opacity = 0.35;
-        this.group.add(grid);
-        return grid;
+    #ground() {
+        this.grid = new Ground(SQUARE_SIDE * this.stage.size, this.opened.up);
+        this.group.add(this.grid);
+    }
+
+    /** Pairs of the handles' names and positions. */
+    *handles() {
+        for (const name of this.opened.handles) yield [name, this.place(name)];
     }
 
     /** Position of a handle. */
     place(name) {
         return new THREE.Vector3().fromArray(this.places, 3 * this.opened.handles.indexOf(name));
-    }
-
-    /** The handle nearest to a pixel, within a finger's size. */
-    nearest(x, y) {
-        let best;
-        let nearestDistance = 60;
-        for (const name of this.opened.handles) {
-            const pixel = this.stage.toScreen(this.place(name));
-            const distance = Math.hypot(pixel.x - x, pixel.y - y);
-            if (distance < nearestDistance) [best, nearestDistance] = [name, distance];
-        }
-        return best;
     }
 
     remove() {
@@ -295,15 +284,3 @@ function lowest(points, up) {
 /** Corners of a box, three numbers each. */
 const corners = ({ min, max }) =>
     [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => [x, y, z]))).flat();
-
-/** Cylinders and capsules of the library are along z, those of three.js along y. */
-function primitive({ kind, size, radius, length, radii }, color) {
-    const geometry = {
-        box: () => new THREE.BoxGeometry(...size),
-        sphere: () => new THREE.SphereGeometry(radius, 24, 16),
-        ellipsoid: () => new THREE.SphereGeometry(1, 24, 16).scale(...radii),
-        cylinder: () => new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2),
-        capsule: () => new THREE.CapsuleGeometry(radius, length, 8, 32).rotateX(Math.PI / 2),
-    }[kind]();
-    return new THREE.Mesh(geometry, solid(color));
-}

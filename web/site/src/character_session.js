@@ -9,10 +9,10 @@ const MAX_STEP = 0.1;
 export class CharacterSession {
     held = new HeldOverClip();
 
-    /** Sets the angles of a skeleton. */
-    stands(skeleton, q) {
+    /** Sets the configuration of a skeleton; `model` has a base if it is not the skeleton's own. */
+    stands(skeleton, q, model = skeleton.model) {
         this.skeleton = skeleton;
-        this.model = skeleton.model;
+        this.model = model;
         this.q = q;
         const frames = skeleton.boneNames.map((bone) => [bone, skeleton.tip(bone)]);
         this.handles = new Handles(this.model, Object.fromEntries(frames));

@@ -26,6 +26,8 @@ export class Handles {
 
 /** Joint names of a bone's three angles, which users do not know. */
 const PART = /`([^`]+)\/(?:twist|bend)\d*`/g;
+/** Frame names of the tips of bones, which have the names of the bones on the page. */
+const TIP = /\b(\w+)\/tip\b/g;
 
 /**
  * The part of an explanation that a user can act on: the distance out of reach, else the missed tasks and the reason.
@@ -35,7 +37,7 @@ function shortly(solution) {
     // The page offers no other starts.
     const relevantLines = all.filter((line) => !/attempt|More time/.test(line));
     // Users know pinned frames, but no numbers of priority levels.
-    const lines = relevantLines.map((line) => (/^Levels? \d/.test(line) ? "Pinned joints or the balance prevent it." : line.replace(PART, "`$1`")));
+    const lines = relevantLines.map((line) => (/^Levels? \d/.test(line) ? "Pinned joints or the balance prevent it." : line.replace(PART, "`$1`").replace(TIP, "$1")));
     const unreachableLines = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
     return [...unreachableLines, ...lines].slice(0, unreachableLines.length || 3).join(" ");
 }

@@ -1,4 +1,5 @@
 // Pointer and keyboard input: the grabbed handle and its target.
+import { PointerDrag } from "kinopt/three";
 
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 /** Rotation of the view for an arrow key, radians, and zoom factor of a key. */
@@ -6,7 +7,7 @@ const [TURN_ANGLE, ZOOM_FACTOR] = [0.1, 1.1];
 const ZOOMS = { "+": ZOOM_FACTOR, "=": ZOOM_FACTOR, "-": 1 / ZOOM_FACTOR };
 const BUTTONS = { p: "pin", s: "skin", " ": "play", r: "rest", w: "whole" };
 
-/** Adds the event listeners to the page's canvas. */
+/** Adds the event listeners to the page's canvas; returns the drags of its pointers. */
 export function hands({ page, grab, release, mark, tools, say, press }) {
     const { stage } = page;
     const { canvas } = stage;
@@ -18,46 +19,21 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         if (page.kept.has(page.grabbed)) page.kept.set(page.grabbed, target);
     }
 
-    const handleNear = ({ clientX, clientY }) => (page.opening ? undefined : page.view?.nearest(clientX, clientY));
-
-    /** Highlights the handle that is or would be grabbed. */
-    function point(name) {
-        canvas.style.cursor = page.held ? "grabbing" : name ? "grab" : "move";
-        if (name === page.hovered) return;
-        page.hovered = name;
-        if (page.view) mark();
-    }
-
-    /** Id of the pointer that drags. */
-    let pointer;
-
     // A press near a handle grabs it; any other press rotates the view.
-    canvas.addEventListener("pointerdown", (event) => {
-        // A second pointer does not affect the first one's drag.
-        if (page.held) return event.stopImmediatePropagation();
-        const name = event.isPrimary && event.button === 0 ? handleNear(event) : undefined;
-        stage.orbit.enabled = !name;
-        if (!name) return undefined;
-        canvas.setPointerCapture(event.pointerId);
-        page.held = true;
-        pointer = event.pointerId;
-        point(name);
-        return grab(name);
-    }, { capture: true });
-    canvas.addEventListener("pointermove", (event) => {
-        if (!page.held && event.buttons === 0) point(handleNear(event));
-        if (!page.held || event.pointerId !== pointer) return;
-        aim(stage.under(event.clientX, event.clientY, page.view.place(page.grabbed)) ?? page.target);
+    const pointer = new PointerDrag(canvas, stage.camera, {
+        controls: stage.orbit,
+        handles: () => (page.opening || !page.view ? [] : page.view.handles()),
+        grab(name) {
+            page.held = true;
+            return grab(name);
+        },
+        drag: (_, target) => page.held && aim(target),
+        release: () => (page.held = false),
+        hover(name) {
+            page.hovered = name;
+            if (page.view) mark();
+        },
     });
-    for (const end of ["pointerup", "pointercancel"]) {
-        canvas.addEventListener(end, (event) => {
-            if (event.pointerId !== pointer) return;
-            pointer = undefined;
-            page.held = false;
-            point(page.hovered);
-            stage.orbit.enabled = true;
-        });
-    }
 
     // J selects a joint, arrow keys move it; without a selection they rotate the view.
     canvas.addEventListener("keydown", (event) => {
@@ -90,4 +66,5 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         }
         event.preventDefault();
     });
+    return pointer;
 }

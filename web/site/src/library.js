@@ -7,27 +7,24 @@ export class Library {
     #worker;
     #waiting = new Map();
     #next = 0;
-    #ready;
 
-    constructor() {
+    /** `module` is the promise of the library's module. */
+    constructor(module) {
+        this.module = module;
         this.#begin();
     }
 
     #begin() {
-        this.#worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
-        let begun;
-        this.#ready = new Promise((resolve) => (begun = resolve));
-        this.#worker.onmessage = ({ data: { ready, id, result, error, progress } }) => {
-            if (ready) return begun();
+        const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+        this.#worker = worker;
+        this.#worker.onmessage = ({ data: { id, result, error, progress } }) => {
             const { resolve, reject, hear } = this.#waiting.get(id);
             if (progress) return hear?.(progress);
             this.#waiting.delete(id);
             return error === undefined ? resolve(result) : reject(new Error(error));
         };
-        this.#worker.onerror = ({ message }) => {
-            const unfetched = !message || /fetch/i.test(message);
-            this.#fail(new Error(unfetched ? "The library cannot be fetched. Check that the server is running, and reload the page." : message));
-        };
+        this.#worker.onerror = ({ message }) => this.#fail(new Error(message || "The worker cannot be fetched. Reload the page."));
+        this.module.then((module) => worker.postMessage({ module }), (error) => this.#fail(error));
     }
 
     /** Sends a request; resolves to the worker's result. `hear` receives the progress of long requests. */
@@ -35,7 +32,8 @@ export class Library {
         const id = (this.#next += 1);
         return new Promise((resolve, reject) => {
             this.#waiting.set(id, { resolve, reject, hear });
-            this.#ready.then(() => this.#worker.postMessage({ id, ask, ...what }));
+            // After the module, which the worker receives first.
+            this.module.then(() => this.#worker.postMessage({ id, ask, ...what }), reject);
         });
     }
 

@@ -57,16 +57,13 @@ export class Limbs {
         const lowest = Math.min(...this.tips.map(high));
         const low = this.tips.filter((name) => high(name) < lowest + LEVEL_TOLERANCE * this.height);
         /** Feet, for robots with at least two: the lowest ends of limbs, far below the body. */
-        this.feet = low.length > 1 && this.#body(robot, positions) > lowest + MIN_BODY_HEIGHT * this.height ? low : [];
-    }
-
-    /**
-     * Height of the body that carries the limbs: the file's first frame, or the first moving one below MuJoCo's world.
-     */
-    #body(robot, positions) {
-        const [first, second] = robot.model.frameNames;
-        const name = first === "world" ? second : first;
-        return positions.get(name)?.[2] ?? 0;
+        const [first, second] = names;
+        /** Body that carries the limbs: the file's first frame, or the first moving one below MuJoCo's world. */
+        this.body = first === "world" ? second : first;
+        const isHigh = this.body !== undefined && high(this.body) > lowest + MIN_BODY_HEIGHT * this.height;
+        this.feet = low.length > 1 && isHigh ? low : [];
+        // On a free base the body can be dragged too.
+        if (this.feet.length > 0 && !this.handles.includes(this.body)) this.handles.push(this.body);
     }
 
     /** Joints from the base to a frame. */

@@ -1,16 +1,23 @@
 // The page: the opened model, the grabbed handle, playback, and the frame loop.
 import { BodyView } from "./body_view.js";
+import { codePanel } from "./code_panel.js";
+import { Demo } from "./demo.js";
 import { dropping } from "./dropping.js";
 import { bytesOf, mergeFiles } from "./files.js";
 import { hands } from "./hands.js";
 import { hints } from "./hints.js";
 import { Library, STOPPED } from "./library.js";
-import { MODELS } from "./models.js";
+import { SCENES } from "./models.js";
+import { fetchedModule } from "./module.js";
 import { Playback } from "./playback.js";
+import { Readout } from "./readout.js";
+import { fragment, stateOf } from "./share.js";
 import { Stage } from "./stage.js";
 import { WholeMovement } from "./whole_movement.js";
 
 const element = (id) => document.getElementById(id);
+
+const module = fetchedModule((fraction) => (element("loading").value = fraction));
 
 /** Creates the stage; reports a browser without WebGL. */
 function staged() {
@@ -22,14 +29,19 @@ function staged() {
     }
 }
 const stage = staged();
-const library = new Library();
-const whole = new WholeMovement();
+const code = codePanel(element("code"), element("show-code"));
+const library = new Library(module);
+const whole = new WholeMovement(module);
+const readout = new Readout(element("readout"));
 
 const page = {
     view: undefined,
     opened: undefined,
-    /** The request that opened the model. */
+    /** The request that opened the model, and its scene if it is the page's own. */
     asked: undefined,
+    scene: undefined,
+    /** Motion of the scene by itself, until somebody grabs. */
+    demo: undefined,
     pins: new Set(),
     /** Positions of the pinned handles during playback. */
     kept: new Map(),
@@ -63,46 +75,55 @@ function say(words, bad = false) {
 
 const isBad = () => element("status").classList.contains("bad");
 
-/** True if playback starts at once: not if the system prefers reduced motion. */
-const begins = ({ kind }) => kind === "movement" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+/** True if scenes move by themselves: not if the system prefers reduced motion. */
+const moves = () => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-/** Opens a model. After an error the page shows the library's message and keeps its model. */
-async function open(modelRequest, name) {
+/** True if playback starts at once. */
+const begins = ({ kind }) => (kind === "movement" || SCENES[page.scene]?.plays) && moves();
+
+/** Opens a model of a scene or of files, in a shared state. After an error the page shows the library's message and keeps its model. */
+async function open(modelRequest, name, { q, view } = {}) {
     page.opening = true;
     say(`Opening ${name}…`);
     const patience = setTimeout(() => (element("stop").hidden = false), 300);
     try {
-        const request = { ...(await modelRequest), skinning: page.method };
+        const request = { ...(await modelRequest), skinning: page.method, q };
         const opened = await library.ask("open", request);
         release();
         forget();
         whole.stop();
         page.asked = request;
+        page.scene = name in SCENES ? name : undefined;
         page.whole = page.hovered = undefined;
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
         page.limits = [];
         page.view = new BodyView(stage, opened, request.files);
+        if (view) stage.view = view;
         page.frames.length = 0;
+        readout.clear();
+        element("poster").hidden = true;
+        const { acts } = SCENES[page.scene] ?? {};
+        page.demo = acts && moves() && !q ? new Demo(acts) : undefined;
         playback.begin(begins(opened));
         element("clip").replaceChildren(...(opened.clips ?? []).map((clip) => new Option(clip)));
-        element("choose").setAttribute("aria-pressed", String(!(name in MODELS)));
-        element("choose").textContent = name in MODELS ? "Your file" : `Your file: ${name}`;
+        element("choose").setAttribute("aria-pressed", String(!page.scene));
+        element("choose").textContent = page.scene ? "Your file" : `Your file: ${name}`;
         for (const button of document.querySelectorAll("[data-open]")) {
             button.setAttribute("aria-pressed", String(button.dataset.open === name));
         }
         // Notes about the page's own models are not shown.
-        say(name in MODELS ? "" : opened.notes.join(NOTE_SEPARATOR));
-        const { view } = page;
-        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(NOTE_SEPARATOR)));
+        say(page.scene ? "" : opened.notes.join(NOTE_SEPARATOR));
+        const drawn = page.view;
+        drawn.dressed.then((notes) => drawn === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(NOTE_SEPARATOR)));
     } catch (error) {
         say(/not given/.test(error.message) ? `${error.message}. Drop this file too.` : error.message, true);
         if (page.asked && error.message === STOPPED) await reopen();
     } finally {
         page.opening = false;
         clearTimeout(patience);
-        element("stop").hidden = true;
+        element("stop").hidden = element("loading").hidden = true;
         tools();
     }
 }
@@ -124,6 +145,8 @@ function tools() {
     const [toDo, toDrop] = hints(page.opened, playback.running);
     element("to-do").textContent = toDo && `${toDo} Drag the background to rotate the view.`;
     element("to-drop").textContent = toDrop;
+    code.show(page.scene);
+    element("share").hidden = !page.scene;
     element("pin").hidden = kind === "movement";
     element("skin").hidden = !(triangles?.length > 0);
     element("play").hidden = kind === "robot";
@@ -160,6 +183,7 @@ async function shown(ask, what) {
 }
 
 function release() {
+    page.demo = undefined;
     page.grabbed = page.target = undefined;
     page.held = page.nudged = false;
 }
@@ -174,6 +198,7 @@ function forget() {
 async function grab(name) {
     // A new action clears an error.
     if (isBad()) say("");
+    page.demo = undefined;
     page.grabbed = name;
     page.note = "";
     page.nudged = false;
@@ -181,8 +206,10 @@ async function grab(name) {
     page.moved = true;
     mark();
     tools();
-    if (!playback.running) await shown("grab", { handle: name, pins: [...page.pins] });
+    if (!playback.running) await shown("grab", grabRequest(name));
 }
+
+const grabRequest = (handle) => ({ handle, pins: [...page.pins], eye: stage.camera.position.toArray() });
 
 const mark = () => page.view.mark({ ...page, pins: playback.running ? page.kept : page.pins });
 
@@ -190,12 +217,31 @@ const mark = () => page.view.mark({ ...page, pins: playback.running ? page.kept 
 function heldOverClip() {
     const held = new Map([...page.kept].map(([name, position]) => [name, position.toArray()]));
     if (page.grabbed && (page.held || page.nudged)) held.set(page.grabbed, page.target.toArray());
+    if (page.demo) {
+        const { handle, begins: starts, offset } = page.demo.advance();
+        if (starts) page.demo.start = page.view.place(handle);
+        held.set(handle, page.demo.start.toArray().map((value, k) => value + offset[k]));
+    }
     return [...held];
+}
+
+/** One frame of the scene's own motion. */
+async function perform({ demo, view }) {
+    if (demo.performs) return;
+    demo.performs = true;
+    const { handle, begins: starts, offset } = demo.advance();
+    if (starts) {
+        demo.start = view.place(handle);
+        await shown("grab", grabRequest(handle));
+    }
+    if (demo === page.demo) follow(await shown("drag", { target: demo.start.toArray().map((value, k) => value + offset[k]) }));
+    demo.performs = false;
 }
 
 async function step() {
     if (page.busy || page.opening || !page.view) return;
     if (playback.running) follow(await shown("play", { ...playback.advance(page.opened.seconds), held: heldOverClip() }));
+    else if (page.demo) await perform(page);
     else if (page.target && page.moved) {
         // Targets that change meanwhile apply in the next frame.
         page.moved = false;
@@ -212,6 +258,7 @@ function follow(result) {
     page.frames.push({ solved: result.solved, posed: result.posed, steps: result.steps });
     // Bounds the memory of long sessions.
     if (page.frames.length > 100_000) page.frames.splice(0, 50_000);
+    readout.frame(result);
     if (page.opened.handles.length === 0) return;
     page.limits = result.limits;
     mark();
@@ -222,7 +269,7 @@ function follow(result) {
     requestAnimationFrame(loop);
 })();
 
-hands({ page, grab, release, mark, tools, say, press: (id) => element(id).click() });
+page.pointer = hands({ page, grab, release, mark, tools, say, press: (id) => element(id).click() });
 
 element("pin").onclick = () => {
     const { grabbed } = page;
@@ -307,8 +354,16 @@ element("whole").onclick = async () => {
 element("stop").onclick = () => (whole.goesOn ? whole.stop() : library.stop());
 for (const button of document.querySelectorAll("[data-open]")) {
     const { open: name } = button.dataset;
-    button.onclick = () => open(MODELS[name](), name);
+    button.onclick = () => open(SCENES[name].open(), name);
 }
+
+element("share").onclick = async () => {
+    const result = page.opened.kind === "movement" ? {} : await library.ask("state");
+    const address = new URL(fragment({ scene: page.scene, q: result.q, view: stage.view }), location.href).href;
+    history.replaceState(undefined, "", address);
+    const isCopied = await navigator.clipboard?.writeText(address).then(() => true, () => false);
+    say(isCopied ? "The link to this pose is copied." : "The address of this page is the link to this pose.");
+};
 
 // Dropped or chosen files.
 async function openFiles(list) {
@@ -321,4 +376,11 @@ async function openFiles(list) {
 }
 dropping(openFiles);
 
-open(MODELS.humanoid(), "humanoid");
+/** Opens the scene of the address, or the first one. */
+function openAddress() {
+    const state = stateOf(location.hash);
+    const scene = state?.scene in SCENES ? state.scene : "humanoid";
+    return open(SCENES[scene].open(), scene, state?.scene === scene ? state : {});
+}
+addEventListener("hashchange", openAddress);
+openAddress();

@@ -1,5 +1,5 @@
 // A robot: any part of it can be dragged, around obstacles if there is a world; feet and pinned frames stay.
-import { CollisionModel, ForwardKinematics, World } from "kinopt";
+import { CollisionModel, ForwardKinematics, Problem, Solver, World, tasks } from "kinopt";
 import { ArmPull } from "./arm_pull.js";
 import { BodyPull } from "./body_pull.js";
 import { solutionTexts } from "./handles.js";
@@ -8,12 +8,14 @@ import { shapesOf } from "./robot_shapes.js";
 
 /** With more limbs than this a robot starts in the pose of its file; arms start bent. */
 const ARMS = 2;
+/** Joints of a limb that can keep a position and an orientation while the body moves: a NAO's legs share one of six. */
+const POSE_JOINTS = 4;
 
 export class RobotSession {
     #arms = new Map();
 
     /** `read` reads the robot with the given base. */
-    constructor(read, files, { world, floor, start }) {
+    constructor(read, files, { world, floor, start, pose }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
         // A robot on its feet has a free base, not one at the file's first link.
@@ -25,10 +27,12 @@ export class RobotSession {
         this.boxes = world ?? [];
         this.floor = floor;
         this.start = start;
+        this.pose = pose;
         this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes, floor) : undefined;
         const soles = Object.fromEntries(limbs.feet.map((foot) => [foot, robot.sole(foot)]));
-        this.body = new BodyPull(robot, { soles, surroundings: this.surroundings });
+        this.body = new BodyPull(robot.model, { soles, masses: massesOf(robot), height: limbs.height, trunk: limbs.body, surroundings: this.surroundings });
         this.rest();
+        this.body.stand(this.q);
     }
 
     /** The arm that ends in `tip`; created when it is first used. */
@@ -63,19 +67,28 @@ export class RobotSession {
     }
 
     rest() {
-        const { tips } = this.limbs;
-        this.q = this.robot.model.neutral();
+        const { tips, feet } = this.limbs;
+        // Straight knees are singular.
+        this.q = this.robot.crouchedConfiguration(feet, this.#posed(this.robot.model.neutral()));
         if (tips.length <= ARMS) for (const tip of tips) this.q = this.#arm(tip).bent(this.q, this.start);
         return this.show();
     }
 
+    /** The configuration with the joints of the scene's pose at their values. */
+    #posed(q) {
+        if (!this.pose) return q;
+        return new Solver().solve(new Problem(this.robot.model, [tasks.posture(q)], { locked: this.pose }), q).q;
+    }
+
     /** A path follower drags the tool of an arm, unless another frame is pinned. */
-    grab(handle, pins) {
+    grab(handle, pins, eye) {
         const { tips, feet } = this.limbs;
         const alone = pins.every((name) => name === handle);
         const isTool = alone && feet.length === 0 && tips.includes(handle);
         this.pull = isTool ? this.#arm(handle) : this.body;
-        this.pull.grab(handle, pins, this.q);
+        // Limbs of few joints, such as legs of a quadruped, keep positions only.
+        const free = new Set(pins.filter((pin) => this.limbs.chain(pin).length < POSE_JOINTS));
+        this.pull.grab(handle, pins, this.q, { free, eye });
         return {};
     }
 
@@ -91,7 +104,16 @@ export class RobotSession {
     show() {
         const links = Float32Array.from(this.kinematics.place(this.q));
         const positions = this.frames.flatMap((frame) => [...links.subarray(16 * frame + 12, 16 * frame + 15)]);
-        return { links, places: Float32Array.from(positions), posed: 0 };
+        return { links, places: Float32Array.from(positions), posed: 0, ...this.body.balance(this.q) };
+    }
+}
+
+/** Masses of a robot, if its file has any. */
+function massesOf(robot) {
+    try {
+        return robot.masses;
+    } catch {
+        return undefined;
     }
 }
 

@@ -4,13 +4,18 @@ import { Library } from "./library.js";
 export class WholeMovement {
     #library;
 
+    /** `module` is the promise of the library's module. */
+    constructor(module) {
+        this.module = module;
+    }
+
     get goesOn() {
         return this.#library !== undefined;
     }
 
     /** Solves the motion of these files; `hear` receives the progress. Rejects if it is stopped. */
     async solve(files, hear) {
-        const library = new Library();
+        const library = new Library(this.module);
         this.#library = library;
         try {
             return await library.ask("whole", { files }, hear);

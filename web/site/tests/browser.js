@@ -1,8 +1,9 @@
 // The built site on a static server, and a browser.
-import { createReadStream, existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 import { chromium } from "playwright-core";
 
 const dist = fileURLToPath(new URL("../dist/", import.meta.url));
@@ -17,8 +18,12 @@ export async function started({ folder = dist, args: more = [] } = {}) {
     const server = createServer((request, response) => {
         const path = join(folder, normalize(new URL(request.url, "http://page").pathname).replace(/\/$/, "/index.html"));
         if (!path.startsWith(folder) || !existsSync(path)) return response.writeHead(404).end();
-        response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
-        return createReadStream(path).pipe(response);
+        const type = TYPES[extname(path)];
+        response.setHeader("content-type", type ?? "application/octet-stream");
+        // Texts are compressed, as by most hosts.
+        if (!type?.startsWith("text/")) return response.end(readFileSync(path));
+        response.setHeader("content-encoding", "gzip");
+        return response.end(gzipSync(readFileSync(path)));
     });
     await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
     // Software rendering, so that no graphics card is needed.

@@ -26,6 +26,8 @@ test("joints, pins, keys, skinning and clip", { skip }, async () => {
     const after = await at("right_hand");
     assert.ok(after[2] < before[2] - 0.01, `${before} to ${after}`);
     const pins = () => page.evaluate(() => [...kinoptPage.pins]);
+    assert.deepEqual(await pins(), ["left_foot", "right_foot"]);
+    await page.locator("#pin").click();
     assert.ok((await pins()).includes("right_hand"));
     await page.locator("#pin").click();
     assert.ok(!(await pins()).includes("right_hand"));

@@ -11,7 +11,7 @@ before(begin);
 after(end);
 
 test("a robot follows a subject live and as a whole", { skip }, async () => {
-    const { page, consoleMessages } = await opened();
+    const { page, consoleMessages } = await opened({ reducedMotion: "no-preference" });
     await page.locator('[data-open="capture"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "movement" && kinoptPage.frames.length > 20, undefined, { timeout: 60_000 });
     const state = () => page.evaluate(() => ({

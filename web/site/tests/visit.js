@@ -1,5 +1,6 @@
 // Common code of tests of the page: it is opened in a browser, and its console messages are recorded.
-// KINOPT_PICTURES=FOLDER writes the pictures of the README.
+// KINOPT_PICTURES=FOLDER writes the pictures of the README and of web/site/images.
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { skip, started } from "./browser.js";
@@ -18,7 +19,7 @@ export function visiting() {
         async opened(options) {
             // The time of software rendering depends on the number of pixels.
             const deviceScaleFactor = process.env.KINOPT_PICTURES ? 1 : 0.5;
-            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", ...options });
+            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", reducedMotion: "reduce", ...options });
             // Long, for machines with other load: no test measures time.
             page.setDefaultTimeout(300_000);
             const consoleMessages = [];
@@ -35,8 +36,8 @@ export function visiting() {
 /** Position of a handle on the page, in pixels. */
 export const seen = (page, name) =>
     page.evaluate((name) => {
-        const { stage, view } = kinoptPage;
-        return stage.toScreen(view.place(name));
+        const { pointer, view } = kinoptPage;
+        return pointer.toScreen(view.place(name));
     }, name);
 
 export const status = (page) => page.locator("#status").textContent();
@@ -44,8 +45,22 @@ export const status = (page) => page.locator("#status").textContent();
 export const pictured = (page, name) =>
     process.env.KINOPT_PICTURES && page.screenshot({ path: join(process.env.KINOPT_PICTURES, name) });
 
+/** Writes the drawing without the lines of the ground as a picture for the time before the page is loaded. */
+export async function postered(page, name) {
+    if (!process.env.KINOPT_PICTURES) return;
+    const data = await page.evaluate(() => {
+        const { stage, view } = kinoptPage;
+        const [, lines] = view.grid.children;
+        lines.visible = false;
+        stage.renderer.render(stage.scene, stage.camera);
+        lines.visible = true;
+        return stage.canvas.toDataURL("image/webp", 0.55);
+    });
+    writeFileSync(join(process.env.KINOPT_PICTURES, name), Buffer.from(data.split(",")[1], "base64"));
+}
+
 /** Waits until all requests are done and drawn. */
-export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.asked);
+export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.renderRequest);
 
 /** A text file as it is chosen. */
 export const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
