@@ -12,9 +12,8 @@ import pyarrow.parquet as pq
 import kinopt
 
 out = sys.argv[1] if len(sys.argv) > 1 else "solutions.parquet"
-robot = kinopt.models.panda()
-arm = kinopt.Arm(robot, "base", "tool")
-targets = arm.base_from_tool(robot.random_configuration(1, 100_000)[:, :7])
+arm = kinopt.Arm(kinopt.models.panda(), "base", "tool")
+targets = arm.base_from_tool(arm.random_configuration(100_000, seed=1))
 begun = time.perf_counter()
 batch = arm.solve_batch(targets, threads=None)
 print(f"{batch.reached.mean():.2%} reached in {time.perf_counter() - begun:.2f} s")

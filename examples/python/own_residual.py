@@ -22,7 +22,7 @@ def distance(placements):
 
 
 problem = kinopt.Problem(robot, [tasks.Residual(distance, frames=["tool"], rows={"metres": 1})])
-starts = robot.random_configuration(1, 100)
+starts = robot.random_configuration(100, seed=1)
 
 begun = time.perf_counter()
 solutions = kinopt.Solver().solve_batch(problem, starts)
